@@ -1,0 +1,84 @@
+"""Checks at the public boundary: arrays of the right shape, finite, and in range."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from paint3d.errors import InputError
+
+__all__ = ["as_array", "as_number"]
+
+
+def as_array(
+    values: ArrayLike,
+    name: str,
+    shape: tuple[int | None, ...],
+    dtype: DTypeLike = np.float64,
+    error: type[InputError] = InputError,
+) -> NDArray:
+    """Return `values` as a C-contiguous finite array of the wanted shape.
+
+    Parameters
+    ----------
+    values : array_like
+    name : str
+        What to call the array in messages.
+    shape : tuple
+        The wanted shape; None stands for any length.
+    dtype : dtype
+        Wanted element type; floats must be finite.
+    error : type
+        The exception to raise.
+
+    Raises
+    ------
+    InputError
+        (or `error`) if the shape differs, the values are not numbers, or one is not finite.
+    """
+    try:
+        array = np.ascontiguousarray(values, dtype=dtype)
+    except (TypeError, ValueError) as cause:
+        raise error(f"{name} is not an array of numbers: {cause}") from None
+    fits = array.ndim == len(shape) and all(
+        want is None or want == got for want, got in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        raise error(f"{name} has shape {array.shape}; expected ({wanted})")
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        where = np.argwhere(~np.isfinite(array))[0].tolist()
+        raise error(f"{name}{where} is {array[tuple(where)]}; expected a finite number")
+    return array
+
+
+def as_number(
+    value: object,
+    name: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    error: type[InputError] = InputError,
+) -> float:
+    """Return `value` as a finite float within [low, high].
+
+    Raises
+    ------
+    InputError
+        (or `error`) if it is not a number, not finite, or outside the range.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        raise error(f"{name} is {value!r}; expected a number")
+    number = float(value)
+    if not math.isfinite(number):
+        raise error(f"{name} is {number}; expected a finite number")
+    if not low <= number <= high:
+        if math.isinf(high):
+            expected = f"at least {low:g}"
+        elif math.isinf(low):
+            expected = f"at most {high:g}"
+        else:
+            expected = f"{low:g} to {high:g}"
+        raise error(f"{name} is {number:g}; expected {expected}")
+    return number

@@ -1,0 +1,67 @@
+"""Every exception that paint3d raises on purpose.
+
+    Paint3DError                 catch this to catch them all
+    |-- InputError               something handed in is wrong: says what, where, and what was expected
+    |   |-- MeshError            a mesh file or mesh arrays
+    |   |-- RecordingError       a recording
+    |   |-- PigmentError         a pigment, ink or material table
+    |   |-- BrushError           a brush preset or parameter
+    |   `-- UnknownNameError     a name that is not among the known ones
+    `-- ExportError              a result that could not be written
+
+The command line turns each of them into one line on stderr and exit status 2.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+__all__ = [
+    "BrushError",
+    "ExportError",
+    "InputError",
+    "MeshError",
+    "Paint3DError",
+    "PigmentError",
+    "RecordingError",
+    "UnknownNameError",
+]
+
+
+class Paint3DError(Exception):
+    """Base of all exceptions raised by paint3d."""
+
+
+class InputError(Paint3DError, ValueError):
+    """Input that cannot be used: what was got, where, and what was expected."""
+
+
+class MeshError(InputError):
+    """A mesh that is empty, broken, or in a form that cannot be read."""
+
+
+class RecordingError(InputError):
+    """A recording that is broken; the message starts with ``file:line:`` where there is one."""
+
+
+class PigmentError(InputError):
+    """A pigment, palette or material with values that light cannot have."""
+
+
+class BrushError(InputError):
+    """A brush parameter outside the range in which the model holds."""
+
+
+class UnknownNameError(InputError):
+    """A name that is not known; the message lists the known ones, the nearest first."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        names = sorted(known)
+        near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        super().__init__(f"unknown {kind} {name!r}: {hint}expected one of {', '.join(names)}")
+
+
+class ExportError(Paint3DError):
+    """A result that could not be written; nothing half-written is left behind."""
