@@ -1,0 +1,169 @@
+"""What a brush is: the papers' parameters under names that cannot be confused."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.arrays import as_array, as_number
+from paint3d.errors import BrushError
+
+__all__ = ["HAIRS", "MAX_FORCE", "REFERENCE_LENGTH", "BrushSpec"]
+
+HAIRS = ("goat", "weasel", "mixed")
+MAX_FORCE = 7.9  # N, what the papers' device can push back with; pe = force / MAX_FORCE
+REFERENCE_LENGTH = 35.0  # mm, the tuft of Guo 2017, Table 2, to which its ranges belong
+
+# The ranges of Guo 2017, section 5; le_1 scales with the tuft's length.
+_RANGES = {
+    "hardness": (0.3, 0.7),
+    "friction": (0.2, 0.3),
+    "spread_by_pressure": (1.3, 1.8),
+    "spread_by_friction": (0.6, 0.8),
+    "length_mm": (5.0, 200.0),
+    "taper": (0.4, 1.5),
+    "stiffness_exponent": (1.0, 5.0),
+    "load": (1.0, 1e7),
+    "transfer_per_mm": (1e-6, 1.0),
+    "drag_fraction": (0.0, 0.5),
+    "plasticity": (0.0, 1.0),
+}
+_SEGMENTS = (8, 13)
+_TIP_SEGMENT = (0.8, 1.4)
+_DEEPEST_PRESS = 0.62  # of the length; the table of bent shapes ends there
+_THICKEST_ROOT = 0.45  # of the length: thicker, and the ferrule's rim touches before full press
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class BrushSpec:
+    """One brush, checked against the ranges in which the papers' model holds.
+
+    Parameters
+    ----------
+    name : str
+    hair : {"goat", "weasel", "mixed"}
+    hardness : float
+        The papers' S ("softness", though larger is stiffer), 0.3 to 0.7.
+    n_segments : int
+        m, 8 to 13 straight segments of the spine.
+    tip_segment_mm : float
+        le_1, 0.8 to 1.4 mm on a tuft of 35 mm, in proportion on others.
+    friction : float
+        mu between hairs and surface, 0.2 to 0.3.
+    spread_by_pressure, spread_by_friction : float
+        d and h of Guo 2017, Eq. 2.
+    length_mm : float
+        LE from tip to ferrule.
+    root_diameter_mm, taper : float
+        The round section at arc length s from the tip has the diameter root (s / LE)^taper.
+    stiffness_exponent : float
+        q: a joint bends (s / LE)^q times as hard as the root.
+    full_press_mm : float
+        Descent of the root at which pe = 1; gives lambda_c.
+    load : float
+        Ink in a full tuft, full coats times mm2.
+    transfer_per_mm : float
+        eta', share of the ink given per mm of travel at pe = 1.
+    drag_fraction : float
+        c, how far paper drags the contact back in the dragged mode, 0 to 1/2.
+    plasticity : float
+        rho, share of the bend that stays when the pen lifts, 0 (springs back) to 1.
+    max_force : float
+        Force at pe = 1, N.
+
+    Raises
+    ------
+    BrushError
+        Naming the brush, the parameter, what was got and what was expected.
+    """
+
+    name: str
+    hair: str
+    hardness: float
+    n_segments: int
+    tip_segment_mm: float
+    friction: float
+    spread_by_pressure: float
+    spread_by_friction: float
+    length_mm: float
+    root_diameter_mm: float
+    taper: float
+    stiffness_exponent: float
+    full_press_mm: float
+    load: float
+    transfer_per_mm: float
+    drag_fraction: float
+    plasticity: float
+    max_force: float = MAX_FORCE
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise BrushError(f"name is {self.name!r}; expected a non-empty string")
+        if self.hair not in HAIRS:
+            raise BrushError(
+                f"brush {self.name!r}: hair is {self.hair!r}; expected one of {', '.join(HAIRS)}"
+            )
+        for parameter, (low, high) in _RANGES.items():
+            self._check(parameter, low, high)
+        scale = self.length_mm / REFERENCE_LENGTH
+        self._check("tip_segment_mm", _TIP_SEGMENT[0] * scale, _TIP_SEGMENT[1] * scale)
+        self._check("root_diameter_mm", 0.02 * self.length_mm, _THICKEST_ROOT * self.length_mm)
+        self._check("full_press_mm", 0.2 * self.length_mm, _DEEPEST_PRESS * self.length_mm)
+        self._check("max_force", 0.1, 100.0)
+        self._check("n_segments", *_SEGMENTS)
+        if self.n_segments != int(self.n_segments):
+            raise BrushError(
+                f"brush {self.name!r}: n_segments is {self.n_segments}; expected a whole number"
+            )
+        object.__setattr__(self, "n_segments", int(self.n_segments))
+
+    def _check(self, parameter: str, low: float, high: float) -> None:
+        what = f"brush {self.name!r}: {parameter}"
+        slack = 1e-9 * abs(high)  # a scaled range must hold its own ends
+        as_number(getattr(self, parameter), what, low - slack, high + slack, BrushError)
+
+    @property
+    def segment_lengths(self) -> NDArray:
+        """le_j (M,), mm, tip first: an arithmetic progression (Guo 2017, Eq. 1)."""
+        m = self.n_segments
+        difference = 2.0 * (self.length_mm - m * self.tip_segment_mm) / (m * (m - 1))
+        return self.tip_segment_mm + difference * np.arange(m)
+
+    @property
+    def spread(self) -> float:
+        """d + h mu: growth of a section's major diameter at pe = 1 (Guo 2017, Eqs. 2, 5)."""
+        return self.spread_by_pressure + self.spread_by_friction * self.friction
+
+    @property
+    def force_coefficient(self) -> float:
+        """lambda_c, N/mm: chosen so that pe = 1 at `full_press_mm` (Guo 2017, Eq. 4)."""
+        return self.max_force / (self.hardness * self.full_press_mm)
+
+    @property
+    def spring(self) -> float:
+        """lambda_c S, N/mm: force per descent of the root."""
+        return self.force_coefficient * self.hardness
+
+    @property
+    def volume(self) -> float:
+        """Volume of the unbent tuft, mm3."""
+        area = 0.25 * math.pi * self.root_diameter_mm**2
+        return area * self.length_mm / (2.0 * self.taper + 1.0)
+
+    def diameters(self, arc_lengths: ArrayLike) -> NDArray:
+        """Round diameter (N,), mm, of the unbent tuft at arc lengths (N,) from the tip, mm.
+
+        Raises
+        ------
+        BrushError
+            If an arc length lies off the tuft.
+        """
+        s = as_array(arc_lengths, "arc_lengths", (None,), error=BrushError)
+        if s.size and (s.min() < 0.0 or s.max() > self.length_mm * (1.0 + 1e-9)):
+            raise BrushError(
+                f"arc_lengths span {s.min():g} to {s.max():g}; expected 0 to {self.length_mm:g}"
+            )
+        return self.root_diameter_mm * (s / self.length_mm) ** self.taper

@@ -1,0 +1,338 @@
+"""The bent tuft: table lookup, outline on the plane, enclosing sphere (Guo 2017, Eqs. 2-11).
+
+All of it lies in the bend plane. Its origin is P'_m, the root's foot on the paper; `along` points
+from there to the tip, `up` is the paper's normal, `side` is normal to both. The third angle that a
+pose adds, the azimuth of `along` on the paper, is left to the caller.
+
+The spine is evaluated at `REFINEMENT` points on every straight segment, with the section's angle
+interpolated between joints: at the joints that is the papers' Eqs. 6-9, between them the outline
+grows without steps as the brush is pressed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = [
+    "MAX_SEGMENTS",
+    "OUTLINE_CAPACITY",
+    "REFINEMENT",
+    "SCRATCH_SIZE",
+    "Tuft",
+    "bend_angles",
+    "descent_of_force",
+    "enclose_tuft",
+    "force_of_descent",
+    "greatest_descent",
+    "trace_outline",
+]
+
+MAX_SEGMENTS = 13  # the papers' largest m
+REFINEMENT = 12  # points on each straight segment of the spine
+OUTLINE_CAPACITY = MAX_SEGMENTS * REFINEMENT + 4  # what out_reach and out_half_width must hold
+RING = 8  # surface points around each joint for the enclosing sphere
+SCRATCH_SIZE = 512  # float64 numbers: angles, then three coordinates of every surface point
+_POINTS = MAX_SEGMENTS * RING + 1
+_X, _Y, _Z = 32, 32 + _POINTS, 32 + 2 * _POINTS
+_TOLERANCE = 1e-3  # an outlier nearer than this (relative) ends the sphere's passes
+_PASSES = 40
+
+_COS = np.cos(2.0 * np.pi * np.arange(RING) / RING)
+_SIN = np.sin(2.0 * np.pi * np.arange(RING) / RING)
+
+
+class Tuft(NamedTuple):
+    """A brush made ready for kernels: plain numbers and float64 arrays (M segments).
+
+    Built by `paint3d.brush.bending.build_tuft`; one argument of every kernel here.
+    """
+
+    segment_lengths: NDArray  # (M,) le_j from the tip to the root, mm (Eq. 1)
+    diameters: (
+        NDArray  # (M * REFINEMENT + 1,) round diameter along the refined spine, tip first, mm
+    )
+    angles: NDArray  # (tilts, descents, M) beta_j over tilt and sqrt(descent), rad
+    lowest_tilt: float  # rad, first row of `angles`; the last row is pi / 2
+    greatest_fraction: float  # last column of `angles`: descent / (length sin tilt)
+    length: float  # LE, mm
+    full_press: float  # descent at pe = 1, mm
+    spring: float  # lambda_c S, N/mm (Eq. 4)
+    max_force: float  # force at pe = 1, N
+    spread: float  # d + h mu: relative growth of the major diameter at pe = 1 (Eq. 2)
+    load: float  # ink held when full, coat mm2
+    transfer_per_mm: float  # eta' of the continuous Eq. 13, 1/mm
+    drag_fraction: float  # c of the dragged mode
+    plasticity: float  # rho: share of the bend kept when the pen lifts
+
+
+@njit(cache=True, nogil=True)
+def force_of_descent(tuft, descent):
+    """Spring force (N) at a descent (mm) of the root (Eq. 4)."""
+    return tuft.spring * descent
+
+
+@njit(cache=True, nogil=True)
+def descent_of_force(tuft, force):
+    """Descent (mm) of the root under a force (N); the inverse of Eq. 4."""
+    return force / tuft.spring
+
+
+@njit(cache=True, nogil=True)
+def greatest_descent(tuft, tilt):
+    """Descent (mm) at which the table ends: lower, and the ferrule itself would touch."""
+    return tuft.greatest_fraction * tuft.length * math.sin(tilt)
+
+
+@njit(cache=True, nogil=True)
+def bend_angles(tuft, descent, tilt, out_angles):
+    """Angles of the segments to the plane, by bilinear lookup.
+
+    Parameters
+    ----------
+    tuft : Tuft
+    descent : float
+        D_s, mm. Beyond `greatest_descent` the ferrule rests on the plane: the last shape holds.
+    tilt : float
+        theta, rad; outside the table's range the nearest row holds.
+    out_angles : (M + 1,) float64
+        beta_1 to beta_m, then beta_{m+1} = theta, the clamp in the holder.
+    """
+    n_tilts, n_descents, m = tuft.angles.shape
+    row = (tilt - tuft.lowest_tilt) * (n_tilts - 1) / (0.5 * math.pi - tuft.lowest_tilt)
+    row = min(max(row, 0.0), n_tilts - 1.0)
+    i = min(int(row), n_tilts - 2)
+    v = row - i
+    fraction = max(descent, 0.0) / (tuft.greatest_fraction * tuft.length * math.sin(tilt))
+    column = min(math.sqrt(fraction), 1.0) * (n_descents - 1)
+    k = min(int(column), n_descents - 2)
+    u = column - k
+    a00, a01 = (1.0 - v) * (1.0 - u), (1.0 - v) * u
+    a10, a11 = v * (1.0 - u), v * u
+    for j in range(m):
+        low = a00 * tuft.angles[i, k, j] + a01 * tuft.angles[i, k + 1, j]
+        out_angles[j] = low + a10 * tuft.angles[i + 1, k, j] + a11 * tuft.angles[i + 1, k + 1, j]
+    out_angles[m] = tilt
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _section(along, up, angle, diameter, spread):
+    """Reach of one section's line on the plane, and its half width squared, with sign (Eqs. 7, 8).
+
+    C_j1 = C_j spread and C_j2 = C_j / spread (Eqs. 2, 3), so that Eq. 8 reads
+    |W_j M_j| = spread^2 / 2 sqrt(C_j2^2 - (2 z / cos)^2).
+    """
+    cosine = math.cos(angle)
+    minor = diameter / spread
+    chord = 2.0 * up / cosine
+    widening = spread * spread
+    square = 0.25 * widening * widening * (minor * minor - chord * chord)
+    return along - up * math.sin(angle) / cosine, square
+
+
+@njit(cache=True, nogil=True)
+def _section_at(tuft, angles, pe, j, t, along, up):
+    """`_section` at the share t of segment j, whose lower joint lies at (along, up)."""
+    below = angles[j - 1] if j > 0 else angles[0]
+    near = 0.5 * (below + angles[j])
+    far = 0.5 * (angles[j] + angles[j + 1])
+    place = t * REFINEMENT
+    i = min(int(place), REFINEMENT - 1)
+    first = tuft.diameters[j * REFINEMENT + i]
+    diameter = first + (place - i) * (tuft.diameters[j * REFINEMENT + i + 1] - first)
+    # The root circle keeps its diameter: the spread fades over the last segment.
+    fade = 1.0 if j < tuft.segment_lengths.shape[0] - 1 else 1.0 - t
+    run = t * tuft.segment_lengths[j]
+    return _section(
+        along - run * math.cos(angles[j]),
+        up + run * math.sin(angles[j]),
+        near + t * (far - near),
+        diameter,
+        1.0 + tuft.spread * pe * fade,
+    )
+
+
+@njit(cache=True, nogil=True)
+def _close(tuft, angles, pe, j, first, last, along, up, out_reach, out_half_width, n):
+    """Find M_d between the shares `first` (touching) and `last` (clear) of segment j; end there.
+
+    Three more points are set on the way, for there the half width falls like a square root.
+    """
+    _, f_first = _section_at(tuft, angles, pe, j, first, along, up)
+    _, f_last = _section_at(tuft, angles, pe, j, last, along, up)
+    low, high = first, last
+    t = low
+    for _ in range(6):
+        t = low + (high - low) * f_first / (f_first - f_last)
+        _, square = _section_at(tuft, angles, pe, j, t, along, up)
+        if square > 0.0:
+            low, f_first, f_last = t, square, 0.5 * f_last
+        else:
+            high, f_last, f_first = t, square, 0.5 * f_first
+    for share in (0.5, 0.8, 0.95):
+        inner = first + share * (t - first)
+        reach, square = _section_at(tuft, angles, pe, j, inner, along, up)
+        if square > 0.0 and reach < out_reach[n - 1]:
+            out_reach[n], out_half_width[n] = reach, math.sqrt(square)
+            n += 1
+    reach, _ = _section_at(tuft, angles, pe, j, t, along, up)
+    if reach < out_reach[n - 1]:
+        out_reach[n] = reach
+        n += 1
+    out_half_width[n - 1] = 0.0
+    return n
+
+
+@njit(cache=True, nogil=True)
+def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
+    """Outline of the footprint: its half width against the distance from P'_m (Eqs. 2, 3, 6-9).
+
+    Parameters
+    ----------
+    tuft : Tuft
+    descent, tilt : float
+        D_s (mm) and theta (rad) of the holder.
+    pe : float
+        Force over the greatest force, which spreads the hairs (Eq. 2).
+    scratch : (SCRATCH_SIZE,) float64
+        Overwritten.
+    out_reach : (OUTLINE_CAPACITY,) float64
+        Signed distance from P'_m along the bend direction, mm, from the tip P_0 strictly down to
+        M_d, where the tuft leaves the plane.
+    out_half_width : (OUTLINE_CAPACITY,) float64
+        |W_j M_j|, mm; zero at both ends.
+
+    Returns
+    -------
+    n : int
+        How many points were written; 0 where nothing touches.
+    """
+    if descent <= 0.0:
+        return 0
+    m = tuft.segment_lengths.shape[0]
+    bend_angles(tuft, descent, tilt, scratch)
+    along = 0.0
+    for j in range(m):
+        along += tuft.segment_lengths[j] * math.cos(scratch[j])
+    up = 0.0
+    out_reach[0], out_half_width[0] = along, 0.0
+    n = 1
+    spread = 1.0 + tuft.spread * pe
+    near = scratch[0]
+    for j in range(m):
+        far = 0.5 * (scratch[j] + scratch[j + 1])
+        run = tuft.segment_lengths[j] * math.cos(scratch[j])
+        rise = tuft.segment_lengths[j] * math.sin(scratch[j])
+        for i in range(1, REFINEMENT + 1):
+            t = i / REFINEMENT
+            reach, square = _section(
+                along - t * run,
+                up + t * rise,
+                near + t * (far - near),
+                tuft.diameters[j * REFINEMENT + i],
+                spread if j < m - 1 else spread - t * (spread - 1.0),
+            )
+            if square <= 0.0:
+                if n == 1:
+                    return 0
+                first = (i - 1) / REFINEMENT
+                return _close(
+                    tuft, scratch, pe, j, first, t, along, up, out_reach, out_half_width, n
+                )
+            if reach < out_reach[n - 1]:
+                out_reach[n], out_half_width[n] = reach, math.sqrt(square)
+                n += 1
+        along -= run
+        up += rise
+        near = far
+    out_half_width[n - 1] = 0.0
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _surface_points(tuft, descent, tilt, pe, scratch):
+    """Put the tip and a ring of points around every joint into scratch; return their number."""
+    m = tuft.segment_lengths.shape[0]
+    bend_angles(tuft, descent, tilt, scratch)
+    along = 0.0
+    for j in range(m):
+        along += tuft.segment_lengths[j] * math.cos(scratch[j])
+    up = 0.0
+    spread = 1.0 + tuft.spread * pe
+    scratch[_X], scratch[_Y], scratch[_Z] = along, up, 0.0
+    n = 1
+    for j in range(m):
+        along -= tuft.segment_lengths[j] * math.cos(scratch[j])
+        up += tuft.segment_lengths[j] * math.sin(scratch[j])
+        angle = 0.5 * (scratch[j] + scratch[j + 1])
+        widening = spread if j < m - 1 else 1.0
+        radius = 0.5 * tuft.diameters[(j + 1) * REFINEMENT]
+        major, minor = radius * widening, radius / widening
+        minor_along, minor_up = minor * math.sin(angle), minor * math.cos(angle)
+        for i in range(RING):
+            scratch[_X + n] = along + minor_along * _COS[i]
+            scratch[_Y + n] = up + minor_up * _COS[i]
+            scratch[_Z + n] = major * _SIN[i]
+            n += 1
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _farthest(scratch, n, x, y, z):
+    """Which surface point lies farthest from (x, y, z), and the square of how far."""
+    index, greatest = 0, -1.0
+    for i in range(n):
+        dx, dy, dz = scratch[_X + i] - x, scratch[_Y + i] - y, scratch[_Z + i] - z
+        square = dx * dx + dy * dy + dz * dz
+        if square > greatest:
+            index, greatest = i, square
+    return index, greatest
+
+
+@njit(cache=True, nogil=True)
+def enclose_tuft(tuft, descent, tilt, pe, scratch):
+    """Smallest enclosing sphere of the bent tuft's surface by growing a ball (Eqs. 10, 11).
+
+    The ball starts on the farthest pair and grows towards the farthest outlier. A grown ball need
+    not hold the old one, so passes repeat until no outlier lies more than 0.1 % outside; the ball
+    never exceeds the smallest one, and the last step lets it take in what is left. The surface is
+    its tip and `RING` points around each joint. By symmetry the centre lies in the bend plane.
+
+    Parameters
+    ----------
+    tuft : Tuft
+    descent, tilt, pe : float
+        As for `trace_outline`.
+    scratch : (SCRATCH_SIZE,) float64
+        Overwritten.
+
+    Returns
+    -------
+    centre_along, centre_up, radius : float
+        mm, from P'_m; up is negative below the plane.
+    """
+    n = _surface_points(tuft, descent, tilt, pe, scratch)
+    b, _ = _farthest(scratch, n, scratch[_X], scratch[_Y], scratch[_Z])
+    c, square = _farthest(scratch, n, scratch[_X + b], scratch[_Y + b], scratch[_Z + b])
+    x = 0.5 * (scratch[_X + b] + scratch[_X + c])
+    y = 0.5 * (scratch[_Y + b] + scratch[_Y + c])
+    z = 0.5 * (scratch[_Z + b] + scratch[_Z + c])
+    radius = 0.5 * math.sqrt(square)
+    for _ in range(_PASSES):
+        e, square = _farthest(scratch, n, x, y, z)
+        distance = math.sqrt(square)
+        if distance <= radius * (1.0 + _TOLERANCE):
+            break
+        grown = (radius * radius + distance * distance) / (2.0 * distance)  # Eq. 10
+        step = math.sqrt(max(grown * grown - radius * radius, 0.0)) / distance  # Eq. 11
+        x += step * (scratch[_X + e] - x)
+        y += step * (scratch[_Y + e] - y)
+        z += step * (scratch[_Z + e] - z)
+        radius = grown
+    # Moving the centre into the plane of symmetry brings no mirrored pair of points farther away.
+    _, square = _farthest(scratch, n, x, y, 0.0)
+    return x, y, math.sqrt(square)
