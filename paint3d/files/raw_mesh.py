@@ -1,0 +1,126 @@
+"""What every mesh reader hands back: polygons as the file has them, not yet checked."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+
+__all__ = ["RawMesh", "as_codes", "check_count", "index_array", "parse_numbers"]
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """A file's polygons.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float64
+        In the file's unit and axes.
+    corners : (N,) int64
+        Vertex indices of all polygons, one after the other.
+    sizes : (P,) int64
+        Corners of each polygon.
+    colours : (V, 3) uint8 or None
+        sRGB codes.
+    normals : (V, 3) float64 or None
+    unit_mm : float or None
+        Millimetres in one unit, where the format or the file says so.
+    y_up : bool
+        Whether the format says that y, not z, points up.
+    """
+
+    vertices: NDArray[np.float64]
+    corners: NDArray[np.int64]
+    sizes: NDArray[np.int64]
+    colours: NDArray[np.uint8] | None = None
+    normals: NDArray[np.float64] | None = None
+    unit_mm: float | None = None
+    y_up: bool = False
+
+    @classmethod
+    def of_triangles(cls, vertices: NDArray, faces: NDArray, **others: object) -> RawMesh:
+        """Return a raw mesh with (F, 3) triangles."""
+        faces = np.asarray(faces, np.int64).reshape(-1, 3)
+        return cls(vertices, faces.ravel(), np.full(len(faces), 3), **others)
+
+
+def parse_numbers(text: bytes, what: str) -> NDArray[np.float64]:
+    """Return all numbers of a white-space separated text.
+
+    Raises
+    ------
+    MeshError
+        Naming the first word that is not a number.
+    """
+    if not text.strip():
+        return np.empty(0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            return np.fromstring(text.decode("latin-1"), sep=" ")
+        except (DeprecationWarning, ValueError):
+            pass
+    numbers = []
+    for word in text.split():
+        try:
+            numbers.append(float(word))
+        except ValueError:
+            shown = word[:20].decode("ascii", "replace")
+            raise MeshError(f"{what} has {shown!r} where a number was expected") from None
+    return np.array(numbers)
+
+
+def index_array(numbers: NDArray, what: str) -> NDArray[np.int64]:
+    """Return numbers read as text as indices.
+
+    Raises
+    ------
+    MeshError
+        If one is not a whole number or beyond 2^53.
+    """
+    whole = np.isfinite(numbers) & (np.abs(numbers) < 2.0**53)
+    whole &= np.floor(np.where(whole, numbers, 0.5)) == numbers
+    if not whole.all():
+        raise MeshError(f"{what} has {numbers[~whole][0]:g} where a vertex index was expected")
+    return numbers.astype(np.int64)
+
+
+def as_codes(values: NDArray) -> NDArray[np.uint8] | None:
+    """Return sRGB colours of any type as uint8 codes, or None where they make no sense.
+
+    Unsigned integers run over their whole range; floats are taken as 0 to 1.
+    """
+    if values.dtype == np.uint8:
+        return np.ascontiguousarray(values)
+    if values.dtype.kind == "u":
+        scaled = values / float(np.iinfo(values.dtype).max)
+    else:
+        scaled = values.astype(np.float64)
+    inside = np.isfinite(scaled).all() and scaled.size and scaled.min() >= 0.0
+    if not inside or scaled.max() > 1.0 + 1e-6:
+        return None
+    return np.floor(255.0 * np.minimum(scaled, 1.0) + 0.5).astype(np.uint8)
+
+
+def check_count(count: float, n_bytes_each: float, n_bytes: int, what: str) -> None:
+    """Refuse a count that the rest of the file cannot hold, before memory is taken for it.
+
+    Raises
+    ------
+    MeshError
+        If there is not enough data.
+    """
+    room = math.floor(n_bytes / n_bytes_each)
+    if count < 0:
+        raise MeshError(f"it says it has {count} {what}; expected 0 or more")
+    if count > room:
+        raise MeshError(
+            f"it says it has {count:,} {what}, but what follows has room for {room:,} at most; "
+            "the file is cut short or its header is wrong"
+        )

@@ -1,0 +1,128 @@
+"""Polygons to triangles: fans where they are right, ear clipping where a corner points inwards."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+
+__all__ = ["triangulate"]
+
+MAX_CORNERS = 100_000
+MAX_CONCAVE_CORNERS = 5_000  # ear clipping takes quadratic time: 5,000 corners are about a second
+
+
+def triangulate(
+    vertices: NDArray[np.float64], corners: NDArray[np.int64], sizes: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return the triangles of polygons, in the polygons' order and with their orientation.
+
+    A polygon without inward corners becomes a fan from its first corner; one with inward corners
+    is cut by ear clipping in the plane of its Newell normal, so that no triangle lies outside it.
+    Polygons of fewer than three corners have no area and are left out.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float64
+    corners : (N,) int64
+        Vertex indices of all polygons, one after the other; within 0 to V - 1.
+    sizes : (P,) int64
+        Number of corners of each polygon; their sum is N.
+
+    Returns
+    -------
+    (F, 3) int64
+
+    Raises
+    ------
+    MeshError
+        If a polygon has more than 100,000 corners, or an inward-pointing one more than 5,000.
+    """
+    if len(sizes) == 0:
+        return np.empty((0, 3), np.int64)
+    if sizes.max() > MAX_CORNERS:
+        which = int(sizes.argmax())
+        raise MeshError(
+            f"face {which} has {sizes[which]:,} corners; expected at most {MAX_CORNERS:,}"
+        )
+    if (sizes == 3).all():
+        return corners.reshape(-1, 3)
+    n_triangles = np.maximum(sizes - 2, 0)
+    first_corner = np.cumsum(sizes) - sizes
+    first_triangle = np.cumsum(n_triangles) - n_triangles
+    faces = np.empty((int(n_triangles.sum()), 3), np.int64)
+    for size in np.unique(sizes[sizes >= 3]):
+        which = np.flatnonzero(sizes == size)
+        polygons = corners[first_corner[which, None] + np.arange(size)]
+        cut = _fans(polygons)
+        if size > 3:
+            for k in np.flatnonzero(_is_concave(vertices, polygons)):
+                cut[k] = _clip_ears(vertices[polygons[k]], polygons[k])
+        faces[first_triangle[which, None] + np.arange(size - 2)] = cut
+    return faces
+
+
+def _fans(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return (P, n - 2, 3) triangles of (P, n) polygons."""
+    first = np.broadcast_to(polygons[:, :1], (len(polygons), polygons.shape[1] - 2))
+    return np.stack([first, polygons[:, 1:-1], polygons[:, 2:]], axis=2)
+
+
+def _is_concave(vertices: NDArray[np.float64], polygons: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Tell which (P, n) polygons have a corner that points inwards."""
+    points = vertices[polygons]
+    points = points - points[:, :1]
+    following = np.roll(points, -1, axis=1)
+    newell = np.cross(points, following).sum(axis=1)
+    turn = np.cross(points - np.roll(points, 1, axis=1), following - points)
+    inward = np.einsum("pnk,pk->pn", turn, newell)
+    tolerance = 1e-9 * np.einsum("pk,pk->p", newell, newell)
+    return (inward < -tolerance[:, None]).any(axis=1)
+
+
+def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the (n - 2, 3) triangles of one polygon with corners at `points` (n, 3)."""
+    if len(ids) > MAX_CONCAVE_CORNERS:
+        raise MeshError(
+            f"a face with inward corners has {len(ids):,} of them; "
+            f"expected at most {MAX_CONCAVE_CORNERS:,}"
+        )
+    flat = _flatten(points)
+    left = list(range(len(ids)))
+    faces, at, misses = [], 0, 0
+    while len(left) > 3:
+        n = len(left)
+        trio = (left[at - 1], left[at % n], left[(at + 1) % n])
+        if misses > n or _is_ear(flat, trio, left):  # crossing outlines have no ear: cut anyway
+            faces.append(trio)
+            del left[at % n]
+            at, misses = at % (n - 1), 0
+        else:
+            at, misses = (at + 1) % n, misses + 1
+    return ids[np.array([*faces, tuple(left)])]
+
+
+def _flatten(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the corners in the plane of the Newell normal, (n, 2), counter-clockwise."""
+    points = points - points.mean(axis=0)
+    newell = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    drop = int(np.abs(newell).argmax())
+    axes = [(drop + 1) % 3, (drop + 2) % 3]
+    return points[:, axes if newell[drop] > 0.0 else axes[::-1]]
+
+
+def _is_ear(flat: NDArray[np.float64], trio: tuple[int, int, int], left: list[int]) -> bool:
+    a, b, c = flat[list(trio)]
+    if _cross(b - a, c - b) <= 0.0:
+        return False
+    others = flat[[k for k in left if k not in trio]]
+    inside = _cross(b - a, others - a) >= 0.0
+    inside &= _cross(c - b, others - b) >= 0.0
+    inside &= _cross(a - c, others - c) >= 0.0
+    at_corner = ((others == a) | (others == b) | (others == c)).all(axis=1)
+    return not (inside & ~at_corner).any()
+
+
+def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]

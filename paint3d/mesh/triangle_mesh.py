@@ -1,0 +1,150 @@
+"""The object to be painted: triangles in millimetres, checked once and never changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.arrays import as_array
+from paint3d.errors import MeshError
+
+__all__ = ["TriangleMesh"]
+
+# Sizes beyond this (1,000 km) come from broken files; float32 would also lose the object's shape.
+MAX_COORDINATE_MM = 1e9
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleMesh:
+    """An immutable triangle mesh; construction checks everything that later stages rely on.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float32
+        Positions, mm.
+    faces : (F, 3) int32
+        Vertex indices, counter-clockwise seen from outside.
+    colours : (V, 3) uint8 or None
+        sRGB of the bare object, where its file gave colours.
+    name : str
+        What to call the object in messages and reports.
+    normals : (V, 3) float32 or None
+        Unit normals as the file gave them. They may disagree with the faces.
+
+    Raises
+    ------
+    MeshError
+        If there are no vertices or no faces, a vertex is not finite, an index is out of range,
+        an array has the wrong shape or length, or no face has an area.
+
+    Notes
+    -----
+    The arrays are private read-only copies or views, so a mesh may be shared between threads
+    and used as a key by identity. Faces without area are allowed among others: files have them.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    colours: NDArray[np.uint8] | None = None
+    name: str = "mesh"
+    normals: NDArray[np.float32] | None = None
+
+    def __post_init__(self) -> None:
+        vertices = _vertices(self.vertices)
+        faces = _faces(self.faces, len(vertices))
+        self._set("vertices", vertices)
+        self._set("faces", faces)
+        if self.colours is not None:
+            self._set("colours", _colours(self.colours, len(vertices)))
+        if self.normals is not None:
+            shape = (len(vertices), 3)
+            self._set("normals", as_array(self.normals, "normals", shape, np.float32, MeshError))
+        if not self.double_areas.any():
+            raise MeshError(f"all {len(faces)} faces have no area; expected a surface")
+
+    def _set(self, field: str, array: NDArray) -> None:
+        array = array.copy() if array.flags.writeable else array.view()
+        array.setflags(write=False)
+        object.__setattr__(self, field, array)
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices V."""
+        return len(self.vertices)
+
+    @property
+    def n_faces(self) -> int:
+        """Number of faces F."""
+        return len(self.faces)
+
+    @cached_property
+    def _cross_products(self) -> NDArray[np.float64]:
+        a, b, c = (self.vertices[self.faces[:, k]].astype(np.float64) for k in range(3))
+        return np.cross(b - a, c - a)
+
+    @cached_property
+    def double_areas(self) -> NDArray[np.float64]:
+        """Twice the area of each face: (F,), mm^2."""
+        return np.linalg.norm(self._cross_products, axis=1)
+
+    @cached_property
+    def face_normals(self) -> NDArray[np.float64]:
+        """Unit normals of the faces: (F, 3); zero where a face has no area."""
+        length = np.where(self.double_areas > 0.0, self.double_areas, 1.0)
+        return self._cross_products / length[:, None]
+
+    @property
+    def area(self) -> float:
+        """Area of all faces, mm^2."""
+        return 0.5 * float(self.double_areas.sum())
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest corner of the axis-aligned box: (2, 3), mm."""
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]).astype(np.float64)
+
+    @cached_property
+    def max_edge(self) -> float:
+        """Length of the longest edge, mm."""
+        corners = self.vertices[self.faces].astype(np.float64)
+        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
+
+
+def _vertices(values: object) -> NDArray[np.float32]:
+    vertices = as_array(values, "vertices", (None, 3), np.float64, MeshError)
+    if len(vertices) == 0:
+        raise MeshError("vertices is empty; expected at least 3")
+    largest = float(np.abs(vertices).max())
+    if largest > MAX_COORDINATE_MM:
+        raise MeshError(
+            f"a coordinate is {largest:g} mm; expected at most {MAX_COORDINATE_MM:g} mm"
+        )
+    return vertices.astype(np.float32)
+
+
+def _faces(values: object, n_vertices: int) -> NDArray[np.int32]:
+    array = np.asarray(values)
+    if array.dtype.kind not in "iu" and array.size:
+        raise MeshError(f"faces has type {array.dtype}; expected integers")
+    if array.size == 0:
+        raise MeshError("no faces; expected at least one triangle")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"faces has shape {array.shape}; expected (any, 3)")
+    low, high = int(array.min()), int(array.max())
+    if low < 0 or high >= n_vertices:
+        bad = low if low < 0 else high
+        face = int(np.argwhere(array == bad)[0, 0])
+        raise MeshError(f"face {face} refers to vertex {bad}; expected 0 to {n_vertices - 1}")
+    return np.ascontiguousarray(array, dtype=np.int32)
+
+
+def _colours(values: object, n_vertices: int) -> NDArray[np.uint8]:
+    array = np.asarray(values)
+    if array.dtype != np.uint8:
+        raise MeshError(f"colours has type {array.dtype}; expected uint8 sRGB codes")
+    if array.shape != (n_vertices, 3):
+        raise MeshError(f"colours has shape {array.shape}; expected ({n_vertices}, 3)")
+    return array
