@@ -1,0 +1,187 @@
+"""The shape of the program: who may import whom, what importing costs, what is documented."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import paint3d
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "paint3d"
+HEAVY = {
+    "trimesh",
+    "open3d",
+    "pyvista",
+    "vtk",
+    "vtkmodules",
+    "colour",
+    "numba",
+    "matplotlib",
+    "hid",
+}
+# Each heavy package has its places; elsewhere it must not be imported at all.
+HOMES = {
+    "hid": {"device", "cli"},
+    "trimesh": {"files", "mesh"},
+    "open3d": {"files", "mesh", "projection"},
+    "pyvista": {"view"},
+    "vtk": {"view"},
+    "vtkmodules": {"view"},
+    "numba": {"kernels"},
+}
+FORBIDDEN = {"colour", "matplotlib", "pandas", "torch"}  # tools and oracles, never the program
+VAGUE = {"utils", "util", "helpers", "helper", "common", "manager", "misc"}
+
+
+def modules() -> list[Path]:
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def parse(module: Path) -> ast.Module:
+    return ast.parse(module.read_text(encoding="utf-8"), filename=str(module))
+
+
+def imported_packages(tree: ast.AST) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module.split(".")[0]
+
+
+def run_python(code: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    return done.stdout
+
+
+def test_layers_hold() -> None:
+    lint = Path(sys.executable).with_name("lint-imports")
+    done = subprocess.run(
+        [lint, "--no-cache"], capture_output=True, text=True, cwd=ROOT, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_importing_paint3d_loads_nothing_heavy() -> None:
+    loaded = run_python(
+        "import sys, paint3d; print(*sorted({m.split('.')[0] for m in sys.modules}))"
+    )
+    assert not HEAVY & set(loaded.split())
+    assert not {"numpy", "scipy"} & set(loaded.split())
+
+
+def test_the_command_line_loads_nothing_heavy_to_print_its_help() -> None:
+    loaded = run_python(
+        "import sys, contextlib, io\n"
+        "from paint3d.cli.main import main\n"
+        "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):\n"
+        "    main(['--help'])\n"
+        f"{PRINT_LOADED}"
+    )
+    assert not HEAVY & set(loaded.split())
+
+
+def test_all_names_exactly_what_is_loaded_lazily() -> None:
+    assert sorted(paint3d.__all__) == sorted({*paint3d._HOME_OF, "__version__", "errors"})
+    assert set(paint3d.__all__) <= set(dir(paint3d))
+    for name in paint3d.__all__:
+        assert getattr(paint3d, name) is not None
+
+
+def test_unknown_name_is_an_attribute_error() -> None:
+    assert not hasattr(paint3d, "Paintr")
+
+
+def test_heavy_packages_stay_at_home() -> None:
+    strays = [
+        f"{module.relative_to(ROOT)} imports {package}"
+        for module in modules()
+        for package in imported_packages(parse(module))
+        if package in FORBIDDEN
+        or (package in HOMES and module.relative_to(PACKAGE).parts[0] not in HOMES[package])
+    ]
+    assert strays == []
+
+
+def test_everything_public_has_a_docstring() -> None:
+    bare = []
+    for module in modules():
+        tree = parse(module)
+        where = str(module.relative_to(ROOT))
+        if tree.body and not ast.get_docstring(tree):
+            bare.append(where)
+        for node in tree.body:
+            bare += [f"{where}: {name}" for name in undocumented(node)]
+    assert bare == []
+
+
+def undocumented(node: ast.AST, prefix: str = "") -> Iterator[str]:
+    named = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+    if not isinstance(node, named) or node.name.startswith("_"):
+        return
+    overload = {"setter", "deleter", "overload"}
+    marks = {ast.unparse(mark).split(".")[-1] for mark in node.decorator_list}
+    if not ast.get_docstring(node) and not overload & marks:
+        yield prefix + node.name
+    if isinstance(node, ast.ClassDef):
+        for child in node.body:
+            yield from undocumented(child, f"{prefix}{node.name}.")
+
+
+def test_all_lists_what_exists() -> None:
+    wrong = []
+    for module in modules():
+        tree = parse(module)
+        if module == PACKAGE / "__init__.py":
+            continue
+        defined = {
+            name.asname or name.name
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom | ast.Import)
+            for name in node.names
+        }
+        listed: list[str] = []
+        for node in tree.body:
+            if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                defined.add(node.name)
+            elif isinstance(node, ast.Assign):
+                names = [target.id for target in node.targets if isinstance(target, ast.Name)]
+                defined.update(names)
+                if names == ["__all__"]:
+                    listed = ast.literal_eval(node.value)
+            elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+                defined.add(node.target.id)
+        wrong += [f"{module.relative_to(ROOT)}: {name}" for name in listed if name not in defined]
+    assert wrong == []
+
+
+def test_module_names_say_something() -> None:
+    assert [str(m) for m in modules() if m.stem in VAGUE] == []
+
+
+def test_the_library_never_prints() -> None:
+    printing = [
+        str(module.relative_to(ROOT))
+        for module in modules()
+        if module.relative_to(PACKAGE).parts[0] != "cli"
+        for node in ast.walk(parse(module))
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id in {"print", "breakpoint", "input"}
+    ]
+    assert printing == []
+
+
+def test_no_data_is_read_from_outside_the_package() -> None:
+    strays = [
+        str(module.relative_to(ROOT))
+        for module in modules()
+        if "shared" + "/" in module.read_text(encoding="utf-8")
+    ]
+    assert strays == []
