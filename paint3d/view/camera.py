@@ -1,0 +1,183 @@
+"""Where the picture is taken from: the painted side, found, and the camera fitted to the object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.arrays import as_array, as_number
+from paint3d.errors import InputError
+
+__all__ = ["Camera", "View", "find_view", "fit_camera", "is_flat", "studio_axes", "vertex_areas"]
+
+VIEW_ANGLE = np.radians(24.0)  # a long lens: little perspective, as product pictures are taken
+FILL = 0.80  # share of the frame's half-width or half-height that the object may take
+FLAT_FILL = 0.92
+FLAT_RATIO = 0.05  # thickness over length below which an object counts as a sheet
+PAINT_STEP = 12  # sRGB steps from the bare colour from which a vertex counts as painted
+LOWEST, HIGHEST, RAISED = np.radians([16.0, 58.0, 14.0])
+Z_AXIS = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class View:
+    """A side to look at.
+
+    Parameters
+    ----------
+    direction : (3,) array_like
+        From the object toward the camera, in the object's frame; any length but 0.
+    up : (3,) array_like
+        What points up in the picture; the ground lies across it. Not parallel to `direction`.
+    zoom : float
+        1 fills the frame with the object, 2 shows half of it; 0.1 to 20.
+
+    Raises
+    ------
+    InputError
+        If a vector is 0 or not three finite numbers, both are parallel, or zoom is out of range.
+    """
+
+    direction: ArrayLike
+    up: ArrayLike = (0.0, 0.0, 1.0)
+    zoom: float = 1.0
+
+    def __post_init__(self) -> None:
+        direction = _unit(as_array(self.direction, "view direction", (3,)), "view direction")
+        up = _unit(as_array(self.up, "view up", (3,)), "view up")
+        if np.linalg.norm(np.cross(direction, up)) < 1e-6:
+            raise InputError(f"view up {self.up} is parallel to the direction {self.direction}")
+        object.__setattr__(self, "direction", direction)
+        object.__setattr__(self, "up", up)
+        object.__setattr__(self, "zoom", as_number(self.zoom, "view zoom", 0.1, 20.0))
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A placed camera: `position` and `focus` in mm, unit `up`, vertical `view_angle` in rad."""
+
+    position: NDArray[np.float64]
+    focus: NDArray[np.float64]
+    up: NDArray[np.float64]
+    view_angle: float
+
+
+def vertex_areas(vertices: NDArray, faces: NDArray) -> NDArray[np.float64]:
+    """Return a third of the area of the faces around each vertex, (V,) mm^2."""
+    a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
+    third = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
+    return np.bincount(faces.ravel(), np.repeat(third, 3), minlength=len(vertices))
+
+
+def is_flat(vertices: NDArray) -> bool:
+    """Return whether the object is a sheet: far thinner than long, in whatever direction."""
+    spread = vertices - vertices.mean(axis=0, dtype=np.float64)
+    axes = np.linalg.eigh(spread.T @ spread)[1]
+    extents = np.ptp(spread @ axes, axis=0)
+    return bool(extents.min() < FLAT_RATIO * extents.max() and np.sort(extents)[1] > 0)
+
+
+def find_view(vertices: NDArray, normals: NDArray, srgb: NDArray, areas: NDArray) -> View:
+    """Return the view onto the painted side, from slightly above; a sheet is looked at squarely.
+
+    Painted are the vertices that differ from the colour covering the largest area. Without paint
+    the object is seen from the front (-y).
+
+    Parameters
+    ----------
+    vertices, normals : (V, 3) arrays, mm and unit vectors
+    srgb : (V, 3) uint8
+    areas : (V,) mm^2
+    """
+    weights = _paint_weights(srgb, areas)
+    facing = weights @ normals
+    if is_flat(vertices):
+        return _sheet_view(vertices, facing if weights.any() else areas @ normals)
+    total = weights.sum()
+    if total > 0 and np.linalg.norm(facing) < 0.25 * total:
+        facing = weights @ (vertices - areas @ vertices / areas.sum())  # paint all around
+    return _raised_view(facing)
+
+
+def fit_camera(vertices: NDArray, view: View, aspect: float) -> Camera:
+    """Return the camera that sees all `vertices` as large as the frame allows.
+
+    Parameters
+    ----------
+    vertices : (V, 3) array, mm
+    view : View
+    aspect : float
+        Width over height of the picture.
+    """
+    back = view.direction
+    right = _unit(np.cross(view.up, back), "right")
+    up = np.cross(back, right)
+    x, y, z = (vertices @ np.stack([right, up, back]).T).astype(np.float64).T
+    tall = np.tan(VIEW_ANGLE / 2) * (FLAT_FILL if is_flat(vertices) else FILL)
+    wide = tall * aspect
+    cx, cy = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2
+    for _ in range(8):  # the middle of what is seen moves with the distance, and back
+        eye = np.max(z + np.maximum(np.abs(x - cx) / wide, np.abs(y - cy) / tall))
+        depth = eye - z
+        seen_x, seen_y = (x - cx) / depth, (y - cy) / depth
+        middle = depth.mean()
+        cx += middle * (seen_x.max() + seen_x.min()) / 2
+        cy += middle * (seen_y.max() + seen_y.min()) / 2
+    focus = cx * right + cy * up + z.mean() * back
+    angle = 2 * np.arctan(np.tan(VIEW_ANGLE / 2) / view.zoom)
+    return Camera(focus + (eye - z.mean()) * back, focus, up, float(angle))
+
+
+def studio_axes(vertices: NDArray, view: View) -> NDArray[np.float64]:
+    """Return rows right, away from the camera and up: the studio's axes in the object's frame.
+
+    Up is the view's; under a sheet that is looked at from above it is the sheet's normal, so that
+    the sheet lies on the ground.
+    """
+    up = view.up
+    if is_flat(vertices):
+        normal = _thin_axis(vertices)
+        normal = normal if normal @ view.direction > 0 else -normal
+        up = normal if normal @ view.direction > 0.7 else up
+    away = -view.direction if abs(view.direction @ up) < 0.99 else view.up
+    away = _unit(away - (away @ up) * up, "view direction")
+    return np.stack([np.cross(away, up), away, up])
+
+
+def _thin_axis(vertices: NDArray) -> NDArray[np.float64]:
+    spread = vertices - vertices.mean(axis=0, dtype=np.float64)
+    return np.linalg.eigh(spread.T @ spread)[1][:, 0]
+
+
+def _paint_weights(srgb: NDArray, areas: NDArray) -> NDArray[np.float64]:
+    packed = srgb.astype(np.int64) @ np.array([65536, 256, 1])
+    colours, index = np.unique(packed, return_inverse=True)
+    bare = colours[np.argmax(np.bincount(index, areas))]
+    bare_srgb = np.array([bare >> 16, bare >> 8 & 255, bare & 255])
+    away = np.abs(srgb.astype(np.int64) - bare_srgb).max(axis=1)
+    return np.where(away >= PAINT_STEP, areas * away, 0.0)
+
+
+def _sheet_view(vertices: NDArray, facing: NDArray) -> View:
+    normal = _thin_axis(vertices)
+    normal = normal if normal @ facing >= 0 else -normal
+    up = Z_AXIS if abs(normal[2]) < 0.7 else np.array([0.0, 1.0, 0.0])
+    return View(normal, _unit(up - (up @ normal) * normal, "up"))
+
+
+def _raised_view(facing: NDArray) -> View:
+    level = np.hypot(facing[0], facing[1])
+    if level <= 1e-3 * max(abs(facing[2]), 1e-12):
+        facing, level = np.array([0.0, -1.0, max(facing[2], 0.0) * 1e6]), 1.0
+    elevation = np.clip(np.arctan2(facing[2], level) + RAISED, LOWEST, HIGHEST)
+    flat = facing[:2] / np.hypot(*facing[:2])
+    return View(np.append(flat * np.cos(elevation), np.sin(elevation)), Z_AXIS)
+
+
+def _unit(vector: NDArray, name: str) -> NDArray[np.float64]:
+    length = np.linalg.norm(vector)
+    if length < 1e-12:
+        raise InputError(f"{name} has length 0; expected a direction")
+    return vector / length

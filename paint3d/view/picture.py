@@ -1,0 +1,187 @@
+"""An offscreen picture of a painted object in a studio: glazed, softly lit, without a display.
+
+The light that the paint scatters is computed per vertex (`daylight`: soft shadows, occlusion, one
+bounce) and handed to VTK inside the vertex colours; VTK's physically based shading, lit evenly,
+shows it and adds what the surface and its glaze mirror. The picture is drawn at twice its size and
+averaged down in linear light.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+
+from paint3d.arrays import as_array
+from paint3d.errors import ExportError, InputError, MeshError
+from paint3d.view.camera import View, find_view, fit_camera, studio_axes, vertex_areas
+from paint3d.view.daylight import Occluder, light_ground, light_points
+from paint3d.view.scene import Scene, draw_scene
+from paint3d.view.studio import Gloss, light_samples
+from paint3d.view.tone import linear_to_srgb, srgb_to_linear
+
+__all__ = ["Gloss", "View", "render_picture"]
+
+VTK_GAMMA = 2.2  # VTK's physically based shading reads vertex colours as powers of 2.2
+VIGNETTE = 0.34
+SMALLEST, LARGEST = 16, 4096
+WHITE_POINT = 0.74  # linear brightness of ideal white where lit best: room for what glaze mirrors
+SHOULDER = 1.5  # power of the film curve, see _develop
+
+
+def render_picture(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    normals: ArrayLike,
+    srgb: ArrayLike,
+    path: str | os.PathLike,
+    *,
+    size: tuple[int, int] = (1600, 1200),
+    view: View | None = None,
+    gloss: Gloss | None = None,
+) -> None:
+    """Write a PNG picture of the painted object.
+
+    Parameters
+    ----------
+    vertices : (V, 3) array_like
+        mm.
+    faces : (F, 3) array_like of int
+    normals : (V, 3) array_like
+        Unit, outward.
+    srgb : (V, 3) array_like of uint8
+        Painted colours.
+    path : path-like
+        Replaced as a whole, or left untouched on failure.
+    size : (int, int)
+        Width and height in pixels, each 16 to 4096.
+    view : View, optional
+        Default: onto the painted side, from slightly above; a flat sheet squarely.
+    gloss : Gloss, optional
+        Default: glazed porcelain.
+
+    Raises
+    ------
+    MeshError
+        If the arrays do not fit together.
+    InputError
+        If the size is out of range.
+    ExportError
+        If the path cannot be written, or no OpenGL can be started.
+    """
+    path, size = Path(path), _checked_size(size)
+    vertices, faces, normals, srgb = _checked_arrays(vertices, faces, normals, srgb)
+    with _replacing(path) as temporary:
+        areas = vertex_areas(vertices, faces)
+        view = view or find_view(vertices, normals, srgb, areas)
+        scene = _set_up(vertices, faces, normals, srgb, areas, view, size)
+        pixels = draw_scene(scene, gloss or Gloss.of("porcelain"), (2 * size[0], 2 * size[1]))
+        Image.fromarray(_develop(pixels)).save(temporary, format="PNG")
+
+
+def _set_up(
+    vertices: NDArray,
+    faces: NDArray,
+    normals: NDArray,
+    srgb: NDArray,
+    areas: NDArray,
+    view: View,
+    size: tuple[int, int],
+) -> Scene:
+    axes = studio_axes(vertices, view).astype(np.float32)
+    vertices, normals = vertices @ axes.T, normals @ axes.T
+    view = View(axes @ view.direction, axes @ view.up, view.zoom)
+    camera = fit_camera(vertices, view, size[0] / size[1])
+    occluder, suns = Occluder(vertices, faces), light_samples()
+    ground = light_ground(occluder, suns) if view.direction[2] > 0.02 else None
+    albedo = srgb_to_linear(srgb)
+    seen = np.einsum("ij,ij->i", normals, camera.position - vertices) > -0.2 * occluder.radius
+    mean_albedo = float(areas @ albedo.mean(axis=1) / areas.sum())
+    light = light_points(occluder, ground, suns, vertices[seen], normals[seen], mean_albedo)
+    exposure = WHITE_POINT / float(np.quantile(light.mean(axis=1), 0.96))
+    light *= exposure
+    peak = max(float(light.max()), 1.0)
+    shown = np.zeros_like(albedo)
+    shown[seen] = albedo[seen] * light / peak
+    colours = np.rint(255 * shown ** (1 / VTK_GAMMA)).astype(np.uint8)
+    return Scene(vertices, faces, normals, colours, peak, exposure, ground, camera)
+
+
+def _develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Average 2 x 2 pixels in linear light, then print: 1 - (1 - x)^SHOULDER.
+
+    The curve lifts middle tones, bends toward white instead of running into it, and keeps black.
+    A fixed grain of half a step keeps slow gradients from banding.
+    """
+    linear = srgb_to_linear(pixels)
+    height, width = pixels.shape[0] // 2, pixels.shape[1] // 2
+    linear = linear.reshape(height, 2, width, 2, 3).mean(axis=(1, 3))
+    printed = (1 - (1 - linear) ** SHOULDER) * _vignette(height, width)
+    grain = np.random.default_rng(7).random((height, width, 1), dtype=np.float32) - 0.5
+    return np.rint(np.clip(linear_to_srgb(printed) * 255 + grain, 0, 255)).astype(np.uint8)
+
+
+def _vignette(height: int, width: int) -> NDArray[np.float32]:
+    """Return (height, width, 1) factors: 1 in the middle, a little darker toward the corners."""
+    x = np.linspace(-1, 1, width, dtype=np.float32)
+    y = np.linspace(-1, 1, height, dtype=np.float32)
+    corner = (x[None, :] ** 2 + y[:, None] ** 2) / 2
+    return (1 - VIGNETTE * corner**2)[..., None]
+
+
+def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    fits = len(size) == 2 and all(
+        isinstance(n, int | np.integer) and SMALLEST <= n <= LARGEST for n in size
+    )
+    if not fits:
+        raise InputError(f"size is {size}; expected (width, height), each {SMALLEST} to {LARGEST}")
+    return int(size[0]), int(size[1])
+
+
+def _checked_arrays(
+    vertices: ArrayLike, faces: ArrayLike, normals: ArrayLike, srgb: ArrayLike
+) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    vertices = as_array(vertices, "vertices", (None, 3), np.float32, MeshError)
+    faces = as_array(faces, "faces", (None, 3), np.int32, MeshError)
+    n_vertices = len(vertices)
+    normals = as_array(normals, "normals", (n_vertices, 3), np.float32, MeshError)
+    srgb = as_array(srgb, "srgb", (n_vertices, 3), np.uint8, MeshError)
+    if len(faces) == 0:
+        raise MeshError("the mesh has no faces; expected at least one to draw")
+    if faces.min() < 0 or faces.max() >= n_vertices:
+        raise MeshError(f"faces name vertices {faces.min()} to {faces.max()} of {n_vertices}")
+    if np.ptp(vertices, axis=0).max() <= 0:
+        raise MeshError("all vertices lie in one point; expected an object to draw")
+    return vertices, faces, normals, srgb
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary file beside `path` that takes its place if all goes well."""
+    if path.is_dir():
+        raise ExportError(f"{path}: is a folder; expected a file to write")
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        os.close(handle)
+    except OSError as cause:
+        raise ExportError(f"{path}: cannot be written: {cause.strerror}") from None
+    try:
+        yield Path(name)
+        os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, path)
+    except OSError as cause:
+        raise ExportError(f"{path}: cannot be written: {cause.strerror}") from None
+    finally:
+        Path(name).unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

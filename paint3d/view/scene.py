@@ -1,0 +1,163 @@
+"""The scene in VTK: object, ground, mirrored studio and camera, drawn into pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import ExportError
+from paint3d.view.camera import Camera
+from paint3d.view.daylight import Ground
+from paint3d.view.studio import Gloss, make_panorama
+from paint3d.view.tone import linear_to_srgb
+
+__all__ = ["Scene", "draw_scene"]
+
+BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the paper far from the object
+POOL = np.array([0.600, 0.572, 0.535])  # and around it, where the key light falls
+DIFFUSE = 0.924  # of evenly falling light, what VTK returns from a white rough surface; measured
+POOL_RADIUS = 0.62  # of the ground's half-width
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All that is seen, in studio axes and mm.
+
+    `colours` (V, 3) uint8 hold light / `peak` raised to 1/2.2; `exposure` turns the studio's
+    radiance into linear brightness; `ground` is None if seen from below.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    normals: NDArray[np.float32]
+    colours: NDArray[np.uint8]
+    peak: float
+    exposure: float
+    ground: Ground | None
+    camera: Camera
+
+
+def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.uint8]:
+    """Return the (height, width, 3) sRGB pixels of the scene.
+
+    Raises
+    ------
+    ExportError
+        If OpenGL cannot be started.
+    """
+    import pyvista as pv
+
+    with _quiet_vtk():
+        plotter = pv.Plotter(off_screen=True, window_size=size, lighting="none")
+        try:
+            plotter.set_background(linear_to_srgb(BACKDROP))
+            _add_object(plotter, scene, gloss)
+            if scene.ground is not None:
+                _add_ground(plotter, scene.ground)
+            _add_studio(plotter, scene.peak, scene.exposure)
+            _place_camera(plotter, scene)
+            plotter.show(auto_close=False, interactive=False)
+            pixels = plotter.screenshot(return_img=True)
+        except RuntimeError as cause:
+            raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
+        finally:
+            plotter.close()
+    return np.ascontiguousarray(pixels[..., :3])
+
+
+def _add_object(plotter, scene: Scene, gloss: Gloss) -> None:
+    import pyvista as pv
+
+    mesh = pv.PolyData.from_regular_faces(scene.vertices, scene.faces)
+    mesh.point_data["Normals"] = scene.normals
+    mesh.GetPointData().SetActiveNormals("Normals")
+    mesh.point_data["light"] = scene.colours
+    actor = plotter.add_mesh(
+        mesh, scalars="light", rgb=True, pbr=True, metallic=0.0, roughness=gloss.roughness
+    )
+    material = actor.GetProperty()
+    material.SetBaseIOR(1.5)
+    material.SetCoatIOR(1.5)
+    material.SetCoatRoughness(0.05)
+    material.SetCoatStrength(gloss.coat)
+
+
+def _add_ground(plotter, ground: Ground) -> None:
+    import pyvista as pv
+
+    half, origin = ground.half, ground.origin
+    corners = origin + half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    square = pv.PolyData.from_regular_faces(corners, [[0, 1, 2], [0, 2, 3]])
+    square.active_texture_coordinates = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+    pixels = np.rint(255 * linear_to_srgb(_ground_light(ground))).astype(np.uint8)
+    plotter.add_mesh(square, texture=_texture(pixels), lighting=False)
+
+
+def _ground_light(ground: Ground) -> NDArray[np.float64]:
+    """Return the (N, N, 3) linear light of the ground: a pool of light, fading to the backdrop."""
+    n = len(ground.openness)
+    ticks = (np.arange(n) + 0.5) / n * 2 - 1
+    radius = np.hypot(ticks[None, :], ticks[:, None])
+    pool = np.exp(-((radius / POOL_RADIUS) ** 2)) * np.clip(1.0 - radius, 0, 1) ** 0.5
+    fade = np.clip((1.0 - radius) / 0.35, 0, 1)
+    shade = 1 - (1 - ground.openness) * fade * fade * (3 - 2 * fade)
+    return (BACKDROP + pool[..., None] * (POOL - BACKDROP)) * shade[..., None]
+
+
+def _add_studio(plotter, peak: float, exposure: float) -> None:
+    """Mirror the panorama; light the body evenly, as its light is in the vertex colours."""
+    renderer = plotter.renderer
+    renderer.SetAutomaticLightCreation(False)
+    plotter.set_environment_texture(_texture(exposure * make_panorama()), is_srgb=False)
+    renderer.SetUseSphericalHarmonics(False)
+    renderer.SetEnvironmentRight(1, 0, 0)
+    renderer.SetEnvironmentUp(0, 0, 1)
+    mirrored = renderer.GetEnvMapPrefiltered()
+    mirrored.SetPrefilterLevels(6)
+    mirrored.SetPrefilterMaxSamples(64)
+    renderer.GetEnvMapLookupTable().SetLUTSize(128)
+    renderer.GetEnvMapLookupTable().SetLUTSamples(64)
+    irradiance = renderer.GetEnvMapIrradiance()
+    irradiance.SetInputTexture(_texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32)))
+    irradiance.SetIrradianceSize(4)
+    irradiance.SetIrradianceStep(0.1)
+
+
+def _place_camera(plotter, scene: Scene) -> None:
+    camera = plotter.camera
+    camera.position, camera.focal_point = scene.camera.position, scene.camera.focus
+    camera.up = scene.camera.up
+    camera.view_angle = np.degrees(scene.camera.view_angle)
+    plotter.reset_camera_clipping_range()
+
+
+def _texture(pixels: NDArray):
+    """Return a texture of the (H, W, 3) array, first row at the bottom, values as they are."""
+    import pyvista as pv
+
+    height, width = pixels.shape[:2]
+    image = pv.ImageData(dimensions=(width, height, 1))
+    image.point_data["pixels"] = np.ascontiguousarray(pixels).reshape(-1, 3)
+    image.GetPointData().SetActiveScalars("pixels")
+    texture = pv.Texture(image)
+    texture.SetColorModeToDirectScalars()
+    texture.SetInterpolate(True)
+    texture.SetMipmap(True)
+    return texture
+
+
+@contextmanager
+def _quiet_vtk() -> Iterator[None]:
+    """Keep VTK from warning that it found no X server before it takes EGL or OSMesa."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    cutoff = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(cutoff)

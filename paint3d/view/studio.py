@@ -1,0 +1,173 @@
+"""The photographer's studio, computed: softboxes, dome and floor, and how glossy a material is.
+
+Studio axes: x to the camera's right, y away from the camera, z up. Radiance is relative; the
+exposure is set in `paint3d.view.picture`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.arrays import as_number
+from paint3d.errors import UnknownNameError
+
+__all__ = ["DOME", "SOFTBOXES", "Gloss", "Softbox", "Sun", "light_samples", "make_panorama"]
+
+
+@dataclass(frozen=True)
+class Gloss:
+    """How a material mirrors the studio.
+
+    Parameters
+    ----------
+    roughness : float
+        Microfacet roughness of the body, 0 (mirror) to 1 (chalk).
+    coat : float
+        Strength of the clear glaze over it, 0 (none) to 1.
+    """
+
+    roughness: float
+    coat: float
+
+    def __post_init__(self) -> None:
+        as_number(self.roughness, "roughness", 0.0, 1.0)
+        as_number(self.coat, "coat", 0.0, 1.0)
+
+    @classmethod
+    def of(cls, material: str) -> Gloss:
+        """Return the preset of a material's name; UnknownNameError lists the known ones."""
+        if material not in _GLOSSES:
+            raise UnknownNameError("material", material, _GLOSSES)
+        return _GLOSSES[material]
+
+
+_GLOSSES = {
+    "porcelain": Gloss(0.34, 0.85),
+    "bisque": Gloss(0.75, 0.0),
+    "xuan": Gloss(0.95, 0.0),
+    "plaster": Gloss(0.9, 0.0),
+    "terracotta": Gloss(0.8, 0.0),
+}
+
+
+@dataclass(frozen=True)
+class Softbox:
+    """A soft-edged rectangle of light: centre direction, half-angles (rad), linear RGB radiance."""
+
+    centre: tuple[float, float, float]
+    half_width: float
+    half_height: float
+    radiance: tuple[float, float, float]
+
+    def axes(self) -> NDArray[np.float64]:
+        """Return rows: to its right, its own up, and the direction of its centre, all unit."""
+        towards = np.asarray(self.centre) / np.linalg.norm(self.centre)
+        right = np.cross((0.0, 0.0, 1.0), towards)
+        right = right / np.linalg.norm(right)
+        return np.stack([right, np.cross(towards, right), towards])
+
+    def radiance_at(self, directions: NDArray) -> NDArray[np.float64]:
+        """Return the (N, 3) radiance along unit `directions` (N, 3), soft at the edges."""
+        u, v, w = (directions @ self.axes().T).T
+        ahead = np.maximum(w, 1e-3)
+        inside_u = _soft_step((self.half_width - np.abs(np.arctan(u / ahead))) / 0.05)
+        inside_v = _soft_step((self.half_height - np.abs(np.arctan(v / ahead))) / 0.05)
+        return ((w > 0) * inside_u * inside_v)[:, None] * np.asarray(self.radiance)
+
+    def suns(self, columns: int, rows: int) -> list[Sun]:
+        """Return columns x rows directions that share out the light of the box."""
+        right, up, towards = self.axes()
+        us = np.tan(self.half_width * ((np.arange(columns) + 0.5) / columns * 2 - 1))
+        vs = np.tan(self.half_height * ((np.arange(rows) + 0.5) / rows * 2 - 1))
+        angle = 4 * self.half_width * self.half_height / (columns * rows)
+        directions = [
+            towards + u * right + (v + (i % 2 - 0.5) * 0.4 * (vs[1] - vs[0])) * up
+            for i, u in enumerate(us)
+            for v in vs
+        ]
+        light = np.asarray(self.radiance) * angle
+        return [Sun(d / np.linalg.norm(d), light) for d in directions]
+
+
+@dataclass(frozen=True)
+class Sun:
+    """A parallel light standing for a part of the studio.
+
+    Parameters
+    ----------
+    direction : (3,) array
+        Unit vector toward it.
+    irradiance : (3,) array
+        On a surface that faces it, linear RGB.
+    share : float
+        The part of the whole sphere of directions that it samples evenly; 0 for extra lights.
+    """
+
+    direction: NDArray[np.float64]
+    irradiance: NDArray[np.float64]
+    share: float = 0.0
+
+
+@dataclass(frozen=True)
+class Dome:
+    """The bright room around: radiance at the horizon and overhead, and of the lit floor below."""
+
+    horizon: tuple[float, float, float]
+    zenith: tuple[float, float, float]
+    floor: tuple[float, float, float]
+
+    def radiance_at(self, directions: NDArray) -> NDArray[np.float64]:
+        """Return the (N, 3) radiance along unit `directions` (N, 3)."""
+        height = directions[:, 2:3]
+        sky = np.asarray(self.horizon) + np.maximum(height, 0) * (
+            np.asarray(self.zenith) - np.asarray(self.horizon)
+        )
+        return sky + _soft_step(-height / 0.03) * (np.asarray(self.floor) - sky)
+
+
+DOME = Dome(horizon=(0.40, 0.41, 0.43), zenith=(0.62, 0.63, 0.65), floor=(0.50, 0.47, 0.43))
+SOFTBOXES = (
+    Softbox((-0.74, -0.78, 0.74), 0.25, 0.19, (15.0, 14.0, 12.4)),  # warm key, front left
+    Softbox((0.96, -0.12, 0.42), 0.09, 0.48, (4.0, 4.4, 5.0)),  # cool strip, right
+    Softbox((0.10, 0.85, 0.80), 0.60, 0.14, (3.0, 3.0, 3.0)),  # rim light, behind and above
+)
+
+
+def light_samples(n_dome: int = 96) -> list[Sun]:
+    """Return the studio as parallel lights, `n_dome` of them evenly over the whole sphere."""
+    k = np.arange(n_dome) + 0.5
+    height = 1 - 2 * k / n_dome
+    turn = np.pi * (1 + np.sqrt(5)) * k
+    level = np.sqrt(1 - height**2)
+    directions = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
+    radiance = DOME.radiance_at(directions) * (4 * np.pi / n_dome)
+    suns = [Sun(d, e, 1 / n_dome) for d, e in zip(directions, radiance, strict=True)]
+    for box, grid in zip(SOFTBOXES, ((9, 8), (2, 7), (7, 2)), strict=True):
+        suns += box.suns(*grid)
+    return suns
+
+
+def make_panorama(height: int = 256) -> NDArray[np.float32]:
+    """Return the studio as the glaze mirrors it, (height, 2 height, 3) linear RGB.
+
+    Rows go from straight down to straight up; columns turn from behind -x over the camera's side.
+    """
+    elevation = ((np.arange(height) + 0.5) / height - 0.5) * np.pi
+    turn = ((np.arange(2 * height) + 0.5) / (2 * height) - 0.5) * 2 * np.pi
+    level = np.cos(elevation)[:, None]
+    grid = np.broadcast_arrays(
+        level * np.cos(turn), -level * np.sin(turn), np.sin(elevation)[:, None]
+    )
+    directions = np.stack(grid, axis=-1).reshape(-1, 3)
+    radiance = DOME.radiance_at(directions)
+    for box in SOFTBOXES:
+        radiance += box.radiance_at(directions)
+    return radiance.reshape(height, 2 * height, 3).astype(np.float32)
+
+
+def _soft_step(x: NDArray) -> NDArray[np.float64]:
+    t = np.clip(0.5 + 0.5 * x, 0.0, 1.0)
+    return t * t * (3 - 2 * t)

@@ -1,0 +1,21 @@
+"""Between sRGB bytes and linear light (IEC 61966-2-1)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["linear_to_srgb", "srgb_to_linear"]
+
+_CODES = np.arange(256) / 255
+_LINEAR = np.where(_CODES <= 0.04045, _CODES / 12.92, ((_CODES + 0.055) / 1.055) ** 2.4)
+
+
+def srgb_to_linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Return linear light in [0, 1] for sRGB bytes of any shape."""
+    return _LINEAR.astype(np.float32)[srgb]
+
+
+def linear_to_srgb(linear: NDArray) -> NDArray:
+    """Return sRGB in [0, 1] for linear light in [0, 1] of any shape."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
