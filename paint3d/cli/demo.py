@@ -1,0 +1,91 @@
+"""Paint the shipped recording of four characters on the bowl and write it in several formats."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from paint3d.cli.options import add_quiet_option, check_output_folder
+from paint3d.cli.painting import Wishes, paint, timed, write_report
+from paint3d.errors import ExportError
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "paint the shipped recording on the bowl: PLY, GLB, text records, PNG, report.json"
+
+_FILES = ("bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png")
+_PICTURE = "bowl.png"
+_RECORDING = "data/demo.jsonl.gz"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        type=Path,
+        default=Path("paint3d-demo"),
+        help="folder to write to; it is made where missing (default: ./paint3d-demo)",
+    )
+    parser.add_argument(
+        "--no-view", action="store_true", help="do not open the picture when it is written"
+    )
+    add_quiet_option(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Paint, write the files, and show the picture where there is a display.
+
+    Raises
+    ------
+    ExportError
+        If the folder or a file cannot be written.
+    """
+    from paint3d.files.export import export
+    from paint3d.files.load import load_mesh
+    from paint3d.stroke.recording import load_recording
+
+    _make_folder(options.out)
+    with as_file(files("paint3d.stroke").joinpath(_RECORDING)) as path:
+        recording = load_recording(path)
+    painting = paint(load_mesh("bowl"), recording, Wishes(quiet=options.quiet))
+    written = [options.out / name for name in _FILES]
+    with timed(painting.seconds, "export"):
+        for file in written:
+            export(painting.surface, file)
+    write_report(options.out / "report.json", painting)
+    if not options.quiet:
+        sys.stdout.write(f"{painting.summarize()}\n")
+        sys.stdout.writelines(f"{file}\n" for file in [*written, options.out / "report.json"])
+    if not options.no_view:
+        _show(options.out / _PICTURE)
+
+
+def _make_folder(folder: Path) -> None:
+    check_output_folder(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ExportError(f"{folder}: {error.strerror or error}") from None
+
+
+def _show(picture: Path) -> None:
+    """Open the picture in the desktop's viewer; without a display, do nothing."""
+    on_mac = sys.platform == "darwin"
+    if not (on_mac or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return
+    viewer = shutil.which("open" if on_mac else "xdg-open")
+    if viewer is None:
+        return
+    subprocess.Popen(
+        [viewer, str(picture.resolve())],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )

@@ -1,0 +1,120 @@
+"""The ``paint3d`` command: parse, run one command, turn every failure into one line.
+
+Exit status: 0 done, 2 for bad input, usage or anything else that went wrong, 130 when
+interrupted. With ``PAINT3D_DEBUG=1`` in the environment the traceback is shown as well.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Sequence
+
+from paint3d.cli import demo, replay, report
+from paint3d.errors import Paint3DError
+
+__all__ = ["main"]
+
+_COMMANDS = {"demo": demo, "replay": replay, "report": report}
+_FAILED = 2
+_INTERRUPTED = 130
+
+
+class _UsageError(Exception):
+    """A command line that argparse refused."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser that raises instead of printing its usage over several lines."""
+
+    def error(self, message: str) -> None:
+        raise _UsageError(f"{message} (see {self.prog} --help)")
+
+
+class _Version(argparse.Action):
+    """Print the version, which is looked up only when it is asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from paint3d import __version__
+
+        sys.stdout.write(f"paint3d {__version__}\n")
+        parser.exit()
+
+
+def _make_parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="paint3d",
+        description="Paint calligraphy and brushwork on 3-D objects.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
+    for name, module in _COMMANDS.items():
+        command = commands.add_parser(
+            name, help=module.HELP, description=module.__doc__, allow_abbrev=False
+        )
+        module.add_arguments(command)
+        command.set_defaults(run=module.run)
+    return parser
+
+
+def _report_failure(message: str) -> int:
+    line = " ".join(message.split())
+    sys.stderr.write(f"paint3d: error: {line}\n")
+    return _FAILED
+
+
+def _describe_os_error(error: OSError) -> str:
+    reason = error.strerror or str(error) or type(error).__name__
+    return f"{error.filename}: {reason}" if error.filename else reason
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    try:
+        options = _make_parser().parse_args(arguments)
+        options.run(options)
+        sys.stdout.flush()
+    except (_UsageError, Paint3DError) as error:
+        return _report_failure(str(error))
+    except BrokenPipeError:  # the reader of our output has gone: nobody to tell
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        return _report_failure(_describe_os_error(error))
+    except MemoryError:
+        return _report_failure("out of memory; try a coarser --resolution or a smaller mesh")
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Instead of ``sys.argv[1:]``.
+
+    Returns
+    -------
+    int
+        The exit status: 0, 2 or 130.
+    """
+    debug = os.environ.get("PAINT3D_DEBUG", "") not in ("", "0")
+    if not debug and not sys.warnoptions:
+        warnings.simplefilter("ignore")
+        logging.getLogger().addHandler(logging.NullHandler())
+    try:
+        return _run(arguments)
+    except KeyboardInterrupt:
+        sys.stderr.write("paint3d: error: interrupted\n")
+        return _INTERRUPTED
+    except Exception as error:
+        if debug:
+            traceback.print_exc()
+        kind = type(error).__name__
+        return _report_failure(
+            f"internal error, {kind}: {error} (set PAINT3D_DEBUG=1 to see where)"
+        )

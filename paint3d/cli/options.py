@@ -1,0 +1,111 @@
+"""Options that several commands share, and the checks made before the work starts."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from pathlib import Path
+
+from paint3d.errors import ExportError
+
+__all__ = [
+    "add_painting_options",
+    "add_quiet_option",
+    "check_output_file",
+    "check_output_folder",
+    "parse_length_mm",
+    "parse_place",
+]
+
+UNITS = ("mm", "cm", "m", "in")
+
+
+def parse_length_mm(text: str) -> float:
+    """A positive length in mm from the command line."""
+    try:
+        length = float(text)
+    except ValueError:
+        length = math.nan
+    if not (math.isfinite(length) and length > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a length; expected a number above 0, mm")
+    return length
+
+
+def parse_place(text: str) -> tuple[float, float]:
+    """A place on the object, ``U,V``, each 0 to 1."""
+    try:
+        u, v = (float(part) for part in text.split(","))
+    except ValueError:
+        u = v = math.nan
+    if not (0 <= u <= 1 and 0 <= v <= 1):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a place; expected U,V with both from 0 to 1, such as 0.5,0.5"
+        )
+    return u, v
+
+
+def add_quiet_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--quiet``."""
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
+
+
+def add_painting_options(parser: argparse.ArgumentParser) -> None:
+    """Add what describes brush, ink and surface; None means: as the recording says."""
+    parser.add_argument("--brush", metavar="NAME", help="brush (default: the recording's)")
+    parser.add_argument("--ink", metavar="NAME", help="ink (default: the recording's)")
+    parser.add_argument(
+        "--material",
+        metavar="NAME",
+        default="porcelain",
+        help="of the surface: porcelain, bisque, xuan or plaster (default: porcelain)",
+    )
+    parser.add_argument(
+        "--resolution",
+        metavar="MM",
+        type=parse_length_mm,
+        default=0.4,
+        help="vertex spacing wanted where paint is (default: 0.4)",
+    )
+    parser.add_argument(
+        "--unit",
+        choices=UNITS,
+        help="length of one unit in the mesh file (default: as the file says, else mm)",
+    )
+
+
+def check_output_folder(folder: Path) -> None:
+    """Refuse a folder that could not be written to.
+
+    Raises
+    ------
+    ExportError
+        If it (or, where it is yet to be made, its nearest parent) is not a writable folder.
+    """
+    there = folder
+    while not there.exists() and there != there.parent:
+        there = there.parent
+    if not there.is_dir():
+        raise ExportError(f"{there} is not a folder; {folder} cannot be made")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise ExportError(f"{there}: no permission to write there")
+
+
+def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
+    """Refuse, before any work, an output file that could not be written at the end.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is unknown, the folder is missing or closed, or the path is a folder.
+    """
+    name = file.name.lower()
+    if not any(name.endswith(suffix) and name != suffix for suffix in suffixes):
+        raise ExportError(
+            f"{file}: unknown kind of file; expected a name ending in {', '.join(suffixes)}"
+        )
+    if file.is_dir():
+        raise ExportError(f"{file} is a folder; expected a file name")
+    if not file.parent.is_dir():
+        raise ExportError(f"{file}: there is no folder {file.parent}")
+    check_output_folder(file.parent)

@@ -1,0 +1,113 @@
+"""What `demo` and `replay` share: paint a recording on an object and account for it."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from paint3d.cli.first_run import say_if_compiling
+from paint3d.cli.progress import ProgressBar
+from paint3d.cli.versions import find_versions
+from paint3d.files.atomic import write_atomically
+
+if TYPE_CHECKING:
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.stroke.recording import Recording
+    from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["Painting", "Wishes", "paint", "timed", "write_report"]
+
+_DEFAULT_BRUSH = "full"
+_DEFAULT_INK = "pine soot"
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the user asked for; brush and ink None stand for the recording's own."""
+
+    brush: str | None = None
+    ink: str | None = None
+    material: str = "porcelain"
+    resolution_mm: float = 0.4
+    quiet: bool = False
+
+
+@dataclass(frozen=True)
+class Painting:
+    """A painted surface, what painting it took, and the seconds of each step around it."""
+
+    surface: PaintedSurface
+    counts: dict
+    seconds: dict[str, float]
+
+    def describe(self) -> dict:
+        """Everything that ``--report`` writes: versions, seconds by stage, counts, ink ledger."""
+        return {
+            "versions": find_versions(),
+            **self.counts,
+            "seconds_by_step": {step: round(spent, 4) for step, spent in self.seconds.items()},
+        }
+
+    def summarize(self) -> str:
+        """One line on what was painted."""
+        return (
+            f"{self.counts['samples']:,} samples, {self.counts['footprints']:,} footprints, "
+            f"{self.counts['vertices_painted']:,} vertices painted in "
+            f"{self.seconds['paint']:.1f} s"
+        )
+
+
+@contextmanager
+def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
+    """Add the seconds spent inside to ``seconds[step]``."""
+    started = time.perf_counter()
+    yield
+    seconds[step] = seconds.get(step, 0.0) + time.perf_counter() - started
+
+
+def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
+    """Paint a recording on a mesh, showing a progress bar on a terminal.
+
+    Raises
+    ------
+    InputError
+        If the brush, the ink, the material or a sample cannot be used.
+    """
+    from paint3d.brush.presets import load_brush
+    from paint3d.ink.materials import load_material
+    from paint3d.ink.pigments import load_pigment
+    from paint3d.stroke.engine import Painter
+    from paint3d.surface.painted_surface import PaintedSurface
+
+    brush = load_brush(wishes.brush or recording.brush or _DEFAULT_BRUSH)
+    ink = load_pigment(wishes.ink or recording.ink or _DEFAULT_INK)
+    material = load_material(wishes.material)
+    say_if_compiling(quiet=wishes.quiet)
+    seconds: dict[str, float] = {}
+    with timed(seconds, "prepare"):
+        surface = PaintedSurface(mesh, resolution=wishes.resolution_mm, material=material)
+        painter = Painter(surface, brush=brush, ink=ink)
+    with (
+        timed(seconds, "paint"),
+        ProgressBar("painting", enabled=not wishes.quiet) as progress,
+    ):
+        painter.replay(recording, progress=progress)
+    return Painting(surface, painter.report(), seconds)
+
+
+def write_report(file: Path, painting: Painting) -> None:
+    """Write the report as JSON, whole or not at all.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written.
+    """
+    text = json.dumps(painting.describe(), indent=2, ensure_ascii=False, allow_nan=False)
+    with write_atomically(file) as part:
+        part.write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,70 @@
+"""Paint a recording on an object and write the result, in the format of the file's suffix."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from paint3d.cli.options import (
+    add_painting_options,
+    add_quiet_option,
+    check_output_file,
+)
+from paint3d.cli.painting import Wishes, paint, timed, write_report
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "paint a recording"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    parser.add_argument("recording", metavar="RECORDING", type=Path, help="a recording")
+    parser.add_argument(
+        "--on",
+        metavar="MESH",
+        required=True,
+        help="a mesh file, or bowl, plate, vase, sphere, plane",
+    )
+    parser.add_argument(
+        "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
+    )
+    add_painting_options(parser)
+    parser.add_argument(
+        "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
+    )
+    add_quiet_option(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Check, read, paint, write: nothing is written unless all of it went well.
+
+    Raises
+    ------
+    Paint3DError
+        If anything handed in cannot be used, or the result cannot be written.
+    """
+    from paint3d.files.export import SUFFIXES, export
+    from paint3d.files.load import load_mesh
+    from paint3d.stroke.recording import load_recording
+
+    check_output_file(options.out, SUFFIXES)
+    if options.report is not None:
+        check_output_file(options.report, (".json",))
+    recording = load_recording(options.recording)
+    mesh = load_mesh(options.on, unit=options.unit)
+    wishes = Wishes(
+        brush=options.brush,
+        ink=options.ink,
+        material=options.material,
+        resolution_mm=options.resolution,
+        quiet=options.quiet,
+    )
+    painting = paint(mesh, recording, wishes)
+    with timed(painting.seconds, "export"):
+        export(painting.surface, options.out)
+    if options.report is not None:
+        write_report(options.report, painting)
+    if not options.quiet:
+        sys.stdout.write(f"{options.out}: {painting.summarize()}\n")

@@ -1,0 +1,59 @@
+"""Print versions, the renderer and the number of devices, to paste into a bug report."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+
+from paint3d.cli.versions import find_versions
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "versions, renderer, devices: to paste into a bug report"
+
+# Asked in processes of their own: a broken driver then costs one line, not the report.
+_ASK_RENDERER = "import pyvista; i = pyvista.GPUInfo(); print(f'{i.renderer}, OpenGL {i.version}')"
+_ASK_DEVICES = "import hid; print(len(hid.enumerate()))"
+_PATIENCE_S = 60
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options: none."""
+
+
+def _ask(code: str) -> str:
+    try:
+        answer = subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", code],
+            capture_output=True,
+            text=True,
+            timeout=_PATIENCE_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return f"unknown ({type(error).__name__})"
+    lines = answer.stdout.strip().splitlines()
+    if answer.returncode == 0 and lines:
+        return lines[-1].strip()
+    reasons = answer.stderr.strip().splitlines()
+    return f"unknown ({reasons[-1] if reasons else f'exit status {answer.returncode}'})"
+
+
+def _find_usable_cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print the report to stdout, one ``name: value`` a line."""
+    facts = find_versions()
+    facts["cores"] = str(_find_usable_cores())
+    facts["display"] = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or "none"
+    facts["renderer"] = _ask(_ASK_RENDERER)
+    facts["hid devices"] = _ask(_ASK_DEVICES)
+    width = max(map(len, facts))
+    for name, value in facts.items():
+        sys.stdout.write(f"{name:<{width}}  {value}\n")

@@ -1,0 +1,187 @@
+"""The command line's own parts: options, failures, progress, versions."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from paint3d.cli import first_run, main, options, progress, replay, report, versions
+from paint3d.errors import ExportError, MeshError
+
+SUFFIXES = (".ply", ".p3d.txt")
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def fail_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
+    def run(_: argparse.Namespace) -> None:
+        raise error
+
+    monkeypatch.setattr(report, "run", run)
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "nan", "inf", "wide", ""])
+def test_lengths_above_zero_only(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError, match="expected a number above 0"):
+        options.parse_length_mm(text)
+
+
+def test_length() -> None:
+    assert options.parse_length_mm("0.25") == 0.25
+
+
+@pytest.mark.parametrize("name", ["a.xyz", "a", ".ply", "ply", "a.p3d"])
+def test_output_suffix_is_checked(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ExportError, match=r"expected a name ending in \.ply, \.p3d\.txt"):
+        options.check_output_file(tmp_path / name, SUFFIXES)
+
+
+def test_output_suffix_in_capitals(tmp_path: Path) -> None:
+    options.check_output_file(tmp_path / "A.PLY", SUFFIXES)
+    options.check_output_file(tmp_path / "a.P3D.txt", SUFFIXES)
+
+
+def test_output_folder_must_exist(tmp_path: Path) -> None:
+    with pytest.raises(ExportError, match="there is no folder"):
+        options.check_output_file(tmp_path / "no" / "a.ply", SUFFIXES)
+
+
+def test_output_must_not_be_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "a.ply").mkdir()
+    with pytest.raises(ExportError, match="is a folder"):
+        options.check_output_file(tmp_path / "a.ply", SUFFIXES)
+
+
+def test_a_file_is_no_output_folder(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ExportError, match="is not a folder"):
+        options.check_output_folder(tmp_path / "file" / "below")
+    options.check_output_folder(tmp_path / "new" / "newer")
+
+
+def test_usage_errors_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["replay"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("paint3d: error: the following arguments are required: RECORDING")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [[], ["fly"], ["report", "--loud"], ["--nothing"]])
+def test_unknown_commands_and_options(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main.main(arguments) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("paint3d: error: ")
+    assert err.count("\n") == 1
+
+
+def test_a_message_of_several_lines_becomes_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fail_with(monkeypatch, MeshError("jug.ply:\n  no faces"))
+    assert main.main(["report"]) == 2
+    assert capsys.readouterr().err == "paint3d: error: jug.ply: no faces\n"
+
+
+def test_an_unexpected_exception_is_one_line_with_a_hint(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("PAINT3D_DEBUG", raising=False)
+    fail_with(monkeypatch, ZeroDivisionError("oh"))
+    assert main.main(["report"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert "ZeroDivisionError: oh" in err
+    assert "PAINT3D_DEBUG=1" in err
+
+
+def test_debugging_shows_the_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PAINT3D_DEBUG", "1")
+    fail_with(monkeypatch, ZeroDivisionError("oh"))
+    assert main.main(["report"]) == 2
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_interrupted(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    fail_with(monkeypatch, KeyboardInterrupt())
+    assert main.main(["report"]) == 130
+    assert capsys.readouterr().err == "paint3d: error: interrupted\n"
+
+
+def test_system_errors_name_the_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fail_with(monkeypatch, PermissionError(13, "Permission denied", "secret.ply"))
+    assert main.main(["report"]) == 2
+    assert capsys.readouterr().err == "paint3d: error: secret.ply: Permission denied\n"
+
+
+def test_replay_refuses_the_output_before_it_reads_anything(tmp_path: Path) -> None:
+    parser = argparse.ArgumentParser()
+    replay.add_arguments(parser)
+    wrong = tmp_path / "a.xyz"
+    chosen = parser.parse_args(["missing.jsonl", "--on", "missing.obj", "--out", str(wrong)])
+    with pytest.raises(ExportError, match="unknown kind of file"):
+        replay.run(chosen)
+
+
+def test_progress_is_drawn_on_a_terminal_and_erased() -> None:
+    stream = Terminal()
+    with progress.ProgressBar("painting", stream=stream) as bar:
+        bar(0.5)
+    assert "50%" in stream.getvalue()
+    assert stream.getvalue().endswith("\r\x1b[K")
+    assert "\n" not in stream.getvalue()
+
+
+def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:
+    pipe, terminal = io.StringIO(), Terminal()
+    with progress.ProgressBar("a", stream=pipe) as in_pipe:
+        in_pipe(0.5)
+    with progress.ProgressBar("a", stream=terminal, enabled=False) as quiet:
+        quiet(0.5)
+    assert pipe.getvalue() == terminal.getvalue() == ""
+
+
+def test_compiled_loops_are_found_where_numba_is_told_to_keep_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert not first_run.is_compiled()
+    first_run.say_if_compiling(quiet=True)
+    assert capsys.readouterr().err == ""
+    first_run.say_if_compiling(quiet=False)
+    assert capsys.readouterr().err.startswith("compiling the brush (once, about ")
+    version = f"py{sys.version_info.major}{sys.version_info.minor}"
+    index = tmp_path / "kernels_0" / f"{first_run._LAST_COMPILED}.f-1.{version}.nbi"
+    index.parent.mkdir()
+    index.write_bytes(b"")
+    assert first_run.is_compiled()
+    os.utime(index, (0, 0))  # older than the source: numba will compile again
+    assert not first_run.is_compiled()
+
+
+def test_versions_name_what_decides_the_result() -> None:
+    found = versions.find_versions()
+    assert {"paint3d", "python", "numpy", "numba"} <= set(found)
+    assert all(found.values())
+
+
+def test_report_survives_what_is_missing() -> None:
+    assert report._ask("import nothing_of_this_name").startswith("unknown (ModuleNotFoundError")
+    assert report._ask("import os; os._exit(3)") == "unknown (exit status 3)"
+    assert report._ask("print('llvmpipe')") == "llvmpipe"
