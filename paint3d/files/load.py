@@ -29,6 +29,9 @@ MESH_SUFFIXES = tuple(READERS)
 PACKED = {".gz": gzip.GzipFile, ".bz2": bz2.BZ2File}
 MAX_UNPACKED = 4 << 30
 
+# What damaged structure makes a reader stumble over; the careful messages come before these.
+SURPRISES = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+
 log = logging.getLogger("paint3d")
 
 
@@ -71,6 +74,8 @@ def load_mesh(
         raise MeshError(f"{path}: {cause}") from None
     except MemoryError:
         raise MeshError(f"{path}: it does not fit into memory") from None
+    except SURPRISES as cause:
+        raise MeshError(f"{path}: its structure is damaged near {cause}") from None
 
 
 def _find(path: str | os.PathLike[str]) -> Path:

@@ -13,8 +13,8 @@ from paint3d.errors import MeshError
 
 __all__ = ["TriangleMesh"]
 
-# Sizes beyond this (1,000 km) come from broken files; float32 would also lose the object's shape.
-MAX_COORDINATE_MM = 1e9
+# Sizes beyond this (a million km) come from broken files.
+MAX_COORDINATE_MM = 1e12
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,104 @@
+"""Wavefront OBJ: polygons, relative indices, colours after the position, continued lines."""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.files.raw_mesh import RawMesh, as_codes, index_array, parse_numbers
+
+__all__ = ["read_obj"]
+
+ENCODINGS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+COLOUR_COLUMN = {6: 3, 7: 4}  # numbers in a vertex line: where red stands (7: after a weight)
+ATTRIBUTES = re.compile(rb"/\S*")
+ODD_EXPONENT = re.compile(rb"(?<=\d)([+-])[eE](?=\d)")
+
+
+def read_obj(data: bytes) -> RawMesh:
+    """Read an OBJ file; materials, groups, lines and points are passed over.
+
+    Relative (negative) indices count back from the vertices read so far, as the format says.
+    Vertices without a colour, among others with one, are white.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+
+    Raises
+    ------
+    MeshError
+        If a vertex or face line holds something else than numbers, or an index is 0.
+    """
+    lines = _lines(data)
+    vertex_lines = [line[2:] for line in lines if line[:2] == b"v "]
+    face_lines = [line[2:] for line in lines if line[:2] == b"f "]
+    vertices, colours = _vertices(vertex_lines)
+    sizes = np.array([len(line.split()) for line in face_lines], np.int64)
+    corners = index_array(
+        parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), "a face"), "a face"
+    )
+    if (corners == 0).any():
+        raise MeshError("a face refers to vertex 0; OBJ counts from 1")
+    if (corners < 0).any():
+        before = np.repeat(_vertices_before_faces(lines), sizes)
+        corners = np.where(corners < 0, corners + before, corners - 1)
+    else:
+        corners = corners - 1
+    return RawMesh(vertices, corners, sizes, colours)
+
+
+def _lines(data: bytes) -> list[bytes]:
+    """Return the lines without indentation, comments and continuations."""
+    for mark, encoding in ENCODINGS.items():
+        if data.startswith(mark):
+            try:
+                data = data.decode(encoding).encode("utf-8")
+            except UnicodeDecodeError as cause:
+                raise MeshError(f"it is not the {encoding} text it claims to be: {cause}") from None
+    data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\t", b" ")
+    data = data.replace(b"\\\n", b" ")
+    return [line.partition(b"#")[0].strip() for line in data.split(b"\n")]
+
+
+def _vertices(
+    lines: Sequence[bytes],
+) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None]:
+    widths = np.array([len(line.split()) for line in lines], np.int64)
+    if len(lines) == 0:
+        return np.empty((0, 3)), None
+    if widths.min() < 3:
+        line = lines[int(widths.argmin())].decode("ascii", "replace")
+        raise MeshError(f"a vertex line holds {line[:40]!r}; expected three numbers")
+    numbers = _numbers(b"\n".join(lines))
+    first = np.cumsum(widths) - widths
+    vertices = numbers[first[:, None] + np.arange(3)]
+    rgb = np.ones((len(lines), 3))
+    for width, column in COLOUR_COLUMN.items():
+        rows = np.flatnonzero(widths == width)
+        rgb[rows] = numbers[first[rows, None] + column + np.arange(3)]
+    return vertices, as_codes(rgb) if np.isin(widths, list(COLOUR_COLUMN)).any() else None
+
+
+def _numbers(text: bytes) -> NDArray[np.float64]:
+    """Parse numbers; where that fails, read exponents like 3.1+e2, which some programs write."""
+    try:
+        return parse_numbers(text, "a vertex")
+    except MeshError:
+        return parse_numbers(ODD_EXPONENT.sub(rb"e\1", text), "a vertex")
+
+
+def _vertices_before_faces(lines: Sequence[bytes]) -> NDArray[np.int64]:
+    """Return for each face line how many vertex lines come before it."""
+    kind = np.array([1 if line[:2] == b"v " else 2 if line[:2] == b"f " else 0 for line in lines])
+    return np.cumsum(kind == 1)[kind == 2]
