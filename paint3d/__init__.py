@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from paint3d import errors
-    from paint3d.colour import mixture_reflectance
+    from paint3d.colour.layers import mixture_reflectance
     from paint3d.files.export import export
     from paint3d.files.load import load_mesh
     from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -48,7 +48,7 @@ _HOME_OF = {
     "export": "paint3d.files.export",
     "load_mesh": "paint3d.files.load",
     "load_recording": "paint3d.stroke.recording",
-    "mixture_reflectance": "paint3d.colour",
+    "mixture_reflectance": "paint3d.colour.layers",
 }
 
 
