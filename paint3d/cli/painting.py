@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
+from paint3d.errors import RecordingError
 from paint3d.files.atomic import write_atomically
 
 if TYPE_CHECKING:
@@ -84,20 +85,31 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
     from paint3d.stroke.engine import Painter
     from paint3d.surface.painted_surface import PaintedSurface
 
-    brush = load_brush(wishes.brush or recording.brush or _DEFAULT_BRUSH)
-    ink = load_pigment(wishes.ink or recording.ink or _DEFAULT_INK)
+    brush = load_brush(wishes.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
+    ink = load_pigment(wishes.ink or _named_in(recording, "ink", _DEFAULT_INK))
     material = load_material(wishes.material)
     say_if_compiling(quiet=wishes.quiet)
     seconds: dict[str, float] = {}
     with timed(seconds, "prepare"):
         surface = PaintedSurface(mesh, resolution=wishes.resolution_mm, material=material)
-        painter = Painter(surface, brush=brush, ink=ink)
+        azimuth = recording.header["azimuth"]
+        painter = Painter(surface, brush=brush, ink=ink, azimuth=azimuth)
     with (
         timed(seconds, "paint"),
         ProgressBar("painting", enabled=not wishes.quiet) as progress,
     ):
         painter.replay(recording, progress=progress)
     return Painting(surface, painter.report(), seconds)
+
+
+def _named_in(recording: Recording, what: str, default: str) -> str:
+    """The recording's own brush or ink, or the default where it names none."""
+    name = recording.header.get(what)
+    if name is None:
+        return default
+    if not isinstance(name, str):
+        raise RecordingError(f"the header's {what} is {name!r:.60}; expected a name")
+    return name
 
 
 def write_report(file: Path, painting: Painting) -> None:
