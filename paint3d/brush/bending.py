@@ -77,8 +77,9 @@ def joint_stiffness(spec: BrushSpec) -> NDArray:
 
 def _refined_diameters(spec: BrushSpec) -> NDArray:
     joints = np.concatenate([[0.0], np.cumsum(spec.segment_lengths)])
-    places = np.arange(spec.n_segments * REFINEMENT + 1) / REFINEMENT
-    arcs = np.interp(places, np.arange(spec.n_segments + 1), joints)
+    shares = (np.arange(1, REFINEMENT + 1) / REFINEMENT) ** 2
+    inner = joints[:-1, None] + shares * spec.segment_lengths[:, None]
+    arcs = np.concatenate([[0.0], inner.ravel()])
     return spec.diameters(np.minimum(arcs, spec.length_mm))
 
 

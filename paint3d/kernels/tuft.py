@@ -34,16 +34,21 @@ __all__ = [
 
 MAX_SEGMENTS = 13  # the papers' largest m
 REFINEMENT = 12  # points on each straight segment of the spine
-OUTLINE_CAPACITY = MAX_SEGMENTS * REFINEMENT + 4  # what out_reach and out_half_width must hold
-RING = 8  # surface points around each joint for the enclosing sphere
+_RETRACED = 1  # steps before M_d that are traced anew
+_CLOSING_POINTS = 8  # on these steps
+_CROSSING_STEPS = 7
+OUTLINE_CAPACITY = (
+    MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
+)  # what out_reach and out_half_width must hold
+HALF_RING = 5  # surface points on one half of each joint's section, for the enclosing sphere
 SCRATCH_SIZE = 512  # float64 numbers: angles, then three coordinates of every surface point
-_POINTS = MAX_SEGMENTS * RING + 1
+_POINTS = MAX_SEGMENTS * HALF_RING + 1
 _X, _Y, _Z = 32, 32 + _POINTS, 32 + 2 * _POINTS
-_TOLERANCE = 1e-3  # an outlier nearer than this (relative) ends the sphere's passes
+_TOLERANCE = 3e-3  # an outlier nearer than this (relative) ends the sphere's passes
 _PASSES = 40
 
-_COS = np.cos(2.0 * np.pi * np.arange(RING) / RING)
-_SIN = np.sin(2.0 * np.pi * np.arange(RING) / RING)
+_COS = np.cos(np.linspace(0.0, np.pi, HALF_RING))
+_SIN = np.sin(np.linspace(0.0, np.pi, HALF_RING))
 
 
 class Tuft(NamedTuple):
@@ -140,7 +145,7 @@ def _section_at(tuft, angles, pe, j, t, along, up):
     below = angles[j - 1] if j > 0 else angles[0]
     near = 0.5 * (below + angles[j])
     far = 0.5 * (angles[j] + angles[j + 1])
-    place = t * REFINEMENT
+    place = REFINEMENT * math.sqrt(t)
     i = min(int(place), REFINEMENT - 1)
     first = tuft.diameters[j * REFINEMENT + i]
     diameter = first + (place - i) * (tuft.diameters[j * REFINEMENT + i + 1] - first)
@@ -157,24 +162,34 @@ def _section_at(tuft, angles, pe, j, t, along, up):
 
 
 @njit(cache=True, nogil=True)
-def _close(tuft, angles, pe, j, first, last, along, up, out_reach, out_half_width, n):
-    """Find M_d between the shares `first` (touching) and `last` (clear) of segment j; end there.
+def _close(tuft, angles, pe, j, i, along, up, out_reach, out_half_width, n):
+    """Find M_d, where the tuft leaves the plane in step i of segment j, and end the outline there.
 
-    Three more points are set on the way, for there the half width falls like a square root.
+    The half width falls like a square root there, so the last few steps are traced anew,
+    with points that crowd towards M_d.
     """
-    _, f_first = _section_at(tuft, angles, pe, j, first, along, up)
-    _, f_last = _section_at(tuft, angles, pe, j, last, along, up)
-    low, high = first, last
+    low, high = ((i - 1) / REFINEMENT) ** 2, (i / REFINEMENT) ** 2
+    _, f_low = _section_at(tuft, angles, pe, j, low, along, up)
+    _, f_high = _section_at(tuft, angles, pe, j, high, along, up)
+    side = 0
     t = low
-    for _ in range(6):
-        t = low + (high - low) * f_first / (f_first - f_last)
+    for _ in range(_CROSSING_STEPS):  # the Illinois variant of regula falsi
+        t = low + (high - low) * f_low / (f_low - f_high)
         _, square = _section_at(tuft, angles, pe, j, t, along, up)
         if square > 0.0:
-            low, f_first, f_last = t, square, 0.5 * f_last
+            low, f_low = t, square
+            f_high *= 0.5 if side > 0 else 1.0
+            side = 1
         else:
-            high, f_last, f_first = t, square, 0.5 * f_first
-    for share in (0.5, 0.8, 0.95):
-        inner = first + share * (t - first)
+            high, f_high = t, square
+            f_low *= 0.5 if side < 0 else 1.0
+            side = -1
+    again = min(i - 1, _RETRACED)
+    first = ((i - 1 - again) / REFINEMENT) ** 2
+    n = max(n - again, 1)
+    for k in range(1, _CLOSING_POINTS + 1):
+        rest = 1.0 - k / (_CLOSING_POINTS + 1.0)
+        inner = first + (1.0 - rest * rest) * (t - first)
         reach, square = _section_at(tuft, angles, pe, j, inner, along, up)
         if square > 0.0 and reach < out_reach[n - 1]:
             out_reach[n], out_half_width[n] = reach, math.sqrt(square)
@@ -228,7 +243,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
         run = tuft.segment_lengths[j] * math.cos(scratch[j])
         rise = tuft.segment_lengths[j] * math.sin(scratch[j])
         for i in range(1, REFINEMENT + 1):
-            t = i / REFINEMENT
+            t = (i / REFINEMENT) ** 2
             reach, square = _section(
                 along - t * run,
                 up + t * rise,
@@ -239,10 +254,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
             if square <= 0.0:
                 if n == 1:
                     return 0
-                first = (i - 1) / REFINEMENT
-                return _close(
-                    tuft, scratch, pe, j, first, t, along, up, out_reach, out_half_width, n
-                )
+                return _close(tuft, scratch, pe, j, i, along, up, out_reach, out_half_width, n)
             if reach < out_reach[n - 1]:
                 out_reach[n], out_half_width[n] = reach, math.sqrt(square)
                 n += 1
@@ -255,7 +267,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
 
 @njit(cache=True, nogil=True)
 def _surface_points(tuft, descent, tilt, pe, scratch):
-    """Put the tip and a ring of points around every joint into scratch; return their number."""
+    """Put the tip and half a ring of points at every joint into scratch; return their number."""
     m = tuft.segment_lengths.shape[0]
     bend_angles(tuft, descent, tilt, scratch)
     along = 0.0
@@ -273,7 +285,7 @@ def _surface_points(tuft, descent, tilt, pe, scratch):
         radius = 0.5 * tuft.diameters[(j + 1) * REFINEMENT]
         major, minor = radius * widening, radius / widening
         minor_along, minor_up = minor * math.sin(angle), minor * math.cos(angle)
-        for i in range(RING):
+        for i in range(HALF_RING):
             scratch[_X + n] = along + minor_along * _COS[i]
             scratch[_Y + n] = up + minor_up * _COS[i]
             scratch[_Z + n] = major * _SIN[i]
@@ -298,9 +310,11 @@ def enclose_tuft(tuft, descent, tilt, pe, scratch):
     """Smallest enclosing sphere of the bent tuft's surface by growing a ball (Eqs. 10, 11).
 
     The ball starts on the farthest pair and grows towards the farthest outlier. A grown ball need
-    not hold the old one, so passes repeat until no outlier lies more than 0.1 % outside; the ball
-    never exceeds the smallest one, and the last step lets it take in what is left. The surface is
-    its tip and `RING` points around each joint. By symmetry the centre lies in the bend plane.
+    not hold the old one, so passes repeat until no outlier lies more than 0.3 % outside; then the
+    radius takes in what is left. With c the smallest ball's centre and R its radius, Eqs. 10 and 11
+    keep |D - c|^2 + r^2 <= R^2, so the ball never outgrows the smallest one. The tuft is symmetric,
+    c lies in the bend plane, and D moved there by z may have r^2 grow by z^2: this counts an
+    outlier and its mirror image in one step, and half of the surface is enough.
 
     Parameters
     ----------
@@ -313,26 +327,25 @@ def enclose_tuft(tuft, descent, tilt, pe, scratch):
     Returns
     -------
     centre_along, centre_up, radius : float
-        mm, from P'_m; up is negative below the plane.
+        mm, from P'_m.
     """
     n = _surface_points(tuft, descent, tilt, pe, scratch)
     b, _ = _farthest(scratch, n, scratch[_X], scratch[_Y], scratch[_Z])
-    c, square = _farthest(scratch, n, scratch[_X + b], scratch[_Y + b], scratch[_Z + b])
+    c, square = _farthest(scratch, n, scratch[_X + b], scratch[_Y + b], -scratch[_Z + b])
     x = 0.5 * (scratch[_X + b] + scratch[_X + c])
     y = 0.5 * (scratch[_Y + b] + scratch[_Y + c])
-    z = 0.5 * (scratch[_Z + b] + scratch[_Z + c])
-    radius = 0.5 * math.sqrt(square)
+    z = 0.5 * (scratch[_Z + b] - scratch[_Z + c])
+    radius = math.sqrt(0.25 * square + z * z)
     for _ in range(_PASSES):
-        e, square = _farthest(scratch, n, x, y, z)
+        e, square = _farthest(scratch, n, x, y, 0.0)
         distance = math.sqrt(square)
         if distance <= radius * (1.0 + _TOLERANCE):
             break
-        grown = (radius * radius + distance * distance) / (2.0 * distance)  # Eq. 10
+        grown = (radius * radius + square) / (2.0 * distance)  # Eq. 10
         step = math.sqrt(max(grown * grown - radius * radius, 0.0)) / distance  # Eq. 11
         x += step * (scratch[_X + e] - x)
         y += step * (scratch[_Y + e] - y)
-        z += step * (scratch[_Z + e] - z)
-        radius = grown
-    # Moving the centre into the plane of symmetry brings no mirrored pair of points farther away.
+        z = step * scratch[_Z + e]
+        radius = math.sqrt(grown * grown + z * z)
     _, square = _farthest(scratch, n, x, y, 0.0)
     return x, y, math.sqrt(square)
