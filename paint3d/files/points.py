@@ -1,0 +1,78 @@
+"""A surface through a point cloud, by a ball that rolls over the points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+
+__all__ = ["surface_through"]
+
+FEWEST_POINTS = 20
+NEIGHBOURS = 16
+RADII = (1.0, 1.5, 2.5, 4.0)  # of the ball, in typical distances between neighbours
+LEAST_SHARE = 0.5  # of the points that the surface must reach to be worth painting
+
+
+def surface_through(
+    points: NDArray[np.float64], normals: NDArray[np.float64] | None = None
+) -> NDArray[np.int64]:
+    """Return triangles between the points of a scanned surface.
+
+    Ball pivoting keeps the points as vertices and bridges no gap wider than four spacings, so
+    holes of the scan stay holes.
+
+    Parameters
+    ----------
+    points : (V, 3) float64
+    normals : (V, 3) float64, optional
+        Outward directions. Estimated where not given, and then turned consistently and, on the
+        whole, away from the middle.
+
+    Returns
+    -------
+    (F, 3) int64
+
+    Raises
+    ------
+    MeshError
+        If there are fewer than 20 points or fewer than half of them could be joined.
+    """
+    if len(points) < FEWEST_POINTS:
+        raise MeshError(
+            f"it has {len(points)} points and no triangles; expected at least {FEWEST_POINTS} "
+            "points to build a surface through"
+        )
+    import open3d
+
+    cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
+    if normals is not None and np.isfinite(normals).all() and normals.any(axis=1).all():
+        cloud.normals = open3d.utility.Vector3dVector(normals)
+    else:
+        _estimate_normals(cloud, points)
+    spacing = float(np.median(cloud.compute_nearest_neighbor_distance()))
+    radii = open3d.utility.DoubleVector([k * spacing for k in RADII])
+    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
+        build = open3d.geometry.TriangleMesh.create_from_point_cloud_ball_pivoting
+        faces = np.asarray(build(cloud, radii).triangles, np.int64).copy()
+    reached = len(np.unique(faces)) / len(points)
+    if reached < LEAST_SHARE:
+        raise MeshError(
+            f"a surface through its {len(points):,} points reaches only {reached:.0%} of them; "
+            "expected points that lie evenly on a surface"
+        )
+    return faces
+
+
+def _estimate_normals(cloud: object, points: NDArray[np.float64]) -> None:
+    import open3d
+
+    cloud.estimate_normals(open3d.geometry.KDTreeSearchParamKNN(NEIGHBOURS))
+    try:
+        cloud.orient_normals_consistent_tangent_plane(NEIGHBOURS)
+    except RuntimeError:
+        raise MeshError("its points lie in one line or plane; a surface cannot be built") from None
+    outward = np.einsum("ij,ij->", np.asarray(cloud.normals), points - points.mean(axis=0))
+    if outward < 0.0:
+        cloud.normals = open3d.utility.Vector3dVector(-np.asarray(cloud.normals))
