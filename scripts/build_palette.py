@@ -1,0 +1,182 @@
+"""Build the palette: K and S per coat of the inks and colours to paint with.
+
+Usage: python scripts/build_palette.py FOLDER [--out FILE]
+
+FOLDER holds the published measurements: drawdowns.csv (CC0), kimera_relative_KS.csv (MIT) and
+usgs_reflectance.csv (public domain). In order of preference a pigment comes from
+
+- drawdowns over black and white: K and S as fitted by scripts/fit_drawdowns.py, here without
+  Saunderson's correction, so that they give the measured reflectance; one drawdown is one coat;
+- K and S relative to a white paint: scaled so that one coat hides 98 %;
+- the reflectance R of an opaque layer: K/S = (1 - R)^2 / 2R, one S for all wavelengths, scaled
+  likewise. That is a guess of S, good for strongly scattering pigments.
+
+Hiding is the luminance of one coat over black by that over a chart of 80 %. Dyes and lakes that
+are painted as washes (gamboge, indigo, carmine) hide only when almost black: their coat is the
+one that takes the chart's lightness L* 80 % of the way down to the opaque layer's. A pigment that could
+not be had under clear terms is replaced by a named substitute. The output is the same bytes on
+every run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from fit_drawdowns import HEADER, fit, read_drawdowns
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from paint3d.colour.difference import lab_from_spectra
+from paint3d.colour.layers import layer_reflectance
+from paint3d.colour.spectra import WAVELENGTHS, xyz_from_spectra
+
+OUT = Path(__file__).parents[1] / "paint3d/ink/data/palette.csv"
+HIDING, CHART, DEPTH = 0.98, 0.8, 0.8
+WASHES = {"gamboge", "indigo", "carmine"}
+
+GELDOF = "Geldof et al., Heritage Science 6:17 (2018), fligt/revigo-spectra, {}"
+KIMERA = "Kimera acrylics, miciwan/PaintMixing, {}"
+USGS = "USGS Spectral Library 7 (Kokaly et al. 2017, Data Series 1035), {}"
+LICENCES = {"drawdown": "CC0-1.0", "kimera": "MIT", "usgs": "public domain (US government)"}
+SOURCES = {"drawdown": GELDOF, "kimera": KIMERA, "usgs": USGS}
+BASES = {"drawdown": "measured K,S", "kimera": "measured K,S", "usgs": "masstone"}
+
+# name, Chinese name, table, row or column of it, what it stands in for ("" where it is the thing)
+COLOURS = [
+    ("cinnabar", "朱砂", "drawdown", "Vermillion", "synthetic cinnabar (vermilion)"),
+    ("minium", "铅丹", "drawdown", "Minium", ""),
+    ("azurite", "石青", "usgs", "Azurite_WS316_BECKa", ""),
+    ("malachite", "石绿", "usgs", "Malachite_GDS801_synthetic_ASDFRa", "synthetic malachite"),
+    ("ochre", "赭石", "usgs", "Terra_Pozzuoli_GDS806_ASDFRa", "red-brown earth of Pozzuoli"),
+    ("yellow ochre", "土黄", "kimera", "yellow oxide", "substitute: synthetic goethite"),
+    ("red ochre", "土红", "kimera", "red oxide", "substitute: synthetic hematite"),
+    ("hematite", "赤铁矿", "usgs", "Hematite_GDS27_BECKa", ""),
+    ("gamboge", "藤黄", "kimera", "warm yellow", "substitute: organic warm yellow"),
+    ("orpiment", "雌黄", "drawdown", "ChromeYellowOtero", "substitute: chrome yellow"),
+    ("realgar", "雄黄", "kimera", "orange", "substitute: organic orange"),
+    ("indigo", "花青", "drawdown", "PrussianBlue", "substitute: Prussian blue"),
+    ("lapis lazuli", "青金石", "drawdown", "UltramarineBlue", "substitute: synthetic ultramarine"),
+    ("verdigris", "铜绿", "usgs", "Verdigris_GDS789_ASDFRa", ""),
+    ("emerald green", "巴黎绿", "drawdown", "EmeraldGreen", ""),
+    ("carmine", "胭脂", "drawdown", "Cochineal", "substitute: cochineal lake"),
+    ("shell white", "蛤粉", "usgs", "Aragonite_GDS1073_ASDNGc", "substitute: mineral aragonite"),
+    ("lead white", "铅白", "drawdown", "LeadWhite", ""),
+    ("titanium white", "钛白", "kimera", "white", ""),
+]
+
+# Soot inks: no sumi could be had. Two measured blacks, one bluish and one purplish, toned with a
+# measured yellow so that washes of pine soot are b* -1 to -3, and of oil soot b* +1 to +2.5.
+# Parts: acrylic black, bone black, warm yellow.
+INKS = [
+    ("pine soot", "松烟墨", (1.0, 0.131, 0.198), "cool"),
+    ("oil soot", "油烟墨", (1.0, 0.182, 0.354), "warm"),
+]
+
+
+def scale_to_hiding(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
+    """Scale K and S (31,) so that one coat hides 98 %."""
+
+    def excess(log_scale: float) -> float:
+        scale = np.exp(log_scale)
+        films = [layer_reflectance(k * scale, s * scale, 1.0, chart) for chart in (0.0, CHART)]
+        over_black, over_white = xyz_from_spectra(films)[:, 1]
+        return over_black / over_white - HIDING
+
+    scale = np.exp(brentq(excess, -12.0, 12.0, xtol=1e-12))
+    return k * scale, s * scale
+
+
+def scale_to_depth(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
+    """Scale K and S (31,) so that one coat darkens the chart 80 % as much as an opaque layer."""
+
+    def lightness(log_scale: float) -> float:
+        film = layer_reflectance(k, s, np.exp(log_scale), np.full_like(k, CHART))
+        return lab_from_spectra(film)[0]
+
+    light, dark = lightness(-30.0), lightness(12.0)
+    wanted = light + DEPTH * (dark - light)
+    scale = np.exp(brentq(lambda x: lightness(x) - wanted, -12.0, 12.0, xtol=1e-12))
+    return k * scale, s * scale
+
+
+def drawdown_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
+    """K and S per drawdown, by the name of the paint."""
+    data = read_drawdowns(path)
+    k, s = np.exp(fit(data, (0.0, 0.0))).transpose(1, 2, 0)
+    return lambda name: (k[data.paints.index(name)], s[data.paints.index(name)])
+
+
+def kimera_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
+    """Relative K and S, by the name of the paint, not scaled."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+
+    def read(name: str) -> tuple[NDArray, NDArray]:
+        found = [row for row in rows if row["pigment"] == name]
+        table = {float(r["wavelength_nm"]): (r["K_rel"], r["S_rel_to_white"]) for r in found}
+        k, s = np.array([table[nm] for nm in WAVELENGTHS], dtype=float).T
+        return k, s
+
+    return read
+
+
+def usgs_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
+    """K/S of an opaque layer and S = 1, by the name of the column."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+
+    def read(name: str) -> tuple[NDArray, NDArray]:
+        table = {float(row["wavelength_nm"]): float(row[name]) for row in rows}
+        r = np.array([table[nm] for nm in WAVELENGTHS])
+        return (1.0 - r) ** 2 / (2.0 * r), np.ones_like(r)
+
+    return read
+
+
+def palette_rows(folder: Path) -> list[list[str]]:
+    """All rows of the table: inks first."""
+    readers = {
+        "drawdown": drawdown_reader(folder / "drawdowns.csv"),
+        "kimera": kimera_reader(folder / "kimera_relative_KS.csv"),
+        "usgs": usgs_reader(folder / "usgs_reflectance.csv"),
+    }
+    rows = []
+    parts = [("kimera", "black"), ("drawdown", "BoneBlack"), ("kimera", "warm yellow")]
+    for name, chinese, shares, cast in INKS:
+        ks = sum(c * np.array(readers[t](p)) for c, (t, p) in zip(shares, parts, strict=True))
+        source = f"{KIMERA.format('black, warm yellow')}; {GELDOF.format('BoneBlack')}"
+        basis = f"mixture of measured K,S (substitute for soot ink: two blacks toned {cast})"
+        rows.append(_row(name, chinese, source, basis, "MIT and CC0-1.0", *scale_to_hiding(*ks)))
+    for name, chinese, table, key, note in COLOURS:
+        k, s = readers[table](key)
+        if name in WASHES:
+            k, s = scale_to_depth(k, s)
+        elif table != "drawdown":
+            k, s = scale_to_hiding(k, s)
+        basis = BASES[table] + (f" ({note})" if note else "")
+        rows.append(_row(name, chinese, SOURCES[table].format(key), basis, LICENCES[table], k, s))
+    return rows
+
+
+def _row(name, chinese, source, basis, licence, k, s) -> list[str]:
+    values = [f"{value:.5g}" for value in (*k, *s)]
+    return [name, chinese, source, basis, licence, "no", *values]
+
+
+def main() -> None:
+    """Run as the module's first lines say."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="folder with the three tables")
+    parser.add_argument("--out", type=Path, default=OUT)
+    options = parser.parse_args()
+    header = HEADER + [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
+    with options.out.open("w", newline="", encoding="utf-8") as stream:
+        csv.writer(stream, lineterminator="\n").writerows([header, *palette_rows(options.folder)])
+
+
+if __name__ == "__main__":
+    main()

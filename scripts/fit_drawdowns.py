@@ -1,0 +1,218 @@
+"""Fit K and S of every paint in a table of drawdowns; print how well they predict.
+
+Usage: python scripts/fit_drawdowns.py FOLDER [--out FILE]
+
+FOLDER holds drawdowns.csv: paints measured over a black and a white chart, with their mass
+fractions. One fit takes all paints and wavelengths together (two-constant Kubelka-Munk, one
+drawdown as one coat, Saunderson's correction, residual in cube-root reflectance, a slight pull
+of log K and log S towards the next wavelength). Written: K and S of each paint, the table that
+`paint3d.mixture_reflectance` uses. Printed: what is left of the fit, what it predicts for
+samples left out of it, and what blending RGB gives. The output is the same bytes on every run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+
+from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_spectra
+from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
+from paint3d.colour.spectra import WAVELENGTHS, linear_rgb_from_spectra
+
+OUT = Path(__file__).parents[1] / "paint3d/ink/data/drawdown_paints.csv"
+SOURCE = (
+    "fitted on drawdowns of Geldof, Proano Gaibor, Kirchner, Ligterink, "
+    "Heritage Science 6:17 (2018), repository fligt/revigo-spectra"
+)
+PULL = 0.005
+BOUNDS = np.log([1e-4, 300.0])
+HEADER = ["name", "chinese", "source", "basis", "licence", "saunderson"]
+
+
+@dataclass(frozen=True)
+class Drawdowns:
+    """M samples of P paints: mass fractions (M, P), charts and films (M, 2, 31) as measured."""
+
+    paints: list[str]
+    fractions: NDArray
+    charts: NDArray
+    films: NDArray
+
+    def without(self, sample: int) -> Drawdowns:
+        """The same without one sample."""
+        keep = np.arange(len(self.fractions)) != sample
+        return Drawdowns(self.paints, self.fractions[keep], self.charts[keep], self.films[keep])
+
+
+def read_drawdowns(path: Path) -> Drawdowns:
+    """Read drawdowns.csv; paints in the order in which they first appear."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    recipes = [json.loads(row["mass_fractions_json"]) for row in rows]
+    paints = list(dict.fromkeys(name for recipe in recipes for name in recipe))
+    fractions = np.array([[recipe.get(name, 0.0) for name in paints] for recipe in recipes])
+
+    def spectra(*kinds: str) -> NDArray:
+        return np.array(
+            [[[float(r[f"{k}_{nm:.0f}"]) for nm in WAVELENGTHS] for k in kinds] for r in rows]
+        )
+
+    charts, films = spectra("chart_black", "chart_white"), spectra("over_black", "over_white")
+    return Drawdowns(paints, fractions, charts, films)
+
+
+def predict(log_ks: NDArray, data: Drawdowns, gloss: tuple[float, float]) -> NDArray:
+    """Films (M, 2, 31) as measured, from log K and log S (31, 2, P)."""
+    k, s = np.einsum("wip,mp->imw", np.exp(log_ks), data.fractions)
+    films = layer_reflectance(
+        k[:, None], s[:, None], 1.0, np.clip(to_internal(data.charts, *gloss), 0, 1)
+    )
+    return to_measured(films, *gloss)
+
+
+def _residual(log_ks: NDArray, data: Drawdowns, gloss: tuple[float, float]) -> NDArray:
+    """(31, R) of cube-root reflectance, model minus measurement."""
+    left = np.cbrt(predict(log_ks, data, gloss)) - np.cbrt(data.films)
+    return np.moveaxis(left, 2, 0).reshape(WAVELENGTHS.size, -1)
+
+
+def _normal_equations(log_ks, data, gloss):
+    """Jacobian products per wavelength: J^T J (31, N, N), J^T r (31, N)."""
+    base = _residual(log_ks, data, gloss)
+    n = log_ks[0].size
+    jacobian = np.empty((*base.shape, n))
+    for j in range(n):
+        moved = log_ks.copy()
+        moved.reshape(WAVELENGTHS.size, n)[:, j] += 1e-6
+        jacobian[:, :, j] = (_residual(moved, data, gloss) - base) / 1e-6
+    return np.einsum("wri,wrj->wij", jacobian, jacobian), np.einsum("wri,wr->wi", jacobian, base)
+
+
+def _cost(log_ks, data, gloss) -> float:
+    bumps = np.diff(log_ks, axis=0)
+    return float((_residual(log_ks, data, gloss) ** 2).sum() + PULL**2 * (bumps**2).sum())
+
+
+def _step(hessian, gradient, log_ks, damping) -> NDArray:
+    """Solve one damped Gauss-Newton step; wavelengths are coupled by the pull alone."""
+    n_waves, n = gradient.shape
+    flat = log_ks.reshape(n_waves, n)
+    ends = np.ones(n_waves)
+    ends[1:-1] = 2.0
+    pulled = ends[:, None] * flat
+    pulled[1:] -= flat[:-1]
+    pulled[:-1] -= flat[1:]
+    band = np.zeros((n + 1, n_waves * n))
+    for d in range(n):
+        diagonal = np.zeros((n_waves, n))
+        diagonal[:, : n - d] = np.diagonal(hessian, offset=-d, axis1=1, axis2=2)
+        band[d] = diagonal.ravel()
+    band[0] += np.repeat(PULL**2 * ends, n) + damping
+    band[n, : (n_waves - 1) * n] = -(PULL**2)
+    right = -(gradient + PULL**2 * pulled).ravel()
+    return solveh_banded(band, right, lower=True).reshape(log_ks.shape)
+
+
+def fit(
+    data: Drawdowns, gloss: tuple[float, float], start: NDArray | None = None, steps: int = 60
+) -> NDArray:
+    """Least-squares log K and log S (31, 2, P) by Levenberg-Marquardt; 1-2 s from scratch."""
+    log_ks = np.full((WAVELENGTHS.size, 2, len(data.paints)), 0.0) if start is None else start
+    damping, cost = 1e-3, _cost(log_ks, data, gloss)
+    for _ in range(steps):
+        hessian, gradient = _normal_equations(log_ks, data, gloss)
+        while damping < 1e6:
+            step = np.clip(_step(hessian, gradient, log_ks, damping), -1.5, 1.5)
+            trial = np.clip(log_ks + step, *BOUNDS)
+            trial_cost = _cost(trial, data, gloss)
+            if trial_cost < cost:
+                break
+            damping *= 4.0
+        gain = cost - trial_cost
+        if gain <= 0:
+            break
+        log_ks, cost, damping = trial, trial_cost, max(damping / 4.0, 1e-9)
+        if gain < 1e-6 * cost:
+            break
+    return log_ks
+
+
+def differences(log_ks, data: Drawdowns, gloss) -> NDArray:
+    """dE00 (M, 2) of the films over black and white."""
+    model = predict(log_ks, data, gloss)
+    return delta_e(lab_from_spectra(model), lab_from_spectra(data.films))
+
+
+def rgb_differences(log_ks, data: Drawdowns, gloss) -> NDArray:
+    """dE00 (M, 2) when the linear RGB of the pure films is blended by mass instead."""
+    mixed = []
+    for sample, fractions in enumerate(data.fractions):
+        pure = Drawdowns(
+            data.paints,
+            np.eye(len(data.paints)),
+            np.repeat(data.charts[sample : sample + 1], len(data.paints), axis=0),
+            data.films,
+        )
+        mixed.append(
+            np.tensordot(fractions, linear_rgb_from_spectra(predict(log_ks, pure, gloss)), 1)
+        )
+    return delta_e(lab_from_linear_rgb(np.array(mixed)), lab_from_spectra(data.films))
+
+
+def left_out_differences(log_ks, data: Drawdowns, gloss) -> NDArray:
+    """dE00 (L, 2) of each mixture whose paints all occur elsewhere, fitted without it."""
+    found = []
+    for sample in np.flatnonzero((data.fractions > 0).sum(axis=1) > 1):
+        rest = data.without(sample)
+        if (rest.fractions[:, data.fractions[sample] > 0].sum(axis=0) > 0).all():
+            again = fit(rest, gloss, start=log_ks, steps=15)
+            found.append(differences(again, data, gloss)[sample])
+    return np.array(found)
+
+
+def write_paints(path: Path, data: Drawdowns, log_ks: NDArray) -> None:
+    """Write K and S per coat in the layout that `paint3d.ink.pigments` reads."""
+    bands = [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
+    pure = data.fractions[(data.fractions > 0).sum(axis=1) == 1].sum(axis=0) > 0
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(HEADER + bands)
+        for i, name in enumerate(data.paints):
+            basis = "measured K,S" if pure[i] else "measured K,S (from mixtures only)"
+            values = [f"{value:.5g}" for value in np.exp(log_ks[:, :, i].T).ravel()]
+            writer.writerow([name, "", SOURCE, basis, "CC0-1.0", "yes", *values])
+
+
+def _line(label: str, values: NDArray) -> str:
+    return (
+        f"{label:<34} mean {values.mean():5.2f}  median {np.median(values):5.2f}  "
+        f"max {values.max():5.2f}  (n = {values.size})"
+    )
+
+
+def main() -> None:
+    """Run as the module's first lines say."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="folder with drawdowns.csv")
+    parser.add_argument("--out", type=Path, default=OUT)
+    options = parser.parse_args()
+    data = read_drawdowns(options.folder / "drawdowns.csv")
+    log_ks = fit(data, SAUNDERSON)
+    mixtures = (data.fractions > 0).sum(axis=1) > 1
+    print("dE00 against the measured films")
+    print(_line("fit, all samples", differences(log_ks, data, SAUNDERSON)))
+    print(_line("fit, mixtures", differences(log_ks, data, SAUNDERSON)[mixtures]))
+    print(_line("mixtures left out of the fit", left_out_differences(log_ks, data, SAUNDERSON)))
+    print(_line("RGB blending, mixtures", rgb_differences(log_ks, data, SAUNDERSON)[mixtures]))
+    write_paints(options.out, data, log_ks)
+
+
+if __name__ == "__main__":
+    main()
