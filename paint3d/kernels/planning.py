@@ -1,0 +1,247 @@
+"""Which footprints fit into a stroke's outline: distances, containment, best directions, coverage.
+
+Distances are kept on a grid: `field[i, j]` is the signed distance (positive inside) at
+(x0 + j step, y0 + i step), with `grid = (x0, y0, step)`. A ladder of footprints is an array
+`points` (L levels, B boundary points, 2): the outline of each descent about its own centroid, with
+the bend along +x. Points of the same index belong together, so a level may lie between two rungs;
+level -1 stands for a brush that is lifted.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+__all__ = [
+    "best_course",
+    "cover",
+    "fit_level",
+    "fit_levels",
+    "measure_room",
+    "rate",
+    "signed_distances",
+]
+
+_HALVINGS = 7
+
+
+@njit(cache=True, nogil=True)
+def signed_distances(polygon, x0, y0, step, out):
+    """Distance of every grid point to a closed polygon (N, 2), positive inside (even-odd rule)."""
+    n = polygon.shape[0]
+    for i in range(out.shape[0]):
+        y = y0 + i * step
+        for j in range(out.shape[1]):
+            x = x0 + j * step
+            nearest = np.inf
+            inside = False
+            px, py = polygon[n - 1, 0], polygon[n - 1, 1]
+            for k in range(n):
+                qx, qy = polygon[k, 0], polygon[k, 1]
+                ex, ey = qx - px, qy - py
+                t = ((x - px) * ex + (y - py) * ey) / (ex * ex + ey * ey)
+                t = min(1.0, max(0.0, t))
+                dx, dy = x - px - t * ex, y - py - t * ey
+                nearest = min(nearest, dx * dx + dy * dy)
+                if (py > y) != (qy > y) and x < px + (y - py) / ey * ex:
+                    inside = not inside
+                px, py = qx, qy
+            out[i, j] = math.sqrt(nearest) if inside else -math.sqrt(nearest)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _distance_at(field, x0, y0, step, x, y):
+    """Bilinear signed distance; off the grid the border's value holds, which lies outside."""
+    u = min(max((x - x0) / step, 0.0), field.shape[1] - 1.000001)
+    v = min(max((y - y0) / step, 0.0), field.shape[0] - 1.000001)
+    j, i = int(u), int(v)
+    u -= j
+    v -= i
+    low = (1.0 - u) * field[i, j] + u * field[i, j + 1]
+    high = (1.0 - u) * field[i + 1, j] + u * field[i + 1, j + 1]
+    return (1.0 - v) * low + v * high
+
+
+@njit(cache=True, nogil=True)
+def measure_room(field, grid, centres, directions, limit, out):
+    """How far one can go from each centre (S, 2) along its direction (S, 2) and stay inside."""
+    for s in range(centres.shape[0]):
+        run = 0.0
+        while run < limit:
+            x = centres[s, 0] + run * directions[s, 0]
+            y = centres[s, 1] + run * directions[s, 1]
+            d = _distance_at(field, grid[0], grid[1], grid[2], x, y)
+            if d <= 0.0:
+                run += d
+                break
+            run += max(d, 0.25)
+        out[s] = min(max(run, 0.0), limit)
+
+
+@njit(cache=True, nogil=True)
+def _fits(points, level, field, grid, x, y, cosine, sine, margin):
+    """Whether the footprint of a (fractional) level at (x, y) stays within `margin` of inside."""
+    k = min(int(level), points.shape[0] - 2)
+    t = level - k
+    for b in range(points.shape[1]):
+        u = (1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0]
+        v = (1.0 - t) * points[k, b, 1] + t * points[k + 1, b, 1]
+        px, py = x + cosine * u - sine * v, y + sine * u + cosine * v
+        if _distance_at(field, grid[0], grid[1], grid[2], px, py) < -margin:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def fit_level(points, field, grid, x, y, azimuth, margin):
+    """Greatest level that fits with its centroid at (x, y) and all lower rungs fitting; or -1."""
+    cosine, sine = math.cos(azimuth), math.sin(azimuth)
+    k = 0
+    while k < points.shape[0] and _fits(points, float(k), field, grid, x, y, cosine, sine, margin):
+        k += 1
+    if k == 0:
+        return -1.0
+    if k == points.shape[0]:
+        return k - 1.0
+    low, high = k - 1.0, float(k)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if _fits(points, middle, field, grid, x, y, cosine, sine, margin):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@njit(cache=True, nogil=True)
+def fit_levels(points, field, grid, centres, azimuths, margin, out):
+    """`fit_level` of every pose of a dense course: centres (S, 2), azimuths (S,)."""
+    for s in range(centres.shape[0]):
+        out[s] = fit_level(points, field, grid, centres[s, 0], centres[s, 1], azimuths[s], margin)
+
+
+@njit(cache=True, nogil=True)
+def rate(points, support, field, grid, centres, headings, room, shifts, margin, out_gap):
+    """How much of the stroke's width every direction and side step leaves bare.
+
+    Parameters
+    ----------
+    points : (L, B, 2) float64
+        Ladder of footprints.
+    support : (L, 2 A) float64
+        Reach of each rung from its centroid in 2 A even directions from 0 to 2 pi.
+    field, grid
+        Signed distances.
+    centres : (S, 2), headings : (S,) float64
+        Samples of the centre line and the direction of travel, rad.
+    room : (S, 2) float64
+        Distance from centre to outline on the left and on the right.
+    shifts : (O,) float64
+        Side steps to the left, in shares of the narrower room.
+    margin : float
+        How far a footprint may leave the outline.
+    out_gap : (S, A, O) float64
+        Width left bare on both sides together.
+    """
+    n_angles = out_gap.shape[1]
+    for s in range(centres.shape[0]):
+        left, right = room[s, 0], room[s, 1]
+        nx, ny = -math.sin(headings[s]), math.cos(headings[s])
+        for o in range(shifts.shape[0]):
+            shift = shifts[o] * min(left, right)
+            x, y = centres[s, 0] + shift * nx, centres[s, 1] + shift * ny
+            for a in range(n_angles):
+                azimuth = 2.0 * math.pi * a / n_angles
+                level = fit_level(points, field, grid, x, y, azimuth, margin)
+                if level < 0.0:
+                    out_gap[s, a, o] = left + right
+                    continue
+                turn = headings[s] + 0.5 * math.pi - azimuth
+                reach_left = _reach(support, level, turn) + shift
+                reach_right = _reach(support, level, turn + math.pi) - shift
+                out_gap[s, a, o] = max(0.0, left - reach_left) + max(0.0, right - reach_right)
+
+
+@njit(cache=True, nogil=True)
+def _reach(support, level, direction):
+    n = support.shape[1]
+    i = int(round(direction / (2.0 * math.pi) * n)) % n
+    k = min(int(level), support.shape[0] - 2)
+    t = level - k
+    return (1.0 - t) * support[k, i] + t * support[k + 1, i]
+
+
+@njit(cache=True, nogil=True)
+def best_course(cost, turn_cost, shift_cost, most_turn, out_angle, out_shift):
+    """Cheapest chain through the samples, by dynamic programming.
+
+    Parameters
+    ----------
+    cost : (S, A, O) float64
+        Cost of every state.
+    turn_cost, shift_cost : float
+        Cost of one step of direction or side step, times its square.
+    most_turn : int
+        Steps of direction allowed between neighbours.
+    out_angle, out_shift : (S,) int64
+        The chain.
+    """
+    n, n_angles, n_shifts = cost.shape
+    origin = np.zeros((n, n_angles, n_shifts), np.int64)
+    before = cost[0].copy()
+    now = np.empty_like(before)
+    for s in range(1, n):
+        for a in range(n_angles):
+            for o in range(n_shifts):
+                best, source = np.inf, 0
+                for da in range(-most_turn, most_turn + 1):
+                    b = (a + da) % n_angles
+                    for p in range(max(0, o - 1), min(n_shifts, o + 2)):
+                        value = before[b, p] + turn_cost * da * da + shift_cost * (o - p) ** 2
+                        if value < best:
+                            best, source = value, b * n_shifts + p
+                now[a, o] = best + cost[s, a, o]
+                origin[s, a, o] = source
+        before, now = now, before
+    state = int(np.argmin(before))
+    for s in range(n - 1, -1, -1):
+        a, o = state // n_shifts, state % n_shifts
+        out_angle[s], out_shift[s] = a, o
+        state = origin[s, a, o]
+
+
+@njit(cache=True, nogil=True)
+def cover(points, levels, centres, azimuths, x0, y0, step, out_mask):
+    """Set the pixels under a dense course of footprints; pixel centres as grid points of a field.
+
+    Every footprint is filled as the polygon of its boundary points. A course must be dense: poses
+    farther apart than a pixel leave scalloped edges.
+    """
+    n_points = points.shape[1]
+    xs, ys = np.empty(n_points), np.empty(n_points)
+    for s in range(levels.shape[0]):
+        if levels[s] < 0.0:
+            continue
+        k = min(int(levels[s]), points.shape[0] - 2)
+        t = levels[s] - k
+        cosine, sine = math.cos(azimuths[s]), math.sin(azimuths[s])
+        for b in range(n_points):
+            u = (1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0]
+            v = (1.0 - t) * points[k, b, 1] + t * points[k + 1, b, 1]
+            xs[b] = (centres[s, 0] + cosine * u - sine * v - x0) / step
+            ys[b] = (centres[s, 1] + sine * u + cosine * v - y0) / step
+        first = max(0, int(math.ceil(ys.min())))
+        last = min(out_mask.shape[0] - 1, int(math.floor(ys.max())))
+        for i in range(first, last + 1):
+            low, high = np.inf, -np.inf  # footprints are convex enough for one run a row
+            for b in range(n_points):
+                e = (b + 1) % n_points
+                if (ys[b] <= i) != (ys[e] <= i):
+                    x = xs[b] + (i - ys[b]) / (ys[e] - ys[b]) * (xs[e] - xs[b])
+                    low, high = min(low, x), max(high, x)
+            for j in range(
+                max(0, int(math.ceil(low))), min(out_mask.shape[1] - 1, int(math.floor(high))) + 1
+            ):
+                out_mask[i, j] = True

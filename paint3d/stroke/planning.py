@@ -1,0 +1,305 @@
+"""Planning strokes: from an outline to the course of the brush that fills it.
+
+The method is that of contained footprints. Along the stroke's centre line every bend direction is
+rated by how much of the width the largest footprint leaves bare that still lies within the outline;
+dynamic programming picks the directions, trading coverage against a trailing tip and calm turns;
+then the course is smoothed and the pressure limited again at every pose, so that nothing leaves
+the outline. The handle stands at P'_m, the foot of the root node, not at the footprint's centre.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
+
+from paint3d.errors import InputError
+from paint3d.kernels import planning as kernels
+from paint3d.stroke.glyphs import DESCENDER, EM_UNITS, Glyph
+from paint3d.stroke.ladder import FootprintLadder
+
+__all__ = ["PlanSettings", "StrokeCourse", "on_paper", "plan_glyph", "plan_stroke"]
+
+
+@dataclass(frozen=True)
+class PlanSettings:
+    """How a stroke is planned; lengths in shares of the em.
+
+    Attributes
+    ----------
+    sample_step, pose_step : float
+        Distance of the samples that directions are chosen for, and of the final poses.
+    margin : float
+        How far a footprint may stand out of the outline.
+    n_directions : int
+        Bend directions tried.
+    shifts : tuple of float
+        Side steps tried, in shares of the narrower half of the stroke.
+    trailing : float
+        Cost of a leading tip (0 for a trailing one), in stroke widths left bare.
+    turning, shifting : float
+        Cost of a turn of one radian, and of a side step of one half width, over one stroke width.
+    """
+
+    sample_step: float = 3.5 / 1024
+    pose_step: float = 1.0 / 1024
+    margin: float = 1.0 / 1024
+    n_directions: int = 36
+    shifts: tuple[float, ...] = (-0.5, -0.25, 0.0, 0.25, 0.5)
+    trailing: float = 0.08
+    turning: float = 0.03
+    shifting: float = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeCourse:
+    """The way of the brush through one stroke: N poses with an upright holder, in order.
+
+    Attributes
+    ----------
+    handle : (N, 2) float64
+        P'_m on the paper, mm.
+    azimuth : (N,) float64
+        Bend direction, rad, without jumps of a turn.
+    descent : (N,) float64
+        D_s, mm; 0 at both ends.
+    centre : (N, 2) float64
+        Centroid of the footprint, mm.
+    level : (N,) float64
+        Place on the ladder of footprints, -1 where the brush is off.
+    """
+
+    handle: NDArray[np.float64]
+    azimuth: NDArray[np.float64]
+    descent: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    level: NDArray[np.float64]
+
+
+def on_paper(points: NDArray, em_mm: float) -> NDArray[np.float64]:
+    """Carry glyph units (N, 2) to millimetres from the em square's lower left corner."""
+    return em_mm / EM_UNITS * (np.asarray(points, np.float64) + (0.0, DESCENDER))
+
+
+def plan_glyph(
+    glyph: Glyph, em_mm: float, ladder: FootprintLadder, settings: PlanSettings | None = None
+) -> list[StrokeCourse]:
+    """Plan all strokes of a glyph, in writing order.
+
+    Parameters
+    ----------
+    glyph : Glyph
+    em_mm : float
+        Side of the em square, mm.
+    ladder : FootprintLadder
+        Footprints of the brush.
+    settings : PlanSettings, optional
+
+    Raises
+    ------
+    InputError
+        If a stroke is too fine for the brush.
+    """
+    courses = []
+    for k, stroke in enumerate(glyph.strokes):
+        outline, median = on_paper(stroke.outline, em_mm), on_paper(stroke.median, em_mm)
+        name = f"stroke {k + 1} of {glyph.text}"
+        courses.append(plan_stroke(outline, median, em_mm, ladder, settings, name))
+    return courses
+
+
+def plan_stroke(
+    outline: NDArray,
+    median: NDArray,
+    em_mm: float,
+    ladder: FootprintLadder,
+    settings: PlanSettings | None = None,
+    name: str = "stroke",
+) -> StrokeCourse:
+    """Plan one stroke.
+
+    Parameters
+    ----------
+    outline : (N, 2) float64
+        Closed polygon, mm.
+    median : (M, 2) float64
+        Centre line in writing order, mm.
+    em_mm : float
+        Side of the em square, mm: the scale of `settings`.
+    ladder : FootprintLadder
+    settings : PlanSettings, optional
+    name : str
+        What to call the stroke in messages.
+
+    Raises
+    ------
+    InputError
+        If no footprint of the brush fits anywhere.
+    """
+    settings = settings or PlanSettings()
+    field, grid = _distance_field(outline, em_mm / 512)
+    line = _centre_line(median, field, grid, settings.sample_step * em_mm)
+    azimuth, shift = _choose_course(line, field, grid, ladder, settings, em_mm)
+    centre, azimuth = _smooth_course(line, azimuth, shift, settings.pose_step * em_mm)
+    level = np.empty(len(centre))
+    margin = settings.margin * em_mm
+    kernels.fit_levels(ladder.points, field, grid, centre, azimuth, margin, level)
+    touching = np.flatnonzero(level >= 0.0)
+    if len(touching) < 2:
+        raise InputError(f"{name} is too fine for this brush at an em of {em_mm:g} mm")
+    kept = slice(touching[0], touching[-1] + 1)
+    centre, azimuth = centre[kept], azimuth[kept]
+    level = _calm(level[kept])
+    return _course(centre, azimuth, level, ladder)
+
+
+def _distance_field(outline: NDArray, step: float) -> tuple[NDArray, NDArray]:
+    low = outline.min(axis=0) - 4 * step
+    shape = np.ceil((outline.max(axis=0) + 4 * step - low) / step).astype(int) + 1
+    field = np.empty((shape[1], shape[0]))
+    kernels.signed_distances(np.ascontiguousarray(outline), low[0], low[1], step, field)
+    return field, np.array([low[0], low[1], step])
+
+
+@dataclass(frozen=True, eq=False)
+class _Line:
+    """The centre line as samples at an even distance, with the outline to both sides."""
+
+    points: NDArray  # (S, 2) mm
+    headings: NDArray  # (S,) rad
+    room: NDArray  # (S, 2) mm to the left and right outline
+    width: float  # of the stroke, mm
+    step: float  # mm
+
+    @property
+    def normals(self) -> NDArray:
+        return np.stack([-np.sin(self.headings), np.cos(self.headings)], axis=1)
+
+
+def _resample(points: NDArray, step: float) -> NDArray:
+    length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
+    n = max(4, math.ceil(length[-1] / step))
+    at = np.linspace(0.0, length[-1], n + 1)
+    return np.stack([np.interp(at, length, points[:, k]) for k in range(2)], axis=1)
+
+
+def _smooth(points: NDArray, sigma: float) -> NDArray:
+    """Gaussian smoothing of a line that keeps both its ends."""
+    n = len(points)
+    reach = min(n - 1, math.ceil(4 * sigma))
+    head = 2 * points[0] - points[reach:0:-1]
+    tail = 2 * points[-1] - points[-2 : -reach - 2 : -1]
+    padded = np.concatenate([head, points, tail])
+    return gaussian_filter1d(padded, sigma, axis=0, truncate=4.0)[reach : reach + n]
+
+
+def _headings(points: NDArray) -> NDArray:
+    ahead = np.gradient(points, axis=0)
+    return np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+
+
+def _room(points: NDArray, headings: NDArray, field: NDArray, grid: NDArray, limit: float):
+    normals = np.stack([-np.sin(headings), np.cos(headings)], axis=1)
+    left, right = np.empty(len(points)), np.empty(len(points))
+    kernels.measure_room(field, grid, points, normals, limit, left)
+    kernels.measure_room(field, grid, points, -normals, limit, right)
+    return np.stack([left, right], axis=1)
+
+
+def _centre_line(median: NDArray, field: NDArray, grid: NDArray, step: float) -> _Line:
+    """Smooth the median, extend it to the outline's ends, and move it to the middle."""
+    points = _resample(median, step)
+    headings = _headings(points)
+    wide = field.max()
+    width = float(np.median(_room(points, headings, field, grid, 2.0 * wide).sum(axis=1)))
+    sigma = 0.25 * width / step
+    points = _smooth(points, sigma)
+    points = _resample(_extend(points, field, grid, width), step)
+    for _ in range(2):
+        headings = _headings(points)
+        room = _room(points, headings, field, grid, width)
+        inner = np.minimum(room.min(axis=1), 0.3 * width)
+        move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
+        normals = np.stack([-np.sin(headings), np.cos(headings)], axis=1)
+        points = _resample(_smooth(points + move[:, None] * normals, sigma), step)
+    headings = _headings(points)
+    room = _room(points, headings, field, grid, 1.5 * width)
+    step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
+    return _Line(points, headings, room, width, step)
+
+
+def _extend(points: NDArray, field: NDArray, grid: NDArray, width: float) -> NDArray:
+    """Go on straight from both ends until the outline is reached."""
+    k = min(len(points) - 1, 6)
+    ways = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    run = np.empty(2)
+    kernels.measure_room(field, grid, points[[0, -1]].copy(), ways, width, run)
+    ends = points[[0, -1]] + run[:, None] * ways
+    return np.concatenate([ends[:1], points, ends[1:]])
+
+
+def _choose_course(
+    line: _Line,
+    field: NDArray,
+    grid: NDArray,
+    ladder: FootprintLadder,
+    settings: PlanSettings,
+    em_mm: float,
+) -> tuple[NDArray, NDArray]:
+    """Return the azimuth (rad) and the side step (mm) for every sample of the line."""
+    n, shifts = settings.n_directions, np.array(settings.shifts)
+    gap = np.empty((len(line.points), n, len(shifts)))
+    margin = settings.margin * em_mm
+    kernels.rate(
+        ladder.points, ladder.support, field, grid, line.points, line.headings, line.room,
+        shifts, margin, gap,
+    )  # fmt: skip
+    directions = 2.0 * np.pi * np.arange(n) / n
+    leading = 0.5 + 0.5 * np.cos(directions[None, :] - line.headings[:, None])
+    cost = gap / line.width + settings.trailing * leading[:, :, None]
+    per_width = line.step / line.width
+    turn = settings.turning * (2.0 * np.pi / n / per_width) ** 2
+    aside = settings.shifting * ((shifts[1] - shifts[0]) / per_width) ** 2
+    angle, side = np.empty(len(gap), np.int64), np.empty(len(gap), np.int64)
+    kernels.best_course(cost, turn, aside, 3, angle, side)
+    return np.unwrap(directions[angle]), shifts[side] * line.room.min(axis=1)
+
+
+def _smooth_course(
+    line: _Line, azimuth: NDArray, shift: NDArray, step: float
+) -> tuple[NDArray, NDArray]:
+    """Interpolate the chosen course at the final step: centres (N, 2) and azimuths (N,)."""
+    sigma = 0.2 * line.width / line.step
+    azimuth = _smooth(azimuth[:, None], sigma)[:, 0]
+    centre = line.points + _smooth(shift[:, None], sigma) * line.normals
+    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centre, axis=0), axis=1))]
+    at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
+    dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
+    sigma = line.step / step
+    smooth = _smooth(np.stack(dense, axis=1), sigma)
+    return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
+
+
+def _calm(level: NDArray, half_window: int = 3) -> NDArray[np.float64]:
+    """Smooth the levels from below: never above what fits."""
+    low = minimum_filter1d(level, 2 * half_window + 1, mode="nearest")
+    calm = gaussian_filter1d(low, 0.5 * half_window, truncate=2.0, mode="nearest")
+    return np.minimum(calm, level)
+
+
+def _course(
+    centre: NDArray, azimuth: NDArray, level: NDArray, ladder: FootprintLadder
+) -> StrokeCourse:
+    """Place the handle behind the footprints, and add the touch before and the lift after."""
+    pick = np.r_[0, np.arange(len(level)), len(level) - 1]
+    centre, azimuth, level = centre[pick], azimuth[pick], level[pick]
+    reach = ladder.centroid_at(level)[:, None]
+    bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    descent = ladder.descent_at(level)
+    descent[[0, -1]] = 0.0
+    level[[0, -1]] = -1.0
+    return StrokeCourse(centre - reach * bend, azimuth, descent, centre, level)
