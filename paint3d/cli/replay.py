@@ -45,11 +45,11 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
-    from paint3d.files.export import SUFFIXES, export
+    from paint3d.files.export import EXPORT_SUFFIXES, export
     from paint3d.files.load import load_mesh
     from paint3d.stroke.recording import load_recording
 
-    check_output_file(options.out, SUFFIXES)
+    check_output_file(options.out, EXPORT_SUFFIXES)
     if options.report is not None:
         check_output_file(options.report, (".json",))
     recording = load_recording(options.recording)
