@@ -17,6 +17,7 @@ FILL = 0.80  # share of the frame's half-width or half-height that the object ma
 FLAT_FILL = 0.92
 FLAT_RATIO = 0.05  # thickness over length below which an object counts as a sheet
 PAINT_STEP = 12  # sRGB steps from the bare colour from which a vertex counts as painted
+LEVEL_RATIO = 0.3  # level over upright part of a normal below which it points up, or down
 LOWEST, HIGHEST, RAISED = np.radians([16.0, 58.0, 14.0])
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 
@@ -169,8 +170,9 @@ def _sheet_view(vertices: NDArray, facing: NDArray) -> View:
 
 def _raised_view(facing: NDArray) -> View:
     level = np.hypot(facing[0], facing[1])
-    if level <= 1e-3 * max(abs(facing[2]), 1e-12):
-        facing, level = np.array([0.0, -1.0, max(facing[2], 0.0) * 1e6]), 1.0
+    if level <= LEVEL_RATIO * abs(facing[2]) or level < 1e-12:  # no side: upright, from the front
+        upward = HIGHEST if facing[2] > 0 else LOWEST
+        facing, level = np.array([0.0, -1.0, np.tan(upward - RAISED)]), 1.0
     elevation = np.clip(np.arctan2(facing[2], level) + RAISED, LOWEST, HIGHEST)
     flat = facing[:2] / np.hypot(*facing[:2])
     return View(np.append(flat * np.cos(elevation), np.sin(elevation)), Z_AXIS)

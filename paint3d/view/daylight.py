@@ -2,9 +2,9 @@
 
 A point is lit from a direction if nothing of the object lies nearer to the light on the line
 through it. Each of the studio's directions gets a depth map of samples spread evenly over the
-surface; a point looks itself up, moved off the surface along its normal by `OFFSET` cells so that
-it does not shade itself. Sums over many directions give soft shadows and ambient occlusion that,
-unlike screen-space occlusion, do not depend on where the camera stands.
+surface; a point looks itself up, moved off the surface by `OFFSET` cells so that it does not shade
+itself. Sums over many directions give soft shadows and ambient occlusion that, unlike screen-space
+occlusion, do not depend on where the camera stands.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from paint3d.kernels.depth_map import add_sunlight, fill_depth_map
 from paint3d.view.studio import Sun
 
 __all__ = ["Ground", "Occluder", "light_ground", "light_points"]
@@ -23,7 +24,9 @@ CELLS = 224  # across a depth map: 0.9 mm on a bowl of 200 mm
 SAMPLES = 400_000  # 8 a cell of the map, so that a hole is met once in thousands of cells
 OFFSET = 1.6  # cells
 GROUND_CELLS = 420
-GROUND_BLUR = 2.0  # cells; joins the shadows of neighbouring lights
+GROUND_BLURS = 1.5, 7.0  # cells, in the deepest shade and elsewhere: joins neighbouring lights
+SHARP_BELOW = 0.5  # openness below which the shade is drawn sharper
+GAP = 0.004  # radii from the lowest point down to the floor: a sheet must not sink into it
 GROUND_HALF = 3.0  # half-width of the shaded ground, in radii of the object
 
 
@@ -52,30 +55,29 @@ class Occluder:
         self.radius = float(np.linalg.norm(vertices - self.centre, axis=1).max())
         self.cell = 2.04 * self.radius / CELLS
 
-    def is_open(self, points: NDArray, direction: NDArray) -> NDArray[np.bool_]:
-        """Return which of `points` (N, 3) see out of the object along the unit `direction`."""
-        axes = self._axes(direction)
-        cells, depth = self._project(self.points, axes)
-        nearest = np.full(CELLS * CELLS + 1, -np.inf, dtype=np.float32)
-        np.maximum.at(nearest, cells, depth)
-        nearest[-1] = -np.inf  # outside of the map nothing shades
-        cells, depth = self._project(points, axes)
-        return depth >= nearest[cells]
+    def shine(
+        self, suns: list[Sun], points: NDArray, normals: NDArray, lift: float, ground: Ground
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the irradiance (N, 3) of `suns` and the hidden part (N,) of each point's sky.
 
-    def _axes(self, direction: NDArray) -> NDArray[np.float32]:
-        aside = np.eye(3)[np.argmin(np.abs(direction))]
-        u = np.cross(direction, aside)
-        u /= np.linalg.norm(u)
-        return np.stack([u, np.cross(direction, u), direction]).astype(np.float32)
+        Points (N, 3) float32 are looked up `lift` mm off the surface along `normals` (N, 3).
+        """
+        lit, hidden = np.zeros((len(points), 3)), np.zeros(len(points))
+        scale = 1 / self.cell
+        depth_map = np.empty((CELLS, CELLS), dtype=np.float32)
+        floor = (ground.openness, *ground.origin, ground.half)
+        for sun in suns:
+            axes = _axes_toward(sun.direction)
+            fill_depth_map(self.points, self.centre, axes, scale, depth_map)
+            place = (points, normals, lift, self.centre, axes, scale, depth_map)
+            add_sunlight(*place, sun.irradiance, 4 * sun.share, floor, lit, hidden)
+        return lit, hidden
 
-    def _project(self, points: NDArray, axes: NDArray) -> tuple[NDArray, NDArray]:
-        centre = (axes @ self.centre).astype(np.float32)
-        scale = np.float32(1 / self.cell)
-        u = (points @ axes[0] - centre[0]) * scale + np.float32(CELLS / 2)
-        v = (points @ axes[1] - centre[1]) * scale + np.float32(CELLS / 2)
-        inside = (u >= 0) & (u < CELLS) & (v >= 0) & (v < CELLS)
-        cells = np.where(inside, u.astype(np.int32) + CELLS * v.astype(np.int32), CELLS * CELLS)
-        return cells, points @ axes[2]
+
+def _axes_toward(direction: NDArray) -> NDArray[np.float64]:
+    u = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    u /= np.linalg.norm(u)
+    return np.stack([u, np.cross(direction, u), direction])
 
 
 @dataclass(frozen=True)
@@ -89,36 +91,33 @@ class Ground:
     half: float
     openness: NDArray[np.float64]
 
-    def openness_at(self, xy: NDArray) -> NDArray[np.float64]:
-        """Return the openness at (N, 2) places, 1 outside the ground's square."""
-        n = len(self.openness)
-        at = ((xy - self.origin[:2]) / self.half + 1) * (n / 2)
-        inside = ((at >= 0) & (at < n)).all(axis=1)
-        j, i = np.where(inside[:, None], at, 0).astype(np.int64).T
-        return np.where(inside, self.openness[i, j], 1.0)
-
 
 def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
-    """Return the floor that touches the object's lowest point, with the object's soft shadow."""
-    floor = float(occluder.points[:, 2].min())
+    """Return the floor just under the object's lowest point, with the object's soft shadow."""
     half = GROUND_HALF * occluder.radius
+    floor = occluder.points[:, 2].min() - GAP * occluder.radius
+    origin = np.array([occluder.centre[0], occluder.centre[1], floor], dtype=np.float64)
+    free = Ground(origin, half, np.ones((1, 1)))
     ticks = ((np.arange(GROUND_CELLS) + 0.5) / GROUND_CELLS * 2 - 1) * half
-    origin = np.array([occluder.centre[0], occluder.centre[1], floor])
     x, y = np.meshgrid(ticks + origin[0], ticks + origin[1])
     points = np.stack([x, y, np.full_like(x, floor)], axis=-1).reshape(-1, 3).astype(np.float32)
-    lit, free = np.zeros(len(points)), 0.0
-    for sun in suns:
-        strength = sun.irradiance.mean() * sun.direction[2]
-        if strength > 0:
-            lit += strength * occluder.is_open(points, sun.direction)
-            free += strength
-    openness = (lit / free).reshape(GROUND_CELLS, GROUND_CELLS)
-    return Ground(origin, half, gaussian_filter(openness, GROUND_BLUR, mode="nearest"))
+    normals = np.tile(np.float32([0, 0, 1]), (len(points), 1))
+    above = [sun for sun in suns if sun.direction[2] > 0]
+    lit = occluder.shine(above, points, normals, 0.0, free)[0].mean(axis=1)
+    full = sum(sun.irradiance.mean() * sun.direction[2] for sun in above)
+    return Ground(origin, half, _smooth_shade((lit / full).reshape(GROUND_CELLS, GROUND_CELLS)))
+
+
+def _smooth_shade(openness: NDArray) -> NDArray[np.float64]:
+    """Blur the shade, least where it is darkest: under the object, where contact is seen."""
+    near, far = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
+    dark = np.clip((SHARP_BELOW - far) / SHARP_BELOW * 2, 0, 1)
+    return far + dark * (near - far)
 
 
 def light_points(
     occluder: Occluder,
-    ground: Ground | None,
+    ground: Ground,
     suns: list[Sun],
     points: NDArray,
     normals: NDArray,
@@ -132,25 +131,13 @@ def light_points(
     Parameters
     ----------
     occluder : Occluder
-    ground : Ground or None
-        The floor whose shade darkens the light from below; None where there is no floor.
+    ground : Ground
+        The floor, whose shade darkens the light from below.
     suns : list of Sun
     points, normals : (N, 3) float32 arrays, studio axes
     albedo : float
         Reflectance of the bare object, 0 to 1.
     """
-    lifted = points + np.float32(OFFSET * occluder.cell) * normals
-    lit = np.zeros((len(points), 3))
-    hidden = np.zeros(len(points))
-    for sun in suns:
-        cosines = normals @ sun.direction.astype(np.float32)
-        facing = np.flatnonzero(cosines > 0)
-        weights = cosines[facing] * occluder.is_open(lifted[facing], sun.direction)
-        hidden[facing] += 4 * sun.share * (cosines[facing] - weights)
-        if ground is not None and sun.direction[2] < 0:
-            reach = (points[facing, 2] - ground.origin[2]) / -sun.direction[2]
-            foot = points[facing, :2] + reach[:, None] * sun.direction[:2]
-            weights = weights * ground.openness_at(foot)
-        lit[facing] += weights[:, None] * sun.irradiance
+    lit, hidden = occluder.shine(suns, points, normals, OFFSET * occluder.cell, ground)
     lit /= np.pi
     return lit + albedo * hidden[:, None] * lit.mean(axis=0)

@@ -29,6 +29,8 @@ from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 __all__ = ["Gloss", "View", "render_picture"]
 
 VTK_GAMMA = 2.2  # VTK's physically based shading reads vertex colours as powers of 2.2
+LIT_BEST = 0.88  # of the seen vertices are lit no better than WHITE_POINT
+SHALLOWEST = 0.02  # sine of the camera's height below which the ground is left out
 VIGNETTE = 0.34
 SMALLEST, LARGEST = 16, 4096
 WHITE_POINT = 0.74  # linear brightness of ideal white where lit best: room for what glaze mirrors
@@ -99,18 +101,21 @@ def _set_up(
     view = View(axes @ view.direction, axes @ view.up, view.zoom)
     camera = fit_camera(vertices, view, size[0] / size[1])
     occluder, suns = Occluder(vertices, faces), light_samples()
-    ground = light_ground(occluder, suns) if view.direction[2] > 0.02 else None
+    ground = light_ground(occluder, suns)
+    from_above = view.direction[2] > SHALLOWEST
     albedo = srgb_to_linear(srgb)
     seen = np.einsum("ij,ij->i", normals, camera.position - vertices) > -0.2 * occluder.radius
     mean_albedo = float(areas @ albedo.mean(axis=1) / areas.sum())
     light = light_points(occluder, ground, suns, vertices[seen], normals[seen], mean_albedo)
-    exposure = WHITE_POINT / float(np.quantile(light.mean(axis=1), 0.96))
+    exposure = WHITE_POINT / float(np.quantile(light.mean(axis=1), LIT_BEST))
     light *= exposure
     peak = max(float(light.max()), 1.0)
     shown = np.zeros_like(albedo)
     shown[seen] = albedo[seen] * light / peak
     colours = np.rint(255 * shown ** (1 / VTK_GAMMA)).astype(np.uint8)
-    return Scene(vertices, faces, normals, colours, peak, exposure, ground, camera)
+    return Scene(
+        vertices, faces, normals, colours, peak, exposure, ground if from_above else None, camera
+    )
 
 
 def _develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -20,6 +20,8 @@ __all__ = ["Scene", "draw_scene"]
 BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the paper far from the object
 POOL = np.array([0.600, 0.572, 0.535])  # and around it, where the key light falls
 DIFFUSE = 0.924  # of evenly falling light, what VTK returns from a white rough surface; measured
+MATTE_IOR, GLAZE_IOR = 1.1, 1.53
+GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
 POOL_RADIUS = 0.62  # of the ground's half-width
 
 
@@ -60,7 +62,6 @@ def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.
                 _add_ground(plotter, scene.ground)
             _add_studio(plotter, scene.peak, scene.exposure)
             _place_camera(plotter, scene)
-            plotter.show(auto_close=False, interactive=False)
             pixels = plotter.screenshot(return_img=True)
         except RuntimeError as cause:
             raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
@@ -76,14 +77,12 @@ def _add_object(plotter, scene: Scene, gloss: Gloss) -> None:
     mesh.point_data["Normals"] = scene.normals
     mesh.GetPointData().SetActiveNormals("Normals")
     mesh.point_data["light"] = scene.colours
+    roughness = gloss.roughness + gloss.coat * (GLAZE_ROUGHNESS - gloss.roughness)
     actor = plotter.add_mesh(
-        mesh, scalars="light", rgb=True, pbr=True, metallic=0.0, roughness=gloss.roughness
+        mesh, scalars="light", rgb=True, pbr=True, metallic=0.0, roughness=roughness
     )
-    material = actor.GetProperty()
-    material.SetBaseIOR(1.5)
-    material.SetCoatIOR(1.5)
-    material.SetCoatRoughness(0.05)
-    material.SetCoatStrength(gloss.coat)
+    # What a matte surface reflects all around is already part of its painted colour.
+    actor.GetProperty().SetBaseIOR(MATTE_IOR + gloss.coat * (GLAZE_IOR - MATTE_IOR))
 
 
 def _add_ground(plotter, ground: Ground) -> None:
@@ -112,7 +111,8 @@ def _add_studio(plotter, peak: float, exposure: float) -> None:
     """Mirror the panorama; light the body evenly, as its light is in the vertex colours."""
     renderer = plotter.renderer
     renderer.SetAutomaticLightCreation(False)
-    plotter.set_environment_texture(_texture(exposure * make_panorama()), is_srgb=False)
+    renderer.SetUseImageBasedLighting(True)
+    renderer.SetEnvironmentTexture(_texture(exposure * make_panorama()), False)
     renderer.SetUseSphericalHarmonics(False)
     renderer.SetEnvironmentRight(1, 0, 0)
     renderer.SetEnvironmentUp(0, 0, 1)

@@ -17,6 +17,9 @@ from paint3d.errors import UnknownNameError
 __all__ = ["DOME", "SOFTBOXES", "Gloss", "Softbox", "Sun", "light_samples", "make_panorama"]
 
 
+GOLDEN = (np.sqrt(5) - 1) / 2
+
+
 @dataclass(frozen=True)
 class Gloss:
     """How a material mirrors the studio.
@@ -45,7 +48,7 @@ class Gloss:
 
 
 _GLOSSES = {
-    "porcelain": Gloss(0.34, 0.85),
+    "porcelain": Gloss(0.30, 0.90),
     "bisque": Gloss(0.75, 0.0),
     "xuan": Gloss(0.95, 0.0),
     "plaster": Gloss(0.9, 0.0),
@@ -77,18 +80,14 @@ class Softbox:
         inside_v = _soft_step((self.half_height - np.abs(np.arctan(v / ahead))) / 0.05)
         return ((w > 0) * inside_u * inside_v)[:, None] * np.asarray(self.radiance)
 
-    def suns(self, columns: int, rows: int) -> list[Sun]:
-        """Return columns x rows directions that share out the light of the box."""
+    def suns(self, n: int) -> list[Sun]:
+        """Return n directions that share out the light of the box evenly (a golden lattice)."""
         right, up, towards = self.axes()
-        us = np.tan(self.half_width * ((np.arange(columns) + 0.5) / columns * 2 - 1))
-        vs = np.tan(self.half_height * ((np.arange(rows) + 0.5) / rows * 2 - 1))
-        angle = 4 * self.half_width * self.half_height / (columns * rows)
-        directions = [
-            towards + u * right + (v + (i % 2 - 0.5) * 0.4 * (vs[1] - vs[0])) * up
-            for i, u in enumerate(us)
-            for v in vs
-        ]
-        light = np.asarray(self.radiance) * angle
+        k = np.arange(n) + 0.5
+        us = np.tan(self.half_width * (2 * k / n - 1))
+        vs = np.tan(self.half_height * (2 * (k * GOLDEN % 1) - 1))
+        light = np.asarray(self.radiance) * (4 * self.half_width * self.half_height / n)
+        directions = [towards + u * right + v * up for u, v in zip(us, vs, strict=True)]
         return [Sun(d / np.linalg.norm(d), light) for d in directions]
 
 
@@ -128,10 +127,12 @@ class Dome:
         return sky + _soft_step(-height / 0.03) * (np.asarray(self.floor) - sky)
 
 
-DOME = Dome(horizon=(0.40, 0.41, 0.43), zenith=(0.62, 0.63, 0.65), floor=(0.50, 0.47, 0.43))
+DOME = Dome(horizon=(0.40, 0.41, 0.43), zenith=(0.62, 0.63, 0.65), floor=(0.50, 0.48, 0.455))
+MIRRORED_SHADE = 0.65
 SOFTBOXES = (
-    Softbox((-0.74, -0.78, 0.74), 0.25, 0.19, (15.0, 14.0, 12.4)),  # warm key, front left
+    Softbox((-0.74, -0.78, 0.74), 0.25, 0.19, (15.0, 14.2, 13.2)),  # warm key, front left
     Softbox((0.96, -0.12, 0.42), 0.09, 0.48, (4.0, 4.4, 5.0)),  # cool strip, right
+    Softbox((0.20, -1.00, 0.26), 0.60, 0.32, (1.15, 1.13, 1.10)),  # broad fill, by the camera
     Softbox((0.10, 0.85, 0.80), 0.60, 0.14, (3.0, 3.0, 3.0)),  # rim light, behind and above
 )
 
@@ -140,20 +141,21 @@ def light_samples(n_dome: int = 96) -> list[Sun]:
     """Return the studio as parallel lights, `n_dome` of them evenly over the whole sphere."""
     k = np.arange(n_dome) + 0.5
     height = 1 - 2 * k / n_dome
-    turn = np.pi * (1 + np.sqrt(5)) * k
+    turn = 2 * np.pi * GOLDEN * k
     level = np.sqrt(1 - height**2)
     directions = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
     radiance = DOME.radiance_at(directions) * (4 * np.pi / n_dome)
     suns = [Sun(d, e, 1 / n_dome) for d, e in zip(directions, radiance, strict=True)]
-    for box, grid in zip(SOFTBOXES, ((9, 8), (2, 7), (7, 2)), strict=True):
-        suns += box.suns(*grid)
+    for box, n in zip(SOFTBOXES, (72, 14, 14, 14), strict=True):
+        suns += box.suns(n)
     return suns
 
 
 def make_panorama(height: int = 256) -> NDArray[np.float32]:
     """Return the studio as the glaze mirrors it, (height, 2 height, 3) linear RGB.
 
-    Rows go from straight down to straight up; columns turn from behind -x over the camera's side.
+    The floor is darker than in `light_samples`: what a wall mirrors of it lies in the object's own
+    shade. Rows go from straight down to straight up; columns turn from -x over the camera's side.
     """
     elevation = ((np.arange(height) + 0.5) / height - 0.5) * np.pi
     turn = ((np.arange(2 * height) + 0.5) / (2 * height) - 0.5) * 2 * np.pi
@@ -163,6 +165,7 @@ def make_panorama(height: int = 256) -> NDArray[np.float32]:
     )
     directions = np.stack(grid, axis=-1).reshape(-1, 3)
     radiance = DOME.radiance_at(directions)
+    radiance *= 1 - MIRRORED_SHADE * _soft_step(-directions[:, 2:3] / 0.2)
     for box in SOFTBOXES:
         radiance += box.radiance_at(directions)
     return radiance.reshape(height, 2 * height, 3).astype(np.float32)
