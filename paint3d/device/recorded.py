@@ -1,0 +1,206 @@
+"""A recording of both hands: checked arrays, and a device that plays them back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.arrays import as_array
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import RecordingError
+
+__all__ = ["FORMAT", "MAX_FORCE_N", "UNIT_TOLERANCE", "VERSION", "Recording"]
+
+FORMAT = "paint3d-recording"
+VERSION = 1
+MAX_FORCE_N = 7.9
+"""Greatest force of the papers' device (Guo 2017, section 5): pressure 1."""
+UNIT_TOLERANCE = 1e-3
+"""A quaternion's length may differ from 1 by this much; it is then normalised."""
+
+_ROUNDING = 1e-12
+_CHOICES = {"space": ("world", "pad"), "azimuth": ("commanded", "dragged")}
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """N samples of the brush (right hand) and of the object (left hand), in time order.
+
+    `position` is the tuft's root P_m, where the hairs leave the ferrule. With `pressure`, the
+    force (pressure times 7.9 N) sets the descent through Guo 2017, Eq. 4, and the position only
+    says where; without it the descent follows from the root's distance to the surface. In pad
+    space (``header["space"] == "pad"``) x and y are mm on a flat pad and z the height of the
+    lifted pen above it; `paint3d.stroke.laying.lay` carries such a recording onto a surface.
+
+    Attributes
+    ----------
+    time_ns : (N,) int64
+        Strictly increasing; N is at least 1.
+    position : (N, 3) float64
+        mm, in the world.
+    orientation : (N, 4) float64
+        world_from_pen, unit quaternions, w first. Pen z runs from tip to root, pen x is the
+        direction in which the tip bends.
+    pressure : (N,) float64 in [0, 1], or None
+    buttons : (N,) int32
+    object_position : (N, 3) float64
+        mm; zero where the left hand never moved.
+    object_orientation : (N, 4) float64
+        world_from_object, unit quaternions, w first.
+    header : dict
+        format, version, units, devices, brush, ink, object, licence, space ("world" or "pad"),
+        azimuth ("commanded" or "dragged"); other entries are kept.
+
+    Raises
+    ------
+    RecordingError
+        If lengths differ, a value is not finite or out of range, time does not increase, or a
+        quaternion's length is further than 1e-3 from 1.
+    """
+
+    time_ns: NDArray
+    position: NDArray
+    orientation: NDArray
+    pressure: NDArray | None = None
+    buttons: NDArray | None = None
+    object_position: NDArray | None = None
+    object_orientation: NDArray | None = None
+    header: Mapping[str, object] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        time_ns = _times(self.time_ns)
+        n = len(time_ns)
+        identity = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+        checked = {
+            "time_ns": time_ns,
+            "position": _floats(self.position, "position", (n, 3)),
+            "orientation": _unit(self.orientation, "orientation", n),
+            "pressure": None if self.pressure is None else _pressures(self.pressure, n),
+            "buttons": _buttons(self.buttons, n),
+            "object_position": np.zeros((n, 3))
+            if self.object_position is None
+            else _floats(self.object_position, "object_position", (n, 3)),
+            "object_orientation": identity
+            if self.object_orientation is None
+            else _unit(self.object_orientation, "object_orientation", n),
+        }
+        for name, array in checked.items():
+            if array is not None:
+                array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "header", checked_header(self.header))
+
+    def __len__(self) -> int:
+        return len(self.time_ns)
+
+    @property
+    def is_pad(self) -> bool:
+        """Whether the samples lie on a flat pad and must be laid on a surface first."""
+        return self.header["space"] == "pad"
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first sample to the last, s."""
+        return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
+
+    def samples(self) -> Iterator[DeviceSample]:
+        """The samples one after the other, as a live device would give them."""
+        for i in range(len(self)):
+            yield DeviceSample(
+                int(self.time_ns[i]),
+                self.position[i],
+                self.orientation[i],
+                None if self.pressure is None else float(self.pressure[i]),
+                int(self.buttons[i]),
+                self.object_position[i],
+                self.object_orientation[i],
+            )
+
+
+def checked_header(header: Mapping[str, object]) -> dict[str, object]:
+    """A copy of `header` with its defaults filled in.
+
+    Raises
+    ------
+    RecordingError
+        For a format, version, space or azimuth that is not known.
+    """
+    filled = {
+        "format": FORMAT,
+        "version": VERSION,
+        "units": {"position": "mm", "time": "ns", "force": "N"},
+        "space": "world",
+        "azimuth": "commanded",
+        **header,
+    }
+    if filled["format"] != FORMAT:
+        raise RecordingError(f"format is {filled['format']!r}; expected {FORMAT!r}")
+    version = filled["version"]
+    if isinstance(version, bool) or version != VERSION:
+        raise RecordingError(f"version is {version!r}; expected {VERSION}")
+    for key, known in _CHOICES.items():
+        if filled[key] not in known:
+            raise RecordingError(f"{key} is {filled[key]!r}; expected {' or '.join(known)}")
+    return filled
+
+
+def _times(values: object) -> NDArray:
+    raw = np.asarray(values)
+    if raw.ndim != 1 or raw.dtype.kind not in "iu":
+        raise RecordingError(
+            f"time_ns has shape {raw.shape} and type {raw.dtype}; expected (N,) integers"
+        )
+    if len(raw) == 0:
+        raise RecordingError("the recording has no samples; expected at least one")
+    times = raw.astype(np.int64)
+    late = np.flatnonzero(times[1:] <= times[:-1])
+    if len(late):
+        i = int(late[0]) + 1
+        raise RecordingError(
+            f"sample {i}: time_ns is {times[i]}; expected more than {times[i - 1]}, "
+            "the sample before it"
+        )
+    return times
+
+
+def _floats(values: object, name: str, shape: tuple[int, ...]) -> NDArray:
+    return as_array(values, name, shape, error=RecordingError).copy()
+
+
+def _unit(values: object, name: str, n: int) -> NDArray:
+    array = _floats(values, name, (n, 4))
+    length = np.linalg.norm(array, axis=1)
+    bad = np.flatnonzero(np.abs(length - 1.0) > UNIT_TOLERANCE)
+    if len(bad):
+        raise RecordingError(
+            f"sample {bad[0]}: {name} has length {length[bad[0]]:.6g}; "
+            f"expected 1 within {UNIT_TOLERANCE:g}"
+        )
+    off = np.abs(length - 1.0) > _ROUNDING
+    array[off] /= length[off, None]
+    return array
+
+
+def _pressures(values: object, n: int) -> NDArray:
+    array = _floats(values, "pressure", (n,))
+    bad = np.flatnonzero((array < 0.0) | (array > 1.0))
+    if len(bad):
+        raise RecordingError(f"sample {bad[0]}: pressure is {array[bad[0]]:.6g}; expected 0 to 1")
+    return array
+
+
+def _buttons(values: object, n: int) -> NDArray:
+    if values is None:
+        return np.zeros(n, dtype=np.int32)
+    raw = np.asarray(values)
+    if raw.shape != (n,) or raw.dtype.kind not in "iu":
+        raise RecordingError(
+            f"buttons has shape {raw.shape} and type {raw.dtype}; expected ({n},) integers"
+        )
+    bad = np.flatnonzero((raw < 0) | (raw > 0x7FFFFFFF))
+    if len(bad):
+        raise RecordingError(f"sample {bad[0]}: buttons is {raw[bad[0]]}; expected 0 to 2147483647")
+    return raw.astype(np.int32)

@@ -1,0 +1,41 @@
+"""What both hands do at one instant, whatever devices they hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import NDArray
+
+__all__ = ["DeviceSample"]
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceSample:
+    """One reading of the two hands.
+
+    Attributes
+    ----------
+    time_ns : int
+        Time in ns from an arbitrary origin.
+    position : (3,) float64
+        The tuft's root in the world, mm.
+    orientation : (4,) float64
+        world_from_pen, unit quaternion, w first: the pen's z axis runs from tip to root (up the
+        handle), its x axis is the direction in which the tip bends.
+    pressure : float or None
+        Force over the greatest device force (7.9 N), 0 to 1; None where the device has none.
+    buttons : int
+        Bit field of the buttons held down.
+    object_position : (3,) float64
+        Origin of the object's frame in the world, mm.
+    object_orientation : (4,) float64
+        world_from_object, unit quaternion, w first.
+    """
+
+    time_ns: int
+    position: NDArray
+    orientation: NDArray
+    pressure: float | None
+    buttons: int
+    object_position: NDArray
+    object_orientation: NDArray

@@ -1,0 +1,122 @@
+"""Two hands, one pose: the brush in the object's frame.
+
+object_from_pen = inverse(world_from_object) world_from_pen, for every sample. Painting only
+ever sees this product, so moving both hands together changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.device.recorded import Recording
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import RecordingError
+from paint3d.frames import multiply_quaternions, rotate
+
+__all__ = ["BrushPath", "brush_poses", "object_poses"]
+
+_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class BrushPath:
+    """N poses of the brush in the object's frame.
+
+    Attributes
+    ----------
+    time_s : (N,) float64
+        Strictly increasing, s, from the first sample.
+    position : (N, 3) float64
+        The tuft's root, mm.
+    orientation : (N, 4) float64
+        object_from_pen, unit quaternions, w first.
+    pressure : (N,) float64 in [0, 1], or None
+    buttons : (N,) int32
+    """
+
+    time_s: NDArray
+    position: NDArray
+    orientation: NDArray
+    pressure: NDArray | None
+    buttons: NDArray
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+
+def brush_poses(recording: Recording) -> BrushPath:
+    """The poses of a recording's brush in the frame of its object.
+
+    Raises
+    ------
+    RecordingError
+        If the recording lies on a pad: it must be laid on a surface first.
+    """
+    if recording.is_pad:
+        raise RecordingError(
+            "the recording's space is 'pad'; expected 'world' (lay it on a surface first)"
+        )
+    return _path(
+        recording.time_ns,
+        recording.position,
+        recording.orientation,
+        recording.pressure,
+        recording.buttons,
+        recording.object_position,
+        recording.object_orientation,
+    )
+
+
+def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
+    """The poses of live samples; time counts from the first of them.
+
+    Raises
+    ------
+    RecordingError
+        If there are none, time does not increase, or only some have a pressure.
+    """
+    if not samples:
+        raise RecordingError("there are no samples; expected at least one")
+    times = np.array([sample.time_ns for sample in samples], dtype=np.int64)
+    if (np.diff(times) <= 0).any():
+        i = int(np.flatnonzero(np.diff(times) <= 0)[0]) + 1
+        raise RecordingError(f"sample {i}: time_ns is {times[i]}; expected over {times[i - 1]}")
+    pressures = [sample.pressure for sample in samples]
+    n_given = sum(pressure is not None for pressure in pressures)
+    if n_given not in (0, len(samples)):
+        raise RecordingError(
+            f"{n_given} of {len(samples)} samples have a pressure; expected all or none"
+        )
+    return _path(
+        times,
+        np.array([sample.position for sample in samples], dtype=np.float64),
+        np.array([sample.orientation for sample in samples], dtype=np.float64),
+        np.array(pressures, dtype=np.float64) if n_given else None,
+        np.array([sample.buttons for sample in samples], dtype=np.int32),
+        np.array([sample.object_position for sample in samples], dtype=np.float64),
+        np.array([sample.object_orientation for sample in samples], dtype=np.float64),
+    )
+
+
+def _path(
+    time_ns: NDArray,
+    position: NDArray,
+    orientation: NDArray,
+    pressure: NDArray | None,
+    buttons: NDArray,
+    object_position: NDArray,
+    object_orientation: NDArray,
+) -> BrushPath:
+    object_from_world = object_orientation * _CONJUGATE
+    turned = multiply_quaternions(object_from_world, orientation)
+    return BrushPath(
+        (time_ns - time_ns[0]) * 1e-9,
+        rotate(object_from_world, position - object_position),
+        turned / np.linalg.norm(turned, axis=1, keepdims=True),
+        pressure,
+        buttons,
+    )

@@ -1,0 +1,167 @@
+"""What the brush did between two samples.
+
+Positions follow cubic Hermite curves in time, with tangents from the parabola through three
+samples, cut back so that no interval overshoots; orientations turn along the shorter arc, and
+pressures change linearly. Nothing is made up where nothing is known: a lone interval longer
+than 100 ms is straight, and while the pen is up at both of its ends an interval is not joined.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.frames import slerp
+from paint3d.pose.brush_pose import BrushPath
+
+__all__ = ["MAX_CURVED_GAP_S", "DensePath", "densify", "evaluate", "joined_samples", "velocities"]
+
+MAX_CURVED_GAP_S = 0.1
+"""Longer intervals than this are bridged by a straight line (two periods of a 20 Hz device)."""
+_STEEPEST = 3.0
+"""Tangents of at most three chord speeds cannot overshoot (Fritsch and Carlson 1980)."""
+
+
+@dataclass(frozen=True, eq=False)
+class DensePath:
+    """A path made ready for `evaluate`.
+
+    Attributes
+    ----------
+    path : BrushPath
+        The N samples.
+    joined : (N,) bool
+        See `joined_samples`.
+    velocity : (N, 3) float64
+        See `velocities`.
+    """
+
+    path: BrushPath
+    joined: NDArray
+    velocity: NDArray
+
+
+def joined_samples(path: BrushPath) -> NDArray:
+    """Whether the pen came to each sample from the one before it: (N,) bool.
+
+    False for the first sample, and where the pressure is 0 at both ends of the interval.
+    """
+    joined = np.ones(len(path), dtype=bool)
+    joined[0] = False
+    if path.pressure is not None:
+        joined[1:] = (path.pressure[1:] > 0.0) | (path.pressure[:-1] > 0.0)
+    return joined
+
+
+def velocities(path: BrushPath, joined: NDArray) -> NDArray:
+    """Tangents of the cubics in mm/s, (N, 3).
+
+    The derivative of the parabola through a sample and its two neighbours; at the ends of a
+    stroke that through the three last samples; the chord's where there are two. A sample at
+    the end of an interval longer than 100 ms takes that chord's velocity (between two such, 0).
+    No tangent is longer than three times the slower of its two chords. Only samples up to two
+    away matter, so a path may be painted as it comes in.
+
+    Parameters
+    ----------
+    path : BrushPath
+    joined : (N,) bool
+        From `joined_samples`.
+    """
+    n = len(path)
+    velocity = np.zeros((n, 3))
+    if n < 2:
+        return velocity
+    steps = np.diff(path.time_s)
+    chords = np.diff(path.position, axis=0) / steps[:, None]
+    curved = joined[1:] & (steps <= MAX_CURVED_GAP_S)
+    left, right = np.zeros(n, bool), np.zeros(n, bool)
+    left[1:] = right[:-1] = curved
+    i = np.flatnonzero(left & right)
+    velocity[i] = _weighted(chords[i - 1], chords[i], steps[i], steps[i - 1])
+    _set_ends(velocity, chords, steps, curved, np.flatnonzero(right & ~left), 1)
+    _set_ends(velocity, chords, steps, curved, np.flatnonzero(left & ~right), -1)
+    straight = joined[1:] & ~curved
+    before, after = np.zeros(n, bool), np.zeros(n, bool)
+    before[1:] = after[:-1] = straight
+    one = np.flatnonzero(after & ~before)
+    velocity[one] = chords[one]
+    one = np.flatnonzero(before & ~after)
+    velocity[one] = chords[one - 1]
+    velocity[before & after] = 0.0
+    return velocity * _cut(velocity, chords, joined)[:, None]
+
+
+def _weighted(a: NDArray, b: NDArray, weight_a: NDArray, weight_b: NDArray) -> NDArray:
+    total = (weight_a + weight_b)[:, None]
+    return (weight_a[:, None] * a + weight_b[:, None] * b) / total
+
+
+def _set_ends(
+    velocity: NDArray, chords: NDArray, steps: NDArray, curved: NDArray, ends: NDArray, way: int
+) -> None:
+    """Fill the tangents of samples that end a curved run; `way` is 1 where it goes on after."""
+    near = ends if way == 1 else ends - 1
+    far = np.clip(near + way, 0, len(chords) - 1)
+    known = (far == near + way) & curved[far]
+    share = np.where(known, steps[near] / (steps[near] + steps[far]), 0.0)
+    velocity[ends] = chords[near] + (chords[near] - chords[far]) * share[:, None]
+
+
+def _cut(velocity: NDArray, chords: NDArray, joined: NDArray) -> NDArray:
+    """Factors (N,) in [0, 1] that keep the tangents from overshooting."""
+    speed = np.linalg.norm(chords, axis=1)
+    speed[~joined[1:]] = np.inf
+    slowest = np.full(len(velocity), np.inf)
+    slowest[1:] = speed
+    slowest[:-1] = np.minimum(slowest[:-1], speed)
+    length = np.linalg.norm(velocity, axis=1)
+    over = length > _STEEPEST * slowest
+    return np.where(over, _STEEPEST * slowest, 1.0) / np.where(over, length, 1.0)
+
+
+def densify(path: BrushPath) -> DensePath:
+    """Make a path ready for `evaluate`."""
+    joined = joined_samples(path)
+    return DensePath(path, joined, velocities(path, joined))
+
+
+def evaluate(
+    dense: DensePath, sample_index: NDArray, fraction: NDArray
+) -> tuple[NDArray, NDArray, NDArray | None]:
+    """The pose a fraction of the way from sample i to sample i + 1.
+
+    Intervals that are not joined are crossed on a straight line.
+
+    Parameters
+    ----------
+    dense : DensePath
+    sample_index : (M,) int
+        0 to N - 2.
+    fraction : (M,) float64
+        0 to 1 in time.
+
+    Returns
+    -------
+    position : (M, 3) float64
+        mm.
+    orientation : (M, 4) float64
+    pressure : (M,) float64 or None
+    """
+    path, i, t = dense.path, np.asarray(sample_index), np.asarray(fraction, dtype=np.float64)
+    h = (path.time_s[i + 1] - path.time_s[i])[:, None]
+    s = t[:, None]
+    start, end = path.position[i], path.position[i + 1]
+    rise = s * s * (3.0 - 2.0 * s)
+    cubic = (
+        start
+        + rise * (end - start)
+        + s * (1.0 - s) * h * ((1.0 - s) * dense.velocity[i] - s * dense.velocity[i + 1])
+    )
+    position = np.where(dense.joined[i + 1][:, None], cubic, start + s * (end - start))
+    orientation = slerp(path.orientation[i], path.orientation[i + 1], t)
+    if path.pressure is None:
+        return position, orientation, None
+    return position, orientation, (1.0 - t) * path.pressure[i] + t * path.pressure[i + 1]

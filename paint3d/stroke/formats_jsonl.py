@@ -1,0 +1,264 @@
+"""Recordings as JSON Lines: a header, then one sample a line.
+
+A sample is ``{"time_ns": .., "position": [x, y, z], "orientation": [w, x, y, z],
+"pressure": .., "buttons": .., "object": {"position": [..], "orientation": [..]}}``.
+``force`` (N) may stand for ``pressure``; the brush may be nested under ``right`` or
+``right_hand`` and the object is also found under ``left`` or ``left_hand``. The object's pose
+holds until it changes. Keys that are not known are passed over, unless they look like a slip
+of the pen.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterator
+
+import numpy as np
+
+from paint3d.device.recorded import (
+    FORMAT,
+    MAX_FORCE_N,
+    UNIT_TOLERANCE,
+    Recording,
+    checked_header,
+)
+from paint3d.errors import RecordingError
+
+__all__ = ["read_jsonl", "write_jsonl"]
+
+_TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+_RIGHT = ("right", "right_hand")
+_LEFT = ("object", "left", "left_hand")
+_KEYS = {"time_ns", "position", "orientation", "pressure", "force", "buttons", *_RIGHT, *_LEFT}
+_LARGEST = 1e9
+"""Positions further out than this (a thousand km) are taken for damage."""
+
+
+def read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
+    """The recording in numbered lines of text.
+
+    Parameters
+    ----------
+    lines : iterator of (int, str)
+        Line numbers from 1, and the lines.
+    name : str
+        The file's name, for messages.
+
+    Raises
+    ------
+    RecordingError
+        ``name:line: what is X; expected Y``, for the first thing that is wrong.
+    """
+    numbered = ((number, text) for number, text in lines if text.strip())
+    first = next(numbered, None)
+    if first is None:
+        raise RecordingError(f"{name}:1: the file is empty; expected a header line")
+    try:
+        header = checked_header(_file_header(_decode(first[1])))
+        scale = _TO_MM[header["units"]["position"]]
+    except RecordingError as cause:
+        raise RecordingError(f"{name}:{first[0]}: {cause}") from None
+    header["units"] = {**header["units"], "position": "mm"}
+    rows = _Rows(scale)
+    for number, text in numbered:
+        try:
+            rows.add(_decode(text))
+        except RecordingError as cause:
+            raise RecordingError(f"{name}:{number}: {cause}") from None
+    if not rows.times:
+        raise RecordingError(f"{name}:{first[0] + 1}: there are no samples; expected at least one")
+    return rows.recording(header)
+
+
+def _refuse_constant(word: str) -> float:
+    raise RecordingError(f"a number is {word}; expected finite numbers")
+
+
+_DECODER = json.JSONDecoder(parse_constant=_refuse_constant)
+
+
+def _decode(text: str) -> dict:
+    try:
+        value = _DECODER.decode(text)
+    except RecordingError:
+        raise
+    except (ValueError, RecursionError) as cause:
+        raise RecordingError(f"the line is not JSON ({cause}); expected one object") from None
+    if type(value) is not dict:
+        raise RecordingError(f"the line is a JSON {type(value).__name__}; expected an object")
+    return value
+
+
+def _file_header(header: dict) -> dict:
+    for key in ("format", "version"):
+        if key not in header:
+            raise RecordingError(f"the header has no {key!r}; expected {key!r} of {FORMAT!r}")
+    units = header.get("units", {})
+    if isinstance(units, str):
+        units = {"position": units}
+    if not isinstance(units, dict):
+        raise RecordingError(f"units is {units!r}; expected an object such as {{'position': 'mm'}}")
+    units = dict(units)
+    length = units.pop("length", None)
+    merged = {"position": length or "mm", "time": "ns", "force": "N", **units}
+    known = {"position": tuple(_TO_MM), "time": ("ns",), "force": ("N",)}
+    for key, names in known.items():
+        if merged[key] not in names:
+            raise RecordingError(f"units: {key} is {merged[key]!r}; expected {' or '.join(names)}")
+    return {**header, "units": merged}
+
+
+class _Rows:
+    """Samples on their way into arrays; every check is made while the line is known."""
+
+    def __init__(self, scale: float) -> None:
+        self.scale = scale
+        self.times: list[int] = []
+        self.positions: list[list[float]] = []
+        self.orientations: list[list[float]] = []
+        self.pressures: list[float | None] = []
+        self.buttons: list[int] = []
+        self.object_positions: list[list[float]] = []
+        self.object_orientations: list[list[float]] = []
+        self.object = ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])
+        self.accepted = set(_KEYS)
+
+    def add(self, sample: dict) -> None:
+        if not self.accepted.issuperset(sample):
+            self._accept(sample)
+        right = _nested(sample, _RIGHT) or sample
+        if right is not sample and not self.accepted.issuperset(right):
+            self._accept(right)
+        time_ns = _integer(sample if "time_ns" in sample else right, "time_ns", -(2**62), 2**62)
+        if self.times and time_ns <= self.times[-1]:
+            raise RecordingError(
+                f"time_ns is {time_ns}; expected more than {self.times[-1]}, the sample before it"
+            )
+        position = _vector(right, "position", 3, _LARGEST)
+        orientation = _quaternion(right)
+        pressure = _pressure(right)
+        if self.times and (pressure is None) != (self.pressures[0] is None):
+            there, here = ("none", "one") if pressure is not None else ("one", "none")
+            raise RecordingError(
+                f"pressure is given ({here}) unlike in the first sample ({there}); "
+                "expected it in all samples or in none"
+            )
+        button_owner = right if "buttons" in right else sample
+        buttons = (
+            _integer(button_owner, "buttons", 0, 2**31 - 1) if "buttons" in button_owner else 0
+        )
+        left = _nested(sample, _LEFT)
+        if left is not None:
+            self.object = (_vector(left, "position", 3, _LARGEST), _quaternion(left))
+        self.times.append(time_ns)
+        self.positions.append(position)
+        self.orientations.append(orientation)
+        self.pressures.append(pressure)
+        self.buttons.append(buttons)
+        self.object_positions.append(self.object[0])
+        self.object_orientations.append(self.object[1])
+
+    def _accept(self, keys: dict) -> None:
+        for key in keys:
+            near = difflib.get_close_matches(key, _KEYS, n=1, cutoff=0.8)
+            if key not in self.accepted and near:
+                raise RecordingError(f"a key is {key!r}; expected {near[0]!r}")
+            self.accepted.add(key)
+
+    def recording(self, header: dict) -> Recording:
+        with_pressure = self.pressures[0] is not None
+        return Recording(
+            np.array(self.times, dtype=np.int64),
+            np.array(self.positions, dtype=np.float64) * self.scale,
+            np.array(self.orientations, dtype=np.float64),
+            np.array(self.pressures, dtype=np.float64) if with_pressure else None,
+            np.array(self.buttons, dtype=np.int32),
+            np.array(self.object_positions, dtype=np.float64) * self.scale,
+            np.array(self.object_orientations, dtype=np.float64),
+            header,
+        )
+
+
+def _nested(sample: dict, names: tuple[str, ...]) -> dict | None:
+    for name in names:
+        value = sample.get(name)
+        if value is not None:
+            if type(value) is not dict:
+                raise RecordingError(f"{name} is {value!r:.60}; expected an object")
+            return value
+    return None
+
+
+def _vector(owner: dict, key: str, n: int, largest: float) -> list[float]:
+    value = owner.get(key)
+    if type(value) is not list or len(value) != n:
+        got = "missing" if key not in owner else f"{value!r:.60}"
+        raise RecordingError(f"{key} is {got}; expected {n} numbers")
+    for number in value:
+        kind = type(number)
+        if (kind is not float and kind is not int) or not -largest <= number <= largest:
+            raise RecordingError(
+                f"{key} holds {number!r:.60}; expected numbers from {-largest:g} to {largest:g}"
+            )
+    return value
+
+
+def _quaternion(owner: dict) -> list[float]:
+    w, x, y, z = value = _vector(owner, "orientation", 4, 2.0)
+    length = (w * w + x * x + y * y + z * z) ** 0.5
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise RecordingError(
+            f"orientation has length {length:.6g}; expected 1 within {UNIT_TOLERANCE:g}"
+        )
+    return value
+
+
+def _pressure(owner: dict) -> float | None:
+    for key, most in (("pressure", 1.0), ("force", MAX_FORCE_N)):
+        value = owner.get(key)
+        if value is None:
+            continue
+        kind = type(value)
+        if (kind is not float and kind is not int) or not 0 <= value <= most:
+            unit = " N" if key == "force" else ""
+            raise RecordingError(f"{key} is {value!r:.60}; expected 0 to {most:g}{unit}")
+        return value / most
+    return None
+
+
+def _integer(owner: dict, key: str, least: int, most: int) -> int:
+    value = owner.get(key)
+    if type(value) is not int or not least <= value <= most:
+        got = "missing" if key not in owner else f"{value!r:.60}"
+        raise RecordingError(f"{key} is {got}; expected an integer from {least} to {most}")
+    return value
+
+
+def write_jsonl(recording: Recording) -> Iterator[str]:
+    """The lines of a recording, each ending in a newline; numbers read back exactly."""
+    yield json.dumps(dict(recording.header), separators=(",", ":"), allow_nan=False) + "\n"
+    poses = np.hstack([recording.object_position, recording.object_orientation])
+    previous = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    pressures = [None] * len(recording) if recording.pressure is None else recording.pressure
+    for i in range(len(recording)):
+        parts = [
+            f'{{"time_ns":{recording.time_ns[i]}',
+            f'"position":{_compact(recording.position[i])}',
+            f'"orientation":{_compact(recording.orientation[i])}',
+        ]
+        if pressures[i] is not None:
+            parts.append(f'"pressure":{_compact(pressures[i : i + 1])[1:-1]}')
+        parts.append(f'"buttons":{recording.buttons[i]}')
+        if (poses[i] != previous).any():
+            previous = poses[i]
+            parts.append(
+                f'"object":{{"position":{_compact(previous[:3])},'
+                f'"orientation":{_compact(previous[3:])}}}'
+            )
+        yield ",".join(parts) + "}\n"
+
+
+def _compact(numbers: np.ndarray) -> str:
+    words = (repr(number) for number in numbers.tolist())
+    return "[" + ",".join(word[:-2] if word.endswith(".0") else word for word in words) + "]"

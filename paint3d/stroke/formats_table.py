@@ -1,0 +1,340 @@
+"""Recordings as tables: CSV with named columns, and plain columns of time, x, y, pressure.
+
+Columns are found by name, without regard to case; others are passed over:
+
+==================  ====================================================  ===================
+meaning             names                                                 unit
+==================  ====================================================  ===================
+time                time_ns                                               ns, kept exactly
+..                  time_ms, timestamp, sensor_timestamp                  ms
+..                  time, time_s, t                                       s
+place               x_mm, y_mm, z_mm                                      mm, y upwards
+..                  x, y, z; spline_x, spline_y; pos_x, pos_y             `scale`, `y_down`
+pressure            pressure, sensor_pressure, p                          0 to 1
+..                  force, force_n                                        N, 0 to 7.9
+lean of the handle  altitude, azimuth, rotation; sensor_altitude, ...     rad
+..                  altitude_deg, azimuth_deg, rotation_deg               degrees
+orientation         qw, qx, qy, qz                                        unit quaternion
+object              object_x_mm ..., object_qw ...                        mm, unit quaternion
+stroke              idx, stroke, stroke_id                                a new number lifts
+buttons             buttons                                               bits
+==================  ====================================================  ===================
+
+A first line ``# {...}`` holds the header as JSON. Tables without quaternions are pads.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.device.recorded import MAX_FORCE_N, Recording
+from paint3d.errors import RecordingError
+from paint3d.stroke.pad import join_strokes, orientations_from_angles, spread_ties
+
+__all__ = ["read_csv", "read_plain_table", "write_csv"]
+
+_TIMES = {
+    "time_ns": 1.0,
+    **dict.fromkeys(("time_ms", "timestamp", "sensor_timestamp"), 1e6),
+    **dict.fromkeys(("time", "time_s", "t"), 1e9),
+}
+_PLACES = {
+    axis: (f"{axis}_mm", axis, f"spline_{axis}", f"pos_{axis}", f"position_{axis}")
+    for axis in "xyz"
+}
+_PRESSURES = ("pressure", "sensor_pressure", "p", "force", "force_n")
+_STROKES = ("idx", "stroke", "stroke_id")
+_QUATERNION = ("qw", "qx", "qy", "qz")
+_OBJECT = ("object_x_mm", "object_y_mm", "object_z_mm", *(f"object_{q}" for q in _QUATERNION))
+_LARGEST = 1e9
+_TOO_FAST_MS = 0.05
+"""A pad read more often than every 0.05 ms does not exist: such steps are seconds."""
+
+
+class _Table:
+    """Numbers of a table by column, with the line each row came from."""
+
+    def __init__(self, names: list[str], name: str) -> None:
+        self.names = names
+        self.name = name
+        self.lines: list[int] = []
+        self.rows: list[list[float]] = []
+
+    def add(self, number: int, cells: list[str]) -> None:
+        if len(cells) != len(self.names):
+            raise RecordingError(
+                f"{self.name}:{number}: there are {len(cells)} columns; expected {len(self.names)}"
+            )
+        self.lines.append(number)
+        self.rows.append([self._number(number, c, cell) for c, cell in enumerate(cells)])
+
+    def _number(self, line: int, c: int, cell: str) -> float:
+        exact = self.names[c] in ("time_ns", "buttons")
+        try:
+            value = int(cell) if exact else float(cell)
+            if math.isfinite(value) and abs(value) < 2.0**62:
+                return value
+        except (ValueError, OverflowError):
+            pass
+        kind = "an integer" if exact else "a finite number"
+        raise RecordingError(
+            f"{self.name}:{line}: {self.names[c]} is {cell.strip()[:40]!r}; expected {kind}"
+        )
+
+    def column(self, *names: str) -> tuple[str, NDArray] | None:
+        """The first of the named columns that is there, and its values."""
+        for name in names:
+            if name in self.names:
+                c = self.names.index(name)
+                kind = np.int64 if name in ("time_ns", "buttons") else np.float64
+                return name, np.array([row[c] for row in self.rows], dtype=kind)
+        return None
+
+    def check(self, name: str, values: NDArray, low: float, high: float) -> NDArray:
+        bad = np.flatnonzero((values < low) | (values > high))
+        if len(bad):
+            raise RecordingError(
+                f"{self.name}:{self.lines[bad[0]]}: {name} is {values[bad[0]]:.6g}; "
+                f"expected {low:g} to {high:g}"
+            )
+        return values
+
+
+def read_csv(
+    lines: Iterator[tuple[int, str]], name: str, *, scale: float, y_down: bool
+) -> Recording:
+    """The recording in a table with named columns.
+
+    Parameters
+    ----------
+    lines : iterator of (int, str)
+        Line numbers from 1, and the lines.
+    name : str
+        For messages.
+    scale : float
+        mm per unit of x, y and z where their columns do not say mm.
+    y_down : bool
+        Whether y grows downwards where its column does not say mm.
+
+    Raises
+    ------
+    RecordingError
+        ``name:line: what is X; expected Y``.
+    """
+    filled = ((number, text.strip()) for number, text in lines if text.strip())
+    number, text = next(filled, (1, ""))
+    header: dict = {}
+    if text.startswith("#"):
+        header = _header(text[1:], f"{name}:{number}")
+        number, text = next(filled, (number + 1, ""))
+    delimiter = max(",;\t", key=text.count)
+    names = [cell.strip().strip('"').lower() for cell in text.split(delimiter)]
+    if len(set(names)) != len(names) or not any(time in names for time in _TIMES):
+        raise RecordingError(
+            f"{name}:{number}: columns are {', '.join(names)[:200]}; expected distinct names, "
+            f"among them one of {', '.join(_TIMES)}"
+        )
+    table = _Table(names, name)
+    for line, row in filled:
+        table.add(line, [cell.strip().strip('"') for cell in row.split(delimiter)])
+    return _assemble(table, header, scale, y_down)
+
+
+def read_plain_table(
+    lines: Iterator[tuple[int, str]], name: str, *, scale: float, y_down: bool
+) -> Recording:
+    """The pad recording in lines of ``time x y pressure``: s, units of `scale`, and 0 to 1.
+
+    Raises
+    ------
+    RecordingError
+        ``name:line: what is X; expected Y``.
+    """
+    table = _Table(["time", "x", "y", "pressure"], name)
+    for number, text in lines:
+        if text.strip() and not text.startswith("#"):
+            table.add(number, text.split())
+    return _assemble(table, {}, scale, y_down)
+
+
+def _header(text: str, where: str) -> dict:
+    if not text.strip().startswith("{"):
+        return {}
+    try:
+        header = json.loads(text)
+    except (ValueError, RecursionError) as cause:
+        raise RecordingError(f"{where}: the header is not JSON ({cause})") from None
+    return header
+
+
+def _assemble(table: _Table, header: dict, scale: float, y_down: bool) -> Recording:
+    if not table.rows:
+        raise RecordingError(f"{table.name}: there are no samples; expected at least one")
+    up = 1.0 if table.column("y_mm") or not y_down else -1.0
+    position = np.stack([_place(table, axis, scale) for axis in "xyz"], axis=1)
+    position[:, 1] *= up
+    found = table.column(*_STROKES)
+    stroke = np.zeros(len(position)) if found is None else found[1]
+    time_ns, notes = _times(table, stroke)
+    if notes:
+        header = {**header, "notes": [*_listed(header.get("notes")), *notes]}
+    buttons = table.column("buttons")
+    pressed = None if buttons is None else table.check("buttons", buttons[1], 0, 2**31 - 1)
+    pressure = _pressures(table)
+    try:
+        if table.column("qw"):
+            return _posed(table, header, time_ns, position, pressure, pressed)
+        orientation = _leaning(table, up)
+        return join_strokes(time_ns, position, orientation, pressure, stroke, header, pressed)
+    except RecordingError as cause:
+        raise RecordingError(f"{table.name}: {cause}") from None
+
+
+def _listed(notes: object) -> list:
+    return list(notes) if isinstance(notes, list) else []
+
+
+def _posed(
+    table: _Table,
+    header: dict,
+    time_ns: NDArray,
+    position: NDArray,
+    pressure: NDArray | None,
+    buttons: NDArray | None,
+) -> Recording:
+    orientation = _columns(table, _QUATERNION)
+    held = _columns(table, _OBJECT) if table.column(_OBJECT[0]) else None
+    return Recording(
+        time_ns,
+        position,
+        orientation,
+        pressure,
+        buttons,
+        None if held is None else held[:, :3],
+        None if held is None else held[:, 3:],
+        header,
+    )
+
+
+def _columns(table: _Table, names: tuple[str, ...]) -> NDArray:
+    found = [table.column(name) for name in names]
+    if None in found:
+        raise RecordingError(f"there is no column {names[found.index(None)]!r}")
+    return table.check(
+        names[0], np.stack([values for _, values in found], axis=1).T, -_LARGEST, _LARGEST
+    ).T
+
+
+def _place(table: _Table, axis: str, scale: float) -> NDArray:
+    found = table.column(*_PLACES[axis])
+    if found is None:
+        if axis == "z":
+            return np.zeros(len(table.rows))
+        names = ", ".join(_PLACES[axis])
+        raise RecordingError(
+            f"{table.name}: there is no column for {axis}; expected one of {names}"
+        )
+    name, values = found
+    table.check(name, values, -_LARGEST, _LARGEST)
+    return values if name.endswith("_mm") else values * scale
+
+
+def _pressures(table: _Table) -> NDArray | None:
+    found = table.column(*_PRESSURES)
+    if found is None:
+        return None
+    name, values = found
+    most = MAX_FORCE_N if name.startswith("force") else 1.0
+    return table.check(name, values, 0.0, most) / most
+
+
+def _leaning(table: _Table, up: float) -> NDArray:
+    """Orientations from the lean; upright with the tip at the lower right's opposite if unknown."""
+    angles = []
+    for key, otherwise in (
+        ("azimuth", -0.75 * math.pi * up),
+        ("altitude", 0.5 * math.pi),
+        ("rotation", 0.0),
+    ):
+        found = table.column(key, f"sensor_{key}", f"{key}_deg")
+        values = np.full(len(table.rows), otherwise) if found is None else found[1]
+        if found is not None and found[0].endswith("_deg"):
+            values = np.radians(values)
+        angles.append(table.check(key, values, -100.0, 100.0))
+    return orientations_from_angles(angles[0] * up, angles[1], angles[2])
+
+
+def _times(table: _Table, stroke: NDArray) -> tuple[NDArray, list[str]]:
+    """Times in ns, and what had to be done to them."""
+    name, values = table.column(*_TIMES)
+    starts = np.flatnonzero(np.concatenate([[True], stroke[1:] != stroke[:-1]]))
+    late = np.flatnonzero(np.diff(values) < 0)
+    if len(late):
+        i = int(late[0]) + 1
+        raise RecordingError(
+            f"{table.name}:{table.lines[i]}: {name} is {values[i]:.17g}; "
+            f"expected at least {values[i - 1]:.17g}, the time before it"
+        )
+    if name == "time_ns":
+        times, notes = values, []
+    else:
+        times, notes = _rounded(values, _TIMES[name], starts)
+    times, n_moved = spread_ties(times)
+    if n_moved:
+        notes.append(f"{n_moved} samples shared a time stamp; spread evenly up to the next one")
+    if len(times) > 1 and (np.diff(times) <= 0).any():
+        i = int(np.flatnonzero(np.diff(times) <= 0)[0]) + 1
+        raise RecordingError(
+            f"{table.name}:{table.lines[i]}: more samples share a time than ns are left"
+        )
+    return times, notes
+
+
+def _rounded(values: NDArray, unit: float, starts: NDArray) -> tuple[NDArray, list[str]]:
+    """ns from the first stamp; strokes that start in ms but go on in s are put right."""
+    first = np.repeat(values[starts], np.diff(np.append(starts, len(values))))
+    steps = np.diff(values - first)
+    steps = steps[steps > 0]
+    notes = []
+    offset = (values - first) * unit
+    if unit == 1e6 and len(steps) > 1 and np.median(steps) < _TOO_FAST_MS:
+        seconds = (values - first) * 1e9
+        ends = np.append(starts[1:], len(values)) - 1
+        begin = (values[starts] - values[0]) * unit
+        if (begin[1:] > begin[:-1] + seconds[ends[:-1]]).all():
+            offset = seconds
+            notes.append("time stamps count in ms between strokes but in s within them")
+    total = (first - values[0]) * unit + offset
+    if len(total) and total[-1] >= 2.0**62:
+        raise RecordingError("the times span over 146 years; expected a recording")
+    return np.round(total).astype(np.int64), notes
+
+
+def write_csv(recording: Recording) -> Iterator[str]:
+    """The lines of a table from which every number reads back exactly."""
+    yield "# " + json.dumps(dict(recording.header), allow_nan=False) + "\n"
+    pressure = () if recording.pressure is None else ("pressure",)
+    names = ["time_ns", "x_mm", "y_mm", "z_mm", *_QUATERNION, *pressure, "buttons", *_OBJECT]
+    yield ",".join(names) + "\n"
+    floats = [recording.position, recording.orientation]
+    if pressure:
+        floats.append(recording.pressure[:, None])
+    left = np.hstack([*floats])
+    right = np.hstack([recording.object_position, recording.object_orientation])
+    for i in range(len(recording)):
+        yield (
+            ",".join(
+                [
+                    str(recording.time_ns[i]),
+                    *map(repr, left[i].tolist()),
+                    str(recording.buttons[i]),
+                    *map(repr, right[i].tolist()),
+                ]
+            )
+            + "\n"
+        )

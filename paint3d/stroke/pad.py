@@ -1,0 +1,149 @@
+"""Pads and tablets: strokes on a flat sheet, their angles, scale and times."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.device.recorded import Recording
+from paint3d.frames import (
+    matrices_from_quaternions,
+    multiply_quaternions,
+    quaternions_from_matrices,
+)
+
+__all__ = [
+    "LIFT_NS",
+    "MM_PER_PIXEL",
+    "angles_from_orientations",
+    "join_strokes",
+    "orientations_from_angles",
+    "spread_ties",
+]
+
+MM_PER_PIXEL = 25.4 / 96.0
+"""CSS pixels and Wacom's device-independent pixels, mm."""
+LIFT_NS = 1_000_000
+"""A lifted sample is put this long after a stroke's end and before the next one's start."""
+_UPRIGHT = 1e-9
+
+
+def orientations_from_angles(
+    azimuth: NDArray, altitude: NDArray, rotation: NDArray | float = 0.0
+) -> NDArray:
+    """Pen orientations whose tip trails opposite to the lean.
+
+    Parameters
+    ----------
+    azimuth : (N,) float64
+        Direction in which the handle leans, rad from the pad's x towards its y axis.
+    altitude : (N,) float64
+        Angle of the handle above the pad, rad; pi/2 stands upright.
+    rotation : (N,) float64 or float
+        Roll about the handle, rad; 0 turns the tip (pen x) away from the lean.
+
+    Returns
+    -------
+    (N, 4) float64
+        pad_from_pen, unit quaternions, w first.
+    """
+    ca, sa = np.cos(azimuth), np.sin(azimuth)
+    ce, se = np.cos(altitude), np.sin(altitude)
+    z = np.stack([ce * ca, ce * sa, se], axis=-1)
+    x = np.stack([-se * ca, -se * sa, ce], axis=-1)
+    leaning = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1))
+    half = 0.5 * np.broadcast_to(np.asarray(rotation, dtype=np.float64), ca.shape)
+    zero = np.zeros_like(half)
+    return multiply_quaternions(leaning, np.stack([np.cos(half), zero, zero, np.sin(half)], -1))
+
+
+def angles_from_orientations(orientations: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Azimuth, altitude and rotation (rad, each (N,)) of pad orientations (N, 4)."""
+    axes = matrices_from_quaternions(orientations)
+    x, z = axes[..., 0], axes[..., 2]
+    flat = np.hypot(z[:, 0], z[:, 1])
+    upright = flat < _UPRIGHT
+    azimuth = np.where(upright, np.arctan2(-x[:, 1], -x[:, 0]), np.arctan2(z[:, 1], z[:, 0]))
+    altitude = np.arctan2(z[:, 2], flat)
+    plain = matrices_from_quaternions(orientations_from_angles(azimuth, altitude))
+    along = np.sum(x * plain[..., 0], axis=-1)
+    across = np.sum(x * plain[..., 1], axis=-1)
+    return azimuth, altitude, np.arctan2(across, along)
+
+
+def spread_ties(time_ns: NDArray) -> tuple[NDArray, int]:
+    """Times with runs of equal ones spread evenly up to the next later time.
+
+    Tablets hand over several points at once under one time stamp. Nothing is dropped and no
+    sample moves past the next stamp. A run at the end takes the step before it (1 ms if none).
+
+    Parameters
+    ----------
+    time_ns : (N,) int64
+        Not decreasing.
+
+    Returns
+    -------
+    times : (N,) int64
+        Strictly increasing if stamps that differ lie at least a run's length of ns apart.
+    n_moved : int
+        How many samples got a new time.
+    """
+    stamps, first, counts = np.unique(time_ns, return_index=True, return_counts=True)
+    if len(stamps) == len(time_ns):
+        return time_ns.copy(), 0
+    steps = np.diff(stamps)
+    last = steps[-1] if len(steps) else LIFT_NS
+    room = np.append(steps, max(int(last), int(counts[-1])))
+    rank = np.arange(len(time_ns)) - np.repeat(first, counts)
+    return np.repeat(stamps, counts) + np.repeat(room, counts) * rank // np.repeat(
+        counts, counts
+    ), int(len(time_ns) - len(stamps))
+
+
+def join_strokes(
+    time_ns: NDArray,
+    position: NDArray,
+    orientation: NDArray,
+    pressure: NDArray | None,
+    stroke: NDArray,
+    header: dict,
+    buttons: NDArray | None = None,
+) -> Recording:
+    """One pad recording of several strokes, with the pen lifted in between.
+
+    Where two strokes meet and either end is pressed, a sample with pressure 0 is put at the
+    first one's end and another at the second one's start, 1 ms away (or a quarter of the gap,
+    if that is less). A pad without pressure is taken to press at 0.5 while it touches.
+
+    Parameters
+    ----------
+    time_ns, position, orientation, pressure, buttons
+        As in `Recording`, without lifted samples.
+    stroke : (N,) int64
+        Number of each sample's stroke.
+    header : dict
+        Entries for the recording's header.
+    """
+    pressed = np.full(len(time_ns), 0.5) if pressure is None else np.asarray(pressure)
+    buttons = np.zeros(len(time_ns), dtype=np.int32) if buttons is None else buttons
+    ends = np.flatnonzero(np.diff(stroke) != 0)
+    gaps = time_ns[ends + 1] - time_ns[ends]
+    lift = np.minimum(LIFT_NS, gaps // 4)
+    after = (pressed[ends] > 0) & (lift > 0)
+    before = (pressed[ends + 1] > 0) & (lift > 0)
+    source = np.concatenate([np.arange(len(time_ns)), ends[after], ends[before] + 1])
+    times = np.concatenate(
+        [time_ns, time_ns[ends[after]] + lift[after], time_ns[ends[before] + 1] - lift[before]]
+    )
+    lifted = np.arange(len(source)) >= len(time_ns)
+    order = np.argsort(times, kind="stable")
+    source, lifted = source[order], lifted[order]
+    return Recording(
+        times[order],
+        position[source],
+        orientation[source],
+        np.where(lifted, 0.0, pressed[source]),
+        buttons[source],
+        header={"space": "pad", **header},
+    )
