@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import BrushError
 from paint3d.kernels.bending import tabulate_bending
-from paint3d.kernels.tuft import REFINEMENT, Tuft
+from paint3d.kernels.tuft import SHARES, Tuft
 
 __all__ = ["GREATEST_FRACTION", "LOWEST_TILT", "BendingTable", "build_tuft"]
 
@@ -77,8 +77,7 @@ def joint_stiffness(spec: BrushSpec) -> NDArray:
 
 def _refined_diameters(spec: BrushSpec) -> NDArray:
     joints = np.concatenate([[0.0], np.cumsum(spec.segment_lengths)])
-    shares = (np.arange(1, REFINEMENT + 1) / REFINEMENT) ** 2
-    inner = joints[:-1, None] + shares * spec.segment_lengths[:, None]
+    inner = joints[:-1, None] + SHARES[1:] * spec.segment_lengths[:, None]
     arcs = np.concatenate([[0.0], inner.ravel()])
     return spec.diameters(np.minimum(arcs, spec.length_mm))
 
@@ -100,6 +99,7 @@ def build_tuft(spec: BrushSpec) -> Tuft:
     return Tuft(
         segment_lengths=lengths,
         diameters=diameters,
+        taper=float(spec.taper),
         angles=table.angles,
         lowest_tilt=LOWEST_TILT,
         greatest_fraction=GREATEST_FRACTION,

@@ -23,6 +23,7 @@ __all__ = [
     "OUTLINE_CAPACITY",
     "REFINEMENT",
     "SCRATCH_SIZE",
+    "SHARES",
     "Tuft",
     "bend_angles",
     "descent_of_force",
@@ -34,8 +35,8 @@ __all__ = [
 
 MAX_SEGMENTS = 13  # the papers' largest m
 REFINEMENT = 12  # points on each straight segment of the spine
-_RETRACED = 1  # steps before M_d that are traced anew
-_CLOSING_POINTS = 8  # on these steps
+_RETRACED = 1  # steps before that of M_d that are traced anew
+_CLOSING_POINTS = 6  # on these steps
 _CROSSING_STEPS = 7
 OUTLINE_CAPACITY = (
     MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
@@ -47,6 +48,9 @@ _X, _Y, _Z = 32, 32 + _POINTS, 32 + 2 * _POINTS
 _TOLERANCE = 3e-3  # an outlier nearer than this (relative) ends the sphere's passes
 _PASSES = 40
 
+# Where the refined spine is evaluated on a segment: crowded at the joints, where the tuft kinks.
+SHARES = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, REFINEMENT + 1))
+SHARES.setflags(write=False)
 _COS = np.cos(np.linspace(0.0, np.pi, HALF_RING))
 _SIN = np.sin(np.linspace(0.0, np.pi, HALF_RING))
 
@@ -61,6 +65,7 @@ class Tuft(NamedTuple):
     diameters: (
         NDArray  # (M * REFINEMENT + 1,) round diameter along the refined spine, tip first, mm
     )
+    taper: float  # exponent of the diameter over the arc length
     angles: NDArray  # (tilts, descents, M) beta_j over tilt and sqrt(descent), rad
     lowest_tilt: float  # rad, first row of `angles`; the last row is pi / 2
     greatest_fraction: float  # last column of `angles`: descent / (length sin tilt)
@@ -140,18 +145,15 @@ def _section(along, up, angle, diameter, spread):
 
 
 @njit(cache=True, nogil=True)
-def _section_at(tuft, angles, pe, j, t, along, up):
-    """`_section` at the share t of segment j, whose lower joint lies at (along, up)."""
+def _section_at(tuft, angles, pe, j, t, arc, along, up):
+    """`_section` at the share t of segment j; its lower joint is at `arc`, at (along, up)."""
     below = angles[j - 1] if j > 0 else angles[0]
     near = 0.5 * (below + angles[j])
     far = 0.5 * (angles[j] + angles[j + 1])
-    place = REFINEMENT * math.sqrt(t)
-    i = min(int(place), REFINEMENT - 1)
-    first = tuft.diameters[j * REFINEMENT + i]
-    diameter = first + (place - i) * (tuft.diameters[j * REFINEMENT + i + 1] - first)
     # The root circle keeps its diameter: the spread fades over the last segment.
     fade = 1.0 if j < tuft.segment_lengths.shape[0] - 1 else 1.0 - t
     run = t * tuft.segment_lengths[j]
+    diameter = tuft.diameters[-1] * ((arc + run) / tuft.length) ** tuft.taper
     return _section(
         along - run * math.cos(angles[j]),
         up + run * math.sin(angles[j]),
@@ -162,20 +164,20 @@ def _section_at(tuft, angles, pe, j, t, along, up):
 
 
 @njit(cache=True, nogil=True)
-def _close(tuft, angles, pe, j, i, along, up, out_reach, out_half_width, n):
+def _close(tuft, angles, pe, j, i, arc, along, up, out_reach, out_half_width, n):
     """Find M_d, where the tuft leaves the plane in step i of segment j, and end the outline there.
 
-    The half width falls like a square root there, so the last few steps are traced anew,
+    The half width falls like a square root there, so the last two steps are traced anew,
     with points that crowd towards M_d.
     """
-    low, high = ((i - 1) / REFINEMENT) ** 2, (i / REFINEMENT) ** 2
-    _, f_low = _section_at(tuft, angles, pe, j, low, along, up)
-    _, f_high = _section_at(tuft, angles, pe, j, high, along, up)
+    low, high = SHARES[i - 1], SHARES[i]
+    _, f_low = _section_at(tuft, angles, pe, j, low, arc, along, up)
+    _, f_high = _section_at(tuft, angles, pe, j, high, arc, along, up)
     side = 0
     t = low
     for _ in range(_CROSSING_STEPS):  # the Illinois variant of regula falsi
         t = low + (high - low) * f_low / (f_low - f_high)
-        _, square = _section_at(tuft, angles, pe, j, t, along, up)
+        _, square = _section_at(tuft, angles, pe, j, t, arc, along, up)
         if square > 0.0:
             low, f_low = t, square
             f_high *= 0.5 if side > 0 else 1.0
@@ -185,16 +187,16 @@ def _close(tuft, angles, pe, j, i, along, up, out_reach, out_half_width, n):
             f_low *= 0.5 if side < 0 else 1.0
             side = -1
     again = min(i - 1, _RETRACED)
-    first = ((i - 1 - again) / REFINEMENT) ** 2
+    first = SHARES[i - 1 - again]
     n = max(n - again, 1)
     for k in range(1, _CLOSING_POINTS + 1):
         rest = 1.0 - k / (_CLOSING_POINTS + 1.0)
         inner = first + (1.0 - rest * rest) * (t - first)
-        reach, square = _section_at(tuft, angles, pe, j, inner, along, up)
+        reach, square = _section_at(tuft, angles, pe, j, inner, arc, along, up)
         if square > 0.0 and reach < out_reach[n - 1]:
             out_reach[n], out_half_width[n] = reach, math.sqrt(square)
             n += 1
-    reach, _ = _section_at(tuft, angles, pe, j, t, along, up)
+    reach, _ = _section_at(tuft, angles, pe, j, t, arc, along, up)
     if reach < out_reach[n - 1]:
         out_reach[n] = reach
         n += 1
@@ -233,7 +235,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
     along = 0.0
     for j in range(m):
         along += tuft.segment_lengths[j] * math.cos(scratch[j])
-    up = 0.0
+    up, arc = 0.0, 0.0
     out_reach[0], out_half_width[0] = along, 0.0
     n = 1
     spread = 1.0 + tuft.spread * pe
@@ -243,7 +245,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
         run = tuft.segment_lengths[j] * math.cos(scratch[j])
         rise = tuft.segment_lengths[j] * math.sin(scratch[j])
         for i in range(1, REFINEMENT + 1):
-            t = (i / REFINEMENT) ** 2
+            t = SHARES[i]
             reach, square = _section(
                 along - t * run,
                 up + t * rise,
@@ -254,10 +256,11 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
             if square <= 0.0:
                 if n == 1:
                     return 0
-                return _close(tuft, scratch, pe, j, i, along, up, out_reach, out_half_width, n)
+                return _close(tuft, scratch, pe, j, i, arc, along, up, out_reach, out_half_width, n)
             if reach < out_reach[n - 1]:
                 out_reach[n], out_half_width[n] = reach, math.sqrt(square)
                 n += 1
+        arc += tuft.segment_lengths[j]
         along -= run
         up += rise
         near = far
