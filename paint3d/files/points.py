@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,7 @@ __all__ = ["surface_through"]
 FEWEST_POINTS = 20
 NEIGHBOURS = 16
 RADII = (1.0, 1.5, 2.5, 4.0)  # of the ball, in typical distances between neighbours
-LEAST_SHARE = 0.5  # of the points that the surface must reach to be worth painting
+LEAST_SHARE = 0.9  # of the points that the surface must reach to be worth painting
 
 
 def surface_through(
@@ -37,15 +39,14 @@ def surface_through(
     Raises
     ------
     MeshError
-        If there are fewer than 20 points or fewer than half of them could be joined.
+        If there are fewer than 20 points or fewer than nine in ten of them could be joined.
     """
     if len(points) < FEWEST_POINTS:
         raise MeshError(
             f"it has {len(points)} points and no triangles; expected at least {FEWEST_POINTS} "
             "points to build a surface through"
         )
-    import open3d
-
+    open3d = _open3d()
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
     if normals is not None and np.isfinite(normals).all() and normals.any(axis=1).all():
         cloud.normals = open3d.utility.Vector3dVector(normals)
@@ -65,14 +66,23 @@ def surface_through(
     return faces
 
 
-def _estimate_normals(cloud: object, points: NDArray[np.float64]) -> None:
-    import open3d
+def _open3d() -> ModuleType:
+    try:
+        import open3d
+    except ImportError as cause:
+        raise MeshError(f"a surface through points needs open3d, which fails: {cause}") from None
+    return open3d
 
+
+def _estimate_normals(cloud: object, points: NDArray[np.float64]) -> None:
+    open3d = _open3d()
     cloud.estimate_normals(open3d.geometry.KDTreeSearchParamKNN(NEIGHBOURS))
     try:
         cloud.orient_normals_consistent_tangent_plane(NEIGHBOURS)
-    except RuntimeError:
-        raise MeshError("its points lie in one line or plane; a surface cannot be built") from None
+    except RuntimeError:  # all in one plane: it takes a solid to tell neighbours apart
+        estimated = np.asarray(cloud.normals)
+        side = np.where(estimated @ estimated[0] < 0.0, -1.0, 1.0)
+        cloud.normals = open3d.utility.Vector3dVector(estimated * side[:, None])
     outward = np.einsum("ij,ij->", np.asarray(cloud.normals), points - points.mean(axis=0))
     if outward < 0.0:
         cloud.normals = open3d.utility.Vector3dVector(-np.asarray(cloud.normals))

@@ -1,0 +1,294 @@
+"""Loading mesh files: every format from other people's writers, and bad files by name."""
+
+import base64
+import gzip
+import json
+import struct
+import warnings
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.errors import MeshError, UnknownNameError
+from paint3d.files.load import load_mesh
+from paint3d.files.write_glb import write_glb
+from paint3d.files.write_ply import write_ply
+from paint3d.mesh.solids import make_plane
+
+BOX = trimesh.creation.box((10.0, 20.0, 30.0))
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+PLY_HEAD = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n" \
+    "property float z\n"  # fmt: skip
+PLY_FACE = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+PLY_ROWS = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+
+
+def written(tmp_path, name, data):
+    path = tmp_path / name
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return path
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj", "stl", "stl_ascii", "off", "glb", "gltf", "3mf"])
+def test_a_box_written_by_another_program(tmp_path, kind):
+    path = tmp_path / f"box.{kind.removesuffix('_ascii')}"
+    if kind == "gltf":
+        for name, data in trimesh.exchange.gltf.export_gltf(trimesh.Scene(BOX)).items():
+            (tmp_path / ("box.gltf" if name == "model.gltf" else name)).write_bytes(data)
+    else:
+        BOX.export(path, file_type=kind)
+    mesh = load_mesh(path, unit="mm")
+    expected = (10, 30, 20) if kind in ("glb", "gltf") else (10, 20, 30)  # glTF is y up
+    np.testing.assert_allclose(np.ptp(mesh.bounds, axis=0), expected, rtol=1e-6)
+    assert mesh.area == pytest.approx(BOX.area)
+    assert (mesh.n_faces, mesh.n_vertices) == (12, 8)
+    outward = np.einsum("ij,ij->i", mesh.face_normals, mesh.vertices[mesh.faces].mean(axis=1))
+    assert (outward > 0).all()
+
+
+def test_order_of_vertices_and_faces_is_kept(tmp_path):
+    for suffix in ("ply", "obj", "off"):
+        BOX.export(tmp_path / f"box.{suffix}")
+        mesh = load_mesh(tmp_path / f"box.{suffix}")
+        np.testing.assert_allclose(mesh.vertices, BOX.vertices, atol=1e-6)
+        np.testing.assert_array_equal(mesh.faces, BOX.faces)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1), ("cm", 10), ("m", 1000), ("in", 25.4)])
+def test_units(tmp_path, unit, factor):
+    path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
+    assert load_mesh(path, unit=unit).bounds[1, 0] == pytest.approx(factor)
+
+
+def test_gltf_is_in_metres_with_y_up_unless_told_otherwise(tmp_path):
+    plane = make_plane()
+    codes = np.zeros((plane.n_vertices, 3), np.uint8)
+    write_glb(tmp_path / "a.glb", plane.vertices, plane.faces, plane.normals, codes)
+    mesh = load_mesh(tmp_path / "a.glb")
+    np.testing.assert_allclose(mesh.vertices, plane.vertices, atol=1e-4)
+    np.testing.assert_allclose(mesh.normals, plane.normals, atol=1e-6)
+    assert load_mesh(tmp_path / "a.glb", unit="mm").bounds[1, 0] == pytest.approx(0.1)
+
+
+def test_unknown_unit_name_and_suffix(tmp_path):
+    with pytest.raises(UnknownNameError, match="unknown unit 'feet'"):
+        load_mesh("bowl", unit="feet")
+    with pytest.raises(MeshError, match=r"bowll: no such file.*bowl, plate, vase, sphere, plane"):
+        load_mesh("bowll")
+    with pytest.raises(
+        MeshError, match=r"suffix '\.fbx' is not known; expected one of \.ply \.obj"
+    ):
+        load_mesh(written(tmp_path, "a.fbx", "x"))
+    with pytest.raises(MeshError, match="it is a folder"):
+        load_mesh(tmp_path)
+
+
+def test_a_file_wins_over_a_built_in_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert load_mesh("plane").n_faces == 512
+    (tmp_path / "plane").write_text("not a mesh")
+    with pytest.raises(MeshError, match="it has no suffix"):
+        load_mesh("plane")
+
+
+def test_packed_files(tmp_path):
+    packed = gzip.compress((TRIANGLE + "f 1 2 3\n").encode())
+    assert load_mesh(written(tmp_path, "a.obj.gz", packed)).n_faces == 1
+    with pytest.raises(MeshError, match="cannot read it"):
+        load_mesh(written(tmp_path, "b.obj.gz", packed[:-12]))
+
+
+def test_concave_polygons_and_relative_indices(tmp_path):
+    arrow = "v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nf -4 -3 -2 -1\nv 9 9 9\n"
+    mesh = load_mesh(written(tmp_path, "a.obj", arrow))
+    assert mesh.area == pytest.approx(4.0)
+    assert (mesh.face_normals[:, 2] == 1.0).all()
+
+
+def test_vertex_colours_come_as_srgb(tmp_path):
+    codes = np.array([[255, 0, 0], [1, 128, 254], [10, 20, 30]], np.uint8)
+    flat = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
+    up = np.tile(np.float32([0, 0, 1]), (3, 1))
+    write_ply(tmp_path / "a.ply", flat, np.array([[0, 1, 2]]), up, codes)
+    write_glb(tmp_path / "a.glb", flat, np.array([[0, 1, 2]]), up, codes)
+    rows = [f"v {x} {y} {z} {r / 255} {g / 255} {b / 255}"
+            for (x, y, z), (r, g, b) in zip(flat, codes.tolist(), strict=True)]  # fmt: skip
+    written(tmp_path, "a.obj", "\n".join(rows) + "\nf 1 2 3\n")
+    for name in ("a.ply", "a.glb", "a.obj"):
+        np.testing.assert_array_equal(load_mesh(tmp_path / name).colours, codes)
+
+
+def test_a_scene_is_merged_with_its_transforms(tmp_path):
+    scene = trimesh.Scene()
+    scene.add_geometry(BOX, transform=trimesh.transformations.translation_matrix((0, 50, 0)))
+    mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
+    scene.add_geometry(BOX, transform=mirror)
+    scene.export(tmp_path / "a.glb")
+    mesh = load_mesh(tmp_path / "a.glb", unit="mm")
+    assert mesh.n_faces == 24
+    assert mesh.bounds[1, 2] == pytest.approx(60.0)
+    assert trimesh.Trimesh(mesh.vertices, mesh.faces).volume == pytest.approx(2 * BOX.volume)
+
+
+BAD_FILES = {
+    "empty.ply": (b"", "the file is empty"),
+    "not.ply": (b"solid", "does not start with 'ply'"),
+    "endless.ply": (b"ply\nformat ascii 1.0\n", "no end"),
+    "format.ply": (b"ply\nformat morse 1.0\nend_header\n", "header cannot be understood"),
+    "type.ply": (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n", "half"),
+    "cut.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS[:-4], "ends within the face rows"),
+    "nan.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("1 0 0", "1 nan 0"), "vertex 1 is"),
+    "word.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("1 0 0", "1 x 0"), "has 'x' where"),
+    "index.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("3 0 1 2", "3 0 1 7"),
+                  "face 0 refers to vertex 7; expected 0 to 2"),
+    "negative.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("3 0 1 2", "3 0 1 -2"), "vertex -2"),
+    "points.ply": (PLY_HEAD + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "3 points but no triangles"),
+    "huge.ply": (PLY_HEAD.replace("vertex 3", "vertex 99999999999999") + PLY_FACE + PLY_ROWS,
+                 "99,999,999,999,999 of vertex, but what follows has room"),
+    "minus.ply": (PLY_HEAD.replace("vertex 3", "vertex -3") + PLY_FACE + PLY_ROWS, "-3 of vertex"),
+    "million.ply": ((PLY_HEAD + PLY_FACE.replace("uchar", "int") + PLY_ROWS).replace(
+        "3 0 1 2", "1000000 " + "0 1 2 1 " * 250_000), "face 0 has 1,000,000 corners"),
+    "flat.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("0 1 0", "2 0 0"), "no area"),
+    "empty.obj": (b"# nothing\n", "no vertices and no triangles"),
+    "zero.obj": (TRIANGLE + "f 0 1 2\n", "OBJ counts from 1"),
+    "far.obj": (TRIANGLE + "f 1 2 4\n", "face 0 refers to vertex 3; expected 0 to 2"),
+    "before.obj": ("f -1 -2 -3\n" + TRIANGLE, "refers to vertex -1"),
+    "real.obj": (TRIANGLE + "f 1 2 2.5\n", "has 2.5 where a vertex index"),
+    "short.obj": ("v 0 0\n", "expected three numbers"),
+    "inf.obj": (TRIANGLE + "v inf 0 0\nf 1 2 3\n", "vertex 3 is"),
+    "binary.obj": (bytes(range(256)) * 8, "no vertices"),
+    "short.stl": (b"\0" * 60, "at least 84"),
+    "cut.stl": (b"\0" * 80 + struct.pack("<I", 2) + b"\0" * 60, "room for 1 at most"),
+    "none.stl": (b"\0" * 84, "no vertices"),
+    "cut_ascii.stl": ("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n",
+                      "1 facets, 0 of them ended, with 2 vertices"),
+    "not.off": ("OFX\n1 1 1\n", "does not start with 'OFF'"),
+    "counts.off": ("OFF\nmany\n", "not a count"),
+    "cut.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n", "the file is cut short"),
+    "corners.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n", "fewer corners than it says"),
+    "cut.glb": (b"glTF" + struct.pack("<II", 2, 4000), "12 of 4000 bytes"),
+    "old.glb": (b"glTF" + struct.pack("<II", 1, 12), "version 1; expected 2"),
+    "text.gltf": ("{", "its JSON cannot be read"),
+    "list.gltf": ("[]", "not an object"),
+    "scenes.gltf": ('{"scenes": [{"nodes": [5]}]}', r"nodes\[5\], of which there are 0"),
+    "loop.gltf": ('{"scenes": [{"nodes": [0]}], "nodes": [{"children": [0]}]}', "reached twice"),
+    "type.gltf": ('{"scenes": [{"nodes": 7}]}', "structure is damaged"),
+    "not.3mf": (b"PK", "not a readable 3MF archive"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_bad_files_give_one_line_that_names_file_and_reason(tmp_path, name):
+    data, message = BAD_FILES[name]
+    path = written(tmp_path, name, data)
+    with pytest.raises(MeshError, match=message) as caught:
+        load_mesh(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def gltf(values, indices, **changes):
+    data = np.array(values, "<f4").tobytes() + np.array(indices, "<u2").tobytes()
+    n = len(values)
+    document = {
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": n, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": len(indices), "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 12 * n},
+            {"buffer": 0, "byteOffset": 12 * n, "byteLength": 2 * len(indices)},
+        ],
+        "buffers": [
+            {
+                "byteLength": len(data),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+            }
+        ],
+    }
+    return json.dumps(document | changes)
+
+
+CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
+
+
+def test_strips_keep_their_orientation(tmp_path):
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1, "mode": 5}
+    text = gltf(CORNERS, [0, 1, 2, 3], meshes=[{"primitives": [primitive]}])
+    mesh = load_mesh(written(tmp_path, "a.gltf", text), unit="m")
+    np.testing.assert_allclose(mesh.face_normals, [[0, -1, 0]] * 2, atol=1e-6)
+    assert mesh.area == pytest.approx(1e6)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (gltf(CORNERS, [0, 1, 9]), "refers to vertex 9"),
+        (gltf([[0, 0, 0], [1, 0, np.nan], [0, 1, 0]], [0, 1, 2]), "expected finite numbers"),
+        (gltf(CORNERS, [0, 1]), "expected a multiple of 3"),
+        (gltf(CORNERS, [0, 1, 2], bufferViews=[]), "bufferViews"),
+        (gltf(CORNERS, [0, 1, 2], buffers=[{"byteLength": 9, "uri": "no.bin"}]), "is missing"),
+        (gltf(CORNERS, [0, 1, 2], buffers=[{"byteLength": 9, "uri": "data:,*"}]), "not base64"),
+        (gltf(CORNERS, [0, 1, 2], buffers=[{"byteLength": 999, "uri": "data:,"}]), "cut short"),
+    ],
+)
+def test_bad_gltf(tmp_path, text, message):
+    with pytest.raises(MeshError, match=message):
+        load_mesh(written(tmp_path, "a.gltf", text))
+
+
+@pytest.fixture(scope="module")
+def bases(tmp_path_factory):
+    return list(damaged_bases(tmp_path_factory.mktemp("bases")))
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.data())
+def test_damaged_files_load_or_say_so(bases, tmp_path_factory, data):
+    folder = tmp_path_factory.mktemp("damaged")
+    kind, base = data.draw(st.sampled_from(bases))
+    content = bytearray(base)
+    for _ in range(data.draw(st.integers(1, 6))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    cut = data.draw(st.integers(0, len(content)))
+    path = written(folder, f"a.{kind}", bytes(content[: cut if cut % 3 == 0 else None]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        message = failure(path)
+    assert message is None or message.startswith(f"{path}: ")
+
+
+def failure(path):
+    """Return why a file cannot be loaded, or None."""
+    try:
+        assert np.isfinite(load_mesh(path).vertices).all()
+    except MeshError as cause:
+        return str(cause)
+    return None
+
+
+def damaged_bases(folder):
+    for kind in ("ply", "obj", "stl", "off", "glb", "3mf"):
+        BOX.export(folder / f"base.{kind}")
+        yield kind, (folder / f"base.{kind}").read_bytes()
+    yield "gltf", gltf(CORNERS, [0, 1, 2]).encode()
+
+
+def test_points_become_a_surface_only_when_asked(tmp_path):
+    pytest.importorskip("open3d", exc_type=ImportError)
+    sphere = trimesh.creation.icosphere(subdivisions=3, radius=10.0)
+    path = written(tmp_path, "a.obj", "".join(f"v {x} {y} {z}\n" for x, y, z in sphere.vertices))
+    with pytest.raises(MeshError, match=r"642 points but no triangles.*from_points"):
+        load_mesh(path)
+    mesh = load_mesh(path, from_points=True)
+    assert mesh.area == pytest.approx(sphere.area, rel=1e-3)
+    np.testing.assert_allclose(mesh.vertices, sphere.vertices, atol=1e-5)
+    few = written(tmp_path, "b.obj", TRIANGLE)
+    with pytest.raises(MeshError, match="expected at least 20 points"):
+        load_mesh(few, from_points=True)
