@@ -1,0 +1,255 @@
+"""Where a root node meets the surface: a box tree, closest points, and the smooth foot point.
+
+The tree is built once, since the surface never changes shape: triangles in Morton order, eight
+to a leaf, boxes in heap order (node 1 is the root, the children of n are 2n and 2n + 1).
+
+The foot point P'_m of Guo 2017 (Fig. 7) is the point whose normal passes through the root node
+P_m. On a mesh of flat faces the plain closest point sticks to edges while the hand moves evenly;
+`find_foot` therefore solves for the point whose *interpolated* normal passes through P_m (the
+Phong projection of Panozzo et al. 2013), starting from the closest one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["LEAF_SIZE", "ContactTree", "build_boxes", "closest_point", "find_foot"]
+
+LEAF_SIZE = 8
+_STACK = 64
+_TOLERANCE = 1e-4  # mm, tangential residual at which the foot point counts as found
+_ITERATIONS = 8
+
+
+class ContactTree(NamedTuple):
+    """A box tree over the base triangles, as plain arrays for kernels."""
+
+    order: NDArray  # (T,) int32, triangles in Morton order
+    low: NDArray  # (2 L, 3) float32, heap order
+    high: NDArray  # (2 L, 3) float32
+    triangles: NDArray  # (T, 3) int32 vertex ids
+    points: NDArray  # (V, 3) float32
+    normals: NDArray  # (V, 3) float32
+
+
+@njit(cache=True, nogil=True)
+def build_boxes(order, triangles, points, low, high):
+    """Fill the boxes of a heap-ordered tree whose leaves hold LEAF_SIZE triangles each."""
+    n_leaves = low.shape[0] // 2
+    for node in range(2 * n_leaves):
+        for axis in range(3):
+            low[node, axis] = np.inf
+            high[node, axis] = -np.inf
+    for k in range(order.shape[0]):
+        node = n_leaves + k // LEAF_SIZE
+        triangle = order[k]
+        for corner in range(3):
+            v = triangles[triangle, corner]
+            for axis in range(3):
+                low[node, axis] = min(low[node, axis], points[v, axis])
+                high[node, axis] = max(high[node, axis], points[v, axis])
+    for node in range(n_leaves - 1, 0, -1):
+        for axis in range(3):
+            low[node, axis] = min(low[2 * node, axis], low[2 * node + 1, axis])
+            high[node, axis] = max(high[2 * node, axis], high[2 * node + 1, axis])
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _box_distance2(low, high, node, x, y, z):
+    dx = max(0.0, max(low[node, 0] - x, x - high[node, 0]))
+    dy = max(0.0, max(low[node, 1] - y, y - high[node, 1]))
+    dz = max(0.0, max(low[node, 2] - z, z - high[node, 2]))
+    return dx * dx + dy * dy + dz * dz
+
+
+@njit(cache=True, nogil=True)
+def _closest_weights(points, a, b, c, x, y, z):
+    """Barycentric weights of the point of triangle abc nearest to (x, y, z) (Ericson 2005, 5.1.5)."""
+    ax = float(points[a, 0])
+    ay = float(points[a, 1])
+    az = float(points[a, 2])
+    abx = points[b, 0] - ax
+    aby = points[b, 1] - ay
+    abz = points[b, 2] - az
+    acx = points[c, 0] - ax
+    acy = points[c, 1] - ay
+    acz = points[c, 2] - az
+    px = x - ax
+    py = y - ay
+    pz = z - az
+    d1 = abx * px + aby * py + abz * pz
+    d2 = acx * px + acy * py + acz * pz
+    if d1 <= 0.0 and d2 <= 0.0:
+        return 1.0, 0.0, 0.0
+    ab_ab = abx * abx + aby * aby + abz * abz
+    ab_ac = abx * acx + aby * acy + abz * acz
+    ac_ac = acx * acx + acy * acy + acz * acz
+    d3 = d1 - ab_ab
+    d4 = d2 - ab_ac
+    if d3 >= 0.0 and d4 <= d3:
+        return 0.0, 1.0, 0.0
+    vc = d1 * d4 - d3 * d2
+    if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        t = d1 / (d1 - d3)
+        return 1.0 - t, t, 0.0
+    d5 = d1 - ab_ac
+    d6 = d2 - ac_ac
+    if d6 >= 0.0 and d5 <= d6:
+        return 0.0, 0.0, 1.0
+    vb = d5 * d2 - d1 * d6
+    if vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        t = d2 / (d2 - d6)
+        return 1.0 - t, 0.0, t
+    va = d3 * d6 - d5 * d4
+    if va <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0:
+        t = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        return 0.0, 1.0 - t, t
+    total = va + vb + vc
+    return va / total, vb / total, vc / total
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _faces(points, a, b, c, ux, uy, uz):
+    """Whether the triangle's front looks towards (ux, uy, uz)."""
+    abx = points[b, 0] - points[a, 0]
+    aby = points[b, 1] - points[a, 1]
+    abz = points[b, 2] - points[a, 2]
+    acx = points[c, 0] - points[a, 0]
+    acy = points[c, 1] - points[a, 1]
+    acz = points[c, 2] - points[a, 2]
+    nx = aby * acz - abz * acy
+    ny = abz * acx - abx * acz
+    nz = abx * acy - aby * acx
+    return nx * ux + ny * uy + nz * uz > 0.0
+
+
+@njit(cache=True, nogil=True)
+def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
+    """The point nearest to (x, y, z) on triangles facing (ux, uy, uz), within `reach` (mm).
+
+    Returns the triangle, or -1; `out` (6,) gets the point and the interpolated unit normal.
+    A tie is won by the triangle that comes first in the mesh.
+    """
+    low = tree.low
+    high = tree.high
+    n_leaves = low.shape[0] // 2
+    stack = np.empty(_STACK, np.int64)
+    depth = 0
+    stack[0] = 1
+    best = reach * reach
+    found = -1
+    w0 = 0.0
+    w1 = 0.0
+    w2 = 0.0
+    while depth >= 0:
+        node = stack[depth]
+        depth -= 1
+        if _box_distance2(low, high, node, x, y, z) > best:
+            continue
+        if node < n_leaves:
+            left = _box_distance2(low, high, 2 * node, x, y, z)
+            right = _box_distance2(low, high, 2 * node + 1, x, y, z)
+            near = 2 * node if left <= right else 2 * node + 1
+            if max(left, right) <= best:
+                depth += 1
+                stack[depth] = 4 * node + 1 - near
+            if min(left, right) <= best:
+                depth += 1
+                stack[depth] = near
+            continue
+        first = (node - n_leaves) * LEAF_SIZE
+        for k in range(first, min(first + LEAF_SIZE, tree.order.shape[0])):
+            triangle = tree.order[k]
+            a = tree.triangles[triangle, 0]
+            b = tree.triangles[triangle, 1]
+            c = tree.triangles[triangle, 2]
+            if not _faces(tree.points, a, b, c, ux, uy, uz):
+                continue
+            va, vb, vc = _closest_weights(tree.points, a, b, c, x, y, z)
+            d2 = 0.0
+            for axis, q in ((0, x), (1, y), (2, z)):
+                p = va * tree.points[a, axis] + vb * tree.points[b, axis]
+                p += vc * tree.points[c, axis]
+                d2 += (p - q) * (p - q)
+            if d2 < best or (d2 == best and (found < 0 or triangle < found)):
+                best = d2
+                found = triangle
+                w0 = va
+                w1 = vb
+                w2 = vc
+    if found >= 0:
+        _interpolate(tree, found, w0, w1, w2, out)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _interpolate(tree, triangle, wa, wb, wc, out):
+    a = tree.triangles[triangle, 0]
+    b = tree.triangles[triangle, 1]
+    c = tree.triangles[triangle, 2]
+    norm = 0.0
+    for axis in range(3):
+        out[axis] = (
+            wa * tree.points[a, axis] + wb * tree.points[b, axis] + wc * tree.points[c, axis]
+        )
+        n = wa * tree.normals[a, axis] + wb * tree.normals[b, axis] + wc * tree.normals[c, axis]
+        out[3 + axis] = n
+        norm += n * n
+    norm = np.sqrt(norm)
+    for axis in range(3):
+        out[3 + axis] /= norm if norm > 0.0 else 1.0
+
+
+@njit(cache=True, nogil=True)
+def find_foot(tree, x, y, z, ux, uy, uz, reach, out):
+    """The foot point P'_m of the root node (x, y, z): its interpolated normal passes through it.
+
+    Returns the triangle it lies on, or -1 where no facing surface is within `reach`; `out` (6,)
+    gets the point and the normal. Secant steps along the tangential residual; where the surface
+    ends or has a crease there may be no such point, and the nearest one found is kept.
+    """
+    triangle = closest_point(tree, x, y, z, ux, uy, uz, reach, out)
+    if triangle < 0:
+        return -1
+    trial = np.empty(6)
+    gain = 0.7
+    rx, ry, rz, residual = _residual(x, y, z, out)
+    for _ in range(_ITERATIONS):
+        if residual <= _TOLERANCE * _TOLERANCE:
+            break
+        qx = out[0] + gain * rx
+        qy = out[1] + gain * ry
+        qz = out[2] + gain * rz
+        bound = gain * np.sqrt(residual) + 1e-3
+        hit = closest_point(tree, qx, qy, qz, ux, uy, uz, bound, trial)
+        if hit < 0:
+            break
+        sx, sy, sz, rest = _residual(x, y, z, trial)
+        slope = (residual - (sx * rx + sy * ry + sz * rz)) / (gain * residual)
+        if rest >= residual:
+            gain *= 0.5
+            if gain < 0.05:
+                break
+            continue
+        gain = min(1.0, max(0.1, 1.0 / slope)) if slope > 0.0 else 0.7
+        triangle = hit
+        out[:] = trial
+        rx, ry, rz, residual = sx, sy, sz, rest
+    return triangle
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _residual(x, y, z, foot):
+    """What is left of (x, y, z) - foot after removing its part along the normal; and its square."""
+    dx = x - foot[0]
+    dy = y - foot[1]
+    dz = z - foot[2]
+    along = dx * foot[3] + dy * foot[4] + dz * foot[5]
+    rx = dx - along * foot[3]
+    ry = dy - along * foot[4]
+    rz = dz - along * foot[5]
+    return rx, ry, rz, rx * rx + ry * ry + rz * rz

@@ -1,0 +1,57 @@
+"""The refined surface as kernels see it: vertices, bisection forest, cells and sheets."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numpy.typing import NDArray
+
+__all__ = ["CELL_SIZE", "RESOLUTION", "SOFT_EDGE", "AREA_UNIT", "SurfaceField"]
+
+RESOLUTION, CELL_SIZE, SOFT_EDGE, AREA_UNIT = 0, 1, 2, 3  # places in SurfaceField.numbers
+
+
+class SurfaceField(NamedTuple):
+    """Arrays of a `PaintMesh` (cap: room for vertices, N: for nodes, C cells, S sheets, R roots).
+
+    A *cell* is a cube of a regular lattice that the surface meets. A *sheet* is one connected
+    piece of surface in one cell. The base vertices of a cell stand in a run; those that refinement
+    adds are linked. Roots of the forest are the base triangles.
+    """
+
+    counts: NDArray  # (2,) int64: vertices, nodes
+    numbers: NDArray  # (4,) float64: longest edge wanted, cell size, soft edge (mm), mm2 per area unit
+    px: NDArray  # (cap,) float32 positions, mm
+    py: NDArray
+    pz: NDArray
+    nx: NDArray  # (cap,) float32 unit normals
+    ny: NDArray
+    nz: NDArray
+    key: NDArray  # (cap,) uint64, the same for the same vertex whatever the order of refinement
+    parents: NDArray  # (cap, 2) int32, ends of the edge a vertex halved; -1 for base vertices
+    vertex_sheet: NDArray  # (cap,) int32
+    area_units: NDArray  # (cap,) int64, a third of the area around a vertex, in area units
+    next_in_cell: NDArray  # (cap,) int32, -1 ends
+    node_vertices: NDArray  # (N, 3) int32
+    node_root: NDArray  # (N,) int32
+    child: NDArray  # (N,) int32, first of two children, -1 for a leaf
+    longest: NDArray  # (N,) int8, which edge is longest
+    radial: NDArray  # (3 N,) int32, next half-edge around the same edge
+    node_area: NDArray  # (N,) int64, a sixth of the node's area, in area units
+    origin: NDArray  # (3,) float64, corner of the lattice, mm
+    table: NDArray  # (2^k,) int32, hash table from lattice place to cell; -1 is empty
+    cell_place: NDArray  # (C, 3) int32, lattice place
+    cell_pairs: NDArray  # (C + 1,) int64, run of each cell in pair_root
+    pair_root: NDArray  # (pairs,) int32, roots that meet the cell, ascending
+    pair_sheet: NDArray  # (pairs,) int32
+    cell_sheets: NDArray  # (C + 1,) int32, run of sheets
+    base_start: NDArray  # (C + 1,) int32, run of base vertices
+    head: NDArray  # (C,) int32, first added vertex
+    done: NDArray  # (C,) uint8, 1 where every leaf is fine enough
+    sheet_cell: NDArray  # (S,) int32
+    sheet_area: NDArray  # (S,) float64, mm2
+    sheet_normal: NDArray  # (S, 3) float64, area times mean normal
+    sheet_centre: NDArray  # (S, 3) float64, mm
+    sheet_links: NDArray  # (S + 1,) int64
+    linked_sheet: NDArray  # (links,) int32
+    path: NDArray  # (64k,) int32 scratch

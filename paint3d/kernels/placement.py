@@ -1,0 +1,271 @@
+"""From a brush pose to a stamp on the surface: contact, bending, enclosing sphere, plane.
+
+The order is the paper's (Guo 2017, section 4.2.1): foot point of the root node, bent brush, its
+enclosing sphere, the patch of surface inside the sphere, the mean normal of the patch, the plane
+through the foot point, and the outline in that plane. The mean runs over the *surface* in the
+patch, weighted by area, and not over its vertices, so that refining the mesh changes nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from paint3d.kernels import stamp as st
+from paint3d.kernels.cells import find_cell, flood_patch, sheet_of
+from paint3d.kernels.contact import find_foot
+from paint3d.kernels.drag import drag_length, drag_step
+from paint3d.kernels.tuft import enclose_tuft, greatest_descent, trace_outline
+
+__all__ = ["OVERPRESSED", "TILT_LIMITED", "place_stamp", "start_sheet"]
+
+TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
+OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
+_REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
+
+
+@njit(cache=True, nogil=True)
+def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room):
+    """Fill `after` with the footprint of a pose (9,): position, quaternion wxyz, pressure or NaN.
+
+    `before` is the stamp the brush comes from; it carries the dragged point. It may be `after`.
+    """
+    values = after.values
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    up_x = 2.0 * (x * z + w * y)
+    up_y = 2.0 * (y * z - w * x)
+    up_z = 1.0 - 2.0 * (x * x + y * y)
+    foot = room.foot
+    was_touching = before.values[st.TOUCHES] > 0.0
+    for axis in range(3):
+        room.vector[axis] = before.values[st.ORIGIN_X + axis]
+        room.drag[axis] = before.values[st.DRAG_X + axis]
+    values[st.TOUCHES] = 0.0
+    triangle = find_foot(
+        tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, _REACH * tuft.length, foot
+    )
+    values[st.TRIANGLE] = triangle
+    if triangle < 0:
+        for axis in range(3):
+            values[st.ORIGIN_X + axis] = pose[axis]
+        _flatten(values, 0.0)
+        return
+    for axis in range(3):
+        values[st.ORIGIN_X + axis] = foot[axis]
+        values[st.NORMAL_X + axis] = foot[3 + axis]
+        values[st.FOOT_NORMAL_X + axis] = foot[3 + axis]
+    _bend_along_pose(values, w, x, y, z)
+    _press(pose, up_x, up_y, up_z, values, tuft)
+    if values[st.DESCENT] <= 0.0:
+        _flatten(values, tuft.length * np.cos(values[st.TILT]))
+        _keep_drag(values, room.drag)
+        return
+    along, up, radius = enclose_tuft(
+        tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], room.tuft
+    )
+    for axis in range(3):
+        values[st.SPHERE_X + axis] = (
+            foot[axis] + along * values[st.BEND_X + axis] + up * values[st.NORMAL_X + axis]
+        )
+    values[st.RADIUS] = radius
+    _lean_plane(values, field, room)
+    _bend_along_pose(values, w, x, y, z)
+    _press(pose, up_x, up_y, up_z, values, tuft)
+    if dragged:
+        _bend_along_drag(values, was_touching, tuft, room)
+    _count_limits(pose, up_x, up_y, up_z, values, tuft, counters)
+    n = trace_outline(
+        tuft,
+        values[st.DESCENT],
+        values[st.TILT],
+        values[st.PRESSURE],
+        room.tuft,
+        room.reach,
+        room.half_width,
+    )
+    if n < 2:
+        _flatten(values, tuft.length * np.cos(values[st.TILT]))
+        return
+    st.fill_profile(after, room.reach, room.half_width, n)
+    if values[st.AREA] > 0.0:
+        values[st.TOUCHES] = 1.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _flatten(values, reach):
+    """No footprint: the outline is one point, where the straight tip would be."""
+    values[st.HEEL] = reach
+    values[st.TIP] = reach
+    values[st.REACH_OF_WIDEST] = reach
+    values[st.WIDEST] = 0.0
+    values[st.AREA] = 0.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _keep_drag(values, drag):
+    for axis in range(3):
+        values[st.DRAG_X + axis] = drag[axis]
+
+
+@njit(cache=True, nogil=True)
+def _set_bend(values, bx, by, bz):
+    """Make (bx, by, bz), laid into the plane, the bend's direction; False if it stands upright."""
+    nx = values[st.NORMAL_X]
+    ny = values[st.NORMAL_X + 1]
+    nz = values[st.NORMAL_X + 2]
+    along = bx * nx + by * ny + bz * nz
+    bx -= along * nx
+    by -= along * ny
+    bz -= along * nz
+    norm = np.sqrt(bx * bx + by * by + bz * bz)
+    if norm < 1e-9:
+        return False
+    bx /= norm
+    by /= norm
+    bz /= norm
+    values[st.BEND_X] = bx
+    values[st.BEND_Y] = by
+    values[st.BEND_Z] = bz
+    values[st.CROSS_X] = ny * bz - nz * by
+    values[st.CROSS_X + 1] = nz * bx - nx * bz
+    values[st.CROSS_X + 2] = nx * by - ny * bx
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _bend_along_pose(values, w, x, y, z):
+    """Commanded azimuth: the pen's x axis laid into the plane (its y axis where x stands up)."""
+    if not _set_bend(
+        values,
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y + w * z),
+        2.0 * (x * z - w * y),
+    ):
+        _set_bend(
+            values,
+            2.0 * (x * y - w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z + w * x),
+        )
+
+
+@njit(cache=True, nogil=True)
+def _bend_along_drag(values, was_touching, tuft, room):
+    """Dragged azimuth: the paper pulls the tip along (a tractrix with slack)."""
+    slack = drag_length(values[st.DESCENT], tuft.length, tuft.drag_fraction)
+    rx, ry, rz = room.drag[0], room.drag[1], room.drag[2]
+    if rx * rx + ry * ry + rz * rz == 0.0:
+        rx = 0.2 * slack * values[st.BEND_X]
+        ry = 0.2 * slack * values[st.BEND_Y]
+        rz = 0.2 * slack * values[st.BEND_Z]
+    elif not was_touching:
+        rx *= tuft.plasticity
+        ry *= tuft.plasticity
+        rz *= tuft.plasticity
+    else:
+        rx, ry, rz = drag_step(
+            rx,
+            ry,
+            rz,
+            values[st.ORIGIN_X] - room.vector[0],
+            values[st.ORIGIN_X + 1] - room.vector[1],
+            values[st.ORIGIN_X + 2] - room.vector[2],
+            slack,
+        )
+    _set_bend(values, rx, ry, rz)
+    values[st.DRAG_X] = rx
+    values[st.DRAG_X + 1] = ry
+    values[st.DRAG_X + 2] = rz
+
+
+@njit(cache=True, nogil=True)
+def _press(pose, up_x, up_y, up_z, values, tuft):
+    """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height."""
+    sine = _sine_of_tilt(values, up_x, up_y, up_z)
+    sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
+    tilt = np.arcsin(sine)
+    values[st.TILT] = tilt
+    if np.isnan(pose[7]):
+        height = 0.0
+        for axis in range(3):
+            height += (pose[axis] - values[st.ORIGIN_X + axis]) * values[st.NORMAL_X + axis]
+        descent = tuft.length * sine - height
+    else:
+        descent = pose[7] * tuft.full_press
+    descent = min(descent, greatest_descent(tuft, tilt))
+    values[st.DESCENT] = descent
+    values[st.PRESSURE] = min(1.0, max(0.0, descent / tuft.full_press))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _sine_of_tilt(values, up_x, up_y, up_z):
+    return (
+        up_x * values[st.NORMAL_X] + up_y * values[st.NORMAL_X + 1] + up_z * values[st.NORMAL_X + 2]
+    )
+
+
+@njit(cache=True, nogil=True)
+def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
+    """Keep count of what the model could not follow, so that a report can say so."""
+    if _sine_of_tilt(values, up_x, up_y, up_z) < np.sin(tuft.lowest_tilt) - 1e-9:
+        counters[TILT_LIMITED] += 1
+    if values[st.DESCENT] >= greatest_descent(tuft, values[st.TILT]):
+        counters[OVERPRESSED] += 1
+
+
+@njit(cache=True, nogil=True)
+def start_sheet(values, field):
+    """The sheet of surface under the foot point, or -1."""
+    cell = find_cell(field, values[st.ORIGIN_X], values[st.ORIGIN_X + 1], values[st.ORIGIN_X + 2])
+    if cell < 0:
+        return -1
+    return sheet_of(field, cell, int(values[st.TRIANGLE]))
+
+
+@njit(cache=True, nogil=True)
+def _lean_plane(values, field, room):
+    """Replace the plane's normal by the mean over the effective patch (Guo 2017, Fig. 7).
+
+    Sheets of surface that face away from the brush are left out (the far side of a thin wall), and
+    those at the sphere's border fade in, so that the plane does not jump as the brush moves.
+    """
+    sheet = start_sheet(values, field)
+    if sheet < 0:
+        return
+    cx = values[st.SPHERE_X]
+    cy = values[st.SPHERE_X + 1]
+    cz = values[st.SPHERE_X + 2]
+    radius = values[st.RADIUS]
+    room.tick[0] += 1
+    n = flood_patch(field, sheet, cx, cy, cz, radius, room.stamps, room.tick[0], room.sheets)
+    fade = field.numbers[1]
+    sum_x = 0.0
+    sum_y = 0.0
+    sum_z = 0.0
+    for k in range(n):
+        s = room.sheets[k]
+        sx = field.sheet_normal[s, 0]
+        sy = field.sheet_normal[s, 1]
+        sz = field.sheet_normal[s, 2]
+        facing = (
+            sx * values[st.FOOT_NORMAL_X]
+            + sy * values[st.FOOT_NORMAL_X + 1]
+            + sz * values[st.FOOT_NORMAL_X + 2]
+        )
+        if facing <= 0.0:
+            continue
+        dx = field.sheet_centre[s, 0] - cx
+        dy = field.sheet_centre[s, 1] - cy
+        dz = field.sheet_centre[s, 2] - cz
+        inside = (radius - np.sqrt(dx * dx + dy * dy + dz * dz)) / fade + 0.5
+        if inside <= 0.0:
+            continue
+        weight = min(1.0, inside)
+        sum_x += weight * sx
+        sum_y += weight * sy
+        sum_z += weight * sz
+    norm = np.sqrt(sum_x * sum_x + sum_y * sum_y + sum_z * sum_z)
+    if norm > 0.0:
+        values[st.NORMAL_X] = sum_x / norm
+        values[st.NORMAL_X + 1] = sum_y / norm
+        values[st.NORMAL_X + 2] = sum_z / norm

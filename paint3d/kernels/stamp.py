@@ -1,0 +1,165 @@
+"""One footprint standing on the surface: the stamp that a stroke sweeps along.
+
+A stamp is a plane (through the foot point P'_m, with the mean normal of the effective patch), the
+direction of the bend in it, and the footprint's half width tabulated over its length, so that
+"is this point under the brush" costs one table look-up. Guo 2017, Eqs. 4, 6-11 and Fig. 7.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = [
+    "AREA",
+    "BEND_X",
+    "BEND_Y",
+    "BEND_Z",
+    "CROSS_X",
+    "DESCENT",
+    "DRAG_X",
+    "FOOT_NORMAL_X",
+    "HEEL",
+    "N_VALUES",
+    "NORMAL_X",
+    "ORIGIN_X",
+    "PRESSURE",
+    "PROFILE_CELLS",
+    "RADIUS",
+    "REACH_OF_WIDEST",
+    "SPHERE_X",
+    "TILT",
+    "TIP",
+    "TOUCHES",
+    "TRIANGLE",
+    "WIDEST",
+    "Stamp",
+    "edge_distances",
+    "fill_profile",
+    "make_stamp",
+    "outline_motion",
+]
+
+PROFILE_CELLS = 64
+
+# Where each value lies in Stamp.values.
+ORIGIN_X = 0  # 0-2 foot point P'_m, mm
+NORMAL_X = 3  # 3-5 normal of the plane: mean over the effective patch
+BEND_X, BEND_Y, BEND_Z = 6, 7, 8  # direction of P'_m P_0 in the plane (azimuth alpha)
+CROSS_X = 9  # 9-11 normal x bend
+HEEL, TIP = 12, 13  # signed reach of M_d and P_0 along the bend, mm
+WIDEST, REACH_OF_WIDEST = 14, 15  # largest half width and where, mm
+AREA = 16  # mm2
+PRESSURE = 17  # pe of Eq. 2, 0 to 1
+DESCENT, TILT = 18, 19  # D_s mm, theta rad
+SPHERE_X = 20  # 20-22 centre of the enclosing sphere, mm
+RADIUS = 23  # of the enclosing sphere, mm
+TRIANGLE = 24  # base triangle under P'_m
+FOOT_NORMAL_X = 25  # 25-27 interpolated surface normal at P'_m
+TOUCHES = 28  # 1.0 when the tuft leaves a footprint
+DRAG_X = 29  # 29-31 dragged point relative to P'_m, mm; zero until the first contact
+N_VALUES = 32
+
+
+class Stamp(NamedTuple):
+    """A footprint on the surface, as arrays that kernels fill in place."""
+
+    values: NDArray  # (N_VALUES,) float64
+    half_widths: NDArray  # (PROFILE_CELLS + 2,) float64, mm, even steps from heel to tip
+    steepness: NDArray  # (PROFILE_CELLS + 2,) float64, 1/sqrt(1 + slope^2) in each step
+
+
+def make_stamp() -> Stamp:
+    """An empty stamp that touches nothing."""
+    size = PROFILE_CELLS + 2
+    return Stamp(np.zeros(N_VALUES), np.zeros(size), np.ones(size))
+
+
+@njit(cache=True, nogil=True)
+def fill_profile(stamp, reach, half_width, n):
+    """Tabulate an outline (tip first, `n` points) over even steps from the heel to the tip."""
+    values = stamp.values
+    heel = reach[n - 1]
+    tip = reach[0]
+    step = (tip - heel) / PROFILE_CELLS
+    widest = 0.0
+    k = n - 1
+    area = 0.0
+    for i in range(PROFILE_CELLS + 1):
+        x = heel + i * step
+        while k > 1 and reach[k - 1] < x:
+            k -= 1
+        span = reach[k - 1] - reach[k]
+        t = (x - reach[k]) / span if span > 0.0 else 0.0
+        t = min(1.0, max(0.0, t))
+        stamp.half_widths[i] = (1.0 - t) * half_width[k] + t * half_width[k - 1]
+    stamp.half_widths[0] = 0.0
+    stamp.half_widths[PROFILE_CELLS] = 0.0
+    stamp.half_widths[PROFILE_CELLS + 1] = 0.0
+    for i in range(PROFILE_CELLS):
+        slope = (stamp.half_widths[i + 1] - stamp.half_widths[i]) / step if step > 0.0 else 0.0
+        stamp.steepness[i] = 1.0 / np.sqrt(1.0 + slope * slope)
+    stamp.steepness[PROFILE_CELLS] = stamp.steepness[PROFILE_CELLS - 1]
+    for i in range(n):
+        if half_width[i] > widest:
+            widest = half_width[i]
+            values[REACH_OF_WIDEST] = reach[i]
+    for i in range(n - 1):
+        area += (half_width[i] + half_width[i + 1]) * (reach[i] - reach[i + 1])
+    values[HEEL] = heel
+    values[TIP] = tip
+    values[WIDEST] = widest
+    values[AREA] = area
+
+
+@njit(cache=True, nogil=True, inline="always")
+def edge_distances(stamp, heel, tip, per_step, x, y):
+    """Distances (mm) from (x, y) to the outline's far and near side, as a pair of signed values.
+
+    The first is positive inside; both together give the share of a small box around the point
+    that lies within the outline, right also where the footprint is thinner than the box.
+    `per_step` is PROFILE_CELLS / (tip - heel).
+    """
+    side = abs(y)
+    if x < heel:
+        return x - heel - side, x - heel + side
+    if x > tip:
+        return tip - x - side, tip - x + side
+    at = (x - heel) * per_step
+    i = int(at)
+    t = at - i
+    width = (1.0 - t) * stamp.half_widths[i] + t * stamp.half_widths[i + 1]
+    steep = stamp.steepness[i]
+    return (width - side) * steep, (width + side) * steep
+
+
+@njit(cache=True, nogil=True)
+def outline_motion(a, b):
+    """How far the fastest of the outline's points moved between two stamps (mm)."""
+    fastest = 0.0
+    for point in range(4):
+        d2 = 0.0
+        for axis in range(3):
+            d = _outline_point(b, point, axis) - _outline_point(a, point, axis)
+            d2 += d * d
+        fastest = max(fastest, d2)
+    return np.sqrt(fastest)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _outline_point(stamp, point, axis):
+    """Coordinate of the tip, the heel, or the widest point on either side."""
+    values = stamp.values
+    if point == 0:
+        along, across = values[TIP], 0.0
+    elif point == 1:
+        along, across = values[HEEL], 0.0
+    elif point == 2:
+        along, across = values[REACH_OF_WIDEST], values[WIDEST]
+    else:
+        along, across = values[REACH_OF_WIDEST], -values[WIDEST]
+    origin = values[ORIGIN_X + axis]
+    return origin + along * values[BEND_X + axis] + across * values[CROSS_X + axis]

@@ -1,0 +1,143 @@
+"""Who shares an edge, and which corners share a normal.
+
+Edges are told apart by welded vertices (one id per position), so that seams of the file do not
+open the surface. Around each edge its half-edges form a ring; more than two in a ring is a
+non-manifold edge, one alone an open one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+__all__ = ["corner_normals", "count_around", "link_radial", "smooth_corners"]
+
+
+@njit(cache=True, nogil=True)
+def link_radial(faces, n_vertices):
+    """Rings of half-edges: entry 3 t + e is the next half-edge around edge e of triangle t.
+
+    Edge e runs from corner e to corner e + 1. `faces` (T, 3) int32 holds welded vertex ids.
+    """
+    n = faces.shape[0]
+    first = np.zeros(n_vertices + 1, np.int32)
+    for t in range(n):
+        for e in range(3):
+            first[min(faces[t, e], faces[t, (e + 1) % 3]) + 1] += 1
+    for v in range(n_vertices):
+        first[v + 1] += first[v]
+    listed = np.empty(3 * n, np.int32)
+    place = first[:-1].copy()
+    for t in range(n):
+        for e in range(3):
+            low = min(faces[t, e], faces[t, (e + 1) % 3])
+            listed[place[low]] = 3 * t + e
+            place[low] += 1
+    radial = np.empty(3 * n, np.int32)
+    for v in range(n_vertices):
+        for i in range(first[v], first[v + 1]):
+            h = listed[i]
+            if h < 0:
+                continue
+            high = max(faces[h // 3, h % 3], faces[h // 3, (h % 3 + 1) % 3])
+            previous = h
+            for j in range(i + 1, first[v + 1]):
+                g = listed[j]
+                if g < 0:
+                    continue
+                if max(faces[g // 3, g % 3], faces[g // 3, (g % 3 + 1) % 3]) == high:
+                    radial[previous] = g
+                    previous = g
+                    listed[j] = -1
+            radial[previous] = h
+    return radial
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _find(parent, i):
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _join(parent, a, b):
+    a = _find(parent, a)
+    b = _find(parent, b)
+    if a < b:
+        parent[b] = a
+    else:
+        parent[a] = b
+
+
+@njit(cache=True, nogil=True)
+def smooth_corners(faces, face_normals, radial, least_cosine):
+    """Group the corners (3 T) that share one normal: same vertex, joined over smooth edges.
+
+    Returns, for every corner, the first corner of its group. An edge is smooth when exactly two
+    triangles meet there, run around it in opposite senses, and turn by less than the crease angle.
+    """
+    n = faces.shape[0]
+    parent = np.arange(3 * n).astype(np.int32)
+    for h in range(3 * n):
+        g = radial[h]
+        if g <= h or radial[g] != h:
+            continue
+        t, e = h // 3, h % 3
+        s, f = g // 3, g % 3
+        if faces[t, e] != faces[s, (f + 1) % 3]:
+            continue
+        cosine = 0.0
+        for k in range(3):
+            cosine += face_normals[t, k] * face_normals[s, k]
+        if cosine < least_cosine:
+            continue
+        _join(parent, h, 3 * s + (f + 1) % 3)
+        _join(parent, 3 * t + (e + 1) % 3, g)
+    for c in range(3 * n):
+        parent[c] = _find(parent, c)
+    return parent
+
+
+@njit(cache=True, nogil=True)
+def corner_normals(points, faces, face_normals, vertex_of_corner, normals):
+    """Sum the face normals around every vertex, weighted by the corner's angle; unit length."""
+    normals[:] = 0.0
+    for t in range(faces.shape[0]):
+        for i in range(3):
+            a = faces[t, i]
+            b = faces[t, (i + 1) % 3]
+            c = faces[t, (i + 2) % 3]
+            dot, uu, vv = 0.0, 0.0, 0.0
+            for k in range(3):
+                u = float(points[b, k]) - float(points[a, k])
+                v = float(points[c, k]) - float(points[a, k])
+                dot += u * v
+                uu += u * u
+                vv += v * v
+            span = np.sqrt(uu * vv)
+            angle = np.arccos(min(1.0, max(-1.0, dot / span))) if span > 0.0 else 0.0
+            for k in range(3):
+                normals[vertex_of_corner[3 * t + i], k] += angle * face_normals[t, k]
+    for v in range(normals.shape[0]):
+        length = 0.0
+        for k in range(3):
+            length += normals[v, k] ** 2
+        length = np.sqrt(length)
+        for k in range(3):
+            normals[v, k] = normals[v, k] / length if length > 0.0 else (1.0 if k == 2 else 0.0)
+
+
+@njit(cache=True, nogil=True)
+def count_around(radial):
+    """The most triangles that share one edge."""
+    most = 0
+    for h in range(radial.shape[0]):
+        n = 1
+        g = radial[h]
+        while g != h and n < 1 << 20:
+            n += 1
+            g = radial[g]
+        most = max(most, n)
+    return most

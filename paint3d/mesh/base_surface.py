@@ -1,0 +1,111 @@
+"""A source mesh made ready for painting: welded, creased, without faces that have no area."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.kernels.refine import MOST_AROUND_EDGE
+from paint3d.kernels.topology import corner_normals, count_around, link_radial, smooth_corners
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["CREASE_ANGLE", "BaseSurface", "make_base_surface"]
+
+CREASE_ANGLE = np.deg2rad(40.0)  # two faces that turn by more have an edge between them
+_AGREES = 0.8  # cosine at which a normal from the file is believed
+
+
+@dataclass(frozen=True, eq=False)
+class BaseSurface:
+    """Triangles with one normal per smooth corner group, and the rings around their edges."""
+
+    points: NDArray  # (B, 3) float32, mm
+    normals: NDArray  # (B, 3) float32
+    faces: NDArray  # (R, 3) int32
+    radial: NDArray  # (3 R,) int32
+    areas: NDArray  # (R,) float64, mm2
+    source_vertices: NDArray  # (B,) int32
+
+    def longest_edges(self) -> NDArray:
+        """(R,) float64: the longest edge of every triangle, mm."""
+        p = self.points.astype(np.float64)
+        best = np.zeros(len(self.faces))
+        for i in range(3):
+            d = p[self.faces[:, i]] - p[self.faces[:, (i + 1) % 3]]
+            best = np.maximum(best, np.einsum("ij,ij->i", d, d))
+        return np.sqrt(best)
+
+
+def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
+    """Weld equal positions, split vertices at creases, leave out faces without area.
+
+    Raises
+    ------
+    MeshError
+        If more than 256 triangles share one edge.
+    """
+    points = np.ascontiguousarray(mesh.vertices, np.float32) + np.float32(0.0)
+    welded = _weld(points)
+    faces = np.asarray(mesh.faces)
+    cross = _cross(points, faces)
+    doubled = np.linalg.norm(cross, axis=1)
+    ids = welded[faces]
+    distinct = (ids[:, 0] != ids[:, 1]) & (ids[:, 1] != ids[:, 2]) & (ids[:, 2] != ids[:, 0])
+    keep = np.flatnonzero((doubled > 0.0) & distinct)
+    if len(keep) == 0:
+        raise MeshError(f"{mesh.name}: none of {len(faces)} faces has an area; expected a surface")
+    faces, ids = np.ascontiguousarray(faces[keep]), np.ascontiguousarray(ids[keep])
+    face_normals = cross[keep] / doubled[keep, None]
+    radial = link_radial(ids, int(ids.max()) + 1)
+    if (most := count_around(radial)) > MOST_AROUND_EDGE:
+        raise MeshError(
+            f"{mesh.name}: {most} triangles share one edge; expected at most {MOST_AROUND_EDGE}"
+        )
+    groups = smooth_corners(ids, face_normals, radial, float(np.cos(CREASE_ANGLE)))
+    first, corner_vertex = np.unique(groups, return_inverse=True)
+    source = faces.reshape(-1)[first]
+    order = np.argsort(source, kind="stable")
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
+    vertex_of_corner = rank[corner_vertex].astype(np.int32)
+    source = source[order].astype(np.int32)
+    new_faces = vertex_of_corner.reshape(-1, 3)
+    base_points = np.ascontiguousarray(points[source])
+    normals = np.empty((len(source), 3))
+    corner_normals(base_points, new_faces, face_normals, vertex_of_corner, normals)
+    return BaseSurface(
+        points=base_points,
+        normals=_with_given(normals, mesh.normals, source),
+        faces=np.ascontiguousarray(new_faces),
+        radial=radial,
+        areas=0.5 * doubled[keep],
+        source_vertices=source,
+    )
+
+
+def _weld(points: NDArray) -> NDArray:
+    """(V,) int32: the first vertex at the same position, as dense ids."""
+    rows = np.ascontiguousarray(points).view([("", np.float32)] * 3).reshape(-1)
+    _, ids = np.unique(rows, return_inverse=True)
+    return ids.astype(np.int32)
+
+
+def _cross(points: NDArray, faces: NDArray) -> NDArray:
+    """(F, 3) float64: cross product of two edges of every face; its length is twice the area."""
+    a = points[faces[:, 0]].astype(np.float64)
+    return np.cross(points[faces[:, 1]] - a, points[faces[:, 2]] - a)
+
+
+def _with_given(normals: NDArray, given: NDArray | None, source: NDArray) -> NDArray:
+    """Take the file's own normal where the vertex is smooth and the two roughly agree."""
+    if given is None:
+        return normals.astype(np.float32)
+    theirs = given[source].astype(np.float64)
+    length = np.linalg.norm(theirs, axis=1, keepdims=True)
+    theirs = theirs / np.where(length > 0.0, length, 1.0)
+    single = np.bincount(source, minlength=len(given))[source] == 1
+    agree = single & (np.einsum("ij,ij->i", theirs, normals) > _AGREES)
+    return np.where(agree[:, None], theirs, normals).astype(np.float32)

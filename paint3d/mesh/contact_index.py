@@ -1,0 +1,49 @@
+"""The contact tree of a paint mesh: built once, asked once for every footprint."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.kernels.contact import LEAF_SIZE, ContactTree, build_boxes
+from paint3d.mesh.paint_mesh import PaintMesh
+
+__all__ = ["build_contact_tree"]
+
+
+def build_contact_tree(mesh: PaintMesh) -> ContactTree:
+    """Build the box tree over the base triangles of `mesh`, in Morton order of their centres."""
+    triangles = np.ascontiguousarray(mesh.base_faces, dtype=np.int32)
+    n_base = mesh.n_base_vertices
+    points = np.ascontiguousarray(mesh.vertices[:n_base], dtype=np.float32)
+    normals = np.ascontiguousarray(mesh.normals[:n_base], dtype=np.float32)
+    order = _morton_order(points, triangles)
+    n_leaves = 1
+    while n_leaves * LEAF_SIZE < len(triangles):
+        n_leaves *= 2
+    low = np.empty((2 * n_leaves, 3), np.float32)
+    high = np.empty((2 * n_leaves, 3), np.float32)
+    build_boxes(order, triangles, points, low, high)
+    return ContactTree(order, low, high, triangles, points, normals)
+
+
+def _morton_order(points: NDArray, triangles: NDArray) -> NDArray:
+    """Triangle ids (T,) int32 sorted by the interleaved bits of their centres' coordinates."""
+    centres = np.zeros((len(triangles), 3), np.float32)
+    for corner in range(3):
+        centres += points[triangles[:, corner]]
+    low = centres.min(axis=0)
+    span = max(float((centres.max(axis=0) - low).max()), 1e-12)
+    grid = ((centres - low) * (1023.0 / span)).astype(np.uint32)
+    code = np.zeros(len(triangles), np.uint32)
+    for axis in range(3):
+        bits = grid[:, axis]
+        for shift, mask in (
+            (16, 0x030000FF),
+            (8, 0x0300F00F),
+            (4, 0x030C30C3),
+            (2, 0x09249249),
+        ):
+            bits = (bits | (bits << np.uint32(shift))) & np.uint32(mask)
+        code |= bits << np.uint32(axis)
+    return np.argsort(code, kind="stable").astype(np.int32)

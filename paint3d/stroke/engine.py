@@ -1,0 +1,298 @@
+"""The painter: a brush, an ink, a surface, and poses in time.
+
+One way through the stages, readable here in one screen: samples are turned into object-frame
+poses (`pose`), and `kernels.stroke` walks along them: foot point and bent brush, enclosing sphere
+and plane, outline, sweep, ink. Nothing here has a clock, a file or a random source; the same
+samples give the same painting to the bit, for any number of threads and any chunking.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import InputError
+from paint3d.ink.pigments import Pigment, load_pigment
+from paint3d.kernels import placement, stroke
+from paint3d.kernels.deposit import PAINTED, VISITED
+from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
+from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
+from paint3d.pose.interpolation import joined_samples, velocities
+from paint3d.stroke.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["DIP", "Painter"]
+
+DIP = 2  # button bit: the brush is dipped, on a lifted sample
+_CHUNK = 2000  # samples between two calls of `progress`
+_LOOKAHEAD = 2  # samples that must be known beyond an interval before it is painted
+_BLOCK = 4096  # vertices projected at a time
+
+
+class Room(NamedTuple):
+    """Scratch arrays of the stroke kernels."""
+
+    foot: NDArray  # (6,)
+    vector: NDArray  # (3,)
+    drag: NDArray  # (3,)
+    tuft: NDArray  # (SCRATCH_SIZE,)
+    reach: NDArray  # (OUTLINE_CAPACITY,)
+    half_width: NDArray  # (OUTLINE_CAPACITY,)
+    bounds: NDArray  # (8,)
+    tick: NDArray  # (1,) int64
+    stamps: NDArray  # (sheets,) int64, tick at which a sheet was last in the patch
+    sheets: NDArray  # (sheets,) int32
+    cell_ticks: NDArray  # (cells,) int64
+    cells: NDArray  # (cells,) int32
+    xs: NDArray  # (_BLOCK,) float32
+    ys: NDArray  # (_BLOCK,) float32
+    facing: NDArray  # (_BLOCK,) float32
+    ids: NDArray  # (_BLOCK,) int32
+    nothing: NDArray  # (0,) int32
+    found: NDArray  # (cap,) int32
+    share: NDArray  # (cap,) float32
+    cover: NDArray  # (cap,) float32
+    part: NDArray  # (P,)
+
+
+class Painter:
+    """Paints on a surface with one brush.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    brush : str or BrushSpec
+    ink : str or Pigment
+        What the brush is dipped in.
+    azimuth : {"commanded", "dragged"}
+        Whether the pose's roll turns the tuft, or the surface pulls it.
+
+    Raises
+    ------
+    UnknownNameError
+        For a brush or an ink that is not known.
+    """
+
+    def __init__(
+        self,
+        surface: PaintedSurface,
+        brush: str | BrushSpec = "full",
+        ink: str | Pigment = "pine soot",
+        azimuth: str = "commanded",
+    ) -> None:
+        if azimuth not in ("commanded", "dragged"):
+            raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
+        self.surface = surface
+        self.brush = load_brush(brush) if isinstance(brush, str) else brush
+        self.tuft = build_tuft(self.brush)
+        self.azimuth = azimuth
+        self.loaded = 0.0
+        self.seconds = {"poses": 0.0, "stroke": 0.0, "colour": 0.0}
+        self._counters = np.zeros(8, np.int64)
+        self._progress = stroke.make_progress()
+        self._pose = np.zeros(9)
+        self._held: list[DeviceSample] = []
+        self._n_samples = 0
+        self._dip_down = False
+        self.dip(ink)
+
+    # -- the brush --------------------------------------------------------------------------
+
+    def dip(self, ink: str | Pigment | None = None) -> None:
+        """Rinse the brush and load it fully with `ink` (None: the same again)."""
+        if ink is not None:
+            self.ink = load_pigment(ink) if isinstance(ink, str) else ink
+        column = self.surface.column_of(self.ink)
+        load = self.surface.ink.load
+        self.loaded += float(self.tuft.load - load.sum())
+        load[:] = 0.0
+        load[column] = self.tuft.load
+        self._room = self._make_room()
+
+    def in_brush(self) -> float:
+        """Ink in the brush, coats x mm2."""
+        return float(self.surface.ink.load.sum())
+
+    # -- painting ---------------------------------------------------------------------------
+
+    def replay(
+        self, recording: Recording, progress: Callable[[float], None] | None = None
+    ) -> None:
+        """Paint a whole recording; `progress` is called with the fraction done."""
+        started = time.perf_counter()
+        path = brush_poses(recording)
+        self.seconds["poses"] += time.perf_counter() - started
+        self.finish()
+        n = len(path.time_s)
+        stops = _dips(path.buttons)
+        self._begin()
+        samples = _samples(path)
+        for start in range(0, n, _CHUNK):
+            self._paint(samples, min(start + _CHUNK, n - 1), stops)
+            if progress is not None:
+                progress(min(start + _CHUNK, n) / n)
+        self._n_samples += n
+
+    def advance(self, samples: Iterable[DeviceSample]) -> None:
+        """Paint live: the interval before the last two samples waits for what comes next."""
+        self._held.extend(samples)
+        self._paint_held(len(self._held) - 1 - _LOOKAHEAD)
+
+    def finish(self) -> None:
+        """Paint what still waits, and lift the brush."""
+        self._paint_held(len(self._held) - 1)
+        self._held = []
+        self._begin()
+
+    def _begin(self) -> None:
+        self._progress.at[:] = 0
+        self._progress.before.values[:] = 0.0
+
+    def _paint_held(self, last: int) -> None:
+        if last <= int(self._progress.at[0]):
+            return
+        started = time.perf_counter()
+        path = object_poses(self._held)
+        self.seconds["poses"] += time.perf_counter() - started
+        self._paint(_samples(path), last, _dips(path.buttons))
+        done = max(0, int(self._progress.at[0]) - _LOOKAHEAD)
+        self._n_samples += done
+        self._held = self._held[done:]
+        self._progress.at[0] -= done
+
+    def _paint(self, samples: stroke.Samples, last: int, dips: NDArray) -> None:
+        """Paint up to sample `last`, dipping the brush where the recording does."""
+        at = self._progress.at
+        first = int(at[0])
+        for stop in dips[(dips > first) & (dips <= last)]:
+            self._run(samples, int(stop))
+            self.dip()
+        self._run(samples, last)
+
+    def _run(self, samples: stroke.Samples, last: int) -> None:
+        started = time.perf_counter()
+        surface = self.surface
+        while True:
+            state = stroke.paint_samples(
+                samples,
+                last,
+                self.azimuth == "dragged",
+                self.tuft,
+                surface.contact_tree,
+                surface.paint_mesh.arrays,
+                surface.ink,
+                self._progress,
+                self._counters,
+                self._pose,
+                self._room,
+            )
+            if state == stroke.FINISHED:
+                break
+            surface.make_room()
+            self._room = self._make_room()
+        self.seconds["stroke"] += time.perf_counter() - started
+
+    def _make_room(self) -> Room:
+        mesh = self.surface.paint_mesh
+        cap, sheets, cells = mesh.capacity, mesh.n_sheets, mesh.n_cells
+        old = getattr(self, "_room", None)
+        if old is not None and len(old.found) == cap and len(old.part) == len(
+            self.surface.pigments
+        ):
+            return old
+        return Room(
+            foot=np.zeros(6),
+            vector=np.zeros(3),
+            drag=np.zeros(3),
+            tuft=np.zeros(SCRATCH_SIZE),
+            reach=np.zeros(OUTLINE_CAPACITY),
+            half_width=np.zeros(OUTLINE_CAPACITY),
+            bounds=np.zeros(8),
+            tick=np.zeros(1, np.int64),
+            stamps=np.zeros(sheets, np.int64),
+            sheets=np.zeros(sheets, np.int32),
+            cell_ticks=np.zeros(cells, np.int64),
+            cells=np.zeros(cells, np.int32),
+            xs=np.zeros(_BLOCK, np.float32),
+            ys=np.zeros(_BLOCK, np.float32),
+            facing=np.zeros(_BLOCK, np.float32),
+            ids=np.zeros(_BLOCK, np.int32),
+            nothing=np.zeros(0, np.int32),
+            found=np.zeros(cap, np.int32),
+            share=np.zeros(cap, np.float32),
+            cover=np.zeros(cap, np.float32),
+            part=np.zeros(len(self.surface.pigments)),
+        )
+
+    # -- accounts ---------------------------------------------------------------------------
+
+    def ledger(self) -> dict[str, float]:
+        """Where the ink is, coats x mm2: loaded = in_brush + wet + dry + off_surface."""
+        return {
+            "loaded": self.loaded,
+            "in_brush": self.in_brush(),
+            "wet": self.surface.wet_ink(),
+            "dry": 0.0,
+            "off_surface": float(self.surface.ink.off_surface.sum()),
+        }
+
+    def report(self) -> dict:
+        """Counts, seconds by stage, and the ink ledger, ready for JSON."""
+        started = time.perf_counter()
+        self.surface.refresh()
+        self.seconds["colour"] += time.perf_counter() - started
+        return {
+            "brush": self.brush.name,
+            "ink": self.ink.name,
+            "azimuth": self.azimuth,
+            "samples": self._n_samples,
+            "samples_in_contact": int(self._counters[stroke.SAMPLES]),
+            "footprints": int(self._counters[stroke.FOOTPRINTS]),
+            "vertices": self.surface.n_vertices,
+            "vertices_visited": int(self._counters[VISITED]),
+            "vertices_painted": int(np.count_nonzero(self.surface.coverage)),
+            "deposits": int(self._counters[PAINTED]),
+            "tilt_limited": int(self._counters[placement.TILT_LIMITED]),
+            "overpressed": int(self._counters[placement.OVERPRESSED]),
+            "seconds": dict(self.seconds),
+            "ink_ledger": self.ledger(),
+        }
+
+
+def _dips(buttons: NDArray) -> NDArray:
+    """Samples at which the dip button goes down."""
+    down = (np.asarray(buttons) & DIP) != 0
+    return np.flatnonzero(down[1:] & ~down[:-1]) + 1
+
+
+def _samples(path: BrushPath) -> stroke.Samples:
+    """Make a path ready for interpolation."""
+    pressure = path.pressure
+    if pressure is None:
+        pressure = np.full(len(path.time_s), np.nan)
+    joined = joined_samples(path)
+    return stroke.Samples(
+        time=np.ascontiguousarray(path.time_s, np.float64),
+        position=np.ascontiguousarray(path.position, np.float64),
+        velocity=velocities(path, joined),
+        orientation=_one_hemisphere(path.orientation),
+        pressure=np.ascontiguousarray(pressure, np.float64),
+        joined=joined,
+    )
+
+
+def _one_hemisphere(quaternions: NDArray) -> NDArray:
+    """Flip signs so that neighbouring quaternions (N, 4) lie less than a right angle apart."""
+    q = np.array(quaternions, dtype=np.float64)
+    flips = np.sum(q[1:] * q[:-1], axis=1) < 0.0
+    signs = np.where(np.cumsum(flips) % 2 == 1, -1.0, 1.0)
+    q[1:] *= signs[:, None]
+    return q
