@@ -24,7 +24,8 @@ __all__ = [
     "signed_distances",
 ]
 
-_HALVINGS = 7
+_STRIDE = 4  # rungs between tries, going up
+_HALVINGS = 8
 
 
 @njit(cache=True, nogil=True)
@@ -96,16 +97,21 @@ def _fits(points, level, field, grid, x, y, cosine, sine, margin):
 
 @njit(cache=True, nogil=True)
 def fit_level(points, field, grid, x, y, azimuth, margin):
-    """Greatest level that fits with its centroid at (x, y) and all lower rungs fitting; or -1."""
+    """Greatest level that fits with its centroid at (x, y), below which all that were tried fit; or -1."""
     cosine, sine = math.cos(azimuth), math.sin(azimuth)
+    n = points.shape[0]
+    if _distance_at(field, grid[0], grid[1], grid[2], x, y) <= 0.0:
+        return -1.0
     k = 0
-    while k < points.shape[0] and _fits(points, float(k), field, grid, x, y, cosine, sine, margin):
-        k += 1
+    while k < n and _fits(points, float(k), field, grid, x, y, cosine, sine, margin):
+        k += _STRIDE
     if k == 0:
         return -1.0
-    if k == points.shape[0]:
-        return k - 1.0
-    low, high = k - 1.0, float(k)
+    low, high = float(k - _STRIDE), float(k)
+    if k >= n:
+        if _fits(points, n - 1.0, field, grid, x, y, cosine, sine, margin):
+            return n - 1.0
+        high = n - 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         if _fits(points, middle, field, grid, x, y, cosine, sine, margin):
@@ -167,7 +173,7 @@ def rate(points, support, field, grid, centres, headings, room, shifts, margin, 
 @njit(cache=True, nogil=True)
 def _reach(support, level, direction):
     n = support.shape[1]
-    i = int(round(direction / (2.0 * math.pi) * n)) % n
+    i = round(direction / (2.0 * math.pi) * n) % n
     k = min(int(level), support.shape[0] - 2)
     t = level - k
     return (1.0 - t) * support[k, i] + t * support[k + 1, i]
@@ -219,7 +225,7 @@ def cover(points, levels, centres, azimuths, x0, y0, step, out_mask):
     Every footprint is filled as the polygon of its boundary points. A course must be dense: poses
     farther apart than a pixel leave scalloped edges.
     """
-    n_points = points.shape[1]
+    n_points, n_columns = points.shape[1], out_mask.shape[1]
     xs, ys = np.empty(n_points), np.empty(n_points)
     for s in range(levels.shape[0]):
         if levels[s] < 0.0:
@@ -232,8 +238,8 @@ def cover(points, levels, centres, azimuths, x0, y0, step, out_mask):
             v = (1.0 - t) * points[k, b, 1] + t * points[k + 1, b, 1]
             xs[b] = (centres[s, 0] + cosine * u - sine * v - x0) / step
             ys[b] = (centres[s, 1] + sine * u + cosine * v - y0) / step
-        first = max(0, int(math.ceil(ys.min())))
-        last = min(out_mask.shape[0] - 1, int(math.floor(ys.max())))
+        first = max(0, math.ceil(ys.min()))
+        last = min(out_mask.shape[0] - 1, math.floor(ys.max()))
         for i in range(first, last + 1):
             low, high = np.inf, -np.inf  # footprints are convex enough for one run a row
             for b in range(n_points):
@@ -241,7 +247,7 @@ def cover(points, levels, centres, azimuths, x0, y0, step, out_mask):
                 if (ys[b] <= i) != (ys[e] <= i):
                     x = xs[b] + (i - ys[b]) / (ys[e] - ys[b]) * (xs[e] - xs[b])
                     low, high = min(low, x), max(high, x)
-            for j in range(
-                max(0, int(math.ceil(low))), min(out_mask.shape[1] - 1, int(math.floor(high))) + 1
-            ):
-                out_mask[i, j] = True
+            if low <= high:
+                left, right = math.ceil(max(low, 0.0)), math.floor(min(high, n_columns - 1.0))
+                for j in range(left, right + 1):
+                    out_mask[i, j] = True

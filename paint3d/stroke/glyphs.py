@@ -6,6 +6,7 @@ A glyph lives in an em square of 1024 units with y upwards. Its lower left corne
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -151,5 +152,5 @@ def _curve(start: NDArray, controls: NDArray) -> NDArray[np.float64]:
     n = max(1, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * _FLATNESS))))
     t = np.linspace(0.0, 1.0, n + 1)[1:, None]
     while len(hull) > 1:
-        hull = [(1.0 - t) * a + t * b for a, b in zip(hull, hull[1:], strict=False)]
+        hull = [(1.0 - t) * a + t * b for a, b in itertools.pairwise(hull)]
     return hull[0]

@@ -14,7 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d, minimum_filter1d
+from scipy.ndimage import (
+    distance_transform_edt,
+    gaussian_filter1d,
+    label,
+    maximum,
+    minimum_filter1d,
+)
 
 from paint3d.errors import InputError
 from paint3d.kernels import planning as kernels
@@ -42,6 +48,10 @@ class PlanSettings:
         Cost of a leading tip (0 for a trailing one), in stroke widths left bare.
     turning, shifting : float
         Cost of a turn of one radian, and of a side step of one half width, over one stroke width.
+    detours : int
+        How many bare corners the line is bent into, one after another.
+    worth : float
+        Share of the bare area that a detour must gain.
     """
 
     sample_step: float = 3.5 / 1024
@@ -52,6 +62,8 @@ class PlanSettings:
     trailing: float = 0.08
     turning: float = 0.03
     shifting: float = 0.05
+    detours: int = 4
+    worth: float = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +93,7 @@ class StrokeCourse:
 
 def on_paper(points: NDArray, em_mm: float) -> NDArray[np.float64]:
     """Carry glyph units (N, 2) to millimetres from the em square's lower left corner."""
-    return em_mm / EM_UNITS * (np.asarray(points, np.float64) + (0.0, DESCENDER))
+    return em_mm / EM_UNITS * (np.asarray(points, np.float64) + np.array([0.0, DESCENDER]))
 
 
 def plan_glyph(
@@ -142,18 +154,78 @@ def plan_stroke(
     settings = settings or PlanSettings()
     field, grid = _distance_field(outline, em_mm / 512)
     line = _centre_line(median, field, grid, settings.sample_step * em_mm)
-    azimuth, shift = _choose_course(line, field, grid, ladder, settings, em_mm)
-    centre, azimuth = _smooth_course(line, azimuth, shift, settings.pose_step * em_mm)
-    level = np.empty(len(centre))
-    margin = settings.margin * em_mm
-    kernels.fit_levels(ladder.points, field, grid, centre, azimuth, margin, level)
-    touching = np.flatnonzero(level >= 0.0)
-    if len(touching) < 2:
+    plan = _Plan(field, grid, ladder, settings, em_mm)
+    best, bare = plan.follow(line)
+    tried = np.zeros_like(bare)
+    for _ in range(settings.detours):
+        corner, tried = _largest_corner(bare & ~tried, tried, line.width / grid[2])
+        if corner is None:
+            break
+        detour = _detour(line, grid[:2] + grid[2] * corner, field, grid)
+        course, left = plan.follow(detour)
+        if left.sum() < bare.sum() * (1.0 - settings.worth):
+            line, best, bare = detour, course, left
+    if best is None:
         raise InputError(f"{name} is too fine for this brush at an em of {em_mm:g} mm")
-    kept = slice(touching[0], touching[-1] + 1)
-    centre, azimuth = centre[kept], azimuth[kept]
-    level = _calm(level[kept])
-    return _course(centre, azimuth, level, ladder)
+    return best
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What stays the same while one stroke's course is improved."""
+
+    field: NDArray
+    grid: NDArray
+    ladder: FootprintLadder
+    settings: PlanSettings
+    em_mm: float
+
+    def follow(self, line: _Line) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
+        """Return the course along a line (None: nothing fits), and what it leaves bare."""
+        azimuth, shift = _choose_course(line, self)
+        centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
+        level = np.empty(len(centre))
+        margin = self.settings.margin * self.em_mm
+        kernels.fit_levels(
+            self.ladder.points, self.field, self.grid, centre, azimuth, margin, level
+        )
+        touching = np.flatnonzero(level >= 0.0)
+        if len(touching) < 2:
+            return None, self.field > 0.0
+        kept = slice(touching[0], touching[-1] + 1)
+        centre, azimuth, level = centre[kept], azimuth[kept], _calm(level[kept])
+        painted = np.zeros(self.field.shape, np.bool_)
+        kernels.cover(self.ladder.points, level, centre, azimuth, *self.grid, painted)
+        return _course(centre, azimuth, level, self.ladder), (self.field > 0.0) & ~painted
+
+
+def _largest_corner(bare: NDArray, tried: NDArray, width: float):
+    """Return the outermost pixel (x, y) of the largest bare patch, or None, and what was tried.
+
+    A patch counts where a disc of an eighth of the stroke's width (in pixels) would fit in.
+    """
+    depth = distance_transform_edt(bare)
+    labels, n = label(bare)
+    if n == 0:
+        return None, tried
+    deepest = maximum(depth, labels, np.arange(1, n + 1))
+    areas = np.bincount(labels.ravel())[1:] * (deepest > width / 16.0)
+    k = int(np.argmax(areas))
+    if areas[k] < (width / 6.0) ** 2:
+        return None, tried
+    patch = labels == k + 1
+    row, column = np.unravel_index(np.argmax(depth * patch), depth.shape)
+    return np.array([column, row], np.float64), tried | patch
+
+
+def _detour(line: _Line, corner: NDArray, field: NDArray, grid: NDArray) -> _Line:
+    """Bend the line out towards a corner that it leaves bare."""
+    apart = np.linalg.norm(line.points - corner, axis=1)
+    nearest = int(np.argmin(apart))
+    along = (np.arange(len(apart)) - nearest) * line.step / line.width
+    bump = np.exp(-0.5 * (along / 0.3) ** 2)[:, None]
+    points = line.points + bump * (corner - line.points[nearest])
+    return _measured(_resample(points, line.step), line.width, field, grid)
 
 
 def _distance_field(outline: NDArray, step: float) -> tuple[NDArray, NDArray]:
@@ -225,6 +297,10 @@ def _centre_line(median: NDArray, field: NDArray, grid: NDArray, step: float) ->
         move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
         normals = np.stack([-np.sin(headings), np.cos(headings)], axis=1)
         points = _resample(_smooth(points + move[:, None] * normals, sigma), step)
+    return _measured(points, width, field, grid)
+
+
+def _measured(points: NDArray, width: float, field: NDArray, grid: NDArray) -> _Line:
     headings = _headings(points)
     room = _room(points, headings, field, grid, 1.5 * width)
     step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
@@ -242,21 +318,14 @@ def _extend(points: NDArray, field: NDArray, grid: NDArray, width: float) -> NDA
     return np.concatenate([ends[:1], points, ends[1:]])
 
 
-def _choose_course(
-    line: _Line,
-    field: NDArray,
-    grid: NDArray,
-    ladder: FootprintLadder,
-    settings: PlanSettings,
-    em_mm: float,
-) -> tuple[NDArray, NDArray]:
+def _choose_course(line: _Line, plan: _Plan) -> tuple[NDArray, NDArray]:
     """Return the azimuth (rad) and the side step (mm) for every sample of the line."""
+    settings, ladder = plan.settings, plan.ladder
     n, shifts = settings.n_directions, np.array(settings.shifts)
     gap = np.empty((len(line.points), n, len(shifts)))
-    margin = settings.margin * em_mm
     kernels.rate(
-        ladder.points, ladder.support, field, grid, line.points, line.headings, line.room,
-        shifts, margin, gap,
+        ladder.points, ladder.support, plan.field, plan.grid, line.points, line.headings,
+        line.room, shifts, settings.margin * plan.em_mm, gap,
     )  # fmt: skip
     directions = 2.0 * np.pi * np.arange(n) / n
     leading = 0.5 + 0.5 * np.cos(directions[None, :] - line.headings[:, None])
