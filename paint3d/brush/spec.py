@@ -122,8 +122,8 @@ class BrushSpec:
 
     def _check(self, parameter: str, low: float, high: float) -> None:
         what = f"brush {self.name!r}: {parameter}"
-        slack = 1e-9 * abs(high)  # a scaled range must hold its own ends
-        as_number(getattr(self, parameter), what, low - slack, high + slack, BrushError)
+        low, high = low * (1.0 - 1e-9), high * (1.0 + 1e-9)  # a scaled range holds its own ends
+        as_number(getattr(self, parameter), what, low, high, BrushError)
 
     @property
     def segment_lengths(self) -> NDArray:

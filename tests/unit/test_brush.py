@@ -1,0 +1,135 @@
+"""Brush parameters, presets and the bent shapes behind them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from paint3d.brush.bending import BendingTable, build_tuft, joint_stiffness
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.errors import BrushError, UnknownNameError
+from paint3d.kernels.tuft import bend_angles, descent_of_force, force_of_descent
+
+
+def test_segments_are_an_arithmetic_progression_that_fills_the_tuft():
+    spec = load_brush("full")
+    lengths = spec.segment_lengths
+    assert lengths[0] == pytest.approx(1.0)
+    assert np.allclose(np.diff(lengths), 2 * (35 - 9) / (9 * 8))
+    assert lengths.sum() == pytest.approx(35.0)
+
+
+def test_force_reaches_its_maximum_at_full_press():
+    spec = load_brush("full")
+    tuft = build_tuft(spec)
+    assert spec.force_coefficient == pytest.approx(0.645, abs=5e-4)
+    assert force_of_descent(tuft, 17.5) == pytest.approx(7.9)
+    assert descent_of_force(tuft, 7.9) == pytest.approx(17.5)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "expected"),
+    [
+        ("hardness", 0.9, "0.3 to 0.7"),
+        ("n_segments", 7, "8 to 13"),
+        ("n_segments", 9.5, "a whole number"),
+        ("tip_segment_mm", 2.0, "0.8 to 1.4"),
+        ("friction", 0.1, "0.2 to 0.3"),
+        ("spread_by_pressure", 2.0, "1.3 to 1.8"),
+        ("spread_by_friction", 0.5, "0.6 to 0.8"),
+        ("length_mm", math.nan, "finite"),
+        ("load", -1.0, "1 to"),
+        ("full_press_mm", 25.0, "7 to 21.7"),
+        ("hair", "nylon", "goat, weasel, mixed"),
+    ],
+)
+def test_a_parameter_out_of_range_is_named(parameter, value, expected):
+    with pytest.raises(BrushError, match=expected) as caught:
+        dataclasses.replace(load_brush("full"), **{parameter: value})
+    assert parameter in str(caught.value)
+    assert (value if parameter == "hair" else f"is {value:g}") in str(caught.value)
+
+
+def test_the_tip_segment_may_scale_with_the_tuft():
+    spec = load_brush("full")
+    scaled = {"root_diameter_mm": 28.0, "full_press_mm": 35.0, "length_mm": 70.0}
+    dataclasses.replace(spec, tip_segment_mm=2.8, **scaled)
+    with pytest.raises(BrushError, match=r"1\.6 to 2\.8"):
+        dataclasses.replace(spec, tip_segment_mm=1.0, **scaled)
+
+
+def test_presets_cover_hairs_and_sizes():
+    specs = [load_brush(name) for name in brush_names()]
+    assert {"full", "slender", "calibrated", "xiaokai"} <= set(brush_names())
+    assert {spec.hair for spec in specs} == {"goat", "weasel", "mixed"}
+    assert min(spec.length_mm for spec in specs) <= 22.0
+    assert max(spec.length_mm for spec in specs) >= 60.0
+
+
+def test_an_unknown_brush_is_answered_with_the_nearest():
+    with pytest.raises(UnknownNameError, match="did you mean 'slender'"):
+        load_brush("slendr")
+
+
+@pytest.mark.parametrize("name", brush_names())
+def test_bent_shapes_keep_the_height_of_the_root(name):
+    spec = load_brush(name)
+    table = BendingTable(spec)
+    height = (spec.segment_lengths * np.sin(table.angles)).sum(axis=-1)
+    wanted = spec.length_mm * np.sin(table.tilts)[:, None] * (1 - table.fractions)
+    assert np.allclose(height, wanted, atol=1e-9)
+    assert table.angles.min() >= 0.0
+    assert (np.diff(table.angles, axis=-1) >= -1e-12).all()  # bends one way only
+    assert (table.angles <= table.tilts[:, None, None] + 1e-12).all()
+
+
+@pytest.mark.parametrize(("row", "column"), [(0, 60), (0, 128), (12, 90), (24, 40), (24, 120)])
+def test_bent_shapes_have_the_least_energy(row, column):
+    spec = load_brush("slender")
+    table = BendingTable(spec)
+    lengths, stiffness = spec.segment_lengths, joint_stiffness(spec)
+    tilt = table.tilts[row]
+    height = spec.length_mm * math.sin(tilt) * (1 - table.fractions[column])
+
+    def energy(angles):
+        return 500.0 * np.sum(stiffness * np.diff(np.append(angles, tilt)) ** 2)
+
+    start = np.linspace(0.1 * tilt, tilt, spec.n_segments)
+    bound = {"type": "eq", "fun": lambda angles: lengths @ np.sin(angles) - height}
+    found = minimize(
+        energy,
+        start,
+        method="SLSQP",
+        constraints=[bound],
+        bounds=[(0.0, math.pi)] * spec.n_segments,
+        options={"maxiter": 1000, "ftol": 1e-13},
+    )
+    ours = table.angles[row, column]
+    assert energy(ours) <= found.fun * (1 + 1e-5)
+    assert np.allclose(ours, found.x, atol=0.01)
+
+
+def test_lookup_meets_the_table_and_stays_near_the_height_between():
+    spec = load_brush("full")
+    tuft, table = build_tuft(spec), BendingTable(spec)
+    out = np.empty(spec.n_segments + 1)
+    straight = spec.length_mm * math.sin(table.tilts[7])
+    bend_angles(tuft, straight * table.fractions[50], table.tilts[7], out)
+    assert np.allclose(out[:-1], table.angles[7, 50], atol=1e-9)
+    assert out[-1] == table.tilts[7]
+    for tilt in np.radians([33.3, 58.1, 77.7, 89.2]):
+        for descent in np.linspace(0.3, 10.0, 23):
+            bend_angles(tuft, descent, tilt, out)
+            height = spec.segment_lengths @ np.sin(out[:-1])
+            assert height == pytest.approx(35 * math.sin(tilt) - descent, abs=0.01)
+
+
+def test_an_unpressed_tuft_is_straight():
+    tuft = build_tuft(load_brush("full"))
+    out = np.empty(10)
+    bend_angles(tuft, 0.0, 1.1, out)
+    assert np.allclose(out, 1.1)
