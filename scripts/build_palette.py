@@ -13,9 +13,9 @@ usgs_reflectance.csv (public domain). In order of preference a pigment comes fro
 
 Hiding is the luminance of one coat over black by that over a chart of 80 %. Dyes and lakes that
 are painted as washes (gamboge, indigo, carmine) hide only when almost black: their coat is the
-one that takes the chart's lightness L* 80 % of the way down to the opaque layer's. A pigment that could
-not be had under clear terms is replaced by a named substitute. The output is the same bytes on
-every run.
+one that takes the chart's lightness L* 80 % of the way down to the opaque layer's. A pigment
+that could not be had under clear terms is replaced by a named substitute. The output is the same
+bytes on every run.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from fit_drawdowns import HEADER, fit, read_drawdowns
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from paint3d.colour.difference import lab_from_spectra
+from paint3d.colour.difference import lab_from_reflectance
 from paint3d.colour.layers import layer_reflectance
-from paint3d.colour.spectra import WAVELENGTHS, xyz_from_spectra
+from paint3d.colour.spectra import WAVELENGTHS, xyz_from_reflectance
 
 OUT = Path(__file__).parents[1] / "paint3d/ink/data/palette.csv"
 HIDING, CHART, DEPTH = 0.98, 0.8, 0.8
@@ -83,7 +83,7 @@ def scale_to_hiding(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
     def excess(log_scale: float) -> float:
         scale = np.exp(log_scale)
         films = [layer_reflectance(k * scale, s * scale, 1.0, chart) for chart in (0.0, CHART)]
-        over_black, over_white = xyz_from_spectra(films)[:, 1]
+        over_black, over_white = xyz_from_reflectance(films)[:, 1]
         return over_black / over_white - HIDING
 
     scale = np.exp(brentq(excess, -12.0, 12.0, xtol=1e-12))
@@ -95,7 +95,7 @@ def scale_to_depth(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
 
     def lightness(log_scale: float) -> float:
         film = layer_reflectance(k, s, np.exp(log_scale), np.full_like(k, CHART))
-        return lab_from_spectra(film)[0]
+        return lab_from_reflectance(film)[0]
 
     light, dark = lightness(-30.0), lightness(12.0)
     wanted = light + DEPTH * (dark - light)

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_spectra
+from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_reflectance
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
-from paint3d.colour.spectra import WAVELENGTHS, linear_rgb_from_spectra
+from paint3d.colour.spectra import WAVELENGTHS, linear_rgb_from_reflectance
 
 OUT = Path(__file__).parents[1] / "paint3d/ink/data/drawdown_paints.csv"
 SOURCE = (
@@ -147,7 +147,7 @@ def fit(
 def differences(log_ks, data: Drawdowns, gloss) -> NDArray:
     """dE00 (M, 2) of the films over black and white."""
     model = predict(log_ks, data, gloss)
-    return delta_e(lab_from_spectra(model), lab_from_spectra(data.films))
+    return delta_e(lab_from_reflectance(model), lab_from_reflectance(data.films))
 
 
 def rgb_differences(log_ks, data: Drawdowns, gloss) -> NDArray:
@@ -161,9 +161,9 @@ def rgb_differences(log_ks, data: Drawdowns, gloss) -> NDArray:
             data.films,
         )
         mixed.append(
-            np.tensordot(fractions, linear_rgb_from_spectra(predict(log_ks, pure, gloss)), 1)
+            np.tensordot(fractions, linear_rgb_from_reflectance(predict(log_ks, pure, gloss)), 1)
         )
-    return delta_e(lab_from_linear_rgb(np.array(mixed)), lab_from_spectra(data.films))
+    return delta_e(lab_from_linear_rgb(np.array(mixed)), lab_from_reflectance(data.films))
 
 
 def left_out_differences(log_ks, data: Drawdowns, gloss) -> NDArray:

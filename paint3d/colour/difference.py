@@ -9,9 +9,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.colour.spectra import RGB_FROM_XYZ, WHITE_XYZ, decode_srgb, xyz_from_spectra
+from paint3d.colour.spectra import RGB_FROM_XYZ, WHITE_XYZ, decode_srgb, xyz_from_reflectance
 
-__all__ = ["delta_e", "lab_from_linear_rgb", "lab_from_spectra", "lab_from_srgb", "lab_from_xyz"]
+__all__ = [
+    "delta_e",
+    "lab_from_linear_rgb",
+    "lab_from_reflectance",
+    "lab_from_srgb",
+    "lab_from_xyz",
+]
 
 _XYZ_FROM_RGB = np.linalg.inv(RGB_FROM_XYZ)
 
@@ -35,9 +41,9 @@ def lab_from_srgb(srgb: ArrayLike) -> NDArray:
     return lab_from_linear_rgb(decode_srgb(srgb))
 
 
-def lab_from_spectra(spectra: ArrayLike) -> NDArray:
+def lab_from_reflectance(spectra: ArrayLike) -> NDArray:
     """CIE L*a*b* (..., 3) of reflectance spectra (..., 31)."""
-    return lab_from_xyz(xyz_from_spectra(spectra))
+    return lab_from_xyz(xyz_from_reflectance(spectra))
 
 
 def _hue_terms(a1, b1, c1, a2, b2, c2):

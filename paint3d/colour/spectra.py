@@ -24,11 +24,11 @@ __all__ = [
     "WHITE_XYZ",
     "decode_srgb",
     "encode_srgb",
-    "linear_rgb_from_spectra",
+    "linear_rgb_from_reflectance",
     "rgb_weights",
     "srgb_from_linear",
-    "srgb_from_spectra",
-    "xyz_from_spectra",
+    "srgb_from_reflectance",
+    "xyz_from_reflectance",
     "xyz_weights",
 ]
 
@@ -83,7 +83,7 @@ def _as_spectra(spectra: ArrayLike) -> NDArray:
     return as_array(values, "spectra", shape if values.ndim else (N_BANDS,))
 
 
-def xyz_from_spectra(spectra: ArrayLike) -> NDArray:
+def xyz_from_reflectance(spectra: ArrayLike) -> NDArray:
     """XYZ (..., 3), white at Y = 1, of reflectance spectra (..., 31).
 
     Raises
@@ -94,7 +94,7 @@ def xyz_from_spectra(spectra: ArrayLike) -> NDArray:
     return _as_spectra(spectra) @ xyz_weights()
 
 
-def linear_rgb_from_spectra(spectra: ArrayLike) -> NDArray:
+def linear_rgb_from_reflectance(spectra: ArrayLike) -> NDArray:
     """Linear sRGB (..., 3) of reflectance spectra (..., 31); saturated colours leave [0, 1].
 
     Raises
@@ -141,7 +141,7 @@ def srgb_from_linear(linear_rgb: ArrayLike) -> NDArray:
     return np.rint(255.0 * encode_srgb(np.clip(linear_rgb, 0.0, 1.0))).astype(np.uint8)
 
 
-def srgb_from_spectra(spectra: ArrayLike) -> NDArray:
+def srgb_from_reflectance(spectra: ArrayLike) -> NDArray:
     """uint8 sRGB (..., 3) of reflectance spectra (..., 31), gamut as in `srgb_from_linear`.
 
     Raises
@@ -149,4 +149,4 @@ def srgb_from_spectra(spectra: ArrayLike) -> NDArray:
     InputError
         If the last axis has not 31 values or one is not finite.
     """
-    return srgb_from_linear(linear_rgb_from_spectra(spectra))
+    return srgb_from_linear(linear_rgb_from_reflectance(spectra))

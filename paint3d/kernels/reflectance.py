@@ -24,6 +24,9 @@ BLOCK = 128
 LAST_RATIO = np.float32(36.0)
 """(pX)^2 up to which tanh(pX)/(pX) is the ratio of polynomials; beyond, 1/(pX) (off by 1.2e-5)."""
 
+THICKEST = np.float32(1e4)
+"""Coats beyond which a layer counts as this thick: keeps single precision from overflowing."""
+
 TANH_RATIO = (
     (1.0, 0.114983672, 0.00152284374),
     (1.0, 0.448282707, 0.0176645049, 5.67470234e-05),
@@ -73,7 +76,7 @@ def mixture_colours(
 
     With X_i = amount_i / coverage the wet paint of a vertex is one layer with K X = sum K_i X_i
     and S X = sum S_i X_i (MODEL 6); its linear RGB is mixed by area with the bare surface:
-    (1 - c) bare + c layer. Cost: 2.5 ns a band and vertex at P = 3.
+    (1 - c) bare + c layer. Cost: 1.6 ns a band and vertex at P = 3.
 
     Parameters
     ----------
@@ -115,7 +118,7 @@ def mixture_colours(
             cover[j] = c
             thick = one / c if c > 0 else np.float32(0.0)
             for i in range(n_paints):
-                layer[i, j] = amounts[v, i] * thick
+                layer[i, j] = min(amounts[v, i] * thick, THICKEST)
         rgb[:] = np.float32(0.0)
         for w in range(n_bands):
             ground, red, green, blue = bands[w, 0], bands[w, 1], bands[w, 2], bands[w, 3]
@@ -153,7 +156,9 @@ def _write_block(start, size, vertex_ids, cover, rgb, bare, codes, out_rgb, out_
             value = (one - c) * bare[0, h] + c * (bare[1, h] + rgb[h, j])
             if out_rgb.size:
                 out_rgb[v, h] = value
-            out_srgb[v, h] = codes[np.int32(min(max(value, zero), one) * scale + half)]
+            shown = value if value > zero else zero
+            shown = shown if shown < one else one
+            out_srgb[v, h] = codes[np.int32(shown * scale + half)]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -163,7 +168,7 @@ def single_colours(vertex_ids, amounts, coverage, table, bend, bare, codes, out_
     The table's axis is y = X / (X + bend), which maps 0 to infinity onto 0 to 1 and is fine where
     thin paint changes fast; with X = amount/coverage it needs one division. Arguments as in
     `mixture_colours`, but `table` (N, 3) f32 holds linear RGB at y = i/(N - 1), and `bare` its
-    first row. Cost: 6 ns a vertex.
+    first row. Cost: 12 ns a vertex.
     """
     last = table.shape[0] - 2
     steps = np.float32(table.shape[0] - 1)
@@ -174,6 +179,8 @@ def single_colours(vertex_ids, amounts, coverage, table, bend, bare, codes, out_
         c, a = coverage[v], amounts[v, 0]
         whole = a + bend * c
         y = steps * (a / whole) if whole > zero else zero
+        y = y if y < steps else steps
+        y = y if y > zero else zero
         i = min(np.int32(y), last)
         part = y - np.float32(i)
         for h in range(3):
@@ -181,4 +188,6 @@ def single_colours(vertex_ids, amounts, coverage, table, bend, bare, codes, out_
             value = (one - c) * bare[0, h] + c * paint
             if out_rgb.size:
                 out_rgb[v, h] = value
-            out_srgb[v, h] = codes[np.int32(min(max(value, zero), one) * scale + half)]
+            shown = value if value > zero else zero
+            shown = shown if shown < one else one
+            out_srgb[v, h] = codes[np.int32(shown * scale + half)]

@@ -1,0 +1,84 @@
+"""List the inks and colours, with what they are made from and a swatch of each."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import unicodedata
+
+HELP = "the palette with sources and swatches"
+
+_WASH, _FULL = 0.1, 1.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The command takes no options."""
+    del parser
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the table to stdout, with coloured swatches on a terminal."""
+    del options
+    sys.stdout.write("\n".join(swatches_table(colour=sys.stdout.isatty())) + "\n")
+
+
+def swatches_table(colour: bool = False) -> list[str]:
+    """Lines of a table of the palette: a head, then one pigment a line.
+
+    Parameters
+    ----------
+    colour : bool
+        Put a block in 24-bit ANSI colour before each hexadecimal colour, for a terminal.
+
+    Returns
+    -------
+    list of str
+        Name, Chinese name, colour of a wash (0.1 coats) and of a full coat on porcelain, basis,
+        licence and source, in aligned columns.
+    """
+    from paint3d.ink.pigments import load_palette
+
+    head = ("name", "", "wash", "full coat", "basis", "licence", "source")
+    rows = [
+        (p.name, p.chinese, _swatch(p, _WASH), _swatch(p, _FULL), p.basis, p.licence, p.source)
+        for p in load_palette().values()
+    ]
+    widths = [max(map(_columns, column)) for column in zip(head, *rows, strict=True)]
+    lines = [_line(head, widths)]
+    for row in rows:
+        line = _line(row, widths)
+        for swatch in dict.fromkeys(row[2:4]) if colour else ():
+            line = line.replace(swatch, _block(swatch) + swatch)
+        lines.append(line)
+    if colour:
+        padded = [*head[:2], *("   " + title for title in head[2:4]), *head[4:]]
+        lines[0] = _line(padded, [*widths[:2], *(w + 3 for w in widths[2:4]), *widths[4:]])
+    return lines
+
+
+def _swatch(pigment, coats: float) -> str:
+    """Colour as #rrggbb of so many coats on porcelain."""
+    from paint3d.colour.layers import mixture_reflectance
+    from paint3d.colour.spectra import srgb_from_reflectance
+    from paint3d.ink.materials import load_material
+
+    ground = load_material("porcelain").reflectance
+    red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, coats, ground))
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+def _block(swatch: str) -> str:
+    red, green, blue = (int(swatch[i : i + 2], 16) for i in (1, 3, 5))
+    return f"\x1b[48;2;{red};{green};{blue}m  \x1b[0m "
+
+
+def _columns(text: str) -> int:
+    """Columns that a text takes on a terminal: Chinese characters take two."""
+    return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
+
+
+def _line(cells, widths) -> str:
+    padded = (
+        cell + " " * (width - _columns(cell)) for cell, width in zip(cells, widths, strict=True)
+    )
+    return "  ".join(padded).rstrip()

@@ -1,0 +1,190 @@
+"""Colours of a painted surface's vertices: pigment amounts in, sRGB out, fast.
+
+Three ways, one class:
+
+- `reference`: all 31 bands, any mixture;
+- `live`, several pigments: 12 bands chosen for the palette (`scripts/search_live_bands.py`),
+  twice as fast, within mean 0.07 and maximum 0.6 dE00 of the reference on random mixtures;
+- `live`, one pigment: a table over the layer's thickness, four times as fast, within 0.02 dE00.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.arrays import as_array
+from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
+from paint3d.colour.spectra import (
+    N_BANDS,
+    WAVELENGTHS,
+    linear_rgb_from_reflectance,
+    rgb_weights,
+    srgb_from_linear,
+)
+from paint3d.errors import InputError
+from paint3d.ink.pigments import Pigment
+from paint3d.kernels.reflectance import mixture_colours, single_colours
+
+__all__ = ["ColourModel"]
+
+_LIVE = Path(__file__).parent / "data" / "live_bands.csv"
+_N_CODES, _N_THICKNESSES = 1 << 14, 2048
+_NO_RGB = np.empty((0, 3), np.float32)
+
+
+@lru_cache(maxsize=1)
+def _live_bands() -> tuple[NDArray, NDArray]:
+    """Indices (12,) of the live bands among the 31, and their weights (12, 3)."""
+    table = np.loadtxt(_LIVE, delimiter=",", skiprows=1)
+    return np.searchsorted(WAVELENGTHS, table[:, 0]), table[:, 1:]
+
+
+@lru_cache(maxsize=1)
+def _srgb_codes() -> NDArray:
+    """sRGB code (16384,) uint8 of evenly spaced linear values; at most 0.2 codes a step."""
+    return srgb_from_linear(np.linspace(0.0, 1.0, _N_CODES))
+
+
+class ColourModel:
+    """Colours of vertices that carry some of P pigments on one backing.
+
+    Paint on a vertex covers a fraction c of its area, in one wet mixture; the colour is the mean
+    by area, (1 - c) bare + c layer, in linear RGB (MODEL 6; Guo 2017, section 4.3).
+
+    Parameters
+    ----------
+    pigments : sequence of Pigment
+        At least one; the columns of the amounts. If any was fitted with Saunderson's correction,
+        paint is glossy and the backing is taken as seen through gloss.
+    backing : (31,) array_like
+        Reflectance of the bare surface as measured, in [0, 1].
+    path : {"live", "reference"}
+
+    Attributes
+    ----------
+    bare_linear_rgb : (3,) float32
+        The bare surface.
+
+    Raises
+    ------
+    InputError
+        If there is no pigment, the backing is out of range or the path is not known.
+
+    Notes
+    -----
+    The kernels work in float32, with tanh to 1.2e-5: 0.01 dE00 against doubles. Colours do not
+    depend on the order of the vertices or the number of threads, to the bit. One core, 3 GHz
+    with 8 lanes: 85 million vertices a second with one pigment live, 35 with three, 20 with
+    three and 31 bands.
+    """
+
+    def __init__(
+        self,
+        pigments: Sequence[Pigment],
+        backing: ArrayLike,
+        path: Literal["live", "reference"] = "live",
+    ) -> None:
+        if path not in ("live", "reference"):
+            raise InputError(f"colour path is {path!r}; expected live or reference")
+        if not pigments:
+            raise InputError("a colour model needs at least one pigment")
+        ground = as_array(backing, "backing", (N_BANDS,))
+        if ground.min() < 0 or ground.max() > 1:
+            raise InputError(f"backing is {ground.min():g} to {ground.max():g}; expected 0 to 1")
+        self.pigments = tuple(pigments)
+        self.path = path
+        self._gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
+        self._ground = np.maximum(to_internal(ground, *self._gloss), 0.0)
+        self.bare_linear_rgb = linear_rgb_from_reflectance(ground).astype(np.float32)
+        if path == "live" and len(pigments) == 1:
+            self._make_table()
+        elif path == "live":
+            self._make_bands(*_live_bands())
+        else:
+            self._make_bands(np.arange(N_BANDS), rgb_weights())
+
+    def _make_bands(self, bands: NDArray, weights: NDArray) -> None:
+        outer, inner = self._gloss
+        self._table = None
+        paints = [(p.K[bands], p.S[bands]) for p in self.pigments]
+        self._paints = np.ascontiguousarray(np.transpose(paints, (2, 0, 1)), dtype=np.float32)
+        scaled = weights * ((1.0 - outer) * (1.0 - inner))
+        self._bands = np.column_stack([self._ground[bands], scaled]).astype(np.float32)
+        offset = outer * weights.sum(axis=0)
+        self._bare = np.stack([self.bare_linear_rgb, offset]).astype(np.float32)
+
+    def _make_table(self) -> None:
+        pigment = self.pigments[0]
+        strength = float((pigment.K + pigment.S).max())
+        self._bend = np.float32(2.0 / max(strength, 1e-3))
+        y = np.linspace(0.0, 1.0, _N_THICKNESSES)
+        coats = self._bend * y / np.maximum(1.0 - y, 1e-7)
+        films = layer_reflectance(pigment.K, pigment.S, coats[:, None], self._ground)
+        rgb = linear_rgb_from_reflectance(to_measured(films, *self._gloss))
+        self._table = rgb.astype(np.float32)
+        self._bare = self.bare_linear_rgb[None]
+
+    def srgb(
+        self,
+        amounts: NDArray[np.float32],
+        coverage: NDArray[np.float32],
+        out: NDArray[np.uint8],
+        vertex_ids: NDArray[np.int32] | None = None,
+        linear_rgb: NDArray[np.float32] | None = None,
+    ) -> NDArray[np.uint8]:
+        """Fill the colours of some vertices, or of all.
+
+        Parameters
+        ----------
+        amounts : (V, P) float32
+            Coats times the covered fraction, >= 0.
+        coverage : (V,) float32
+            Covered fraction in [0, 1]; a vertex at 0 is bare, whatever its amounts.
+        out : (V, 3) uint8
+            sRGB; only the rows of `vertex_ids` are written.
+        vertex_ids : (N,) int32, optional
+        linear_rgb : (V, 3) float32, optional
+            Filled likewise, before colours out of gamut go to the border.
+
+        Returns
+        -------
+        ndarray
+            `out`.
+
+        Raises
+        ------
+        InputError
+            If an array has the wrong type or shape, or an id is not a vertex. The values of
+            amounts and coverage are the surface's own and are not checked here.
+        """
+        ids = np.arange(coverage.size, dtype=np.int32) if vertex_ids is None else vertex_ids
+        n, count = coverage.size, len(self.pigments)
+        _check(amounts, "amounts", (n, count), np.float32)
+        _check(coverage, "coverage", (n,), np.float32)
+        _check(out, "out", (n, 3), np.uint8)
+        _check(ids, "vertex_ids", (ids.size,), np.int32)
+        if linear_rgb is not None:
+            _check(linear_rgb, "linear_rgb", (n, 3), np.float32)
+        if ids.size and not (ids.min() >= 0 and ids.max() < n):
+            raise InputError(f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
+        rgb = _NO_RGB if linear_rgb is None else linear_rgb
+        if self._table is not None:
+            fixed = (self._table, self._bend, self._bare)
+            single_colours(ids, amounts, coverage, *fixed, _srgb_codes(), rgb, out)
+        else:
+            fixed = (self._paints, self._bands, self._bare, np.float32(self._gloss[1]))
+            mixture_colours(ids, amounts, coverage, *fixed, _srgb_codes(), rgb, out)
+        return out
+
+
+def _check(array: NDArray, name: str, shape: tuple[int, ...], dtype: type) -> None:
+    if array.dtype != dtype or array.shape != shape or not array.flags.c_contiguous:
+        raise InputError(
+            f"{name} is {array.dtype} {array.shape}; expected {np.dtype(dtype)} {shape}, contiguous"
+        )

@@ -1,0 +1,67 @@
+"""Build the table of surface materials: what lies below the paint.
+
+Usage: python scripts/build_materials.py FOLDER [--out FILE]
+
+FOLDER holds usgs_reflectance.csv (public domain) and substrates.csv. The reflectances are
+measured; roughness, coat, absorbency and grain are chosen by eye, on a scale of 0 to 1. The
+output is the same bytes on every run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from paint3d.colour.spectra import WAVELENGTHS
+
+OUT = Path(__file__).parents[1] / "paint3d/ink/data/materials.csv"
+USGS = "USGS Spectral Library 7 (Kokaly et al. 2017, Data Series 1035), {}"
+CHART = "drawdown charts of Geldof et al., Heritage Science 6:17 (2018), {}"
+
+# name, Chinese name, file, column, basis, roughness, coat, absorbency, grain
+MATERIALS = [
+    ("porcelain", "瓷", "substrates", "Leneta white chart (REVIGO mean)",
+     "substitute for white glaze: glossy white chart", 0.15, 1.0, 0.0, 0.0),
+    ("bisque", "素胎", "usgs_reflectance", "Kaolinite_KGa-1_(wxl)_BECKb",
+     "proxy: kaolinite, the clay of porcelain bodies", 0.8, 0.0, 0.6, 0.3),
+    ("xuan", "宣纸", "usgs_reflectance", "Kaolinite_CM9_BECKb",
+     "substitute: kaolinite, a filler of paper (the measured paper is tinted yellow)",
+     0.95, 0.0, 1.0, 0.5),
+    ("plaster", "石灰", "usgs_reflectance", "Calcite_CO2004_BECKb",
+     "proxy: calcite, what lime plaster sets to", 0.9, 0.0, 0.7, 0.4),
+    ("terracotta", "陶", "substrates", "Med red building brick GDS353 (USGS, terracotta proxy)",
+     "proxy: red brick", 0.9, 0.0, 0.8, 0.6),
+]  # fmt: skip
+
+
+def read_column(path: Path, name: str) -> list[float]:
+    """Reflectance at 400, 410, ... 700 nm from one column."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        table = {float(row["wavelength_nm"]): float(row[name]) for row in csv.DictReader(stream)}
+    return [table[nm] for nm in np.asarray(WAVELENGTHS)]
+
+
+def main() -> None:
+    """Run as the module's first lines say."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="folder with the two tables")
+    parser.add_argument("--out", type=Path, default=OUT)
+    options = parser.parse_args()
+    header = ["name", "chinese", "source", "basis", "licence"]
+    header += ["roughness", "coat", "absorbency", "grain"]
+    rows = [header + [f"R_{nm:.0f}" for nm in WAVELENGTHS]]
+    for name, chinese, table, column, basis, *look in MATERIALS:
+        usgs = "REVIGO" not in column
+        source = (USGS if usgs else CHART).format(column)
+        licence = "public domain (US government)" if usgs else "CC0-1.0"
+        values = read_column(options.folder / f"{table}.csv", column)
+        rows.append([name, chinese, source, basis, licence, *look, *(f"{v:.5g}" for v in values)])
+    with options.out.open("w", newline="", encoding="utf-8") as stream:
+        csv.writer(stream, lineterminator="\n").writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
