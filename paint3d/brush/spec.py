@@ -25,7 +25,7 @@ _RANGES = {
     "spread_by_friction": (0.6, 0.8),
     "length_mm": (5.0, 200.0),
     "taper": (0.4, 1.5),
-    "stiffness_exponent": (1.0, 5.0),
+    "stiffness_exponent": (2.5, 5.0),
     "load": (1.0, 1e7),
     "transfer_per_mm": (1e-6, 1.0),
     "drag_fraction": (0.0, 0.5),
@@ -34,7 +34,7 @@ _RANGES = {
 _SEGMENTS = (8, 13)
 _TIP_SEGMENT = (0.8, 1.4)
 _DEEPEST_PRESS = 0.62  # of the length; the table of bent shapes ends there
-_THICKEST_ROOT = 0.45  # of the length: thicker, and the ferrule's rim touches before full press
+_THICKEST_ROOT = 0.42  # of the length: thicker, and the ferrule touches within the table
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

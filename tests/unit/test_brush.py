@@ -12,7 +12,12 @@ from scipy.optimize import minimize
 from paint3d.brush.bending import BendingTable, build_tuft, joint_stiffness
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.errors import BrushError, UnknownNameError
-from paint3d.kernels.tuft import bend_angles, descent_of_force, force_of_descent
+from paint3d.kernels.tuft import (
+    bend_angles,
+    descent_of_force,
+    force_of_descent,
+    greatest_descent,
+)
 
 
 def test_segments_are_an_arithmetic_progression_that_fills_the_tuft():
@@ -133,3 +138,23 @@ def test_an_unpressed_tuft_is_straight():
     out = np.empty(10)
     bend_angles(tuft, 0.0, 1.1, out)
     assert np.allclose(out, 1.1)
+
+
+@pytest.mark.parametrize("exponent", [2.5, 5.0])
+@pytest.mark.parametrize("n_segments", [8, 13])
+def test_the_ends_of_the_ranges_can_be_bent(exponent, n_segments):
+    spec = dataclasses.replace(
+        load_brush("full"),
+        stiffness_exponent=exponent,
+        n_segments=n_segments,
+        root_diameter_mm=0.42 * 35,
+        taper=0.4,
+    )
+    tuft = build_tuft(spec)
+    # At the end of the table the ferrule is still clear of the plane, at every tilt.
+    for tilt in np.linspace(tuft.lowest_tilt, math.pi / 2, 13):
+        out = np.empty(n_segments + 1)
+        bend_angles(tuft, greatest_descent(tuft, tilt), tilt, out)
+        up = spec.segment_lengths @ np.sin(out[:-1])
+        section = 0.5 * (out[-2] + out[-1])
+        assert 2.0 * up / math.cos(section) > spec.root_diameter_mm
