@@ -71,7 +71,7 @@ def write_records(
     initial_position : (3,) array_like, mm
         Rows hold positions relative to it.
     packed : bool
-        Write one packed normal (within 0.7 degrees) for three components.
+        Write one packed normal (within 1 degree) for three components.
 
     Raises
     ------
@@ -124,7 +124,19 @@ def read_records(path: str | os.PathLike[str]) -> Records:
         raise MeshError(f"{path}:{rows[0][0]}: a coordinate is not a number") from None
     if len(rows) < 2:
         raise MeshError(f"{path}: it has no rows; expected one for each vertex")
-    return _records(start, _table(path, rows[1:]))
+    table = _table(path, rows[1:])
+    try:
+        normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _unit(table[:, 3:6])
+    except MeshError as cause:
+        raise MeshError(f"{path}: {cause}") from None
+    return Records(start, table[:, :3] + start, normals, table[:, -3:].astype(np.uint8))
+
+
+def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    if (length == 0.0).any():
+        raise MeshError("a normal has length 0")
+    return normals / length
 
 
 def _table(path: Path, rows: list[tuple[int, str]]) -> NDArray[np.float64]:
@@ -148,12 +160,6 @@ def _table(path: Path, rows: list[tuple[int, str]]) -> NDArray[np.float64]:
         k, line = rows[wrong[0]]
         raise MeshError(f"{path}:{k}: {line[:60]!r}; expected RGB codes from 0 to 255")
     return table
-
-
-def _records(start: NDArray[np.float64], table: NDArray[np.float64]) -> Records:
-    packed = table.shape[1] == 7
-    normals = unpack_normals(table[:, 3]) if packed else table[:, 3:6]
-    return Records(start, table[:, :3] + start, normals, table[:, -3:].astype(np.uint8))
 
 
 def pack_normals(normals: NDArray[np.float64]) -> NDArray[np.int64]:
