@@ -1,0 +1,234 @@
+"""A sheet of paper laid on a surface: the geodesic exponential map around a point.
+
+Node (x, y) of a regular grid lies where the straightest geodesic that leaves the origin in the
+direction (x, y) arrives after sqrt(x^2 + y^2) mm, so lengths along rays from the origin are
+kept, and those across them shrink or grow with the curvature in between (by sin(r/R)/(r/R) on
+a sphere). Between the nodes the map is a bicubic spline.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import RectBivariateSpline
+
+from paint3d.arrays import as_array, as_number
+from paint3d.errors import InputError, MeshError
+from paint3d.mesh.closest import ClosestPoints
+
+__all__ = ["SurfaceChart", "SurfaceFrame", "frame_at", "make_chart"]
+
+_STEP_MM = 0.5
+_FINEST_STEP = 1e-3
+_LEAST_ADVANCE = 0.6
+"""A step that gains less than this share of its length has run into the surface's end."""
+_MOST_NODES = 400
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceFrame:
+    """A point of a surface with its tangent plane.
+
+    Attributes
+    ----------
+    origin : (3,) float64
+        mm, on the surface.
+    x_axis, y_axis : (3,) float64
+        Unit tangent vectors, to the right and upwards.
+    normal : (3,) float64
+        Outward unit normal, x_axis cross y_axis.
+    """
+
+    origin: NDArray
+    x_axis: NDArray
+    y_axis: NDArray
+    normal: NDArray
+
+
+def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> SurfaceFrame:
+    """The frame at the surface's closest point to `point`, its y axis as near `up` as can be.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+    point : (3,) array_like
+        mm.
+    up : (3,) array_like
+        Any length but zero, not along the normal.
+
+    Raises
+    ------
+    InputError
+        If `up` is zero or runs along the normal.
+    """
+    wanted = as_array(up, "up", (3,))
+    found = surface.find(as_array(point, "point", (3,))[None])
+    normal = found.normals[0]
+    tangent = wanted - normal * (wanted @ normal)
+    length = np.linalg.norm(tangent)
+    if length < 1e-6 * max(np.linalg.norm(wanted), 1e-12):
+        raise InputError(
+            f"up is {wanted.tolist()}, along the surface's normal; expected another direction"
+        )
+    y_axis = tangent / length
+    return SurfaceFrame(found.points[0], np.cross(y_axis, normal), y_axis, normal)
+
+
+class SurfaceChart:
+    """A smooth map from a flat rectangle, in mm, onto a surface.
+
+    Made by `make_chart`. The rectangle reaches from -half_width to half_width in x and from
+    -half_height to half_height in y; (0, 0) is the frame's origin.
+
+    Attributes
+    ----------
+    frame : SurfaceFrame
+    half_width, half_height : float
+        mm.
+    """
+
+    def __init__(
+        self,
+        frame: SurfaceFrame,
+        xs: NDArray,
+        ys: NDArray,
+        points: NDArray,
+        normals: NDArray,
+    ) -> None:
+        self.frame = frame
+        self.half_width = float(xs[-1])
+        self.half_height = float(ys[-1])
+        self._points = [RectBivariateSpline(xs, ys, points[..., k]) for k in range(3)]
+        self._normals = [RectBivariateSpline(xs, ys, normals[..., k]) for k in range(3)]
+
+    def points(self, xy: ArrayLike) -> NDArray:
+        """Points (N, 3) of the surface at chart coordinates (N, 2), mm.
+
+        Raises
+        ------
+        InputError
+            If a coordinate lies outside the chart.
+        """
+        return _evaluate(self._points, self._checked(xy))
+
+    def normals(self, xy: ArrayLike) -> NDArray:
+        """Outward unit normals (N, 3)."""
+        return _normalised(_evaluate(self._normals, self._checked(xy)))
+
+    def tangents(self, xy: ArrayLike) -> NDArray:
+        """Frames (N, 3, 3) whose columns are the directions of x and y and the normal.
+
+        The normal is that of `normals`; x and y are turned alike until they are orthogonal, so
+        that neither is favoured where the map shears.
+        """
+        checked = self._checked(xy)
+        normals = _normalised(_evaluate(self._normals, checked))
+        along_x = _in_plane(_evaluate(self._points, checked, dx=1), normals)
+        along_y = _in_plane(_evaluate(self._points, checked, dy=1), normals)
+        middle = _normalised(along_x + along_y)
+        across = np.cross(normals, middle)
+        root = math.sqrt(0.5)
+        x_axis, y_axis = root * (middle - across), root * (middle + across)
+        return np.stack([x_axis, y_axis, normals], axis=-1)
+
+    def _checked(self, xy: ArrayLike) -> NDArray:
+        checked = as_array(xy, "xy", (None, 2))
+        reach = np.array([self.half_width, self.half_height])
+        out = np.flatnonzero((np.abs(checked) > reach * (1.0 + 1e-9)).any(axis=1))
+        if len(out):
+            x, y = checked[out[0]]
+            raise InputError(
+                f"({x:.3f}, {y:.3f}) mm lies outside the chart; expected within "
+                f"+-{self.half_width:g} and +-{self.half_height:g} mm"
+            )
+        return checked
+
+
+def make_chart(
+    surface: ClosestPoints,
+    frame: SurfaceFrame,
+    half_width: float,
+    half_height: float,
+    spacing: float = 2.0,
+) -> SurfaceChart:
+    """Lay a rectangle on the surface around a frame.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+    frame : SurfaceFrame
+        From `frame_at`.
+    half_width, half_height : float
+        How far the chart reaches in x and y, mm.
+    spacing : float
+        Distance of the grid's nodes, mm; made larger where there would be over 400 in a row.
+
+    Raises
+    ------
+    MeshError
+        If the surface ends within the rectangle.
+    InputError
+        If an extent or the spacing is not positive.
+
+    Notes
+    -----
+    All nodes are traced side by side, in steps of at most 0.5 mm along the tangent followed by
+    the closest point: for n nodes and a reach r, 2 r n closest points of about 1 us.
+    """
+    half_width = as_number(half_width, "half_width", 1e-3, 1e6)
+    half_height = as_number(half_height, "half_height", 1e-3, 1e6)
+    spacing = as_number(spacing, "spacing", 1e-3, 1e6)
+    xs, ys = _nodes(half_width, spacing), _nodes(half_height, spacing)
+    x, y = (grid.ravel() for grid in np.meshgrid(xs, ys, indexing="ij"))
+    points, normals = _trace(surface, frame, x, y)
+    shape = (len(xs), len(ys), 3)
+    return SurfaceChart(frame, xs, ys, points.reshape(shape), normals.reshape(shape))
+
+
+def _nodes(half: float, spacing: float) -> NDArray:
+    n = min(max(2, math.ceil(half / spacing)), _MOST_NODES // 2)
+    return np.linspace(-half, half, 2 * n + 1)
+
+
+def _trace(
+    surface: ClosestPoints, frame: SurfaceFrame, x: NDArray, y: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Follow the straightest geodesics from the frame to chart coordinates x, y: (N, 3) each."""
+    reach = np.hypot(x, y)
+    n_steps = max(1, math.ceil(reach.max() / _STEP_MM))
+    step = (reach / n_steps)[:, None]
+    safe = np.where(reach > 0.0, reach, 1.0)[:, None]
+    heading = (x[:, None] * frame.x_axis + y[:, None] * frame.y_axis) / safe
+    points = np.broadcast_to(frame.origin, heading.shape).copy()
+    normals = np.broadcast_to(frame.normal, heading.shape).copy()
+    for k in range(n_steps):
+        found = surface.find(points + step * heading)
+        advance = np.sum((found.points - points) * heading, axis=1)
+        turned = np.sum(found.normals * normals, axis=1)
+        lost = (advance < _LEAST_ADVANCE * step[:, 0] - _FINEST_STEP) | (turned <= 0.0)
+        if lost.any():
+            i = int(np.flatnonzero(lost)[0])
+            raise MeshError(
+                f"{surface.mesh.name}: the surface ends {step[i, 0] * k:.1f} mm from the middle "
+                f"of the chart, towards ({x[i]:.1f}, {y[i]:.1f}) mm; expected it to go on"
+            )
+        points, normals = found.points, found.normals
+        heading = _in_plane(heading, normals)
+    return points, normals
+
+
+def _evaluate(splines: list[RectBivariateSpline], xy: NDArray, dx: int = 0, dy: int = 0) -> NDArray:
+    return np.stack([s.ev(xy[:, 0], xy[:, 1], dx=dx, dy=dy) for s in splines], axis=-1)
+
+
+def _normalised(vectors: NDArray) -> NDArray:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0.0, length, 1.0)
+
+
+def _in_plane(vectors: NDArray, normals: NDArray) -> NDArray:
+    """Unit vectors along the parts of `vectors` that are orthogonal to `normals`."""
+    return _normalised(vectors - normals * np.sum(vectors * normals, axis=-1, keepdims=True))
