@@ -1,0 +1,116 @@
+"""Mixtures as measured: the drawdowns, names, and bad input."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paint3d.colour.difference import delta_e, lab_from_reflectance
+from paint3d.colour.layers import layer_reflectance, mixture_reflectance, stack_reflectance
+from paint3d.errors import InputError, UnknownNameError
+from paint3d.ink.pigments import BANDS_NM, load_pigment
+
+DRAWDOWNS = Path(__file__).parents[2] / "../shared/pigments/drawdowns.csv"
+WHITE = np.full(31, 0.85)
+
+
+@pytest.mark.skipif(not DRAWDOWNS.exists(), reason="the drawdowns lie beside the checkout")
+def test_measured_drawdowns_are_met():
+    with DRAWDOWNS.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+
+    def spectrum(row, kind):
+        return np.array([float(row[f"{kind}_{nm:.0f}"]) for nm in BANDS_NM])
+
+    apart = []
+    for row in rows:
+        recipe = json.loads(row["mass_fractions_json"])
+        for side in ("black", "white"):
+            film = mixture_reflectance(recipe, 1.0, spectrum(row, f"chart_{side}"))
+            measured = spectrum(row, f"over_{side}")
+            apart.append(delta_e(lab_from_reflectance(film), lab_from_reflectance(measured)))
+    assert len(apart) == 68
+    assert np.mean(apart) < 1.2
+    assert np.median(apart) < 0.8
+    assert np.max(apart) < 7
+
+
+def test_no_paint_leaves_the_backing_with_and_without_gloss():
+    for name in ("cinnabar", "Vermillion"):
+        np.testing.assert_allclose(mixture_reflectance({name: 1}, 0, WHITE), WHITE, atol=1e-12)
+
+
+def test_only_proportions_count():
+    one = mixture_reflectance({"cinnabar": 1, "lead white": 3}, 0.5, WHITE)
+    two = mixture_reflectance({"cinnabar": 0.25, "lead white": 0.75}, 0.5, WHITE)
+    np.testing.assert_allclose(one, two, atol=1e-15)
+
+
+def test_gloss_follows_the_paints_unless_told():
+    glossy = mixture_reflectance({"Vermillion": 1}, 1, WHITE)
+    matt = mixture_reflectance({"Vermillion": 1}, 1, WHITE, saunderson=False)
+    assert glossy.min() >= 0.03
+    assert not np.allclose(glossy, matt, atol=0.01)
+    plain = mixture_reflectance({"cinnabar": 1}, 1, WHITE)
+    assert (plain == mixture_reflectance({"cinnabar": 1}, 1, WHITE, saunderson=False)).all()
+
+
+def test_the_two_fits_of_one_paint_agree_where_it_was_measured():
+    chart = np.full(31, 0.85)
+    glossy = mixture_reflectance({"Vermillion": 1}, 1, chart)
+    matt = mixture_reflectance({"cinnabar": 1}, 1, chart)
+    assert delta_e(lab_from_reflectance(glossy), lab_from_reflectance(matt)) < 1.0
+
+
+def test_order_of_different_glazes_matters():
+    red, blue = (load_pigment(name) for name in ("cinnabar", "azurite"))
+    layers = [(red.K, red.S, 0.5), (blue.K, blue.S, 0.5)]
+    labs = [lab_from_reflectance(stack_reflectance(o, WHITE)) for o in (layers, layers[::-1])]
+    assert delta_e(*labs) > 5
+
+
+def test_soot_is_black_and_its_wash_a_clean_grey():
+    for name, low, high in (("pine soot", -4, 0), ("oil soot", 0, 4)):
+        film = mixture_reflectance({name: 1}, 1.0, WHITE)
+        assert 0.02 < film.mean() < 0.04
+        for coats in (0.03, 0.1, 0.3):
+            _, a, b = lab_from_reflectance(mixture_reflectance({name: 1}, coats, WHITE))
+            assert abs(a) < 1
+            assert low < b < high
+
+
+def test_layer_shapes_broadcast():
+    film = layer_reflectance(np.ones((4, 1)), np.ones(31), 0.5, WHITE)
+    assert film.shape == (4, 31)
+    assert layer_reflectance(1.0, 1.0, 1.0, 0.5).shape == ()
+
+
+@pytest.mark.parametrize(
+    ("fractions", "coats", "backing", "message"),
+    [
+        ({}, 1.0, WHITE, "no paint"),
+        ({"cinnabar": 0.0}, 1.0, WHITE, "no paint"),
+        ({"cinnabar": -0.1}, 1.0, WHITE, "fraction of cinnabar"),
+        ({"cinnabar": np.nan}, 1.0, WHITE, "fraction of cinnabar"),
+        ({"cinnabar": 1.0}, -1.0, WHITE, "coats"),
+        ({"cinnabar": 1.0}, np.inf, WHITE, "coats"),
+        ({"cinnabar": 1.0}, 1.0, WHITE[:30], "backing"),
+        ({"cinnabar": 1.0}, 1.0, WHITE + 1, "backing"),
+        ({"cinnabar": 1.0}, 1.0, WHITE * np.nan, "backing"),
+    ],
+)
+def test_bad_input_is_named(fractions, coats, backing, message):
+    with pytest.raises(InputError, match=message):
+        mixture_reflectance(fractions, coats, backing)
+
+
+def test_unknown_paint_is_named_with_the_nearest():
+    with pytest.raises(UnknownNameError, match="did you mean 'cinnabar'"):
+        mixture_reflectance({"cinabar": 1.0}, 1.0, WHITE)
+
+
+def test_layer_refuses_negative_strength():
+    with pytest.raises(InputError, match="scattering holds -1"):
+        layer_reflectance(1.0, -1.0, 1.0, 0.5)

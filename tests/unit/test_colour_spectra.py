@@ -1,0 +1,83 @@
+"""Spectra to sRGB, against colour-science."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from paint3d.colour import spectra
+from paint3d.colour.difference import delta_e, lab_from_xyz
+from paint3d.errors import InputError
+from paint3d.ink.pigments import load_palette
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import colour
+
+
+def masstones():
+    ratio = np.array([p.K / np.maximum(p.S, 1e-9) for p in load_palette().values()])
+    return 1 / (1 + ratio + np.sqrt(ratio**2 + 2 * ratio))
+
+
+def test_perfect_reflector_is_white_and_darkness_black():
+    np.testing.assert_allclose(spectra.linear_rgb_from_reflectance(np.ones(31)), 1, atol=1e-12)
+    assert spectra.srgb_from_reflectance(np.ones(31)).tolist() == [255, 255, 255]
+    assert spectra.srgb_from_reflectance(np.zeros(31)).tolist() == [0, 0, 0]
+
+
+def test_xyz_agrees_with_colour_science():
+    daylight = colour.SDS_ILLUMINANTS["D65"]
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    films = masstones()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        theirs = [
+            colour.sd_to_XYZ(
+                colour.SpectralDistribution(film, spectra.WAVELENGTHS), observer, daylight
+            )
+            for film in films
+        ]
+    ours = spectra.xyz_from_reflectance(films)
+    apart = delta_e(lab_from_xyz(ours), lab_from_xyz(np.array(theirs) / 100))
+    assert apart.mean() < 0.15
+    assert apart.max() < 0.5
+
+
+def test_observer_table_is_the_cie_table():
+    shape = colour.SpectralShape(400, 700, 10)
+    table = np.loadtxt(spectra._TABLE, delimiter=",", skiprows=1)
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(shape)
+    np.testing.assert_allclose(table[:, 1:4], observer.values, rtol=1e-8)
+
+
+def test_matrix_agrees_with_the_standard():
+    srgb = colour.RGB_COLOURSPACES["sRGB"]
+    computed = colour.normalised_primary_matrix(srgb.primaries, srgb.whitepoint)
+    np.testing.assert_allclose(np.linalg.inv(spectra.RGB_FROM_XYZ), computed, atol=1e-12)
+    printed_to_four_digits = srgb.matrix_XYZ_to_RGB
+    np.testing.assert_allclose(spectra.RGB_FROM_XYZ, printed_to_four_digits, atol=5e-4)
+
+
+def test_transfer_function_agrees_and_inverts():
+    linear = np.linspace(0, 1, 4001)
+    theirs = colour.cctf_encoding(linear, function="sRGB")
+    np.testing.assert_allclose(spectra.encode_srgb(linear), theirs, atol=1e-12)
+    codes = np.arange(256, dtype=np.uint8)
+    assert (spectra.srgb_from_linear(spectra.decode_srgb(codes)) == codes).all()
+    np.testing.assert_allclose(spectra.encode_srgb(-linear), -theirs, atol=1e-12)
+
+
+def test_out_of_gamut_goes_to_the_border():
+    assert spectra.srgb_from_linear([[-0.2, 0.5, 1.3]]).tolist() == [[0, 188, 255]]
+
+
+@pytest.mark.parametrize("bad", [np.ones(30), np.full(31, np.nan), 0.5, ["a"] * 31])
+def test_wrong_spectra_are_refused(bad):
+    with pytest.raises(InputError, match="spectra"):
+        spectra.xyz_from_reflectance(bad)
+
+
+def test_decode_refuses_integers_of_unknown_range():
+    with pytest.raises(InputError, match="int64"):
+        spectra.decode_srgb(np.array([255]))

@@ -1,0 +1,161 @@
+"""The palette, materials, users' tables, and the list of inks."""
+
+import numpy as np
+import pytest
+
+from paint3d.cli.inks import swatches_table
+from paint3d.errors import PigmentError, UnknownNameError
+from paint3d.ink.materials import Material, load_material, load_materials, material_names
+from paint3d.ink.pigments import (
+    BANDS_NM,
+    Pigment,
+    load_drawdown_paints,
+    load_palette,
+    load_pigment,
+    load_pigments_csv,
+    pigment_names,
+)
+
+
+def table(tmp_path, *rows, nm=(400, 550, 700), columns="name"):
+    header = columns + "".join(f",{letter}_{n}" for letter in "KS" for n in nm)
+    path = tmp_path / "mine.csv"
+    path.write_text("\n".join([header, *rows]) + "\n", "utf-8")
+    return path
+
+
+def test_palette_holds_inks_and_a_chinese_palette():
+    palette = load_palette()
+    assert {"pine soot", "oil soot", "cinnabar", "azurite", "malachite"} < set(palette)
+    assert len(palette) >= 13
+    assert pigment_names()[0] == "pine soot"
+    assert list(palette) == pigment_names()
+
+
+def test_every_row_says_where_it_is_from():
+    for pigment in [*load_palette().values(), *load_drawdown_paints().values()]:
+        assert pigment.source
+        assert pigment.licence
+        assert pigment.basis.split()[0] in {"measured", "masstone", "mixture"}
+        assert (pigment.K + pigment.S).min() > 0
+
+
+def test_what_could_not_be_had_is_named_a_substitute():
+    for name in ("pine soot", "indigo", "gamboge", "carmine", "orpiment"):
+        assert "substitute" in load_pigment(name).basis
+
+
+def test_drawdown_paints_are_glossy_and_apart_from_the_palette():
+    paints = load_drawdown_paints()
+    assert {"Vermillion", "ZincWhite", "BoneBlack"} < set(paints)
+    assert all(p.saunderson for p in paints.values())
+    assert not set(paints) & set(load_palette())
+    assert load_pigment("Vermillion") is paints["Vermillion"]
+
+
+def test_chinese_names_find_pigments():
+    assert load_pigment("石青") is load_pigment("azurite")
+
+
+def test_pigments_cannot_be_changed():
+    pigment = load_pigment("pine soot")
+    with pytest.raises(ValueError, match="read-only"):
+        pigment.K[0] = 1
+    with pytest.raises(TypeError):
+        load_palette()["mine"] = pigment
+
+
+@pytest.mark.parametrize("name", ["pine sot", "", "nothing like it"])
+def test_unknown_ink_lists_the_known(name):
+    with pytest.raises(UnknownNameError, match=r"expected one of .*pine soot"):
+        load_pigment(name)
+
+
+def test_own_table_is_read_and_interpolated(tmp_path):
+    path = table(tmp_path, "mine,1,2,3,4,4,4")
+    mine = load_pigments_csv(path)["mine"]
+    assert mine.K[0] == 1
+    assert mine.K[15] == pytest.approx(2)
+    assert mine.K[30] == 3
+    assert (mine.S == 4).all()
+    assert not mine.saunderson
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([], "holds no pigment"),
+        (["mine,1,2,3,4,4,4", "yours,1,-2,3,4,4,4"], r"mine\.csv:3: K_550 is -2"),
+        (["mine,1,2,3,4,nan,4"], r"mine\.csv:2: S_550 is nan"),
+        (["mine,1,2,3,4,inf,4"], r"mine\.csv:2: S_550 is inf"),
+        (["mine,1,2,3,4,x,4"], r"mine\.csv:2: S_550 is 'x'"),
+        (["mine,1,2,3"], r"mine\.csv:2: S_400 is None"),
+        ([",1,2,3,4,4,4"], r"mine\.csv:2: name is empty"),
+        (["a,1,2,3,4,4,4", "a,1,2,3,4,4,4"], r"mine\.csv:3: 'a' occurs twice"),
+    ],
+)
+def test_bad_rows_are_named(tmp_path, rows, message):
+    with pytest.raises(PigmentError, match=message):
+        load_pigments_csv(table(tmp_path, *rows))
+
+
+@pytest.mark.parametrize(
+    ("nm", "message"),
+    [((550, 400, 700), "rising"), ((400, 400, 700), "rising"), ((400, 500, 600), "cover")],
+)
+def test_bad_wavelengths_are_named(tmp_path, nm, message):
+    with pytest.raises(PigmentError, match=rf"mine\.csv:1: .*{message}"):
+        load_pigments_csv(table(tmp_path, "mine,1,2,3,4,4,4", nm=nm))
+
+
+def test_tables_without_columns_or_files_are_named(tmp_path):
+    path = tmp_path / "mine.csv"
+    for text, message in [("", "no column 'name'"), ("name,K_400\nx,1\n", "columns K_<nm>")]:
+        path.write_text(text)
+        with pytest.raises(PigmentError, match=message):
+            load_pigments_csv(path)
+    path.write_bytes(b"\xff\xfe\x00\x01")
+    with pytest.raises(PigmentError, match="cannot be read"):
+        load_pigments_csv(path)
+    with pytest.raises(PigmentError, match="cannot be read"):
+        load_pigments_csv(tmp_path / "none.csv")
+
+
+def test_a_pigment_checks_itself():
+    good = np.ones(31)
+    with pytest.raises(PigmentError, match="S of x is -1 at 420 nm"):
+        Pigment("x", "", good, np.where(BANDS_NM == 420, -1, 1))
+    with pytest.raises(PigmentError, match="shape"):
+        Pigment("x", "", good[:5], good)
+    with pytest.raises(PigmentError, match="no name"):
+        Pigment("", "", good, good)
+
+
+def test_materials_are_the_promised_ones():
+    assert {"porcelain", "bisque", "xuan", "plaster"} <= set(material_names())
+    for material in load_materials().values():
+        assert material.source
+        assert material.basis
+        assert material.reflectance.shape == (31,)
+    assert load_material("porcelain").coat > load_material("bisque").coat
+    assert load_material("xuan").absorbency > load_material("porcelain").absorbency
+
+
+def test_bad_materials_are_refused():
+    with pytest.raises(UnknownNameError, match="did you mean 'porcelain'"):
+        load_material("porcelan")
+    with pytest.raises(PigmentError, match="expected 0 to 1"):
+        Material("x", np.full(31, 1.1), 0, 0, 0, 0)
+    with pytest.raises(PigmentError, match="roughness of x"):
+        Material("x", np.ones(31), 2, 0, 0, 0)
+
+
+def test_list_of_inks_has_a_line_each_and_colour_only_when_asked():
+    plain, coloured = swatches_table(), swatches_table(colour=True)
+    assert len(plain) == len(coloured) == len(pigment_names()) + 1
+    assert not any("\x1b" in line for line in plain)
+    assert all("\x1b[48;2;" in line for line in coloured[1:])
+    soot = next(line for line in plain if line.startswith("pine soot"))
+    assert "松烟墨" in soot
+    assert "#3" in soot
+    assert "substitute" in soot
