@@ -2,8 +2,7 @@
 
 The light that the paint scatters is computed per vertex (`daylight`: soft shadows, occlusion, one
 bounce) and handed to VTK inside the vertex colours; VTK's physically based shading, lit evenly,
-shows it and adds what the surface and its glaze mirror. The picture is drawn at twice its size and
-averaged down in linear light.
+shows it and adds what the surface and its glaze mirror.
 """
 
 from __future__ import annotations
@@ -83,7 +82,7 @@ def render_picture(
         areas = vertex_areas(vertices, faces)
         view = view or find_view(vertices, normals, srgb, areas)
         scene = _set_up(vertices, faces, normals, srgb, areas, view, size)
-        pixels = draw_scene(scene, gloss or Gloss.of("porcelain"), (2 * size[0], 2 * size[1]))
+        pixels = draw_scene(scene, gloss or Gloss.of("porcelain"), size)
         Image.fromarray(_develop(pixels)).save(temporary, format="PNG")
 
 
@@ -119,15 +118,13 @@ def _set_up(
 
 
 def _develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Average 2 x 2 pixels in linear light, then print: 1 - (1 - x)^SHOULDER.
+    """Print the picture on film: 1 - (1 - x)^SHOULDER.
 
     The curve lifts middle tones, bends toward white instead of running into it, and keeps black.
     A fixed grain of half a step keeps slow gradients from banding.
     """
-    linear = srgb_to_linear(pixels)
-    height, width = pixels.shape[0] // 2, pixels.shape[1] // 2
-    linear = linear.reshape(height, 2, width, 2, 3).mean(axis=(1, 3))
-    printed = (1 - (1 - linear) ** SHOULDER) * _vignette(height, width)
+    height, width = pixels.shape[:2]
+    printed = (1 - (1 - srgb_to_linear(pixels)) ** SHOULDER) * _vignette(height, width)
     grain = np.random.default_rng(7).random((height, width, 1), dtype=np.float32) - 0.5
     return np.rint(np.clip(linear_to_srgb(printed) * 255 + grain, 0, 255)).astype(np.uint8)
 

@@ -20,6 +20,7 @@ __all__ = ["Scene", "draw_scene"]
 BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the paper far from the object
 POOL = np.array([0.600, 0.572, 0.535])  # and around it, where the key light falls
 DIFFUSE = 0.924  # of evenly falling light, what VTK returns from a white rough surface; measured
+SAMPLES_A_PIXEL = 8
 MATTE_IOR, GLAZE_IOR = 1.1, 1.53
 GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
 POOL_RADIUS = 0.62  # of the ground's half-width
@@ -62,6 +63,7 @@ def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.
                 _add_ground(plotter, scene.ground)
             _add_studio(plotter, scene.peak, scene.exposure)
             _place_camera(plotter, scene)
+            plotter.enable_anti_aliasing("msaa", multi_samples=SAMPLES_A_PIXEL)
             pixels = plotter.screenshot(return_img=True)
         except RuntimeError as cause:
             raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None

@@ -58,12 +58,17 @@ _GLOSSES = {
 
 @dataclass(frozen=True)
 class Softbox:
-    """A soft-edged rectangle of light: centre direction, half-angles (rad), linear RGB radiance."""
+    """A soft-edged rectangle of light: centre direction, half-angles (rad), linear RGB radiance.
+
+    One that is not `mirrored` stands for polarised light, which a filter on the camera keeps from
+    veiling the ink; it lights all the same.
+    """
 
     centre: tuple[float, float, float]
     half_width: float
     half_height: float
     radiance: tuple[float, float, float]
+    mirrored: bool = True
 
     def axes(self) -> NDArray[np.float64]:
         """Return rows: to its right, its own up, and the direction of its centre, all unit."""
@@ -132,7 +137,9 @@ MIRRORED_SHADE = 0.65
 SOFTBOXES = (
     Softbox((-0.74, -0.78, 0.74), 0.25, 0.19, (15.0, 14.2, 13.2)),  # warm key, front left
     Softbox((0.96, -0.12, 0.42), 0.09, 0.48, (4.0, 4.4, 5.0)),  # cool strip, right
-    Softbox((0.20, -1.00, 0.26), 0.60, 0.32, (1.15, 1.13, 1.10)),  # broad fill, by the camera
+    Softbox(
+        (0.20, -1.00, 0.26), 0.60, 0.32, (1.15, 1.13, 1.10), mirrored=False
+    ),  # broad fill, by the camera
     Softbox((0.10, 0.85, 0.80), 0.60, 0.14, (3.0, 3.0, 3.0)),  # rim light, behind and above
 )
 
@@ -166,7 +173,7 @@ def make_panorama(height: int = 256) -> NDArray[np.float32]:
     directions = np.stack(grid, axis=-1).reshape(-1, 3)
     radiance = DOME.radiance_at(directions)
     radiance *= 1 - MIRRORED_SHADE * _soft_step(-directions[:, 2:3] / 0.2)
-    for box in SOFTBOXES:
+    for box in filter(lambda box: box.mirrored, SOFTBOXES):
         radiance += box.radiance_at(directions)
     return radiance.reshape(height, 2 * height, 3).astype(np.float32)
 
