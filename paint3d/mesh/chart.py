@@ -215,9 +215,18 @@ def _trace(
                 f"{surface.mesh.name}: the surface ends {step[i, 0] * k:.1f} mm from the middle "
                 f"of the chart, towards ({x[i]:.1f}, {y[i]:.1f}) mm; expected it to go on"
             )
+        heading = _carried(heading, normals, found.normals)
         points, normals = found.points, found.normals
-        heading = _in_plane(heading, normals)
     return points, normals
+
+
+def _carried(heading: NDArray, before: NDArray, after: NDArray) -> NDArray:
+    """Tangents (N, 3) turned by the least rotation that takes one normal to the next.
+
+    Projecting them instead would pull every geodesic towards the direction of least bending.
+    """
+    share = np.sum(heading * after, axis=1) / (1.0 + np.sum(before * after, axis=1))
+    return _in_plane(heading - share[:, None] * (before + after), after)
 
 
 def _evaluate(splines: list[RectBivariateSpline], xy: NDArray, dx: int = 0, dy: int = 0) -> NDArray:

@@ -261,4 +261,8 @@ def write_jsonl(recording: Recording) -> Iterator[str]:
 
 def _compact(numbers: np.ndarray) -> str:
     words = (repr(number) for number in numbers.tolist())
-    return "[" + ",".join(word[:-2] if word.endswith(".0") else word for word in words) + "]"
+    return (
+        "["
+        + ",".join(word[:-2] if word.endswith(".0") and word != "-0.0" else word for word in words)
+        + "]"
+    )

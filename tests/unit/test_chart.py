@@ -1,0 +1,208 @@
+"""Closest points, charts by geodesics, placing, and laying pads on surfaces."""
+
+import numpy as np
+import pytest
+
+from paint3d.errors import InputError, MeshError, RecordingError
+from paint3d.frames import matrices_from_quaternions
+from paint3d.mesh.chart import frame_at, make_chart
+from paint3d.mesh.closest import ClosestPoints, vertex_normals
+from paint3d.mesh.placement import place
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.stroke.laying import centred, lay
+from paint3d.stroke.pad import orientations_from_angles
+from paint3d.stroke.recording import Recording
+
+
+def sheet(surface, us, vs):
+    """A mesh over a grid of parameters; `surface(u, v)` gives points, u cross v outward."""
+    u, v = np.meshgrid(us, vs, indexing="ij")
+    points = np.stack(surface(u, v), axis=-1).reshape(-1, 3)
+    ids = np.arange(u.size).reshape(u.shape)
+    a, b, c, d = (x.ravel() for x in (ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]))
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    return TriangleMesh(points.astype(np.float32), faces.astype(np.int32))
+
+
+@pytest.fixture(scope="module")
+def plane():
+    grid = np.linspace(-50, 50, 11)
+    return ClosestPoints(sheet(lambda u, v: (u, v, 0 * u), grid, grid))
+
+
+@pytest.fixture(scope="module")
+def cylinder():
+    """R = 40 mm about z, in front (-y); u is the arc, v the height."""
+    return ClosestPoints(
+        sheet(
+            lambda u, v: (40 * np.sin(u / 40), -40 * np.cos(u / 40), v),
+            np.linspace(-60, 60, 161),
+            np.linspace(-50, 50, 41),
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def cap():
+    """The upper part of a sphere of 75 mm."""
+    grid = np.linspace(-45, 45, 121)
+
+    def point(u, v):
+        r = np.sqrt(u * u + v * v + 75.0**2) / 75.0
+        return u / r, v / r, 75.0 / r
+
+    return ClosestPoints(sheet(point, grid, grid))
+
+
+def spread(reach, n=500):
+    return np.random.default_rng(0).uniform(-reach, reach, (n, 2))
+
+
+def brute_force(mesh, point):
+    """Nearest distance by trying every face: its plane, its edges."""
+    best = np.inf
+    for corners in mesh.vertices[mesh.faces].astype(float):
+        edges = np.roll(corners, -1, axis=0) - corners
+        normal = np.cross(edges[0], -edges[2])
+        share = [
+            np.dot(np.cross(e, point - c), normal) for e, c in zip(edges, corners, strict=True)
+        ]
+        if min(share) >= 0:
+            best = min(best, abs(np.dot(point - corners[0], normal)) / np.linalg.norm(normal))
+        for edge, corner in zip(edges, corners, strict=True):
+            t = np.clip(np.dot(point - corner, edge) / np.dot(edge, edge), 0, 1)
+            best = min(best, np.linalg.norm(point - corner - t * edge))
+    return best
+
+
+def test_closest_points_equal_a_search_through_all_faces():
+    grid = np.linspace(-10, 10, 7)
+    surface = ClosestPoints(sheet(lambda u, v: (u, v, np.sin(u) + 0.1 * v * v), grid, grid))
+    points = np.random.default_rng(4).uniform(-14, 14, (40, 3))
+    found = surface.find(points)
+    distance = np.linalg.norm(found.points - points, axis=1)
+    wanted = [brute_force(surface.mesh, p) for p in points]
+    assert distance == pytest.approx(wanted, abs=1e-4)
+    corners = surface.mesh.vertices[surface.mesh.faces[found.faces]]
+    again = np.einsum("nk,nkd->nd", found.barycentric, corners)
+    assert again == pytest.approx(found.points, abs=1e-5)
+    assert np.linalg.norm(found.normals, axis=1) == pytest.approx(1.0)
+
+
+def test_rays_hit_or_say_so(plane):
+    hits = plane.cast(np.array([[1.0, 2, 9], [500, 0, 9]]), np.array([[0.0, 0, -3], [0, 0, -1]]))
+    assert hits.hit.tolist() == [True, False]
+    assert hits.distance[0] == pytest.approx(3.0)
+    assert hits.points[0] == pytest.approx([1, 2, 0], abs=1e-5)
+    assert hits.faces[1] == -1
+    assert np.isnan(hits.points[1]).all()
+
+
+def test_vertex_normals_ignore_seams():
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1], [1, 0, 0]]
+    mesh = TriangleMesh(np.array(corners, np.float32), np.array([[0, 1, 2], [3, 4, 5]], np.int32))
+    normals = vertex_normals(mesh)
+    assert normals[0] == pytest.approx(normals[3])
+    assert normals[0] == pytest.approx([0, np.sqrt(0.5), np.sqrt(0.5)])
+
+
+def test_a_plane_is_its_own_chart(plane):
+    chart = make_chart(plane, frame_at(plane, [5, -3, 4], [0, 1, 0]), 40, 30)
+    xy = spread(30)
+    wanted = np.column_stack([xy + np.array([5, -3]), np.zeros(len(xy))])
+    assert chart.points(xy) == pytest.approx(wanted, abs=2e-4)
+    assert chart.tangents(xy) == pytest.approx(np.tile(np.eye(3), (len(xy), 1, 1)), abs=1e-4)
+
+
+def test_a_sphere_gives_its_exponential_map(cap):
+    frame = frame_at(cap, [0, 0, 80], [0, 1, 0])
+    chart = make_chart(cap, frame, 22, 22)
+    xy = spread(22)
+    r = np.hypot(*xy.T)[:, None]
+    ray = (xy[:, :1] * frame.x_axis + xy[:, 1:] * frame.y_axis) / r
+    wanted = 75 * (np.cos(r / 75) * frame.normal + np.sin(r / 75) * ray)
+    assert np.linalg.norm(chart.points(xy) - wanted, axis=1).max() < 0.01
+    assert chart.normals(xy) == pytest.approx(wanted / 75, abs=2e-3)
+
+
+def test_a_cylinder_is_unrolled(cylinder):
+    chart = make_chart(cylinder, frame_at(cylinder, [0, -50, 0], [0, 0, 1]), 30, 20)
+    xy = spread(20) * [1.5, 1.0]
+    turn = xy[:, 0] / 40
+    wanted = np.column_stack([40 * np.sin(turn), -40 * np.cos(turn), xy[:, 1]])
+    assert np.linalg.norm(chart.points(xy) - wanted, axis=1).max() < 0.01
+    frames = chart.tangents(xy)
+    assert frames[..., 1] == pytest.approx(np.tile([0, 0, 1.0], (len(xy), 1)), abs=2e-3)
+    assert np.einsum("nij,nik->njk", frames, frames) == pytest.approx(
+        np.tile(np.eye(3), (len(xy), 1, 1)), abs=1e-12
+    )
+
+
+def test_a_chart_over_the_edge_is_refused(plane):
+    frame = frame_at(plane, [30, 0, 0], [0, 1, 0])
+    with pytest.raises(MeshError, match="the surface ends 20"):
+        make_chart(plane, frame, 25, 1)
+
+
+def test_coordinates_outside_the_chart_are_refused(plane):
+    chart = make_chart(plane, frame_at(plane, [0, 0, 0], [0, 1, 0]), 10, 5)
+    with pytest.raises(InputError, match="lies outside the chart"):
+        chart.points([[0, 5.1]])
+
+
+def test_up_along_the_normal_is_refused(plane):
+    with pytest.raises(InputError, match="along the surface's normal"):
+        frame_at(plane, [0, 0, 0], [0, 0, 1])
+
+
+def test_placing_by_fractions_and_by_direction(plane, cylinder):
+    above = place(plane, (0.75, 0.5))
+    assert above.origin == pytest.approx([25, 0, 0], abs=1e-4)
+    assert above.y_axis == pytest.approx([0, 1, 0], abs=1e-6)
+    front = place(cylinder, (0.5, 0.75))
+    assert front.origin == pytest.approx([0, -40, 25], abs=0.01)
+    assert front.y_axis == pytest.approx([0, 0, 1], abs=1e-3)
+    assert place(plane, (0, 0, 1)).origin == pytest.approx([0, 0, 0], abs=1e-4)
+    with pytest.raises(InputError, match=r"u is 1\.5"):
+        place(plane, (1.5, 0.5))
+    with pytest.raises(MeshError, match="there is no surface"):
+        place(cylinder, (0, 0, 1))
+
+
+def pad(positions, azimuth=0.3, altitude=1.2):
+    n = len(positions)
+    return Recording(
+        np.arange(n) * 1000,
+        np.array(positions, dtype=float),
+        orientations_from_angles(np.full(n, azimuth), np.full(n, altitude)),
+        np.full(n, 0.5),
+        header={"space": "pad", "ink": "pine soot"},
+    )
+
+
+def test_a_pad_laid_on_a_cylinder_keeps_height_and_lean(cylinder):
+    chart = make_chart(cylinder, frame_at(cylinder, [0, -40, 0], [0, 0, 1]), 30, 20)
+    recording = pad([[0, 0, 0], [20, 10, 7]])
+    laid = lay(recording, chart)
+    assert laid.header["space"] == "world"
+    assert laid.header["ink"] == "pine soot"
+    turn = 20 / 40
+    wanted = [47 * np.sin(turn), -47 * np.cos(turn), 10]
+    assert laid.position[1] == pytest.approx(wanted, abs=0.02)
+    outward = np.array([np.sin(turn), -np.cos(turn), 0])
+    handle = matrices_from_quaternions(laid.orientation)[1, :, 2]
+    assert handle @ outward == pytest.approx(np.sin(1.2), abs=2e-3)
+    assert handle[2] == pytest.approx(np.cos(1.2) * np.sin(0.3), abs=2e-3)
+
+
+def test_laying_refuses_what_does_not_fit(plane):
+    chart = make_chart(plane, frame_at(plane, [0, 0, 0], [0, 1, 0]), 10, 10)
+    with pytest.raises(RecordingError, match="does not fit"):
+        lay(pad([[11, 0, 0]]), chart)
+    with pytest.raises(RecordingError, match="expected 'pad'"):
+        lay(lay(pad([[1, 0, 0]]), chart), chart)
+
+
+def test_centring_scales_about_the_middle():
+    moved = centred(pad([[10, 10, 3], [30, 20, 0]]), width_mm=10)
+    assert moved.position.tolist() == [[-5, -2.5, 3], [5, 2.5, 0]]
