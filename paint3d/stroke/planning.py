@@ -56,12 +56,12 @@ class PlanSettings:
 
     sample_step: float = 3.5 / 1024
     pose_step: float = 1.0 / 1024
-    margin: float = 1.0 / 1024
+    margin: float = 1.25 / 1024
     n_directions: int = 36
     shifts: tuple[float, ...] = (-0.5, -0.25, 0.0, 0.25, 0.5)
-    trailing: float = 0.08
-    turning: float = 0.03
-    shifting: float = 0.05
+    trailing: float = 0.03
+    turning: float = 0.01
+    shifting: float = 0.03
     detours: int = 4
     worth: float = 0.05
 
