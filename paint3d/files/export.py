@@ -14,6 +14,7 @@ from paint3d.arrays import as_array
 from paint3d.errors import ExportError, MeshError, UnknownNameError
 from paint3d.files.atomic import write_atomically
 from paint3d.files.records import write_records
+from paint3d.files.write_3mf import write_3mf
 from paint3d.files.write_glb import write_glb
 from paint3d.files.write_obj import write_obj
 from paint3d.files.write_ply import write_ply
@@ -50,7 +51,8 @@ def export(surface: Exportable, path: str | os.PathLike[str]) -> None:
     """Write a painting to `path`; the suffix chooses the format.
 
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
-    after the position); .p3d.txt the paper's records (vertices only); .png a picture.
+    after the position); .3mf (mm, sRGB at each corner, for printers); .p3d.txt the paper's
+    records (vertices only); .png a picture.
 
     Parameters
     ----------
@@ -132,6 +134,10 @@ def _write_obj(path: Path, painting: Painting) -> None:
     write_obj(path, *painting[:4], name=painting.material)
 
 
+def _write_3mf(path: Path, painting: Painting) -> None:
+    write_3mf(path, painting.vertices, painting.faces, painting.srgb, name=painting.material)
+
+
 def _write_records(path: Path, painting: Painting) -> None:
     write_records(path, painting.vertices, painting.normals, painting.srgb)
 
@@ -156,6 +162,7 @@ WRITERS: dict[str, Callable[[Path, Painting], None]] = {
     ".ply": _write_ply,
     ".glb": _write_glb,
     ".obj": _write_obj,
+    ".3mf": _write_3mf,
     ".p3d.txt": _write_records,
     ".png": _write_png,
 }

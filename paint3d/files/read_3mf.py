@@ -165,18 +165,20 @@ def _colours(
 ) -> NDArray[np.uint8] | None:
     """Return the mean colour of each vertex's corners, white where there is none."""
     palettes = _palettes(model)
-    total, weight = np.zeros((n_vertices, 3)), np.zeros(n_vertices)
-    for triangle, corners in zip(triangles, faces, strict=True):
+    rows, colours = [], []
+    for k, triangle in enumerate(triangles):
         palette = palettes.get(triangle.get("pid", solid.get("pid")))
         if palette is None:
             continue
         first = triangle.get("p1", solid.get("pindex", "0"))
-        for name, vertex in zip(("p1", "p2", "p3"), corners, strict=True):
-            total[vertex] += palette[int(triangle.get(name, first))]
-            weight[vertex] += 1.0
-    if not weight.any():
+        rows.append(k)
+        colours += [palette[int(triangle.get(name, first))] for name in ("p1", "p2", "p3")]
+    if not rows:
         return None
-    mean = np.where(weight[:, None] > 0.0, total / np.maximum(weight, 1.0)[:, None], 255.0)
+    corners, codes = faces[rows].ravel(), np.array(colours, np.float64)
+    weight = np.bincount(corners, minlength=n_vertices)[:, None]
+    total = [np.bincount(corners, codes[:, k], n_vertices) for k in range(3)]
+    mean = np.where(weight > 0, np.stack(total, axis=1) / np.maximum(weight, 1), 255.0)
     return np.floor(mean + 0.5).astype(np.uint8)
 
 

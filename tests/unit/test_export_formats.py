@@ -61,7 +61,15 @@ def test_trimesh_reads_glb_in_metres_with_y_up(painted, tmp_path):
     assert other.volume > 0
 
 
-@pytest.mark.parametrize("suffix", ["ply", "obj", "glb"])
+def test_trimesh_reads_3mf(painted, tmp_path):
+    painted.faces = np.r_[painted.faces, [[5, 5, 6]]]  # 3MF forbids it: left out
+    export(painted, tmp_path / "a.3mf")
+    other = trimesh.load(tmp_path / "a.3mf", process=False, force="mesh")
+    np.testing.assert_allclose(other.vertices, painted.vertices, atol=1e-6)
+    np.testing.assert_array_equal(other.faces, painted.faces[:-1])
+
+
+@pytest.mark.parametrize("suffix", ["ply", "obj", "glb", "3mf"])
 def test_our_own_reader_gets_back_what_was_written(painted, tmp_path, suffix):
     export(painted, tmp_path / f"a.{suffix}")
     mesh = load_mesh(tmp_path / f"a.{suffix}")
@@ -124,7 +132,7 @@ def test_glb_meets_the_specification(painted, tmp_path):
 
 
 def test_the_same_painting_gives_the_same_bytes(painted, tmp_path):
-    for suffix in (".ply", ".glb", ".obj", ".p3d.txt"):
+    for suffix in (".ply", ".glb", ".obj", ".3mf", ".p3d.txt"):
         export(painted, tmp_path / f"a{suffix}")
         export(painted, tmp_path / f"b{suffix}")
         assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
@@ -143,7 +151,7 @@ def test_unknown_suffix_and_folder(painted, tmp_path):
     with pytest.raises(ExportError, match="is a folder; expected a file name"):
         export(painted, tmp_path / "b.ply")
     assert os.listdir(tmp_path) == ["b.ply"]
-    assert EXPORT_SUFFIXES == (".ply", ".glb", ".obj", ".p3d.txt", ".png")
+    assert EXPORT_SUFFIXES == (".ply", ".glb", ".obj", ".3mf", ".p3d.txt", ".png")
 
 
 def test_bad_arrays_leave_the_old_file_alone(painted, tmp_path):
