@@ -18,6 +18,7 @@ __all__ = ["MOST_AROUND_EDGE", "activate_cell", "edge_key", "longest_edges", "mi
 
 MOST_AROUND_EDGE = 256  # triangles on one edge
 _INFLATION = 1e-3  # of a cell's size
+_OPPOSED = np.float32(1e-3)  # length of the sum of two unit normals
 
 
 @njit(cache=True, nogil=True)
@@ -102,7 +103,10 @@ def _add_midpoint(field, a, b, root):
     y = field.ny[a] + field.ny[b]
     z = field.nz[a] + field.nz[b]
     length = np.sqrt(x * x + y * y + z * z)
-    scale = np.float32(1.0) / length if length > 0.0 else np.float32(0.0)
+    first = a if field.key[a] < field.key[b] else b
+    if length < _OPPOSED:  # no mean: the ends face away from each other
+        x, y, z, length = field.nx[first], field.ny[first], field.nz[first], np.float32(1.0)
+    scale = np.float32(1.0) / length
     field.nx[v] = x * scale
     field.ny[v] = y * scale
     field.nz[v] = z * scale
@@ -111,6 +115,8 @@ def _add_midpoint(field, a, b, root):
     field.parents[v, 1] = max(a, b)
     field.area_units[v] = 0
     cell = find_cell(field, field.px[v], field.py[v], field.pz[v])
+    if cell < 0:  # rounded out of the lattice, far from the origin
+        cell = field.sheet_cell[field.vertex_sheet[first]]
     field.next_in_cell[v] = field.head[cell]
     field.head[cell] = v
     pair = find_pair(field.cell_pairs, field.pair_root, cell, root)
@@ -169,7 +175,7 @@ def _split_edge(field, h0, ring, mids):
 
 @njit(cache=True, nogil=True)
 def _split_node(field, h, m):
-    """Halve one triangle at vertex m on its edge h % 3; return its children (a, m, c), (m, b, c)."""
+    """Halve a triangle at vertex m on its edge h % 3; return its children (a, m, c), (m, b, c)."""
     t = h // 3
     e = h % 3
     a = field.node_vertices[t, e]
@@ -223,6 +229,8 @@ def _bisect(field, node, ring, mids):
         while h != h0:
             if field.longest[h // 3] != h % 3:
                 depth += 1
+                if depth == path.shape[0]:  # too long to remember: walk it again from here
+                    depth = 1
                 path[depth] = h // 3
                 ready = False
                 break

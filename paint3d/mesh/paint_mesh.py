@@ -29,8 +29,13 @@ __all__ = ["PaintMesh"]
 _CELL_PER_EDGE = 5.0  # a cell's size over the longest edge wanted
 _SOFT_EDGE_PER_EDGE = 0.6  # mean vertex spacing over the longest edge, nearly
 _LATTICE = 1 << 20  # cells along an axis that Morton codes can hold
-_AREA_BITS = 56
+_AREA_BITS = 61
+_STEPS_PER_EDGE = 8  # float32 steps that a shortest edge must span
 _PATH = 1 << 16
+_PER_VERTEX = (
+    "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
+    "next_in_cell",
+)  # fmt: skip
 _ROOM = 1 << 15  # vertices that a fresh mesh can grow by
 
 
@@ -56,8 +61,9 @@ class PaintMesh:
         Raises
         ------
         MeshError
-            If more triangles share one edge than can be refined, or the object is too large for
-            the resolution (2^20 cells of 5 edges along an axis).
+            If more triangles share one edge than can be refined, the object is too large for the
+            resolution (2^20 cells of 5 edges along an axis), or it lies so far from the origin
+            that float32 coordinates are coarser than the resolution.
         """
         return cls(make_base_surface(mesh), resolution)
 
@@ -65,6 +71,8 @@ class PaintMesh:
         edges = base.longest_edges()
         self.resolution = float(resolution) if resolution is not None else float(np.median(edges))
         self.refines = resolution is not None and bool(edges.max() > self.resolution)
+        if self.refines:
+            _check_precision(base.points, self.resolution)
         order, lattice = _Lattice.build(base, _CELL_PER_EDGE * self.resolution)
         self.source_vertices = base.source_vertices[order]
         rank = np.empty(len(order), np.int32)
@@ -80,7 +88,8 @@ class PaintMesh:
         shift = 2 * max(0, int(np.ceil(np.log2(float(edges.max()) / self.resolution)))) + 6
         shift = shift if self.refines else 0
         sixth = base.areas / 6.0
-        unit = float(sixth.max()) / 2.0 ** (_AREA_BITS - shift)
+        # the sum over the whole surface fits, so any vertex does, however many triangles it has
+        unit = 2.0 * float(sixth.sum()) / 2.0 ** (_AREA_BITS - shift)
         node_area = np.maximum(np.rint(sixth / unit), 1.0).astype(np.int64) << shift
         area_units = np.zeros(n, np.int64)
         for corner in range(3):
@@ -131,11 +140,7 @@ class PaintMesh:
         vertices = n + extra + MOST_AROUND_EDGE
         # a vertex on an edge halves two triangles: four nodes
         room = nodes + 4 * extra + 4 * MOST_AROUND_EDGE
-        grown = {
-            name: _grow(getattr(field, name), n, vertices)
-            for name in ("px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet")
-            + ("area_units", "next_in_cell")
-        }
+        grown = {name: _grow(getattr(field, name), n, vertices) for name in _PER_VERTEX}
         for name in ("node_vertices", "node_root", "child", "longest", "node_area"):
             grown[name] = _grow(getattr(field, name), nodes, room)
         grown["radial"] = _grow(field.radial, 3 * nodes, 3 * room)
@@ -198,6 +203,17 @@ class PaintMesh:
         base = np.argsort(self.source_vertices, kind="stable").astype(np.int32)
         return np.concatenate(
             [base, np.arange(self.n_base_vertices, self.n_vertices, dtype=np.int32)]
+        )
+
+
+def _check_precision(points: NDArray, resolution: float) -> None:
+    farthest = float(np.abs(points).max())
+    step = float(np.spacing(np.float32(farthest)))
+    if _STEPS_PER_EDGE * step > resolution:
+        raise MeshError(
+            f"a coordinate is {farthest:g} mm, where float32 has steps of {step:g} mm; "
+            f"expected steps of at most {resolution / _STEPS_PER_EDGE:g} mm at this resolution: "
+            f"move the object to the origin"
         )
 
 
