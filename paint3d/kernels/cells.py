@@ -26,7 +26,7 @@ __all__ = [
 _INFLATION = 1e-3  # of the cell's size: cells are met a little early, so rounding cannot lose one
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _hash(i, j, k):
     h = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15)
     h ^= np.uint64(j) * np.uint64(0xC2B2AE3D27D4EB4F)
@@ -192,7 +192,7 @@ def _segment_meets_box(points, a, b, x, y, z, half):
     return enter <= leave
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _find(parent, i):
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -444,8 +444,20 @@ def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
     int
         Number of sheets in the patch.
     """
-    size = field.numbers[1]
-    r2 = radius * radius
+    return _flood(
+        field.sheet_links, field.linked_sheet, field.sheet_cell, field.cell_place, field.origin,
+        field.numbers[1], start, x, y, z, radius, stamps, tick, sheets,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _flood(
+    links, linked, sheet_cell, places, origin, size, start, x, y, z, radius, stamps, tick, sheets
+):
+    r2 = (radius / size) ** 2
+    px = (x - origin[0]) / size
+    py = (y - origin[1]) / size
+    pz = (z - origin[2]) / size
     sheets[0] = start
     stamps[start] = tick
     n = 1
@@ -453,17 +465,18 @@ def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
     while at < n:
         s = sheets[at]
         at += 1
-        for link in range(field.sheet_links[s], field.sheet_links[s + 1]):
-            other = field.linked_sheet[link]
+        for link in range(links[s], links[s + 1]):
+            other = linked[link]
             if stamps[other] == tick:
                 continue
-            cell = field.sheet_cell[other]
-            d2 = 0.0
-            for axis, p in ((0, x), (1, y), (2, z)):
-                low = field.origin[axis] + field.cell_place[cell, axis] * size
-                d = max(0.0, max(low - p, p - low - size))
-                d2 += d * d
-            if d2 > r2:
+            cell = sheet_cell[other]
+            i = float(places[cell, 0])
+            j = float(places[cell, 1])
+            k = float(places[cell, 2])
+            dx = max(0.0, max(i - px, px - i - 1.0))
+            dy = max(0.0, max(j - py, py - j - 1.0))
+            dz = max(0.0, max(k - pz, pz - k - 1.0))
+            if dx * dx + dy * dy + dz * dz > r2:
                 continue
             stamps[other] = tick
             sheets[n] = other

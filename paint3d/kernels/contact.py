@@ -58,7 +58,7 @@ def build_boxes(order, triangles, points, low, high):
             high[node, axis] = max(high[2 * node, axis], high[2 * node + 1, axis])
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _box_distance2(low, high, node, x, y, z):
     dx = max(0.0, max(low[node, 0] - x, x - high[node, 0]))
     dy = max(0.0, max(low[node, 1] - y, y - high[node, 1]))
@@ -112,7 +112,7 @@ def _closest_weights(points, a, b, c, x, y, z):
     return va / total, vb / total, vc / total
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _faces(points, a, b, c, ux, uy, uz):
     """Whether the triangle's front looks towards (ux, uy, uz)."""
     abx = points[b, 0] - points[a, 0]
@@ -242,7 +242,7 @@ def find_foot(tree, x, y, z, ux, uy, uz, reach, out):
     return triangle
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _residual(x, y, z, foot):
     """What is left of (x, y, z) - foot after removing its part along the normal; and its square."""
     dx = x - foot[0]

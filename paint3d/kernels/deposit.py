@@ -17,20 +17,23 @@ from paint3d.kernels.cells import flood_patch
 from paint3d.kernels.placement import start_sheet
 from paint3d.kernels.refine import activate_cell
 
-__all__ = ["PAINTED", "VISITED", "sweep_deposit"]
+__all__ = ["FRAME_SIZE", "PAINTED", "VISITED", "sweep_deposit"]
 
 VISITED, PAINTED = 2, 3  # counters
 _LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vertex faces away
-_AWAY = np.float32(1e9)  # plane coordinate of a vertex that cannot be painted
+_STEEPEST = 4.0  # tangent of the angle at which a vertex faces away
+_COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
+_WORTH_A_RUN = 16  # base vertices in a cell that are read where they stand
+_AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _covered(edge):
     """Share of the unit box on the inner side of an edge at a signed distance (box widths)."""
     return min(1.0, max(0.0, 0.5 + edge))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _covered_sum(edge):
     """Antiderivative of `_covered`."""
     t = 0.5 + edge
@@ -41,7 +44,7 @@ def _covered_sum(edge):
     return 0.5 * t * t
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _mean_covered(a, b):
     """Mean of `_covered` while the edge distance goes evenly from a to b."""
     d = b - a
@@ -51,14 +54,13 @@ def _mean_covered(a, b):
 
 
 @njit(cache=True, nogil=True)
-def _sweep_bounds(before, after, margin, bounds):
-    """Rectangle (x0, x1, y0, y1) in the plane of `after` that holds both outlines.
+def _sweep_bounds(before, after, plane, margin, bounds):
+    """Rectangle (x0, x1, y0, y1) in the plane of the stamp `plane` that holds both outlines.
 
-    Also fills bounds[4:8] with the similarity that carries plane coordinates of `after` to those
-    of `before`: x' = c (x - ox) + s (y - oy), y' = -s (x - ox) + c (y - oy).
+    Also fills bounds[4:8] with the turn that carries its coordinates to those of `before`: x' = c (x - ox) + s (y - oy), y' = -s (x - ox) + c (y - oy).
     """
     a = before.values
-    b = after.values
+    b = plane.values
     ox = 0.0
     oy = 0.0
     c = 0.0
@@ -80,7 +82,7 @@ def _sweep_bounds(before, after, margin, bounds):
     bounds[6] = c
     bounds[7] = s
     x0, x1, y0, y1 = 1e30, -1e30, 1e30, -1e30
-    if b[st.TOUCHES] > 0.0:
+    if after.values[st.TOUCHES] > 0.0:
         x0, x1, y0, y1 = b[st.HEEL], b[st.TIP], -b[st.WIDEST], b[st.WIDEST]
     if a[st.TOUCHES] > 0.0:
         for u in (a[st.HEEL], a[st.TIP]):
@@ -98,25 +100,26 @@ def _sweep_bounds(before, after, margin, bounds):
 
 
 @njit(cache=True, nogil=True)
-def _may_hold(values, field, sheet, half_diagonal, bounds):
-    """Whether a sheet of surface can reach the rectangle once it is carried to the plane."""
-    dx = field.sheet_centre[sheet, 0] - values[st.ORIGIN_X]
-    dy = field.sheet_centre[sheet, 1] - values[st.ORIGIN_X + 1]
-    dz = field.sheet_centre[sheet, 2] - values[st.ORIGIN_X + 2]
+def _may_hold(values, area, normal, cell_x, cell_y, cell_z, half_diagonal, bounds):
+    """Whether a sheet in the cell around a point can reach the rectangle, carried to the plane."""
+    dx = cell_x - values[st.ORIGIN_X]
+    dy = cell_y - values[st.ORIGIN_X + 1]
+    dz = cell_z - values[st.ORIGIN_X + 2]
     nx = values[st.NORMAL_X]
     ny = values[st.NORMAL_X + 1]
     nz = values[st.NORMAL_X + 2]
-    sx = field.sheet_normal[sheet, 0]
-    sy = field.sheet_normal[sheet, 1]
-    sz = field.sheet_normal[sheet, 2]
-    length = np.sqrt(sx * sx + sy * sy + sz * sz)
-    facing = (sx * nx + sy * ny + sz * nz) / length if length > 0.0 else 0.0
-    coherent = length > 0.7 * field.sheet_area[sheet]
-    if coherent and facing < 0.0:
-        return False
+    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    facing = normal[0] * nx + normal[1] * ny + normal[2] * nz
+    facing = min(1.0, facing / length) if length > 0.0 else 0.0
+    slope = _STEEPEST
+    if length > _COHERENT * area:
+        if facing < 0.0:
+            return False
+        # normals within the sheet differ by about as much as their mean falls short of unit length
+        spread = np.sqrt(max(0.0, 1.0 - length / area))
+        slope = np.sqrt(1.0 - facing * facing) / max(facing, _LEAST_FACING) + 2.0 * spread
     height = abs(dx * nx + dy * ny + dz * nz)
-    slope = np.sqrt(1.0 - facing * facing) / max(facing, _LEAST_FACING) if coherent else 4.0
-    slack = 2.0 * half_diagonal + min(slope, 4.0) * (height + half_diagonal)
+    slack = half_diagonal + min(slope, _STEEPEST) * (height + half_diagonal)
     x = dx * values[st.BEND_X] + dy * values[st.BEND_Y] + dz * values[st.BEND_Z]
     y = dx * values[st.CROSS_X] + dy * values[st.CROSS_X + 1] + dz * values[st.CROSS_X + 2]
     return (
@@ -124,140 +127,158 @@ def _may_hold(values, field, sheet, half_diagonal, bounds):
     )
 
 
+# Places in the frame of a sweep: everything that the loop over vertices needs, as one array.
+_ORIGIN, _NORMAL, _BEND, _CROSS, _SPHERE = 0, 3, 6, 9, 12
+_RADIUS2, _BOX, _BOX_BEFORE, _SCALE, _AFTER, _BEFORE = 15, 16, 20, 24, 25, 29
+FRAME_SIZE = 33  # numbers in the frame
+
+
 @njit(cache=True, nogil=True)
-def _project_run(field, first, last, values, radius2, xs, ys, facing):
-    """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
+def _fill_frame(before, after, plane, scale, bounds, frame):
+    """Gather the numbers of a sweep from its stamps; `plane` holds the plane's values."""
+    for k in range(3):
+        frame[_ORIGIN + k] = plane[st.ORIGIN_X + k]
+        frame[_NORMAL + k] = plane[st.NORMAL_X + k]
+        frame[_BEND + k] = plane[st.BEND_X + k]
+        frame[_CROSS + k] = plane[st.CROSS_X + k]
+        frame[_SPHERE + k] = plane[st.SPHERE_X + k] - plane[st.ORIGIN_X + k]
+    frame[_RADIUS2] = plane[st.RADIUS] * plane[st.RADIUS]
+    for k in range(8):
+        frame[_BOX + k] = bounds[k]
+    frame[_SCALE] = scale
+    for at, values in ((_AFTER, after.values), (_BEFORE, before.values)):
+        length = values[st.TIP] - values[st.HEEL]
+        frame[at] = values[st.TOUCHES]
+        frame[at + 1] = values[st.HEEL]
+        frame[at + 2] = values[st.TIP]
+        frame[at + 3] = st.PROFILE_CELLS / length if length > 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def _project_block(px, py, pz, nx, ny, nz, frame, xs, ys, facing):
+    """Carry a block of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
     Straight-line float32 code over consecutive memory: the compiler turns it into vector
     instructions. A vertex outside the enclosing sphere, or facing away, is sent far off.
     """
-    ox = np.float32(values[st.ORIGIN_X])
-    oy = np.float32(values[st.ORIGIN_X + 1])
-    oz = np.float32(values[st.ORIGIN_X + 2])
-    nx = np.float32(values[st.NORMAL_X])
-    ny = np.float32(values[st.NORMAL_X + 1])
-    nz = np.float32(values[st.NORMAL_X + 2])
-    bx = np.float32(values[st.BEND_X])
-    by = np.float32(values[st.BEND_Y])
-    bz = np.float32(values[st.BEND_Z])
-    cx = np.float32(values[st.CROSS_X])
-    cy = np.float32(values[st.CROSS_X + 1])
-    cz = np.float32(values[st.CROSS_X + 2])
-    sx = np.float32(values[st.SPHERE_X] - values[st.ORIGIN_X])
-    sy = np.float32(values[st.SPHERE_X + 1] - values[st.ORIGIN_X + 1])
-    sz = np.float32(values[st.SPHERE_X + 2] - values[st.ORIGIN_X + 2])
-    r2 = np.float32(radius2)
+    ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
+    ux, uy, uz = np.float32(frame[3]), np.float32(frame[4]), np.float32(frame[5])
+    bx, by, bz = np.float32(frame[6]), np.float32(frame[7]), np.float32(frame[8])
+    cx, cy, cz = np.float32(frame[9]), np.float32(frame[10]), np.float32(frame[11])
+    sx, sy, sz = np.float32(frame[12]), np.float32(frame[13]), np.float32(frame[14])
+    r2 = np.float32(frame[_RADIUS2])
     least = np.float32(_LEAST_FACING)
-    px = field.px[first:last]
-    py = field.py[first:last]
-    pz = field.pz[first:last]
-    mx = field.nx[first:last]
-    my = field.ny[first:last]
-    mz = field.nz[first:last]
-    for k in range(last - first):
+    away = np.float32(_AWAY)
+    for k in range(px.shape[0]):
         dx = px[k] - ox
         dy = py[k] - oy
         dz = pz[k] - oz
-        cosine = mx[k] * nx + my[k] * ny + mz[k] * nz
+        cosine = nx[k] * ux + ny[k] * uy + nz[k] * uz
         safe = max(cosine, least)
-        t = -(dx * nx + dy * ny + dz * nz) / safe
-        qx = dx + t * mx[k]
-        qy = dy + t * my[k]
-        qz = dz + t * mz[k]
+        t = -(dx * ux + dy * uy + dz * uz) / safe
+        qx = dx + t * nx[k]
+        qy = dy + t * ny[k]
+        qz = dz + t * nz[k]
         ex = dx - sx
         ey = dy - sy
         ez = dz - sz
-        ok = (cosine >= least) & (ex * ex + ey * ey + ez * ez <= r2)
         x = qx * bx + qy * by + qz * bz
-        xs[k] = x if ok else _AWAY
+        outside = (cosine < least) | (ex * ex + ey * ey + ez * ez > r2)
+        xs[k] = away if outside else x
         ys[k] = qx * cx + qy * cy + qz * cz
         facing[k] = safe
 
 
 @njit(cache=True, nogil=True)
-def _weigh(before, after, x, y, scale, bounds):
-    """Time-mean share for the ink, and the greatest share covered, of a vertex at plane (x, y)."""
-    a = before.values
-    b = after.values
-    inner_b = -1e3
-    cover_b = 0.0
-    if b[st.TOUCHES] > 0.0:
-        near, far = st.edge_distances(
-            after, b[st.HEEL], b[st.TIP], st.PROFILE_CELLS / (b[st.TIP] - b[st.HEEL]), x, y
-        )
-        inner_b = near * scale
-        cover_b = max(0.0, _covered(inner_b) + _covered(far * scale) - 1.0)
-    inner_a = inner_b
-    cover_a = cover_b
-    if a[st.TOUCHES] > 0.0:
-        u = x - bounds[4]
-        v = y - bounds[5]
-        near, far = st.edge_distances(
-            before,
-            a[st.HEEL],
-            a[st.TIP],
-            st.PROFILE_CELLS / (a[st.TIP] - a[st.HEEL]),
-            bounds[6] * u + bounds[7] * v,
-            bounds[6] * v - bounds[7] * u,
-        )
-        inner_a = near * scale
-        cover_a = max(0.0, _covered(inner_a) + _covered(far * scale) - 1.0)
-        if b[st.TOUCHES] <= 0.0:
-            inner_b = inner_a
-    cover = max(cover_a, cover_b)
-    if cover <= 0.0:
-        return 0.0, 0.0
-    return _mean_covered(inner_a, inner_b), cover
+def _edges(widths, steepness, touches, heel, tip, per_step, x, side):
+    """Signed distances (mm) from a point to the outline's near and far side; inside is positive.
+
+    Together they give the share of a small box around the point that lies within the outline,
+    right also where the footprint is thinner than the box.
+    """
+    if x < heel:
+        return x - heel - side, x - heel + side
+    if x > tip:
+        return tip - x - side, tip - x + side
+    at = (x - heel) * per_step
+    i = int(at)
+    t = at - i
+    width = (1.0 - t) * widths[i] + t * widths[i + 1]
+    return (width - side) * steepness[i], (width + side) * steepness[i]
 
 
 @njit(cache=True, nogil=True)
-def _select(before, after, field, first, n, ids, sheet_known, tick, scale, bounds, room, found):
-    """Weigh the vertices projected into room.xs/ys; append those painted to the room's lists.
+def _weigh_block(
+    n, first, ids, xs, ys, facing, frame, widths, steepness, widths_before, steepness_before,
+    out_ids, out_share, out_cover, found,
+):  # fmt: skip
+    """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
 
-    `ids` is None-like (length 0) for a consecutive run that starts at `first`. Returns the new
-    number found.
+    `ids` may be empty: the block is then the run of vertices that starts at `first`. Vertices
+    with a share are appended to the outputs; returns their new number.
     """
-    x0, x1, y0, y1 = bounds[0], bounds[1], bounds[2], bounds[3]
+    x0, x1, y0, y1 = frame[_BOX], frame[_BOX + 1], frame[_BOX + 2], frame[_BOX + 3]
+    ox, oy, c, s = frame[20], frame[21], frame[22], frame[23]
+    scale = frame[_SCALE]
+    now, heel, tip, per_step = frame[25], frame[26], frame[27], frame[28]
+    then, heel_a, tip_a, per_step_a = frame[29], frame[30], frame[31], frame[32]
+    run = ids.shape[0] == 0
     for k in range(n):
-        x = room.xs[k]
-        if not (x0 <= x <= x1):
+        x = float(xs[k])
+        y = float(ys[k])
+        if not (x0 <= x <= x1 and y0 <= y <= y1):
             continue
-        y = room.ys[k]
-        if not (y0 <= y <= y1):
+        inner_a = 0.0
+        inner_b = 0.0
+        cover = 0.0
+        if now > 0.0:
+            near, far = _edges(widths, steepness, now, heel, tip, per_step, x, abs(y))
+            inner_b = near * scale
+            cover = _covered(inner_b) + _covered(far * scale) - 1.0
+        if then > 0.0:
+            u = x - ox
+            v = y - oy
+            near, far = _edges(
+                widths_before, steepness_before, then, heel_a, tip_a, per_step_a,
+                c * u + s * v, abs(c * v - s * u),
+            )  # fmt: skip
+            inner_a = near * scale
+            cover = max(cover, _covered(inner_a) + _covered(far * scale) - 1.0)
+            if now <= 0.0:
+                inner_b = inner_a
+        else:
+            inner_a = inner_b
+        if cover <= 0.0:
             continue
-        v = first + k if ids.shape[0] == 0 else ids[k]
-        if not sheet_known and room.stamps[field.vertex_sheet[v]] != tick:
+        share = _mean_covered(inner_a, inner_b)
+        if share <= 0.0:
             continue
-        share, cover = _weigh(before, after, x, y, scale, bounds)
-        if share <= 0.0 or cover <= 0.0:
-            continue
-        stretch = room.facing[k] * room.facing[k]
-        room.found[found] = v
-        room.share[found] = share / stretch
-        room.cover[found] = cover
+        out_ids[found] = first + k if run else ids[k]
+        out_share[found] = share / (facing[k] * facing[k])
+        out_cover[found] = cover
         found += 1
     return found
 
 
 @njit(cache=True, nogil=True)
-def _gather(before, after, field, margin, scale, counters, room):
-    """Find and weigh every vertex that the sweep covers; -1 where the mesh needs room to grow."""
-    values = after.values if after.values[st.TOUCHES] > 0.0 else before.values
-    target = after if after.values[st.TOUCHES] > 0.0 else before
+def _find_cells(values, field, counters, room):
+    """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
     bounds = room.bounds
-    _sweep_bounds(before, target, margin, bounds)
     sheet = start_sheet(values, field)
     if sheet < 0:
         return 0
+    size = field.numbers[1]
     half_x = 0.5 * (bounds[1] - bounds[0])
     half_y = 0.5 * (bounds[3] - bounds[2])
     mid_x = 0.5 * (bounds[0] + bounds[1])
     mid_y = 0.5 * (bounds[2] + bounds[3])
-    reach = 1.1 * np.sqrt(half_x * half_x + half_y * half_y) + field.numbers[1]
-    reach = max(reach, np.sqrt(mid_x * mid_x + mid_y * mid_y) + field.numbers[1])
+    reach = 1.1 * np.sqrt(half_x * half_x + half_y * half_y) + size
+    reach = max(reach, np.sqrt(mid_x * mid_x + mid_y * mid_y) + size)
     for k in range(3):
         room.vector[k] = (
-            values[st.ORIGIN_X + k] + mid_x * values[st.BEND_X + k] + mid_y * values[st.CROSS_X + k]
+            values[st.ORIGIN_X + k]
+            + mid_x * values[st.BEND_X + k]
+            + mid_y * values[st.CROSS_X + k]
         )
     room.tick[0] += 1
     tick = room.tick[0]
@@ -265,98 +286,142 @@ def _gather(before, after, field, margin, scale, counters, room):
         field, sheet, room.vector[0], room.vector[1], room.vector[2], reach,
         room.stamps, tick, room.sheets,
     )  # fmt: skip
-    half_diagonal = 0.5 * np.sqrt(3.0) * field.numbers[1]
-    cells = 0
-    for k in range(n_sheets):
-        s = room.sheets[k]
-        cell = field.sheet_cell[s]
-        if room.cell_ticks[cell] == tick:
-            continue
-        if not _may_hold(values, field, s, half_diagonal, bounds):
-            continue
-        room.cell_ticks[cell] = tick
-        room.cells[cells] = cell
-        cells += 1
+    cells = _cells_in_reach(
+        values, field.sheet_cell, field.sheet_area, field.sheet_normal, field.cell_place,
+        field.origin, size, bounds, room.sheets, n_sheets, room.cell_ticks, tick, room.cells,
+    )  # fmt: skip
     for k in range(cells):
         if field.done[room.cells[k]] == 0 and activate_cell(field, room.cells[k]) < 0:
             return -1
-    radius2 = values[st.RADIUS] * values[st.RADIUS]
-    found = 0
-    for k in range(cells):
-        cell = room.cells[k]
-        alone = field.cell_sheets[cell + 1] - field.cell_sheets[cell] == 1
-        first = field.base_start[cell]
-        last = field.base_start[cell + 1]
-        while first < last:
-            stop = min(last, first + room.xs.shape[0])
-            _project_run(field, first, stop, values, radius2, room.xs, room.ys, room.facing)
-            found = _select(
-                before, target, field, first, stop - first, room.nothing, alone, tick, scale,
-                bounds, room, found,
-            )  # fmt: skip
-            counters[VISITED] += stop - first
-            first = stop
-        found = _gather_added(
-            before, target, field, cell, alone, tick, values, radius2, scale, counters, room, found
-        )
-    return found
+    return cells
 
 
 @njit(cache=True, nogil=True)
-def _gather_added(
-    before, after, field, cell, alone, tick, values, radius2, scale, counters, room, found
-):
-    """The same for the vertices that refinement added to a cell; they are linked, not in a run."""
-    v = field.head[cell]
-    while v >= 0:
-        n = 0
-        while v >= 0 and n < room.ids.shape[0]:
-            room.ids[n] = v
+def _cells_in_reach(
+    values, sheet_cell, sheet_area, sheet_normal, cell_place, origin, size, bounds,
+    sheets, n_sheets, cell_ticks, tick, cells,
+):  # fmt: skip
+    """The cells of those sheets that can reach the sweep's rectangle, each once."""
+    n = 0
+    half_diagonal = 0.5 * np.sqrt(3.0) * size
+    for k in range(n_sheets):
+        s = sheets[k]
+        cell = sheet_cell[s]
+        if cell_ticks[cell] != tick and _may_hold(
+            values,
+            sheet_area[s],
+            sheet_normal[s],
+            origin[0] + (cell_place[cell, 0] + 0.5) * size,
+            origin[1] + (cell_place[cell, 1] + 0.5) * size,
+            origin[2] + (cell_place[cell, 2] + 0.5) * size,
+            half_diagonal,
+            bounds,
+        ):
+            cell_ticks[cell] = tick
+            cells[n] = cell
             n += 1
-            v = field.next_in_cell[v]
-        _project_ids(field, room.ids, n, values, radius2, room.xs, room.ys, room.facing)
-        found = _select(
-            before, after, field, 0, n, room.ids, alone, tick, scale, room.bounds, room, found
-        )
-        counters[VISITED] += n
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _gather(before, after, field, margin, scale, counters, room):
+    """Find and weigh every vertex that the sweep covers; -1 where the mesh needs room to grow."""
+    target = after if after.values[st.TOUCHES] > 0.0 else before
+    values = target.values
+    _sweep_bounds(before, after, target, margin, room.bounds)
+    cells = _find_cells(values, field, counters, room)
+    if cells < 0:
+        return -1
+    _fill_frame(before, after, values, scale, room.bounds, room.frame)
+    return _gather_cells(
+        room.cells, cells, field.base_start, field.head, field.next_in_cell, field.cell_sheets,
+        field.vertex_sheet, field.px, field.py, field.pz, field.nx, field.ny, field.nz,
+        room.stamps, room.tick[0], room.frame, after.half_widths, after.steepness,
+        before.half_widths, before.steepness, room.block, room.ids, room.nothing,
+        room.xs, room.ys, room.facing, room.found, room.share, room.cover, counters,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _gather_cells(
+    cells, n_cells, base_start, head, next_in_cell, cell_sheets, vertex_sheet,
+    px, py, pz, nx, ny, nz, stamps, tick, frame, widths, steepness, widths_before,
+    steepness_before, block, ids, nothing, xs, ys, facing, found_ids, share, cover, counters,
+):  # fmt: skip
+    """Project and weigh the vertices of the cells, block by block; return how many are painted.
+
+    Runs of base vertices are read where they stand. Added vertices, and those of a cell with
+    several sheets, are first copied into one block that goes on over cells until it is full.
+    """
+    found = 0
+    visited = 0
+    size = xs.shape[0]
+    filled = 0
+    for c in range(n_cells):
+        cell = cells[c]
+        first = base_start[cell]
+        last = base_start[cell + 1]
+        alone = cell_sheets[cell + 1] - cell_sheets[cell] == 1
+        if alone and last - first >= _WORTH_A_RUN:
+            while first < last:
+                stop = min(last, first + size)
+                n = stop - first
+                _project_block(
+                    px[first:stop], py[first:stop], pz[first:stop],
+                    nx[first:stop], ny[first:stop], nz[first:stop], frame, xs, ys, facing,
+                )  # fmt: skip
+                found = _weigh_block(
+                    n, first, nothing, xs, ys, facing, frame, widths, steepness, widths_before,
+                    steepness_before, found_ids, share, cover, found,
+                )  # fmt: skip
+                visited += n
+                first = stop
+        v = first if first < last else head[cell]
+        while v >= 0:
+            if alone or stamps[vertex_sheet[v]] == tick:
+                ids[filled] = v
+                block[0, filled] = px[v]
+                block[1, filled] = py[v]
+                block[2, filled] = pz[v]
+                block[3, filled] = nx[v]
+                block[4, filled] = ny[v]
+                block[5, filled] = nz[v]
+                filled += 1
+            if v < last:
+                v = v + 1 if v + 1 < last else head[cell]
+            else:
+                v = next_in_cell[v]
+            if filled == size or (v < 0 and c == n_cells - 1 and filled > 0):
+                found = _flush(
+                    block, filled, ids, xs, ys, facing, frame, widths, steepness, widths_before,
+                    steepness_before, found_ids, share, cover, found,
+                )  # fmt: skip
+                visited += filled
+                filled = 0
+    if filled > 0:
+        found = _flush(
+            block, filled, ids, xs, ys, facing, frame, widths, steepness, widths_before,
+            steepness_before, found_ids, share, cover, found,
+        )  # fmt: skip
+        visited += filled
+    counters[VISITED] += visited
     return found
 
 
 @njit(cache=True, nogil=True)
-def _project_ids(field, ids, n, values, radius2, xs, ys, facing):
-    """`_project_run` for scattered vertices: gather them into one block, then project that."""
-    for k in range(n):
-        v = ids[k]
-        dx = field.px[v] - values[st.ORIGIN_X]
-        dy = field.py[v] - values[st.ORIGIN_X + 1]
-        dz = field.pz[v] - values[st.ORIGIN_X + 2]
-        cosine = (
-            field.nx[v] * values[st.NORMAL_X]
-            + field.ny[v] * values[st.NORMAL_X + 1]
-            + field.nz[v] * values[st.NORMAL_X + 2]
-        )
-        xs[k] = _AWAY
-        if cosine < _LEAST_FACING:
-            continue
-        ex = field.px[v] - values[st.SPHERE_X]
-        ey = field.py[v] - values[st.SPHERE_X + 1]
-        ez = field.pz[v] - values[st.SPHERE_X + 2]
-        if ex * ex + ey * ey + ez * ez > radius2:
-            continue
-        t = (
-            -(
-                dx * values[st.NORMAL_X]
-                + dy * values[st.NORMAL_X + 1]
-                + dz * values[st.NORMAL_X + 2]
-            )
-            / cosine
-        )
-        dx += t * field.nx[v]
-        dy += t * field.ny[v]
-        dz += t * field.nz[v]
-        xs[k] = dx * values[st.BEND_X] + dy * values[st.BEND_Y] + dz * values[st.BEND_Z]
-        ys[k] = dx * values[st.CROSS_X] + dy * values[st.CROSS_X + 1] + dz * values[st.CROSS_X + 2]
-        facing[k] = cosine
+def _flush(
+    block, n, ids, xs, ys, facing, frame, widths, steepness, widths_before, steepness_before,
+    found_ids, share, cover, found,
+):  # fmt: skip
+    """Project and weigh the copied block."""
+    _project_block(
+        block[0, :n], block[1, :n], block[2, :n], block[3, :n], block[4, :n], block[5, :n],
+        frame, xs, ys, facing,
+    )  # fmt: skip
+    return _weigh_block(
+        n, 0, ids, xs, ys, facing, frame, widths, steepness, widths_before, steepness_before,
+        found_ids, share, cover, found,
+    )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
@@ -404,9 +469,7 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
     found = _gather(before, after, field, width, 1.0 / width, counters, room)
     if found < 0:
         return False
-    weighed = 0.0
-    for k in range(found):
-        weighed += room.share[k] * (field.area_units[room.found[k]] * field.numbers[3])
+    weighed = _weighed_area(field.area_units, field.numbers[3], room.found, room.share, found)
     a = before.values
     b = after.values
     area = 0.5 * (a[st.AREA] + b[st.AREA])
@@ -424,15 +487,34 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
             ink.off_surface[p] += part * (released - landing)
             room.part[p] = part * landing / weighed if weighed > 0.0 else 0.0
             ink.load[p] -= part * released
-    for k in range(found):
-        v = room.found[k]
-        for p in range(ink.load.shape[0]):
-            ink.amounts[v, p] += np.float32(room.part[p] * room.share[k])
-        if room.cover[k] > ink.coverage[v]:
-            ink.coverage[v] = room.cover[k]
-        if ink.dirty[v] == 0:
-            ink.dirty[v] = 1
-            ink.dirty_ids[ink.n_dirty[0]] = v
-            ink.n_dirty[0] += 1
+    _leave(
+        room.found, room.share, room.cover, found, room.part,
+        ink.amounts, ink.coverage, ink.dirty, ink.dirty_ids, ink.n_dirty,
+    )  # fmt: skip
     counters[PAINTED] += found
     return True
+
+
+@njit(cache=True, nogil=True)
+def _weighed_area(area_units, unit, ids, share, n):
+    total = 0.0
+    for k in range(n):
+        total += share[k] * area_units[ids[k]]
+    return total * unit
+
+
+@njit(cache=True, nogil=True)
+def _leave(ids, share, cover, n, part, amounts, coverage, dirty, dirty_ids, n_dirty):
+    """Add every vertex's share of each pigment, and note whose colour is out of date."""
+    count = n_dirty[0]
+    for k in range(n):
+        v = ids[k]
+        for p in range(part.shape[0]):
+            amounts[v, p] += np.float32(part[p] * share[k])
+        if cover[k] > coverage[v]:
+            coverage[v] = cover[k]
+        if dirty[v] == 0:
+            dirty[v] = 1
+            dirty_ids[count] = v
+            count += 1
+    n_dirty[0] = count

@@ -91,7 +91,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         values[st.TOUCHES] = 1.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _flatten(values, reach):
     """No footprint: the outline is one point, where the straight tip would be."""
     values[st.HEEL] = reach
@@ -101,7 +101,7 @@ def _flatten(values, reach):
     values[st.AREA] = 0.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _keep_drag(values, drag):
     for axis in range(3):
         values[st.DRAG_X + axis] = drag[axis]
@@ -197,7 +197,7 @@ def _press(pose, up_x, up_y, up_z, values, tuft):
     values[st.PRESSURE] = min(1.0, max(0.0, descent / tuft.full_press))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _sine_of_tilt(values, up_x, up_y, up_z):
     return (
         up_x * values[st.NORMAL_X] + up_y * values[st.NORMAL_X + 1] + up_z * values[st.NORMAL_X + 2]

@@ -168,7 +168,7 @@ def single_colours(vertex_ids, amounts, coverage, table, bend, bare, codes, out_
     The table's axis is y = X / (X + bend), which maps 0 to infinity onto 0 to 1 and is fine where
     thin paint changes fast; with X = amount/coverage it needs one division. Arguments as in
     `mixture_colours`, but `table` (N, 3) f32 holds linear RGB at y = i/(N - 1), and `bare` its
-    first row. Cost: 12 ns a vertex.
+    first row. Cost: 15 ns a vertex.
     """
     last = table.shape[0] - 2
     steps = np.float32(table.shape[0] - 1)

@@ -37,7 +37,6 @@ __all__ = [
     "TRIANGLE",
     "WIDEST",
     "Stamp",
-    "edge_distances",
     "fill_profile",
     "make_stamp",
     "outline_motion",
@@ -115,27 +114,6 @@ def fill_profile(stamp, reach, half_width, n):
     values[AREA] = area
 
 
-@njit(cache=True, nogil=True, inline="always")
-def edge_distances(stamp, heel, tip, per_step, x, y):
-    """Distances (mm) from (x, y) to the outline's far and near side, as a pair of signed values.
-
-    The first is positive inside; both together give the share of a small box around the point
-    that lies within the outline, right also where the footprint is thinner than the box.
-    `per_step` is PROFILE_CELLS / (tip - heel).
-    """
-    side = abs(y)
-    if x < heel:
-        return x - heel - side, x - heel + side
-    if x > tip:
-        return tip - x - side, tip - x + side
-    at = (x - heel) * per_step
-    i = int(at)
-    t = at - i
-    width = (1.0 - t) * stamp.half_widths[i] + t * stamp.half_widths[i + 1]
-    steep = stamp.steepness[i]
-    return (width - side) * steep, (width + side) * steep
-
-
 @njit(cache=True, nogil=True)
 def outline_motion(a, b):
     """How far the fastest of the outline's points moved between two stamps (mm)."""
@@ -149,7 +127,7 @@ def outline_motion(a, b):
     return np.sqrt(fastest)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _outline_point(stamp, point, axis):
     """Coordinate of the tip, the heel, or the widest point on either side."""
     values = stamp.values

@@ -133,7 +133,7 @@ def _sweeps(before, after, dragged, tuft, resolution):
     return min(_MOST_STEPS, max(1, int(np.ceil(n))))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _foot_motion(a, b):
     d2 = 0.0
     for axis in range(st.ORIGIN_X, st.ORIGIN_X + 3):

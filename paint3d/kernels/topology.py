@@ -53,7 +53,7 @@ def link_radial(faces, n_vertices):
     return radial
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _find(parent, i):
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -61,7 +61,7 @@ def _find(parent, i):
     return i
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _join(parent, a, b):
     a = _find(parent, a)
     b = _find(parent, b)

@@ -22,7 +22,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.kernels import placement, stroke
-from paint3d.kernels.deposit import PAINTED, VISITED
+from paint3d.kernels.deposit import FRAME_SIZE, PAINTED, VISITED
 from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
@@ -47,6 +47,8 @@ class Room(NamedTuple):
     reach: NDArray  # (OUTLINE_CAPACITY,)
     half_width: NDArray  # (OUTLINE_CAPACITY,)
     bounds: NDArray  # (8,)
+    frame: NDArray  # (FRAME_SIZE,)
+    block: NDArray  # (6, _BLOCK) float32, positions and normals
     tick: NDArray  # (1,) int64
     stamps: NDArray  # (sheets,) int64, tick at which a sheet was last in the patch
     sheets: NDArray  # (sheets,) int32
@@ -216,6 +218,8 @@ class Painter:
             reach=np.zeros(OUTLINE_CAPACITY),
             half_width=np.zeros(OUTLINE_CAPACITY),
             bounds=np.zeros(8),
+            frame=np.zeros(FRAME_SIZE),
+            block=np.zeros((6, _BLOCK), np.float32),
             tick=np.zeros(1, np.int64),
             stamps=np.zeros(sheets, np.int64),
             sheets=np.zeros(sheets, np.int32),
