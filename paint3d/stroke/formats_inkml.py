@@ -2,7 +2,8 @@
 
 Channels X, Y, Z, F, OA, OE, OR and T are read; others are passed over. Y grows downwards
 unless its channel says ``orientation="-ve"``; azimuths turn from the file's x towards its y.
-Each trace is a stroke, and the pen is lifted between two of them.
+Each trace is a stroke, and the pen is lifted between two of them. Without OA the surface drags
+the tip.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.stroke.pad import (
+    DEFAULT_LEAN,
     angles_from_orientations,
     join_strokes,
     orientations_from_angles,
@@ -209,9 +211,11 @@ def _assemble(
 
     x, y, z = (values(key, _LENGTHS, scale, 0.0) for key in "XYZ")
     degree = _ANGLES["deg"]
-    azimuth = values("OA", _ANGLES, degree, -0.75 * math.pi) * up
+    azimuth = values("OA", _ANGLES, degree, DEFAULT_LEAN * up) * up
     altitude = values("OE", _ANGLES, degree, 0.5 * math.pi)
     rotation = values("OR", _ANGLES, degree, 0.0)
+    if "OA" not in column:
+        header = {"azimuth": "dragged", **header}
     return join_strokes(
         _times(table, stroke, column.get("T")),
         np.stack([x, up * y, z], axis=1),

@@ -20,7 +20,8 @@ stroke              idx, stroke, stroke_id                                a new 
 buttons             buttons                                               bits
 ==================  ====================================================  ===================
 
-A first line ``# {...}`` holds the header as JSON. Tables without quaternions are pads.
+A first line ``# {...}`` holds the header as JSON. Tables without quaternions are pads;
+without an azimuth the surface drags the tip.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from numpy.typing import NDArray
 
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
-from paint3d.stroke.pad import join_strokes, orientations_from_angles, spread_ties
+from paint3d.stroke.pad import DEFAULT_LEAN, join_strokes, orientations_from_angles, spread_ties
 
 __all__ = ["read_csv", "read_plain_table", "write_csv"]
 
@@ -49,6 +50,7 @@ _PLACES = {
 }
 _PRESSURES = ("pressure", "sensor_pressure", "p", "force", "force_n")
 _STROKES = ("idx", "stroke", "stroke_id")
+_AZIMUTHS = ("azimuth", "sensor_azimuth", "azimuth_deg")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _OBJECT = ("object_x_mm", "object_y_mm", "object_z_mm", *(f"object_{q}" for q in _QUATERNION))
 _LARGEST = 1e9
@@ -190,6 +192,8 @@ def _assemble(table: _Table, header: dict, scale: float, y_down: bool) -> Record
         if table.column("qw"):
             return _posed(table, header, time_ns, position, pressure, pressed)
         orientation = _leaning(table, up)
+        if table.column(*_AZIMUTHS) is None:
+            header = {"azimuth": "dragged", **header}
         return join_strokes(time_ns, position, orientation, pressure, stroke, header, pressed)
     except RecordingError as cause:
         raise RecordingError(f"{table.name}: {cause}") from None
@@ -254,10 +258,10 @@ def _pressures(table: _Table) -> NDArray | None:
 
 
 def _leaning(table: _Table, up: float) -> NDArray:
-    """Orientations from the lean; upright with the tip at the lower right's opposite if unknown."""
+    """Orientations from the lean; upright, the tip pointing up left, where it is not known."""
     angles = []
     for key, otherwise in (
-        ("azimuth", -0.75 * math.pi * up),
+        ("azimuth", DEFAULT_LEAN * up),
         ("altitude", 0.5 * math.pi),
         ("rotation", 0.0),
     ):

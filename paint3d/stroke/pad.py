@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from paint3d.frames import (
 )
 
 __all__ = [
+    "DEFAULT_LEAN",
     "LIFT_NS",
     "MM_PER_PIXEL",
     "angles_from_orientations",
@@ -21,6 +24,8 @@ __all__ = [
     "spread_ties",
 ]
 
+DEFAULT_LEAN = -0.25 * math.pi
+"""Azimuth where a pad gives none, rad: down and to the right, so that the tip points up left."""
 MM_PER_PIXEL = 25.4 / 96.0
 """CSS pixels and Wacom's device-independent pixels, mm."""
 LIFT_NS = 1_000_000

@@ -51,6 +51,15 @@ def test_strokes_of_a_table_are_joined_by_lifted_samples(tmp_path):
     ]  # fmt: skip
 
 
+def test_without_an_azimuth_the_surface_drags_the_tip(tmp_path):
+    bare = load_recording(table(tmp_path, "time_s,x,y\n0,1,2\n"))
+    assert bare.header["azimuth"] == "dragged"
+    tip = matrices_from_quaternions(bare.orientation)[0, :, 0]
+    assert tip == pytest.approx([-np.sqrt(0.5), np.sqrt(0.5), 0.0])
+    known = load_recording(table(tmp_path, "time_s,x,y,azimuth\n0,1,2,0\n"))
+    assert known.header["azimuth"] == "commanded"
+
+
 def test_y_upwards_keeps_y_and_azimuth(tmp_path):
     text = "time_s,x,y,altitude,azimuth\n0,1,2,0.5,0.3\n"
     down = load_recording(table(tmp_path, text))
