@@ -150,9 +150,9 @@ def mixture_reflectance(
 
     Notes
     -----
-    Under gloss a backing darker than k1 = 0.03 counts as black. On the drawdowns that the
-    paints were fitted to the mean error is 0.9 dE00; blending RGB is wrong by 15
-    (`scripts/fit_drawdowns.py` prints both, and the error on samples left out).
+    Under gloss a backing darker than k1 = 0.03 counts as black. Mean error on the drawdowns that
+    the paints were fitted to 1.1 dE00, on mixtures left out of the fit 2.6; blending RGB is wrong
+    by 26 (`scripts/fit_drawdowns.py` prints all three).
     """
     k, s, glossy = mix_pigments(mass_fractions)
     return stack_reflectance(

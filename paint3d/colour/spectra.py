@@ -135,8 +135,8 @@ def srgb_from_linear(linear_rgb: ArrayLike) -> NDArray:
 
     Notes
     -----
-    Clipping the channels is how a display shows such a colour. Only the most saturated paints are
-    affected (cinnabar's blue, a thin Prussian blue's red), by a few hundredths.
+    Clipping the channels is how a display shows such a colour. Of the palette on white, films of
+    verdigris leave the gamut furthest: linear red is -0.18 at a tenth of a coat.
     """
     return np.rint(255.0 * encode_srgb(np.clip(linear_rgb, 0.0, 1.0))).astype(np.uint8)
 

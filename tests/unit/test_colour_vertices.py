@@ -89,6 +89,17 @@ def test_live_mixtures_of_the_whole_palette():
     assert np.max(apart) < 0.6
 
 
+def test_mixtures_beyond_the_palette_take_all_bands():
+    own = Pigment("mine", "", np.full(31, 2.0), np.linspace(0, 1, 31))
+    for pigments in ([own, load_pigment("cinnabar")], [load_pigment("Eosin"), own]):
+        amounts, coverage = random_paint(2)
+        live, reference = (
+            colours(ColourModel(pigments, BACKING, path), amounts, coverage)
+            for path in ("live", "reference")
+        )
+        assert (live[1] == reference[1]).all()
+
+
 @pytest.mark.parametrize("path", ["live", "reference"])
 @pytest.mark.parametrize("names", MIXES[:3], ids=lambda names: "+".join(names))
 def test_bits_do_not_depend_on_order_or_threads(names, path):

@@ -1,5 +1,10 @@
 """The palette, materials, users' tables, and the list of inks."""
 
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -15,6 +20,9 @@ from paint3d.ink.pigments import (
     load_pigments_csv,
     pigment_names,
 )
+
+ROOT = Path(__file__).parents[2]
+MEASUREMENTS = ROOT / "../shared/pigments"
 
 
 def table(tmp_path, *rows, nm=(400, 550, 700), columns="name"):
@@ -148,6 +156,21 @@ def test_bad_materials_are_refused():
         Material("x", np.full(31, 1.1), 0, 0, 0, 0)
     with pytest.raises(PigmentError, match="roughness of x"):
         Material("x", np.ones(31), 2, 0, 0, 0)
+
+
+@pytest.mark.skipif(not MEASUREMENTS.exists(), reason="measurements lie beside the checkout")
+@pytest.mark.parametrize("name", ["palette", "materials"])
+def test_shipped_table_is_what_its_script_builds(tmp_path, name):
+    script, built = ROOT / f"scripts/build_{name}.py", tmp_path / "built.csv"
+    subprocess.run(
+        [sys.executable, str(script), str(MEASUREMENTS), "--out", str(built)], check=True, cwd=ROOT
+    )
+    shipped = ROOT / f"paint3d/ink/data/{name}.csv"
+    with built.open(encoding="utf-8") as one, shipped.open(encoding="utf-8") as two:
+        for fresh, kept in zip(csv.reader(one), csv.reader(two), strict=True):
+            assert fresh[:5] == kept[:5]
+            for a, b in zip(fresh[5:], kept[5:], strict=True):
+                assert a == b or float(a) == pytest.approx(float(b), rel=0.02)
 
 
 def test_list_of_inks_has_a_line_each_and_colour_only_when_asked():
