@@ -24,8 +24,8 @@ CELLS = 224  # across a depth map: 0.9 mm on a bowl of 200 mm
 SAMPLES = 400_000  # 8 a cell of the map, so that a hole is met once in thousands of cells
 OFFSET = 1.6  # cells
 GROUND_CELLS = 420
-GROUND_BLURS = 1.5, 7.0  # cells, in the deepest shade and elsewhere: joins neighbouring lights
-SHARP_BELOW = 0.5  # openness below which the shade is drawn sharper
+GROUND_BLURS = 3.0, 7.0  # cells, in the deepest shade and elsewhere: joins neighbouring lights
+SHARP_BELOW = 0.3  # openness below which the shade is drawn sharper
 GAP = 0.004  # radii from the lowest point down to the floor: a sheet must not sink into it
 GROUND_HALF = 3.0  # half-width of the shaded ground, in radii of the object
 

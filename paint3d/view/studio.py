@@ -153,7 +153,7 @@ def light_samples(n_dome: int = 96) -> list[Sun]:
     directions = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
     radiance = DOME.radiance_at(directions) * (4 * np.pi / n_dome)
     suns = [Sun(d, e, 1 / n_dome) for d, e in zip(directions, radiance, strict=True)]
-    for box, n in zip(SOFTBOXES, (72, 14, 14, 14), strict=True):
+    for box, n in zip(SOFTBOXES, (60, 20, 40, 30), strict=True):
         suns += box.suns(n)
     return suns
 
