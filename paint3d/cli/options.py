@@ -16,9 +16,11 @@ __all__ = [
     "check_output_folder",
     "parse_length_mm",
     "parse_place",
+    "parse_resolution_mm",
 ]
 
 UNITS = ("mm", "cm", "m", "in")
+_FINEST_MM = 0.005  # the finest that `PaintedSurface` takes; known here before anything is loaded
 
 
 def parse_length_mm(text: str) -> float:
@@ -30,6 +32,14 @@ def parse_length_mm(text: str) -> float:
     if not (math.isfinite(length) and length > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a length; expected a number above 0, mm")
     return length
+
+
+def parse_resolution_mm(text: str) -> float:
+    """A vertex spacing in mm that a surface can have."""
+    resolution = parse_length_mm(text)
+    if resolution < _FINEST_MM:
+        raise argparse.ArgumentTypeError(f"{text} is too fine; expected at least {_FINEST_MM:g} mm")
+    return resolution
 
 
 def parse_place(text: str) -> tuple[float, float]:
@@ -63,7 +73,7 @@ def add_painting_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resolution",
         metavar="MM",
-        type=parse_length_mm,
+        type=parse_resolution_mm,
         default=0.4,
         help="vertex spacing wanted where paint is (default: 0.4)",
     )

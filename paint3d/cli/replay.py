@@ -10,7 +10,10 @@ from paint3d.cli.options import (
     add_painting_options,
     add_quiet_option,
     check_output_file,
+    parse_length_mm,
+    parse_place,
 )
+from paint3d.cli.pads import lay_on
 from paint3d.cli.painting import Wishes, paint, timed, write_report
 
 __all__ = ["HELP", "add_arguments", "run"]
@@ -31,6 +34,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
     )
     add_painting_options(parser)
+    parser.add_argument(
+        "--at",
+        metavar="U,V",
+        type=parse_place,
+        help="where on the object to lay a pad's recording (default: 0.5,0.5)",
+    )
+    parser.add_argument(
+        "--size",
+        metavar="MM",
+        type=parse_length_mm,
+        help="how wide to lay a pad's recording (default: as it was drawn)",
+    )
     parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
     )
@@ -54,6 +69,7 @@ def run(options: argparse.Namespace) -> None:
         check_output_file(options.report, (".json",))
     recording = load_recording(options.recording)
     mesh = load_mesh(options.on, unit=options.unit)
+    recording = lay_on(mesh, recording, options.at, options.size)
     wishes = Wishes(
         brush=options.brush,
         ink=options.ink,

@@ -1,0 +1,58 @@
+"""Recordings from a flat pad: where on the object, and how large, they are laid."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.stroke.recording import Recording
+
+__all__ = ["lay_on"]
+
+_MIDDLE = (0.5, 0.5)
+_MARGIN_MM = 1.0
+
+
+def lay_on(
+    mesh: TriangleMesh,
+    recording: Recording,
+    place: tuple[float, float] | None,
+    width_mm: float | None,
+) -> Recording:
+    """The recording in the world: laid on the mesh if it is a pad's, else as it is.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    recording : Recording
+    place : (float, float) or None
+        Where its middle goes, as `paint3d.mesh.placement.place` takes it; None: the middle.
+    width_mm : float or None
+        How wide to lay it; None: as wide as it was drawn.
+
+    Raises
+    ------
+    InputError
+        If it does not fit there, or a place is given for a recording that has its own.
+    """
+    if not recording.is_pad:
+        if place is not None or width_mm is not None:
+            raise InputError(
+                "--at and --size lay a pad's recording; this one has its own place in the world"
+            )
+        return recording
+    from paint3d.mesh.chart import make_chart
+    from paint3d.mesh.closest import ClosestPoints
+    from paint3d.mesh.placement import place as find_place
+    from paint3d.stroke.laying import centred, lay
+
+    sheet = centred(recording, width_mm)
+    half_width, half_height = np.abs(sheet.position[:, :2]).max(axis=0) + _MARGIN_MM
+    surface = ClosestPoints(mesh)
+    frame = find_place(surface, place or _MIDDLE)
+    return lay(sheet, make_chart(surface, frame, half_width, half_height))
