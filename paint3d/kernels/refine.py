@@ -271,6 +271,8 @@ def activate_cell(field, cell):
     Returns 0, or -1 where the arrays have no room; then the mesh is whole, and the same call goes
     on after `PaintMesh.reserve`.
     """
+    if field.done[cell]:
+        return 0
     h2 = field.numbers[0] * field.numbers[0]
     size = field.numbers[1]
     low = np.empty(3)
