@@ -21,6 +21,7 @@ HELP = "paint the shipped recording on the bowl: PLY, GLB, text records, PNG, re
 _FILES = ("bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png")
 _PICTURE = "bowl.png"
 _RECORDING = "data/demo.jsonl.gz"
+_RESOLUTION_MM = 0.12  # strokes of small characters are down to half a millimetre wide
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +54,9 @@ def run(options: argparse.Namespace) -> None:
     _make_folder(options.out)
     with as_file(files("paint3d.stroke").joinpath(_RECORDING)) as path:
         recording = load_recording(path)
-    painting = paint(load_mesh("bowl"), recording, Wishes(quiet=options.quiet))
+    painting = paint(
+        load_mesh("bowl"), recording, Wishes(resolution_mm=_RESOLUTION_MM, quiet=options.quiet)
+    )
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):
         for file in written:
