@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.arrays import as_array, as_number
-from paint3d.errors import InputError
 from paint3d.mesh.paint_mesh import PaintMesh
 
 __all__ = ["coarse_faces"]
