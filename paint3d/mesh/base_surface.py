@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from paint3d.errors import MeshError
 from paint3d.kernels.refine import MOST_AROUND_EDGE
 from paint3d.kernels.topology import corner_normals, count_around, link_radial, smooth_corners
+from paint3d.kernels.welding import weld_positions
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["CREASE_ANGLE", "BaseSurface", "make_base_surface"]
@@ -65,12 +66,15 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
             f"{mesh.name}: {most} triangles share one edge; expected at most {MOST_AROUND_EDGE}"
         )
     groups = smooth_corners(ids, face_normals, radial, float(np.cos(CREASE_ANGLE)))
-    first, corner_vertex = np.unique(groups, return_inverse=True)
+    # a group is named after its first corner, so no sorting is needed to number them
+    leads = groups == np.arange(len(groups), dtype=np.int32)
+    first = np.flatnonzero(leads)
+    corner_vertex = (np.cumsum(leads, dtype=np.int32) - 1)[groups]
     source = faces.reshape(-1)[first]
     order = np.argsort(source, kind="stable")
     rank = np.empty(len(order), np.int32)
     rank[order] = np.arange(len(order), dtype=np.int32)
-    vertex_of_corner = rank[corner_vertex].astype(np.int32)
+    vertex_of_corner = rank[corner_vertex]
     source = source[order].astype(np.int32)
     new_faces = vertex_of_corner.reshape(-1, 3)
     base_points = np.ascontiguousarray(points[source])
@@ -87,10 +91,11 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
 
 
 def _weld(points: NDArray) -> NDArray:
-    """(V,) int32: the first vertex at the same position, as dense ids."""
-    rows = np.ascontiguousarray(points).view([("", np.float32)] * 3).reshape(-1)
-    _, ids = np.unique(rows, return_inverse=True)
-    return ids.astype(np.int32)
+    """(V,) int32: a dense id for each position."""
+    table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)
+    ids = np.empty(len(points), np.int32)
+    weld_positions(np.ascontiguousarray(points).view(np.uint32), table, ids)
+    return ids
 
 
 def _cross(points: NDArray, faces: NDArray) -> NDArray:

@@ -19,7 +19,8 @@ def plates(gap=1.0, side=12.0, n=4):
     i = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
     faces = np.vstack([np.stack([i, i + n, i + n + 1], 1), np.stack([i, i + n + 1, i + 1], 1)])
     low = np.column_stack([x, y, np.zeros_like(x)])
-    return TriangleMesh(np.vstack([low, low + [0, 0, gap]]), np.vstack([faces, faces + n * n]))
+    high = low + np.array([0.0, 0.0, gap])
+    return TriangleMesh(np.vstack([low, high]), np.vstack([faces, faces + n * n]))
 
 
 def bowl(points=48, rings=20, thickness=1.0, radius=20.0):
@@ -154,7 +155,7 @@ def test_a_ball_reaches_all_of_a_flat_patch():
     field, size = mesh.arrays, mesh.arrays.numbers[1]
     low = field.origin + field.cell_place[field.sheet_cell] * size
     away = np.maximum(0.0, np.maximum(low - [6, 6, 0], [6, 6, 0] - low - size))
-    near = np.flatnonzero((np.linalg.norm(away, axis=1) <= 3.0))
+    near = np.flatnonzero(np.linalg.norm(away, axis=1) <= 3.0)
     np.testing.assert_array_equal(np.sort(patch), near)
 
 
