@@ -129,15 +129,18 @@ def outline_motion(a, b):
 
 @njit(cache=True, nogil=True)
 def _outline_point(stamp, point, axis):
-    """Coordinate of the tip, the heel, or the widest point on either side."""
+    """Coordinate of the tip, the heel, or the middle's furthest extent to either side.
+
+    Where the outline is widest is no use here: that jumps from one of its points to another.
+    """
     values = stamp.values
     if point == 0:
         along, across = values[TIP], 0.0
     elif point == 1:
         along, across = values[HEEL], 0.0
     elif point == 2:
-        along, across = values[REACH_OF_WIDEST], values[WIDEST]
+        along, across = 0.5 * (values[HEEL] + values[TIP]), values[WIDEST]
     else:
-        along, across = values[REACH_OF_WIDEST], -values[WIDEST]
+        along, across = 0.5 * (values[HEEL] + values[TIP]), -values[WIDEST]
     origin = values[ORIGIN_X + axis]
     return origin + along * values[BEND_X + axis] + across * values[CROSS_X + axis]
