@@ -16,8 +16,9 @@ from matplotlib.patches import Circle, Rectangle
 import paint3d
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
+from paint3d.cli.pads import lay_on
 from paint3d.colour.layers import layer_reflectance
-from paint3d.colour.spectra import srgb_from_spectra
+from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.device.recorded import Recording
 from paint3d.ink.pigments import load_pigment
 from paint3d.kernels.tuft import (
@@ -131,6 +132,44 @@ def draw_ink() -> plt.Figure:
     return figure
 
 
+def presses(depths: tuple[float, ...], apart_mm: float) -> Recording:
+    """Upright presses side by side on a pad, down and up again."""
+    rows = [(apart_mm * (k - 1), share * pe) for k, pe in enumerate(depths) for share in (0, 1, 0)]
+    n = len(rows)
+    position = np.array([[x, 0.0, 0.0] for x, _ in rows])
+    position[:, 2] = 30.0
+    return Recording(
+        (np.arange(n) * 200_000_000).astype(np.int64),
+        position,
+        np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
+        np.array([pressure for _, pressure in rows]),
+        header={"space": "pad"},
+    )
+
+
+def draw_projection() -> plt.Figure:
+    """The same three presses on a plane and on the bowl's wall."""
+    figure, rows = plt.subplots(2, 1, figsize=(8, 5.6), sharex=True, layout="constrained")
+    depths = (0.15, 0.3, 0.5)
+    for axes, name in zip(rows, ("plane", "bowl"), strict=True):
+        mesh = paint3d.load_mesh(name)
+        surface = paint3d.PaintedSurface(mesh, resolution=0.3)
+        recording = lay_on(mesh, presses(depths, 25.0), (0.5, 0.5), None)
+        paint3d.Painter(surface, brush="full").replay(recording)
+        vertices, cover = surface.export_arrays()[0], surface.coverage
+        area = float(cover @ surface.vertex_areas)
+        up = 1 if name == "plane" else 2
+        shown = (cover > 0) & (vertices[:, 1] < 0 if up == 2 else True)
+        points = vertices[shown]
+        middle = np.median(points[:, up])
+        axes.scatter(points[:, 0], points[:, up] - middle, c=1 - cover[shown], cmap="gray", s=1)
+        axes.set(
+            title=f"{name}: {area:.0f} mm² covered", ylabel="mm", aspect="equal", ylim=(-12, 12)
+        )
+    rows[-1].set_xlabel("mm; the bowl seen from the front")
+    return figure
+
+
 def draw_colours() -> plt.Figure:
     """The colour of a layer over white and over black, over its quantity."""
     names = ("pine soot", "cinnabar", "azurite", "gamboge")
@@ -140,7 +179,9 @@ def draw_colours() -> plt.Figure:
         pigment = load_pigment(name)
         for row, backing in enumerate((0.9, 0.03)):
             layers = layer_reflectance(pigment.K, pigment.S, coats[:, None], backing)
-            for x0, x1, srgb in zip(coats[:-1], coats[1:], srgb_from_spectra(layers), strict=False):
+            for x0, x1, srgb in zip(
+                coats[:-1], coats[1:], srgb_from_reflectance(layers), strict=False
+            ):
                 colour = np.asarray(srgb, float) / 255
                 axes.add_patch(Rectangle((x0, row), x1 - x0, 1, color=colour, lw=0))
         axes.set(xscale="log", xlim=(coats[0], coats[-1]), ylim=(0, 2), ylabel=name)
@@ -154,6 +195,7 @@ def main() -> None:
     drawings = {
         "footprints": draw_footprints,
         "spheres": draw_spheres,
+        "projection": draw_projection,
         "ink": draw_ink,
         "colours": draw_colours,
     }
