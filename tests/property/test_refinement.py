@@ -32,6 +32,13 @@ def cube(side=5.0):
     return TriangleMesh(corners, faces, name="cube")
 
 
+def octahedron():
+    """Eight triangles whose edges are all exactly as long: only the keys decide."""
+    points = 4.0 * np.vstack([np.eye(3), -np.eye(3)])
+    faces = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+    return TriangleMesh(points, faces, name="octahedron")
+
+
 def fin():
     """Three triangles on one edge."""
     points = [[0, 0, 0], [0, 0, 6], [4, 1, 2], [-4, 1, 3], [0, -5, 4]]
@@ -53,7 +60,14 @@ def seamed_tube():
     return TriangleMesh(points, faces, name="tube")
 
 
-MESHES = {"scan": scan, "cube": cube, "fin": fin, "doubled": doubled, "tube": seamed_tube}
+MESHES = {
+    "scan": scan,
+    "cube": cube,
+    "octahedron": octahedron,
+    "fin": fin,
+    "doubled": doubled,
+    "tube": seamed_tube,
+}
 EDGE = 0.8
 RELAXED = settings(
     deadline=None,
