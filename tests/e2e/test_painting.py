@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 
@@ -86,7 +88,7 @@ def test_demo(paint3d, tmp_path: Path) -> None:
     assert json.loads((out / "report.json").read_text())["vertices_painted"] > 10_000
 
 
-@pytest.mark.parametrize("command", ["demo", "replay", "report"])
+@pytest.mark.parametrize("command", ["demo", "replay", "inks", "report"])
 def test_every_command_has_help(paint3d, command: str) -> None:
     done = paint3d(command, "--help")
     assert done.returncode == 0
@@ -99,3 +101,47 @@ def test_the_version_is_told(paint3d) -> None:
     done = paint3d("--version")
     assert done.returncode == 0
     assert done.stdout.startswith("paint3d ")
+
+
+def write_pad(file: Path) -> Path:
+    """A pad's recording of one stroke, 30 mm wide, far from the pad's origin."""
+    rows = [f"{0.01 * i},{500 + i},{300 + 0.2 * i},{0.3 if 0 < i < 30 else 0}" for i in range(31)]
+    file.write_text("\n".join(["time_s,x_mm,y_mm,pressure", *rows]) + "\n")
+    return file
+
+
+@pytest.mark.parametrize(("width", "place"), [(30.0, 0.5), (12.0, 0.3)])
+def test_a_pads_recording_is_laid_where_and_as_wide_as_asked(
+    paint3d, tmp_path: Path, width: float, place: float
+) -> None:
+    pad = write_pad(tmp_path / "pad.csv")
+    out = tmp_path / "out.p3d.txt"
+    replay(paint3d, pad, out, "--at", f"{place},0.5", "--size", width, "--brush", "gongbi")
+    records = read_records(out)
+    bare = np.median(records[:, 6:], axis=0)
+    x = records[np.abs(records[:, 6:] - bare).max(axis=1) > 40, 0]
+    assert (x.max() + x.min()) / 2 == pytest.approx(200 * (place - 0.5), abs=3)
+    assert x.max() - x.min() == pytest.approx(width, abs=6)
+
+
+def read_records(file: Path) -> np.ndarray:
+    """The nine numbers of each vertex: position, normal, RGB."""
+    words = re.findall(r"^\{(.*)\}", file.read_text(), flags=re.MULTILINE)
+    return np.array([[float(word) for word in line.split(",")] for line in words])
+
+
+def test_a_place_is_for_pads_only(paint3d, recording: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.ply"
+    done = paint3d("replay", recording, "--on", "plane", "--out", out, "--at", "0.5,0.5")
+    assert done.returncode == 2
+    assert "has its own place in the world" in done.stderr
+    assert not out.exists()
+
+
+def test_inks_are_listed_with_their_sources(paint3d) -> None:
+    done = paint3d("inks")
+    assert done.returncode == 0
+    lines = done.stdout.splitlines()
+    assert lines[0].split()[-1] == "source"
+    assert sum(line.startswith("pine soot") for line in lines) == 1
+    assert "\x1b" not in done.stdout
