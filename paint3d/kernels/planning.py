@@ -42,7 +42,8 @@ def signed_distances(polygon, x0, y0, step, out):
             for k in range(n):
                 qx, qy = polygon[k, 0], polygon[k, 1]
                 ex, ey = qx - px, qy - py
-                t = ((x - px) * ex + (y - py) * ey) / (ex * ex + ey * ey)
+                square = ex * ex + ey * ey
+                t = ((x - px) * ex + (y - py) * ey) / square if square > 0.0 else 0.0
                 t = min(1.0, max(0.0, t))
                 dx, dy = x - px - t * ex, y - py - t * ey
                 nearest = min(nearest, dx * dx + dy * dy)
@@ -97,7 +98,7 @@ def _fits(points, level, field, grid, x, y, cosine, sine, margin):
 
 @njit(cache=True, nogil=True)
 def fit_level(points, field, grid, x, y, azimuth, margin):
-    """Greatest level that fits with its centroid at (x, y), below which all that were tried fit; or -1."""
+    """Greatest level that fits with its centroid at (x, y), or -1; rungs tried below fit too."""
     cosine, sine = math.cos(azimuth), math.sin(azimuth)
     n = points.shape[0]
     if _distance_at(field, grid[0], grid[1], grid[2], x, y) <= 0.0:

@@ -103,14 +103,14 @@ def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
         or fewer than three different points.
     """
     points: list[NDArray[np.float64]] = []
+    closed = False
     for command, numbers in _commands(path, name):
-        if (command == "M") != (not points):
+        if closed or (command == "M") != (not points):
             raise InputError(f"{name}: {command} out of place; expected one closed curve from M")
-        if command == "Z":
-            break
+        closed = command == "Z"
         pairs = np.array(numbers, np.float64).reshape(-1, 2)
         per = _PAIRS[command]
-        for first in range(0, len(pairs), per):
+        for first in range(0, len(pairs), per or 1):
             controls = pairs[first : first + per]
             points.extend(_curve(points[-1], controls) if per > 1 else controls)
     polygon = np.array(points, np.float64).reshape(-1, 2)
@@ -131,7 +131,9 @@ def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None or (match[2] and not commands):
-            raise InputError(f"{name}: cannot read {text[at : at + 12]!r}; expected M L Q C or Z")
+            raise InputError(
+                f"{name}: cannot read {text[at : at + 12].strip()!r}; expected M L Q C or Z"
+            )
         if match[1]:
             commands.append((match[1], []))
         elif match[2]:
@@ -147,7 +149,7 @@ def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
 def _curve(start: NDArray, controls: NDArray) -> NDArray[np.float64]:
     """Points of a quadratic or cubic Bezier curve after its start."""
     hull = np.vstack([start, controls])
-    bend = np.abs(np.diff(hull, n=2, axis=0)).max()
+    bend = np.linalg.norm(np.diff(hull, n=2, axis=0), axis=1).max()
     degree = len(controls)
     n = max(1, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * _FLATNESS))))
     t = np.linspace(0.0, 1.0, n + 1)[1:, None]

@@ -153,6 +153,8 @@ def plan_stroke(
     """
     settings = settings or PlanSettings()
     field, grid = _distance_field(outline, em_mm / 512)
+    if field.max() <= 0.0:
+        raise InputError(f"{name} is finer than {grid[2]:g} mm; expected an outline to fill")
     line = _centre_line(median, field, grid, settings.sample_step * em_mm)
     plan = _Plan(field, grid, ladder, settings, em_mm)
     best, bare = plan.follow(line)
@@ -260,6 +262,7 @@ def _resample(points: NDArray, step: float) -> NDArray:
 
 def _smooth(points: NDArray, sigma: float) -> NDArray:
     """Gaussian smoothing of a line that keeps both its ends."""
+    sigma = max(sigma, 0.3)
     n = len(points)
     reach = min(n - 1, math.ceil(4 * sigma))
     head = 2 * points[0] - points[reach:0:-1]

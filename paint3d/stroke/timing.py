@@ -23,6 +23,7 @@ __all__ = ["Motion", "Tempo", "time_courses"]
 _DIP = 2  # button bit
 _TURN_RADIUS = 3.0  # mm of way that a turn of the holder by one radian counts for
 _CURVATURE_POWER = -0.29
+_FINEST_CURVE = 0.004  # of the em: finer curves are not slowed down for
 _REFERENCE_RADIUS = 0.25  # of the em: curves this wide are travelled at cruising speed
 
 
@@ -49,15 +50,15 @@ class Tempo:
     """
 
     rate_hz: float = 250.0
-    cruise: float = 1.3
+    cruise: float = 1.1
     most_speed: float = 120.0
     most_acceleration: float = 500.0
-    most_turn_rate: float = 4.0
+    most_turn_rate: float = 5.5
     lift_s: float = 0.24
     lift_mm: float = 2.5
     dip_s: float = 0.8
     dip_mm: float = 20.0
-    smoothing_s: float = 0.012
+    smoothing_s: float = 0.008
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +165,7 @@ def _allowed_speed(
 ) -> NDArray[np.float64]:
     """Speed (mm/s of the metric's way) that curves, the holder's turn and the hand allow."""
     even = np.linspace(0.0, way[-1], len(way))
-    sigma = max(1.0, 0.015 * em_mm * len(way) / way[-1])
+    sigma = max(1.0, _FINEST_CURVE * em_mm * len(way) / way[-1])
     path = np.stack([np.interp(even, way, metric[:, k]) for k in range(4)], axis=1)
     path = gaussian_filter1d(path, sigma, axis=0, mode="nearest")
     tangent = np.gradient(path, even, axis=0, edge_order=1)
