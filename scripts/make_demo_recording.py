@@ -42,9 +42,11 @@ from paint3d.stroke.timing import Motion, time_courses
 
 TEXT = "漫步人生"
 OBJECT, BRUSH, INK = "bowl", "xiaokai", "pine soot"
-EM_MM = 13.0
-PITCH = 0.95  # ems from one character to the next
-TOP_MM = 4.0  # from the rim's edge to the first em square
+EM_MM = 12.5
+PITCH = 0.93  # ems from one character to the next
+TOP_MM = (
+    7.5  # from the rim to the first em square: nearer, the lip tilts the plane of the footprint
+)
 WIDEST = 0.2  # ems: the ladder's last footprint
 LICENCE = (
     "Stroke shapes: hanzi-writer-data 2.0.1 (Make Me a Hanzi), derived from Arphic PL KaitiM; "
