@@ -26,15 +26,15 @@ HEAVY = {
 }
 # Each heavy package has its places; elsewhere it must not be imported at all.
 HOMES = {
-    "hid": {"device", "cli"},
-    "trimesh": {"files", "mesh"},
-    "open3d": {"files", "mesh", "projection"},
+    "hid": {"device"},
+    "open3d": {"files", "mesh"},
     "pyvista": {"view"},
     "vtk": {"view"},
     "vtkmodules": {"view"},
     "numba": {"kernels"},
 }
-FORBIDDEN = {"colour", "matplotlib", "pandas", "torch"}  # tools and oracles, never the program
+# Tools and oracles, never part of the program:
+FORBIDDEN = {"colour", "trimesh", "matplotlib", "pandas", "torch"}
 VAGUE = {"utils", "util", "helpers", "helper", "common", "manager", "misc"}
 
 
