@@ -22,8 +22,8 @@ __all__ = ["FRAME_SIZE", "PAINTED", "VISITED", "sweep_deposit"]
 VISITED, PAINTED = 2, 3  # counters
 _LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vertex faces away
 _STEEPEST = 4.0  # tangent of the angle at which a vertex faces away
+_LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
-_WORTH_A_RUN = 16  # base vertices in a cell that are read where they stand
 _AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
 
 
@@ -99,38 +99,11 @@ def _sweep_bounds(before, after, plane, margin, bounds):
     bounds[3] = y1 + margin
 
 
-@njit(cache=True, nogil=True)
-def _may_hold(values, area, normal, cell_x, cell_y, cell_z, half_diagonal, bounds):
-    """Whether a sheet in the cell around a point can reach the rectangle, carried to the plane."""
-    dx = cell_x - values[st.ORIGIN_X]
-    dy = cell_y - values[st.ORIGIN_X + 1]
-    dz = cell_z - values[st.ORIGIN_X + 2]
-    nx = values[st.NORMAL_X]
-    ny = values[st.NORMAL_X + 1]
-    nz = values[st.NORMAL_X + 2]
-    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-    facing = normal[0] * nx + normal[1] * ny + normal[2] * nz
-    facing = min(1.0, facing / length) if length > 0.0 else 0.0
-    slope = _STEEPEST
-    if length > _COHERENT * area:
-        if facing < 0.0:
-            return False
-        # normals within the sheet differ by about as much as their mean falls short of unit length
-        spread = np.sqrt(max(0.0, 1.0 - length / area))
-        slope = np.sqrt(1.0 - facing * facing) / max(facing, _LEAST_FACING) + 2.0 * spread
-    height = abs(dx * nx + dy * ny + dz * nz)
-    slack = half_diagonal + min(slope, _STEEPEST) * (height + half_diagonal)
-    x = dx * values[st.BEND_X] + dy * values[st.BEND_Y] + dz * values[st.BEND_Z]
-    y = dx * values[st.CROSS_X] + dy * values[st.CROSS_X + 1] + dz * values[st.CROSS_X + 2]
-    return (
-        bounds[0] - slack <= x <= bounds[1] + slack and bounds[2] - slack <= y <= bounds[3] + slack
-    )
-
-
 # Places in the frame of a sweep: everything that the loop over vertices needs, as one array.
 _ORIGIN, _NORMAL, _BEND, _CROSS, _SPHERE = 0, 3, 6, 9, 12
-_RADIUS2, _BOX, _BOX_BEFORE, _SCALE, _AFTER, _BEFORE = 15, 16, 20, 24, 25, 29
-FRAME_SIZE = 33  # numbers in the frame
+_RADIUS2, _BOX, _BOX_BEFORE, _SCALE, _AFTER, _BEFORE = 15, 16, 20, 24, 25, 28
+_TURN_AFTER = 31
+FRAME_SIZE = 35  # numbers in the frame
 
 
 @njit(cache=True, nogil=True)
@@ -147,11 +120,10 @@ def _fill_frame(before, after, plane, scale, bounds, frame):
         frame[_BOX + k] = bounds[k]
     frame[_SCALE] = scale
     for at, values in ((_AFTER, after.values), (_BEFORE, before.values)):
-        length = values[st.TIP] - values[st.HEEL]
         frame[at] = values[st.TOUCHES]
         frame[at + 1] = values[st.HEEL]
         frame[at + 2] = values[st.TIP]
-        frame[at + 3] = st.PROFILE_CELLS / length if length > 0.0 else 0.0
+    frame[_TURN_AFTER : _TURN_AFTER + 4] = (0.0, 0.0, 1.0, 0.0)
 
 
 @njit(cache=True, nogil=True)
@@ -190,70 +162,87 @@ def _project_block(px, py, pz, nx, ny, nz, frame, xs, ys, facing):
 
 
 @njit(cache=True, nogil=True)
-def _edges(widths, steepness, touches, heel, tip, per_step, x, side):
-    """Signed distances (mm) from a point to the outline's near and far side; inside is positive.
+def _inner_edges(n, xs, ys, lines, heel, tip, turn, scale, places, sides, inner):
+    """Signed distances (box widths) of a block's vertices to one outline; inside is positive.
 
-    Together they give the share of a small box around the point that lies within the outline,
-    right also where the footprint is thinner than the box.
+    `turn` (4,) carries plane coordinates to the stamp's own: (x - ox, y - oy) turned by (c, s).
+    Two loops without branches, the first of them in vector instructions: the profile is read at
+    its nearer end beyond its ends, less the way beyond.
     """
-    if x < heel:
-        return x - heel - side, x - heel + side
-    if x > tip:
-        return tip - x - side, tip - x + side
-    at = (x - heel) * per_step
+    ox, oy = np.float32(turn[0]), np.float32(turn[1])
+    c, s = np.float32(turn[2]), np.float32(turn[3])
+    first, last = np.float32(heel), np.float32(tip)
+    per_step = np.float32(st.PROFILE_CELLS / (tip - heel))
+    top = np.float32(_LAST_PLACE)
+    nothing = np.float32(0.0)
+    factor = np.float32(scale)
+    for k in range(n):
+        u = xs[k] - ox
+        v = ys[k] - oy
+        x = c * u + s * v
+        places[k] = min(max((x - first) * per_step, nothing), top)
+        sides[k] = abs(c * v - s * u) + max(nothing, max(first - x, x - last))
+    for k in range(n):
+        at = places[k]
+        i = np.int32(at)
+        inner[k] = (lines[i, 0] + at * lines[i, 1] - sides[k]) * lines[i, 2] * factor
+
+
+@njit(cache=True, nogil=True)
+def _far_edge(x, y, lines, heel, tip, turn):
+    """The distance (mm) to the outline's other side, at plane (x, y); see `_covered_share`."""
+    u = x - turn[0]
+    v = y - turn[1]
+    along = turn[2] * u + turn[3] * v
+    side = abs(turn[2] * v - turn[3] * u)
+    at = min(max((along - heel) * st.PROFILE_CELLS / (tip - heel), 0.0), _LAST_PLACE)
     i = int(at)
-    t = at - i
-    width = (1.0 - t) * widths[i] + t * widths[i + 1]
-    return (width - side) * steepness[i], (width + side) * steepness[i]
+    beyond = max(0.0, max(heel - along, along - tip))
+    return (lines[i, 0] + at * lines[i, 1] - beyond + side) * lines[i, 2]
 
 
 @njit(cache=True, nogil=True)
 def _weigh_block(
-    n, first, ids, xs, ys, facing, frame, widths, steepness, widths_before, steepness_before,
+    n, ids, xs, ys, facing, frame, lines, lines_before, work,
     out_ids, out_share, out_cover, found,
 ):  # fmt: skip
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
 
-    `ids` may be empty: the block is then the run of vertices that starts at `first`. Vertices
-    with a share are appended to the outputs; returns their new number.
+    Vertices with a share are appended to the outputs; returns their new number.
     """
-    x0, x1, y0, y1 = frame[_BOX], frame[_BOX + 1], frame[_BOX + 2], frame[_BOX + 3]
-    ox, oy, c, s = frame[20], frame[21], frame[22], frame[23]
+    places, sides, inner_a, inner_b = work[0], work[1], work[2], work[3]
     scale = frame[_SCALE]
-    now, heel, tip, per_step = frame[25], frame[26], frame[27], frame[28]
-    then, heel_a, tip_a, per_step_a = frame[29], frame[30], frame[31], frame[32]
-    run = ids.shape[0] == 0
+    now, heel, tip = frame[_AFTER], frame[_AFTER + 1], frame[_AFTER + 2]
+    then, heel_a, tip_a = frame[_BEFORE], frame[_BEFORE + 1], frame[_BEFORE + 2]
+    turn_b = frame[_TURN_AFTER : _TURN_AFTER + 4]
+    turn_a = frame[_BOX_BEFORE : _BOX_BEFORE + 4]
+    if now > 0.0:
+        _inner_edges(n, xs, ys, lines, heel, tip, turn_b, scale, places, sides, inner_b)
+    if then > 0.0:
+        _inner_edges(n, xs, ys, lines_before, heel_a, tip_a, turn_a, scale, places, sides, inner_a)
+    if now <= 0.0:
+        inner_b = inner_a
+    elif then <= 0.0:
+        inner_a = inner_b
     for k in range(n):
-        x = float(xs[k])
-        y = float(ys[k])
-        if not (x0 <= x <= x1 and y0 <= y <= y1):
+        a = inner_a[k]
+        b = inner_b[k]
+        if max(a, b) <= -0.5:
             continue
-        inner_a = 0.0
-        inner_b = 0.0
-        cover = 0.0
-        if now > 0.0:
-            near, far = _edges(widths, steepness, now, heel, tip, per_step, x, abs(y))
-            inner_b = near * scale
-            cover = _covered(inner_b) + _covered(far * scale) - 1.0
-        if then > 0.0:
-            u = x - ox
-            v = y - oy
-            near, far = _edges(
-                widths_before, steepness_before, then, heel_a, tip_a, per_step_a,
-                c * u + s * v, abs(c * v - s * u),
-            )  # fmt: skip
-            inner_a = near * scale
-            cover = max(cover, _covered(inner_a) + _covered(far * scale) - 1.0)
-            if now <= 0.0:
-                inner_b = inner_a
-        else:
-            inner_a = inner_b
-        if cover <= 0.0:
-            continue
-        share = _mean_covered(inner_a, inner_b)
-        if share <= 0.0:
-            continue
-        out_ids[found] = first + k if run else ids[k]
+        share = 1.0
+        cover = 1.0
+        if min(a, b) < 0.5:
+            cover = 0.0
+            if now > 0.0:
+                far = _far_edge(xs[k], ys[k], lines, heel, tip, turn_b) * scale
+                cover = _covered(b) + _covered(far) - 1.0
+            if then > 0.0:
+                far = _far_edge(xs[k], ys[k], lines_before, heel_a, tip_a, turn_a) * scale
+                cover = max(cover, _covered(a) + _covered(far) - 1.0)
+            share = _mean_covered(a, b)
+            if cover <= 0.0 or share <= 0.0:
+                continue
+        out_ids[found] = ids[k]
         out_share[found] = share / (facing[k] * facing[k])
         out_cover[found] = cover
         found += 1
@@ -261,8 +250,9 @@ def _weigh_block(
 
 
 @njit(cache=True, nogil=True)
-def _find_cells(values, field, counters, room):
+def _find_cells(before, after, plane, field, room):
     """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
+    values = plane.values
     bounds = room.bounds
     sheet = start_sheet(values, field)
     if sheet < 0:
@@ -276,9 +266,7 @@ def _find_cells(values, field, counters, room):
     reach = max(reach, np.sqrt(mid_x * mid_x + mid_y * mid_y) + size)
     for k in range(3):
         room.vector[k] = (
-            values[st.ORIGIN_X + k]
-            + mid_x * values[st.BEND_X + k]
-            + mid_y * values[st.CROSS_X + k]
+            values[st.ORIGIN_X + k] + mid_x * values[st.BEND_X + k] + mid_y * values[st.CROSS_X + k]
         )
     room.tick[0] += 1
     tick = room.tick[0]
@@ -287,8 +275,9 @@ def _find_cells(values, field, counters, room):
         room.stamps, tick, room.sheets,
     )  # fmt: skip
     cells = _cells_in_reach(
-        values, field.sheet_cell, field.sheet_area, field.sheet_normal, field.cell_place,
-        field.origin, size, bounds, room.sheets, n_sheets, room.cell_ticks, tick, room.cells,
+        field.sheet_cell, field.sheet_area, field.sheet_normal, field.cell_place,
+        field.origin, size, room.frame, before.values, before.half_widths, after.values,
+        after.half_widths, room.sheets, n_sheets, room.cell_ticks, tick, room.cells, room.inside,
     )  # fmt: skip
     for k in range(cells):
         if field.done[room.cells[k]] == 0 and activate_cell(field, room.cells[k]) < 0:
@@ -298,29 +287,94 @@ def _find_cells(values, field, counters, room):
 
 @njit(cache=True, nogil=True)
 def _cells_in_reach(
-    values, sheet_cell, sheet_area, sheet_normal, cell_place, origin, size, bounds,
-    sheets, n_sheets, cell_ticks, tick, cells,
+    sheet_cell, sheet_area, sheet_normal, cell_place, origin, size, frame, before, widths_before,
+    after, widths, sheets, n_sheets, cell_ticks, tick, cells, inside,
 ):  # fmt: skip
-    """The cells of those sheets that can reach the sweep's rectangle, each once."""
+    """The cells of those sheets that the sweep can reach, each once, and which lie well inside.
+
+    A vertex in a cell lands in the plane within `slack` of where the cell's middle lands: half
+    the cell's diagonal, and the shift that its own normal gives it at its height.
+    """
     n = 0
     half_diagonal = 0.5 * np.sqrt(3.0) * size
+    margin = 0.5 / frame[_SCALE]
     for k in range(n_sheets):
-        s = sheets[k]
-        cell = sheet_cell[s]
-        if cell_ticks[cell] != tick and _may_hold(
-            values,
-            sheet_area[s],
-            sheet_normal[s],
-            origin[0] + (cell_place[cell, 0] + 0.5) * size,
-            origin[1] + (cell_place[cell, 1] + 0.5) * size,
-            origin[2] + (cell_place[cell, 2] + 0.5) * size,
-            half_diagonal,
-            bounds,
-        ):
-            cell_ticks[cell] = tick
-            cells[n] = cell
-            n += 1
+        sheet = sheets[k]
+        cell = sheet_cell[sheet]
+        if cell_ticks[cell] == tick:
+            continue
+        normal = sheet_normal[sheet]
+        area = sheet_area[sheet]
+        length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        facing = normal[0] * frame[3] + normal[1] * frame[4] + normal[2] * frame[5]
+        facing = min(1.0, facing / length) if length > 0.0 else 0.0
+        slope = _STEEPEST
+        coherent = length > _COHERENT * area
+        if coherent:
+            if facing < 0.0:
+                continue
+            # normals in a sheet differ by about what their mean lacks of unit length
+            spread = np.sqrt(max(0.0, 1.0 - length / area))
+            slope = np.sqrt(1.0 - facing * facing) / max(facing, _LEAST_FACING) + 2.0 * spread
+        dx = origin[0] + (cell_place[cell, 0] + 0.5) * size - frame[0]
+        dy = origin[1] + (cell_place[cell, 1] + 0.5) * size - frame[1]
+        dz = origin[2] + (cell_place[cell, 2] + 0.5) * size - frame[2]
+        height = abs(dx * frame[3] + dy * frame[4] + dz * frame[5])
+        slack = half_diagonal + min(slope, _STEEPEST) * (height + half_diagonal) + margin
+        x = dx * frame[6] + dy * frame[7] + dz * frame[8]
+        y = dx * frame[9] + dy * frame[10] + dz * frame[11]
+        u = x - frame[20]
+        v = y - frame[21]
+        now = _disc_place(after, widths, x, y, slack)
+        then = _disc_place(
+            before,
+            widths_before,
+            frame[22] * u + frame[23] * v,
+            frame[22] * v - frame[23] * u,
+            slack,
+        )
+        if now < 0 and then < 0:
+            continue
+        cell_ticks[cell] = tick
+        cells[n] = cell
+        inside[n] = 1 if coherent and now > 0 and then > 0 else 0
+        n += 1
     return n
+
+
+@njit(cache=True, nogil=True)
+def _disc_place(values, widths, x, y, radius):
+    """1 where a disc in the plane lies within a stamp's outline, -1 outside, 0 on its edge.
+
+    The half width rises to its greatest value and falls again, so over an interval it is least
+    at one of the ends.
+    """
+    if values[st.TOUCHES] <= 0.0:
+        return -1
+    side = abs(y)
+    low = x - radius
+    high = x + radius
+    if high < values[st.HEEL] or low > values[st.TIP] or side - radius > values[st.WIDEST]:
+        return -1
+    a = _width_at(values, widths, low)
+    b = _width_at(values, widths, high)
+    if min(a, b) >= side + radius:
+        return 1
+    if not low <= values[st.REACH_OF_WIDEST] <= high and max(a, b) < side - radius:
+        return -1
+    return 0
+
+
+@njit(cache=True, nogil=True)
+def _width_at(values, widths, x):
+    """Half width (mm) of a stamp at a reach, 0 beyond its ends."""
+    heel = values[st.HEEL]
+    tip = values[st.TIP]
+    if x <= heel or x >= tip:
+        return 0.0
+    at = (x - heel) * st.PROFILE_CELLS / (tip - heel)
+    i = int(at)
+    return widths[i] + (at - i) * (widths[i + 1] - widths[i])
 
 
 @njit(cache=True, nogil=True)
@@ -329,29 +383,29 @@ def _gather(before, after, field, margin, scale, counters, room):
     target = after if after.values[st.TOUCHES] > 0.0 else before
     values = target.values
     _sweep_bounds(before, after, target, margin, room.bounds)
-    cells = _find_cells(values, field, counters, room)
+    _fill_frame(before, after, values, scale, room.bounds, room.frame)
+    cells = _find_cells(before, after, target, field, room)
     if cells < 0:
         return -1
-    _fill_frame(before, after, values, scale, room.bounds, room.frame)
     return _gather_cells(
-        room.cells, cells, field.base_start, field.head, field.next_in_cell, field.cell_sheets,
-        field.vertex_sheet, field.px, field.py, field.pz, field.nx, field.ny, field.nz,
-        room.stamps, room.tick[0], room.frame, after.half_widths, after.steepness,
-        before.half_widths, before.steepness, room.block, room.ids, room.nothing,
-        room.xs, room.ys, room.facing, room.found, room.share, room.cover, counters,
+        room.cells, room.inside, cells, field.base_start, field.head, field.next_in_cell,
+        field.cell_sheets, field.vertex_sheet, field.px, field.py, field.pz, field.nx, field.ny,
+        field.nz, room.stamps, room.tick[0], room.frame, after.lines, before.lines, room.block,
+        room.work, room.ids, room.xs, room.ys, room.facing, room.found, room.share,
+        room.cover, counters,
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
 def _gather_cells(
-    cells, n_cells, base_start, head, next_in_cell, cell_sheets, vertex_sheet,
-    px, py, pz, nx, ny, nz, stamps, tick, frame, widths, steepness, widths_before,
-    steepness_before, block, ids, nothing, xs, ys, facing, found_ids, share, cover, counters,
+    cells, inside, n_cells, base_start, head, next_in_cell, cell_sheets, vertex_sheet,
+    px, py, pz, nx, ny, nz, stamps, tick, frame, lines, lines_before, block, work, ids, xs,
+    ys, facing, found_ids, share, cover, counters,
 ):  # fmt: skip
     """Project and weigh the vertices of the cells, block by block; return how many are painted.
 
-    Runs of base vertices are read where they stand. Added vertices, and those of a cell with
-    several sheets, are first copied into one block that goes on over cells until it is full.
+    Vertices are copied into one block that goes on over cells until it is full: base vertices
+    run by run, added ones along their links. Runs well inside the outline need no weighing.
     """
     found = 0
     visited = 0
@@ -362,20 +416,32 @@ def _gather_cells(
         first = base_start[cell]
         last = base_start[cell + 1]
         alone = cell_sheets[cell + 1] - cell_sheets[cell] == 1
-        if alone and last - first >= _WORTH_A_RUN:
+        if alone and inside[c]:
+            found = _take_run(
+                first, last, px, py, pz, nx, ny, nz, frame, found_ids, share, cover, found
+            )
+            visited += last - first
+            first = last
+        elif alone:
             while first < last:
-                stop = min(last, first + size)
-                n = stop - first
-                _project_block(
-                    px[first:stop], py[first:stop], pz[first:stop],
-                    nx[first:stop], ny[first:stop], nz[first:stop], frame, xs, ys, facing,
-                )  # fmt: skip
-                found = _weigh_block(
-                    n, first, nothing, xs, ys, facing, frame, widths, steepness, widths_before,
-                    steepness_before, found_ids, share, cover, found,
-                )  # fmt: skip
-                visited += n
-                first = stop
+                n = min(last - first, size - filled)
+                for k in range(n):
+                    ids[filled + k] = first + k
+                    block[0, filled + k] = px[first + k]
+                    block[1, filled + k] = py[first + k]
+                    block[2, filled + k] = pz[first + k]
+                    block[3, filled + k] = nx[first + k]
+                    block[4, filled + k] = ny[first + k]
+                    block[5, filled + k] = nz[first + k]
+                first += n
+                filled += n
+                if filled == size:
+                    found = _weigh_copied(
+                        block, filled, ids, xs, ys, facing, frame, lines, lines_before, work,
+                        found_ids, share, cover, found,
+                    )  # fmt: skip
+                    visited += filled
+                    filled = 0
         v = first if first < last else head[cell]
         while v >= 0:
             if alone or stamps[vertex_sheet[v]] == tick:
@@ -391,37 +457,50 @@ def _gather_cells(
                 v = v + 1 if v + 1 < last else head[cell]
             else:
                 v = next_in_cell[v]
-            if filled == size or (v < 0 and c == n_cells - 1 and filled > 0):
-                found = _flush(
-                    block, filled, ids, xs, ys, facing, frame, widths, steepness, widths_before,
-                    steepness_before, found_ids, share, cover, found,
+            if filled == size:
+                found = _weigh_copied(
+                    block, filled, ids, xs, ys, facing, frame, lines, lines_before, work,
+                    found_ids, share, cover, found,
                 )  # fmt: skip
                 visited += filled
                 filled = 0
-    if filled > 0:
-        found = _flush(
-            block, filled, ids, xs, ys, facing, frame, widths, steepness, widths_before,
-            steepness_before, found_ids, share, cover, found,
-        )  # fmt: skip
-        visited += filled
+    found = _weigh_copied(
+        block, filled, ids, xs, ys, facing, frame, lines, lines_before, work,
+        found_ids, share, cover, found,
+    )  # fmt: skip
+    visited += filled
     counters[VISITED] += visited
     return found
 
 
 @njit(cache=True, nogil=True)
-def _flush(
-    block, n, ids, xs, ys, facing, frame, widths, steepness, widths_before, steepness_before,
-    found_ids, share, cover, found,
-):  # fmt: skip
-    """Project and weigh the copied block."""
+def _weigh_copied(
+    block, n, ids, xs, ys, facing, frame, lines, lines_before, work, found_ids, share, cover, found
+):
+    """Project and weigh vertices that were copied into one block."""
     _project_block(
         block[0, :n], block[1, :n], block[2, :n], block[3, :n], block[4, :n], block[5, :n],
         frame, xs, ys, facing,
     )  # fmt: skip
     return _weigh_block(
-        n, 0, ids, xs, ys, facing, frame, widths, steepness, widths_before, steepness_before,
-        found_ids, share, cover, found,
-    )  # fmt: skip
+        n, ids, xs, ys, facing, frame, lines, lines_before, work, found_ids, share, cover, found
+    )
+
+
+@njit(cache=True, nogil=True)
+def _take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out_cover, found):
+    """All vertices of a run that lies well inside the outline, within the sphere and facing."""
+    for v in range(first, last):
+        cosine = nx[v] * frame[3] + ny[v] * frame[4] + nz[v] * frame[5]
+        ex = px[v] - frame[0] - frame[12]
+        ey = py[v] - frame[1] - frame[13]
+        ez = pz[v] - frame[2] - frame[14]
+        out_ids[found] = v
+        out_share[found] = 1.0 / (cosine * cosine)
+        out_cover[found] = 1.0
+        if cosine >= _LEAST_FACING and ex * ex + ey * ey + ez * ez <= frame[_RADIUS2]:
+            found += 1
+    return found
 
 
 @njit(cache=True, nogil=True)
@@ -507,10 +586,13 @@ def _weighed_area(area_units, unit, ids, share, n):
 def _leave(ids, share, cover, n, part, amounts, coverage, dirty, dirty_ids, n_dirty):
     """Add every vertex's share of each pigment, and note whose colour is out of date."""
     count = n_dirty[0]
+    for p in range(part.shape[0]):
+        column = np.float32(part[p])
+        if column != 0.0:
+            for k in range(n):
+                amounts[ids[k], p] += column * share[k]
     for k in range(n):
         v = ids[k]
-        for p in range(part.shape[0]):
-            amounts[v, p] += np.float32(part[p] * share[k])
         if cover[k] > coverage[v]:
             coverage[v] = cover[k]
         if dirty[v] == 0:

@@ -20,7 +20,9 @@ class SurfaceField(NamedTuple):
     """
 
     counts: NDArray  # (2,) int64: vertices, nodes
-    numbers: NDArray  # (4,) float64: longest edge wanted, cell size, soft edge (mm), mm2 per area unit
+    numbers: (
+        NDArray  # (4,) float64: longest edge wanted, cell size, soft edge (mm), mm2 per area unit
+    )
     px: NDArray  # (cap,) float32 positions, mm
     py: NDArray
     pz: NDArray

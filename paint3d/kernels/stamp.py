@@ -68,13 +68,14 @@ class Stamp(NamedTuple):
 
     values: NDArray  # (N_VALUES,) float64
     half_widths: NDArray  # (PROFILE_CELLS + 2,) float64, mm, even steps from heel to tip
-    steepness: NDArray  # (PROFILE_CELLS + 2,) float64, 1/sqrt(1 + slope^2) in each step
+    lines: NDArray  # (PROFILE_CELLS, 3) float32: in each step half width = first + second x place
+    # (place in steps from the heel), and third = 1/sqrt(1 + slope^2), for distances to the edge
 
 
 def make_stamp() -> Stamp:
     """An empty stamp that touches nothing."""
-    size = PROFILE_CELLS + 2
-    return Stamp(np.zeros(N_VALUES), np.zeros(size), np.ones(size))
+    lines = np.zeros((PROFILE_CELLS, 3), np.float32)
+    return Stamp(np.zeros(N_VALUES), np.zeros(PROFILE_CELLS + 2), lines)
 
 
 @njit(cache=True, nogil=True)
@@ -99,9 +100,11 @@ def fill_profile(stamp, reach, half_width, n):
     stamp.half_widths[PROFILE_CELLS] = 0.0
     stamp.half_widths[PROFILE_CELLS + 1] = 0.0
     for i in range(PROFILE_CELLS):
-        slope = (stamp.half_widths[i + 1] - stamp.half_widths[i]) / step if step > 0.0 else 0.0
-        stamp.steepness[i] = 1.0 / np.sqrt(1.0 + slope * slope)
-    stamp.steepness[PROFILE_CELLS] = stamp.steepness[PROFILE_CELLS - 1]
+        rise = stamp.half_widths[i + 1] - stamp.half_widths[i]
+        slope = rise / step if step > 0.0 else 0.0
+        stamp.lines[i, 0] = stamp.half_widths[i] - i * rise
+        stamp.lines[i, 1] = rise
+        stamp.lines[i, 2] = 1.0 / np.sqrt(1.0 + slope * slope)
     for i in range(n):
         if half_width[i] > widest:
             widest = half_width[i]

@@ -145,7 +145,7 @@ def _foot_motion(a, b):
 def _copy(source, target):
     target.values[:] = source.values
     target.half_widths[:] = source.half_widths
-    target.steepness[:] = source.steepness
+    target.lines[:] = source.lines
 
 
 @njit(cache=True, nogil=True)
@@ -196,8 +196,9 @@ def paint_samples(samples, last, dragged, tuft, tree, field, ink, progress, coun
             at[1] = 1
             at[2] = _sweeps(before, after, dragged, tuft, field.numbers[0])
         while at[1] <= at[2]:
-            _interpolate(samples, i, at[1] / at[2], pose)
-            place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
+            if at[2] > 1:  # a single sweep ends where the sample is: placed above
+                _interpolate(samples, i, at[1] / at[2], pose)
+                place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
             if after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0:
                 if not sweep_deposit(before, after, tuft, field, ink, counters, room):
                     return NEEDS_ROOM

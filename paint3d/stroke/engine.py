@@ -54,11 +54,12 @@ class Room(NamedTuple):
     sheets: NDArray  # (sheets,) int32
     cell_ticks: NDArray  # (cells,) int64
     cells: NDArray  # (cells,) int32
+    inside: NDArray  # (cells,) uint8, the cell lies well inside the outline
     xs: NDArray  # (_BLOCK,) float32
     ys: NDArray  # (_BLOCK,) float32
     facing: NDArray  # (_BLOCK,) float32
+    work: NDArray  # (4, _BLOCK) float32
     ids: NDArray  # (_BLOCK,) int32
-    nothing: NDArray  # (0,) int32
     found: NDArray  # (cap,) int32
     share: NDArray  # (cap,) float32
     cover: NDArray  # (cap,) float32
@@ -125,9 +126,7 @@ class Painter:
 
     # -- painting ---------------------------------------------------------------------------
 
-    def replay(
-        self, recording: Recording, progress: Callable[[float], None] | None = None
-    ) -> None:
+    def replay(self, recording: Recording, progress: Callable[[float], None] | None = None) -> None:
         """Paint a whole recording; `progress` is called with the fraction done."""
         started = time.perf_counter()
         path = brush_poses(recording)
@@ -206,8 +205,10 @@ class Painter:
         mesh = self.surface.paint_mesh
         cap, sheets, cells = mesh.capacity, mesh.n_sheets, mesh.n_cells
         old = getattr(self, "_room", None)
-        if old is not None and len(old.found) == cap and len(old.part) == len(
-            self.surface.pigments
+        if (
+            old is not None
+            and len(old.found) == cap
+            and len(old.part) == len(self.surface.pigments)
         ):
             return old
         return Room(
@@ -225,11 +226,12 @@ class Painter:
             sheets=np.zeros(sheets, np.int32),
             cell_ticks=np.zeros(cells, np.int64),
             cells=np.zeros(cells, np.int32),
+            inside=np.zeros(cells, np.uint8),
             xs=np.zeros(_BLOCK, np.float32),
             ys=np.zeros(_BLOCK, np.float32),
             facing=np.zeros(_BLOCK, np.float32),
+            work=np.zeros((4, _BLOCK), np.float32),
             ids=np.zeros(_BLOCK, np.int32),
-            nothing=np.zeros(0, np.int32),
             found=np.zeros(cap, np.int32),
             share=np.zeros(cap, np.float32),
             cover=np.zeros(cap, np.float32),
