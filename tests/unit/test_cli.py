@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 import os
 import sys
 from pathlib import Path
 
 import pytest
 
-from paint3d.cli import first_run, main, options, progress, replay, report, versions
+from paint3d.bench import registry
+from paint3d.bench.result import Check, Result
+from paint3d.cli import bench, first_run, main, options, progress, replay, report, versions
 from paint3d.errors import ExportError, MeshError
 
 SUFFIXES = (".ply", ".p3d.txt")
@@ -185,3 +188,40 @@ def test_report_survives_what_is_missing() -> None:
     assert report._ask("import nothing_of_this_name").startswith("unknown (ModuleNotFoundError")
     assert report._ask("import os; os._exit(3)") == "unknown (exit status 3)"
     assert report._ask("print('llvmpipe')") == "llvmpipe"
+
+
+def test_a_benchmark_is_shown_as_a_table_with_its_bounds() -> None:
+    checks = [Check("ratio", 1.25, 1.3), Check("speed", 2.0, 10.0, at_most=False, unit="M/s")]
+    rows = [["grid", 4_000_000, 12.3456], ["sphere", None, 98765.4]]
+    result = Result("Cost", ["mesh", "vertices", "us"], rows, checks, ["one core"])
+    assert bench.format_result(result) == [
+        "Cost",
+        "    mesh   vertices      us",
+        "    grid  4,000,000   12.35",
+        "  sphere          -  98,765",
+        "  kept    ratio: 1.25 (wanted <= 1.3)",
+        "  MISSED  speed: 2 (wanted >= 10) M/s",
+        "  one core",
+    ]
+
+
+def test_benchmarks_are_checked_before_any_runs(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr(registry, "run_benchmark", lambda name: pytest.fail(f"ran {name}"))
+    assert main.main(["bench", "scaling", "scalling"]) == 2
+    assert "did you mean 'scaling'?" in capsys.readouterr().err
+    assert main.main(["bench", "scaling", "--json", str(tmp_path / "a.txt")]) == 2
+    assert "expected a name ending in .json" in capsys.readouterr().err
+
+
+def test_benchmarks_are_written_as_json(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    result = Result("Cost", ["us"], [[1.5]])
+    monkeypatch.setattr(registry, "run_benchmark", lambda _: result)
+    assert main.main(["bench", "scaling", "--json", str(tmp_path / "a.json"), "--quiet"]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == "Cost"
+    told = json.loads((tmp_path / "a.json").read_text())
+    assert told["benchmarks"]["scaling"]["rows"] == [[1.5]]
+    assert told["versions"]["numpy"]
