@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,6 +44,8 @@ def lay_on(
                 "--at and --size lay a pad's recording; this one has its own place in the world"
             )
         return recording
+    import numpy as np
+
     from paint3d.mesh.chart import make_chart
     from paint3d.mesh.closest import ClosestPoints
     from paint3d.mesh.placement import place as find_place

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 import sys
-from importlib.metadata import PackageNotFoundError, version
 
 __all__ = ["find_versions"]
 
@@ -25,6 +24,8 @@ _PACKAGES = (
 
 def find_versions() -> dict[str, str]:
     """Versions by name; a package that is absent is listed as ``not installed``."""
+    from importlib.metadata import PackageNotFoundError, version
+
     found = {"python": sys.version.split()[0], "system": platform.platform()}
     for package in _PACKAGES:
         try:
