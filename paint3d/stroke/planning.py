@@ -24,6 +24,14 @@ from scipy.ndimage import (
 
 from paint3d.errors import InputError
 from paint3d.kernels import planning as kernels
+from paint3d.stroke.centre_line import (
+    CentreLine,
+    OutlineField,
+    bend_towards,
+    centre_line,
+    outline_field,
+    smoothed,
+)
 from paint3d.stroke.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.stroke.ladder import FootprintLadder
 
@@ -152,18 +160,19 @@ def plan_stroke(
         If no footprint of the brush fits anywhere.
     """
     settings = settings or PlanSettings()
-    field, grid = _distance_field(outline, em_mm / 512)
-    if field.max() <= 0.0:
-        raise InputError(f"{name} is finer than {grid[2]:g} mm; expected an outline to fill")
-    line = _centre_line(median, field, grid, settings.sample_step * em_mm)
-    plan = _Plan(field, grid, ladder, settings, em_mm)
+    field = outline_field(outline, em_mm / 512)
+    step = field.grid[2]
+    if not field.inside.any():
+        raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
+    line = centre_line(median, field, settings.sample_step * em_mm)
+    plan = _Plan(field, ladder, settings, em_mm)
     best, bare = plan.follow(line)
     tried = np.zeros_like(bare)
     for _ in range(settings.detours):
-        corner, tried = _largest_corner(bare & ~tried, tried, line.width / grid[2])
+        corner, tried = _largest_corner(bare & ~tried, tried, line.width / step)
         if corner is None:
             break
-        detour = _detour(line, grid[:2] + grid[2] * corner, field, grid)
+        detour = bend_towards(line, field.grid[:2] + step * corner, field)
         course, left = plan.follow(detour)
         if left.sum() < bare.sum() * (1.0 - settings.worth):
             line, best, bare = detour, course, left
@@ -176,32 +185,33 @@ def plan_stroke(
 class _Plan:
     """What stays the same while one stroke's course is improved."""
 
-    field: NDArray
-    grid: NDArray
+    field: OutlineField
     ladder: FootprintLadder
     settings: PlanSettings
     em_mm: float
 
-    def follow(self, line: _Line) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
+    def follow(self, line: CentreLine) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
         """Return the course along a line (None: nothing fits), and what it leaves bare."""
         azimuth, shift = _choose_course(line, self)
         centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
         level = np.empty(len(centre))
         margin = self.settings.margin * self.em_mm
         kernels.fit_levels(
-            self.ladder.points, self.field, self.grid, centre, azimuth, margin, level
+            self.ladder.points, self.field.distance, self.field.grid, centre, azimuth, margin, level
         )
         touching = np.flatnonzero(level >= 0.0)
         if len(touching) < 2:
-            return None, self.field > 0.0
+            return None, self.field.inside
         kept = slice(touching[0], touching[-1] + 1)
         centre, azimuth, level = centre[kept], azimuth[kept], _calm(level[kept])
-        painted = np.zeros(self.field.shape, np.bool_)
-        kernels.cover(self.ladder.points, level, centre, azimuth, *self.grid, painted)
-        return _course(centre, azimuth, level, self.ladder), (self.field > 0.0) & ~painted
+        painted = np.zeros(self.field.distance.shape, np.bool_)
+        kernels.cover(self.ladder.points, level, centre, azimuth, *self.field.grid, painted)
+        return _course(centre, azimuth, level, self.ladder), self.field.inside & ~painted
 
 
-def _largest_corner(bare: NDArray, tried: NDArray, width: float):
+def _largest_corner(
+    bare: NDArray, tried: NDArray, width: float
+) -> tuple[NDArray | None, NDArray[np.bool_]]:
     """Return the outermost pixel (x, y) of the largest bare patch, or None, and what was tried.
 
     A patch counts where a disc of an eighth of the stroke's width (in pixels) would fit in.
@@ -220,115 +230,14 @@ def _largest_corner(bare: NDArray, tried: NDArray, width: float):
     return np.array([column, row], np.float64), tried | patch
 
 
-def _detour(line: _Line, corner: NDArray, field: NDArray, grid: NDArray) -> _Line:
-    """Bend the line out towards a corner that it leaves bare."""
-    apart = np.linalg.norm(line.points - corner, axis=1)
-    nearest = int(np.argmin(apart))
-    along = (np.arange(len(apart)) - nearest) * line.step / line.width
-    bump = np.exp(-0.5 * (along / 0.3) ** 2)[:, None]
-    points = line.points + bump * (corner - line.points[nearest])
-    return _measured(_resample(points, line.step), line.width, field, grid)
-
-
-def _distance_field(outline: NDArray, step: float) -> tuple[NDArray, NDArray]:
-    low = outline.min(axis=0) - 4 * step
-    shape = np.ceil((outline.max(axis=0) + 4 * step - low) / step).astype(int) + 1
-    field = np.empty((shape[1], shape[0]))
-    kernels.signed_distances(np.ascontiguousarray(outline), low[0], low[1], step, field)
-    return field, np.array([low[0], low[1], step])
-
-
-@dataclass(frozen=True, eq=False)
-class _Line:
-    """The centre line as samples at an even distance, with the outline to both sides."""
-
-    points: NDArray  # (S, 2) mm
-    headings: NDArray  # (S,) rad
-    room: NDArray  # (S, 2) mm to the left and right outline
-    width: float  # of the stroke, mm
-    step: float  # mm
-
-    @property
-    def normals(self) -> NDArray:
-        return np.stack([-np.sin(self.headings), np.cos(self.headings)], axis=1)
-
-
-def _resample(points: NDArray, step: float) -> NDArray:
-    length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
-    n = max(4, math.ceil(length[-1] / step))
-    at = np.linspace(0.0, length[-1], n + 1)
-    return np.stack([np.interp(at, length, points[:, k]) for k in range(2)], axis=1)
-
-
-def _smooth(points: NDArray, sigma: float) -> NDArray:
-    """Gaussian smoothing of a line that keeps both its ends."""
-    sigma = max(sigma, 0.3)
-    n = len(points)
-    reach = min(n - 1, math.ceil(4 * sigma))
-    head = 2 * points[0] - points[reach:0:-1]
-    tail = 2 * points[-1] - points[-2 : -reach - 2 : -1]
-    padded = np.concatenate([head, points, tail])
-    return gaussian_filter1d(padded, sigma, axis=0, truncate=4.0)[reach : reach + n]
-
-
-def _headings(points: NDArray) -> NDArray:
-    ahead = np.gradient(points, axis=0)
-    return np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
-
-
-def _room(points: NDArray, headings: NDArray, field: NDArray, grid: NDArray, limit: float):
-    normals = np.stack([-np.sin(headings), np.cos(headings)], axis=1)
-    left, right = np.empty(len(points)), np.empty(len(points))
-    kernels.measure_room(field, grid, points, normals, limit, left)
-    kernels.measure_room(field, grid, points, -normals, limit, right)
-    return np.stack([left, right], axis=1)
-
-
-def _centre_line(median: NDArray, field: NDArray, grid: NDArray, step: float) -> _Line:
-    """Smooth the median, extend it to the outline's ends, and move it to the middle."""
-    points = _resample(median, step)
-    headings = _headings(points)
-    wide = field.max()
-    width = float(np.median(_room(points, headings, field, grid, 2.0 * wide).sum(axis=1)))
-    sigma = 0.25 * width / step
-    points = _smooth(points, sigma)
-    points = _resample(_extend(points, field, grid, width), step)
-    for _ in range(2):
-        headings = _headings(points)
-        room = _room(points, headings, field, grid, width)
-        inner = np.minimum(room.min(axis=1), 0.3 * width)
-        move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
-        normals = np.stack([-np.sin(headings), np.cos(headings)], axis=1)
-        points = _resample(_smooth(points + move[:, None] * normals, sigma), step)
-    return _measured(points, width, field, grid)
-
-
-def _measured(points: NDArray, width: float, field: NDArray, grid: NDArray) -> _Line:
-    headings = _headings(points)
-    room = _room(points, headings, field, grid, 1.5 * width)
-    step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
-    return _Line(points, headings, room, width, step)
-
-
-def _extend(points: NDArray, field: NDArray, grid: NDArray, width: float) -> NDArray:
-    """Go on straight from both ends until the outline is reached."""
-    k = min(len(points) - 1, 6)
-    ways = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    run = np.empty(2)
-    kernels.measure_room(field, grid, points[[0, -1]].copy(), ways, width, run)
-    ends = points[[0, -1]] + run[:, None] * ways
-    return np.concatenate([ends[:1], points, ends[1:]])
-
-
-def _choose_course(line: _Line, plan: _Plan) -> tuple[NDArray, NDArray]:
+def _choose_course(line: CentreLine, plan: _Plan) -> tuple[NDArray, NDArray]:
     """Return the azimuth (rad) and the side step (mm) for every sample of the line."""
     settings, ladder = plan.settings, plan.ladder
     n, shifts = settings.n_directions, np.array(settings.shifts)
     gap = np.empty((len(line.points), n, len(shifts)))
     kernels.rate(
-        ladder.points, ladder.support, plan.field, plan.grid, line.points, line.headings,
-        line.room, shifts, settings.margin * plan.em_mm, gap,
+        ladder.points, ladder.support, plan.field.distance, plan.field.grid, line.points,
+        line.headings, line.room, shifts, settings.margin * plan.em_mm, gap,
     )  # fmt: skip
     directions = 2.0 * np.pi * np.arange(n) / n
     leading = 0.5 + 0.5 * np.cos(directions[None, :] - line.headings[:, None])
@@ -342,17 +251,17 @@ def _choose_course(line: _Line, plan: _Plan) -> tuple[NDArray, NDArray]:
 
 
 def _smooth_course(
-    line: _Line, azimuth: NDArray, shift: NDArray, step: float
+    line: CentreLine, azimuth: NDArray, shift: NDArray, step: float
 ) -> tuple[NDArray, NDArray]:
     """Interpolate the chosen course at the final step: centres (N, 2) and azimuths (N,)."""
     sigma = 0.2 * line.width / line.step
-    azimuth = _smooth(azimuth[:, None], sigma)[:, 0]
-    centre = line.points + _smooth(shift[:, None], sigma) * line.normals
+    azimuth = smoothed(azimuth[:, None], sigma)[:, 0]
+    centre = line.points + smoothed(shift[:, None], sigma) * line.normals
     way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centre, axis=0), axis=1))]
     at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
     dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
     sigma = line.step / step
-    smooth = _smooth(np.stack(dense, axis=1), sigma)
+    smooth = smoothed(np.stack(dense, axis=1), sigma)
     return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
 
 

@@ -148,6 +148,14 @@ def test_outline_without_an_inside_is_refused():
         plan_stroke(outline, median, EM, ladder(), name="stroke 3")
 
 
+@pytest.mark.parametrize(
+    ("median", "words"), [([[1, 1], [2, 1]], "outside the outline"), ([[10, 10]] * 2, "no length")]
+)
+def test_bad_medians_are_refused(median, words):
+    with pytest.raises(InputError, match=words):
+        plan_stroke(band(0.0, 12.0, 1.4)[0], np.array(median, float), EM, ladder())
+
+
 def test_paper_frame_puts_the_em_square_at_the_origin():
     corners = on_paper([[0.0, -124.0], [1024.0, 900.0]], 10.0)
     assert np.allclose(corners, [[0.0, 0.0], [10.0, 10.0]])
