@@ -1,0 +1,5 @@
+"""How fast the program is on this machine: tables, and ratios measured within one run.
+
+`paint3d.bench.registry` lists the benchmarks. Machines are shared and noisy, so every figure is
+the best of several rounds, competitors take turns, and CPU time stands beside wall time.
+"""

@@ -1,0 +1,128 @@
+"""One dab of a brush on a mesh that is as fine as the colours want it.
+
+A dab is everything: contact, plane, outline, projection, ink, and the colours brought up to date
+30 times a second of the stroke's own time. What pen-down costs is the time of a stroke of two dabs
+less its dabs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from paint3d.bench.live import LiveTimes, frames_of, play
+from paint3d.bench.result import Check, Result
+from paint3d.bench.strokes import (
+    Dab,
+    figure_for,
+    first_samples,
+    make_dab,
+    make_grid,
+    record_dabs,
+)
+from paint3d.stroke.engine import Painter
+from paint3d.stroke.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["DabTimes", "measure", "time_dabs"]
+
+_DABS = 1020
+_SHORT = 2  # dabs of the stroke that tells the cost of pen-down
+_ROUNDS = 5
+_COVERS = (2_000, 20_000)
+_MOST_PEN_DOWN_MS = 1.0
+
+
+@dataclass(frozen=True)
+class DabTimes:
+    """What dabs cost on one surface.
+
+    Attributes
+    ----------
+    wall_ms, cpu_ms : float
+        A dab.
+    colour_ms : float
+        Of it, the colours (wall).
+    pen_down_ms : float
+        A stroke without its dabs (wall).
+    visited, painted : float
+        Vertices a dab.
+    changed : int
+        Vertices that carry paint at the end.
+    """
+
+    wall_ms: float
+    cpu_ms: float
+    colour_ms: float
+    pen_down_ms: float
+    visited: float
+    painted: float
+    changed: int
+
+
+def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: int) -> DabTimes:
+    """Paint a stroke of one dab a sample some times over; the cost of a dab and of pen-down."""
+    painter = Painter(surface, brush=dab.brush)
+    n = len(recording)
+    short = _SHORT
+    strokes = {n: frames_of(recording), short: frames_of(first_samples(recording, short))}
+    for frames in strokes.values():
+        play(painter, frames)  # compiles, and brings the first pages in
+    before = painter.report()
+    best: dict[int, LiveTimes] = {}
+    for _ in range(rounds):
+        for size, frames in strokes.items():
+            found = play(painter, frames)
+            best[size] = best[size].best(found) if size in best else found
+    after = painter.report()
+    steps = rounds * (n + short)
+
+    def slope(seconds: str, part: str) -> float:
+        long_, short_ = (getattr(getattr(best[size], part), seconds) for size in (n, short))
+        return 1e3 * (long_ - short_) / (n - short)
+
+    wall = slope("wall_s", "whole")
+    return DabTimes(
+        wall_ms=wall,
+        cpu_ms=slope("cpu_s", "whole"),
+        colour_ms=slope("wall_s", "colour"),
+        pen_down_ms=1e3 * best[short].whole.wall_s - short * wall,
+        visited=(after["vertices_visited"] - before["vertices_visited"]) / steps,
+        painted=(after["deposits"] - before["deposits"]) / steps,
+        changed=int(np.count_nonzero(surface.coverage)),
+    )
+
+
+def measure(share: float = 1.0) -> Result:
+    """Dabs over 2,000 and 20,000 of a million vertices, and pen-down at one and four million."""
+    dab = make_dab()
+    rows, checks = [], []
+    for n_vertices, covers in ((1_000_000, _COVERS), (4_000_000, _COVERS[:1])):
+        for cover in covers:
+            n, under = max(400, int(n_vertices * share)), max(12, int(cover * share))
+            mesh = make_grid(n, (dab.footprint.area / under) ** 0.5)
+            centres = figure_for(mesh, dab.radius, max(40, int(_DABS * share)))
+            surface = PaintedSurface(mesh, resolution=None)
+            times = time_dabs(surface, dab, record_dabs(dab, centres), _ROUNDS)
+            rows.append(
+                [surface.n_vertices, under, times.wall_ms, times.cpu_ms, times.colour_ms,
+                 1e6 * times.cpu_ms / max(1.0, times.visited), times.visited, times.painted,
+                 times.pen_down_ms]
+            )  # fmt: skip
+            checks.append(
+                Check(
+                    f"pen-down at {surface.n_vertices:,} vertices, {under:,} under the brush",
+                    times.pen_down_ms,
+                    _MOST_PEN_DOWN_MS,
+                    unit="ms",
+                )
+            )
+    return Result(
+        "A whole dab on one core, colours included",
+        ["vertices", "under brush", "ms/dab", "CPU ms/dab", "colours ms", "CPU ns/visited",
+         "visited/dab", "painted/dab", "pen-down ms"],
+        rows,
+        checks,
+        ["tests/benchmarks/peer_dabs.py runs the same dabs beside another program."],
+    )  # fmt: skip

@@ -1,0 +1,56 @@
+"""The benchmarks by name; each is loaded when it runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import import_module
+
+from paint3d.bench.result import Result
+from paint3d.bench.stopwatch import load_average
+from paint3d.errors import InputError, UnknownNameError
+
+__all__ = ["BENCHMARKS", "run_benchmark"]
+
+BENCHMARKS: dict[str, tuple[str, str]] = {
+    "replay": ("replaying.measure", "the demo on a bowl of a million vertices, against the hand"),
+    "scaling": ("scaling.measure", "a footprint's cost at 100 thousand to 4 million vertices"),
+    "dab": ("dabs.measure", "a whole dab over 2,000 and 20,000 vertices, and pen-down"),
+    "kernel": ("gathering.measure", "gather, project, deposit against SciPy and NumPy"),
+    "memory": ("processes.measure_memory", "memory of a painting on 4 million vertices"),
+    "import": ("processes.measure_import", "starting, in a new process"),
+    "colours": ("colouring.measure", "vertex colours a second"),
+}
+"""Name: (where its function is, what it measures)."""
+
+
+def run_benchmark(name: str, share: float = 1.0) -> Result:
+    """Run one benchmark.
+
+    Parameters
+    ----------
+    name : str
+        A key of `BENCHMARKS`.
+    share : float
+        Of the full size, above 0 and at most 1; bounds are meant for the full size.
+
+    Raises
+    ------
+    UnknownNameError
+        For a name that is not a benchmark's.
+    InputError
+        For a share out of range.
+    Paint3DError
+        If a process that a benchmark starts fails.
+    """
+    if name not in BENCHMARKS:
+        raise UnknownNameError("benchmark", name, BENCHMARKS)
+    if not 0.0 < share <= 1.0:
+        raise InputError(f"share is {share:g}; expected above 0, and at most 1")
+    module, function = BENCHMARKS[name][0].split(".")
+    measure: Callable[[float], Result] = getattr(import_module(f"paint3d.bench.{module}"), function)
+    before = load_average()
+    result = measure(share)
+    load = f"Load average {before} before, {load_average()} after, on {os.cpu_count()} cores."
+    return replace(result, notes=[*result.notes, load])

@@ -1,0 +1,90 @@
+"""What a benchmark found: a table, and figures held against what is wanted of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from paint3d.errors import InputError
+
+__all__ = ["Check", "Result"]
+
+Cell = str | int | float | None
+
+
+@dataclass(frozen=True)
+class Check:
+    """One figure and the bound it should keep.
+
+    Attributes
+    ----------
+    name : str
+    value : float
+    bound : float
+    at_most : bool
+        True if the value should not exceed the bound, False if it should reach it.
+    unit : str
+    """
+
+    name: str
+    value: float
+    bound: float
+    at_most: bool = True
+    unit: str = ""
+
+    @property
+    def kept(self) -> bool:
+        """Whether the figure is as wanted."""
+        return self.value <= self.bound if self.at_most else self.value >= self.bound
+
+
+@dataclass(frozen=True)
+class Result:
+    """A table and its checks.
+
+    Attributes
+    ----------
+    title : str
+    columns : sequence of str
+        With their units.
+    rows : sequence of sequences
+        One cell a column.
+    checks : sequence of Check
+    notes : sequence of str
+        What a reader must know to judge the figures.
+
+    Raises
+    ------
+    InputError
+        If a row is not as long as the columns.
+    """
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    checks: Sequence[Check] = ()
+    notes: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.columns):
+                raise InputError(f"a row has {len(row)} cells; expected {len(self.columns)}")
+
+    def as_dict(self) -> dict:
+        """Everything, ready for JSON."""
+        return {
+            "title": self.title,
+            "columns": list(self.columns),
+            "rows": [list(row) for row in self.rows],
+            "checks": [
+                {
+                    "name": check.name,
+                    "value": check.value,
+                    "wanted": f"{'<=' if check.at_most else '>='} {check.bound:g}",
+                    "unit": check.unit,
+                    "kept": check.kept,
+                }
+                for check in self.checks
+            ],
+            "notes": list(self.notes),
+        }

@@ -1,0 +1,59 @@
+"""Whether a footprint costs more on a larger object.
+
+The same footprint over the same number of vertices, along the same figure at the same steps, on
+grids of 100 thousand, 1 million and 4 million vertices. Only the object grows.
+"""
+
+from __future__ import annotations
+
+from paint3d.bench.live import LiveTimes, frames_of, play
+from paint3d.bench.result import Check, Result
+from paint3d.bench.strokes import figure_for, make_dab, make_grid, record_dabs
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["measure"]
+
+_SIZES = (100_000, 1_000_000, 4_000_000)
+_COVER = 2_000
+_DABS = 1020  # at a million vertices
+_ROUNDS = 7
+_MOST = 1.3
+
+
+def measure(share: float = 1.0) -> Result:
+    """Cost a footprint on the three grids; they take turns."""
+    dab = make_dab()
+    under = max(12, int(_COVER * share))
+    spacing = (dab.footprint.area / under) ** 0.5
+    painters, strokes = [], []
+    for size in _SIZES:
+        mesh = make_grid(max(400, int(size * share)), spacing)
+        n_dabs = max(20, int(_DABS * (size * share / 1e6) ** 0.5))
+        painters.append(Painter(PaintedSurface(mesh, resolution=None), brush=dab.brush))
+        strokes.append(frames_of(record_dabs(dab, figure_for(mesh, dab.radius, n_dabs))))
+    best: list[LiveTimes | None] = [None] * len(_SIZES)
+    for _ in range(_ROUNDS + 1):
+        for i, (painter, frames) in enumerate(zip(painters, strokes, strict=True)):
+            found = play(painter, frames)
+            best[i] = found if best[i] is None else found.best(best[i])
+    rows = []
+    for painter, found in zip(painters, best, strict=True):
+        counts = painter.report()
+        each = counts["footprints"] / (_ROUNDS + 1)
+        rows.append(
+            [painter.surface.n_vertices, each, counts["vertices_visited"] / counts["footprints"],
+             1e6 * found.whole.wall_s / each, 1e6 * found.whole.cpu_s / each]
+        )  # fmt: skip
+    for row in rows:
+        row.append(row[4] / rows[0][4])
+    names = [f"{row[0]:,}" for row in rows]
+    return Result(
+        "Cost of a footprint as the object grows",
+        ["vertices", "footprints", "visited/footprint", "us", "CPU us", "CPU ratio"],
+        rows,
+        [
+            Check(f"cost at {names[i]} over {names[0]} vertices", rows[i][5], _MOST)
+            for i in range(1, len(rows))
+        ],
+    )

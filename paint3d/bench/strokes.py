@@ -1,0 +1,155 @@
+"""Meshes and strokes to measure on: square grids, and dabs along a Lissajous figure.
+
+The figure is the one that painting programs are compared on: 3 to 2, all over a square grid, one
+dab every 5 ms. Footprints are brought to size by the spacing of the mesh, never by the brush: what
+runs is a brush as it ships, upright and fully pressed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.device.recorded import Recording
+from paint3d.footprint.outline import Footprint, make_footprint
+from paint3d.frames import quaternions_from_matrices
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = [
+    "DAB_S",
+    "Dab",
+    "figure_for",
+    "first_samples",
+    "lissajous",
+    "make_dab",
+    "make_grid",
+    "record_dabs",
+]
+
+DAB_S = 0.005
+"""Time from one dab to the next, s."""
+_MARGIN = 1.05  # of the footprint's radius: what the figure keeps from the border of the mesh
+
+
+@dataclass(frozen=True)
+class Dab:
+    """A brush standing upright on a plane, and the footprint it leaves."""
+
+    brush: BrushSpec
+    pressure: float
+    footprint: Footprint
+
+    @property
+    def radius(self) -> float:
+        """Of the disc of the same area, mm."""
+        return math.sqrt(self.footprint.area / math.pi)
+
+    @property
+    def middle(self) -> float:
+        """How far along the bend the footprint's middle lies from the pen, mm."""
+        return 0.5 * float(self.footprint.reach[0] + self.footprint.reach[-1])
+
+    @property
+    def root_height(self) -> float:
+        """Of the tuft's root over the plane, mm."""
+        return self.brush.length_mm - self.pressure * self.brush.full_press_mm
+
+
+def make_dab(brush: str = "full", pressure: float = 1.0) -> Dab:
+    """The dab of a brush as it ships.
+
+    Raises
+    ------
+    UnknownNameError, BrushError
+        For a brush that is not known, or a pressure that leaves no footprint.
+    """
+    spec = load_brush(brush)
+    footprint = make_footprint(build_tuft(spec), pressure * spec.full_press_mm, 0.5 * math.pi)
+    return Dab(spec, pressure, footprint)
+
+
+def make_grid(n_vertices: int, spacing: float) -> TriangleMesh:
+    """A square of about so many vertices in z = 0, centred on the origin, facing +z.
+
+    Parameters
+    ----------
+    n_vertices : int
+        At least 4; the next square number is taken.
+    spacing : float
+        Between neighbours, mm.
+    """
+    side = math.ceil(math.sqrt(n_vertices))
+    line = (np.arange(side) - 0.5 * (side - 1)) * spacing
+    y, x = (axis.ravel() for axis in np.meshgrid(line, line, indexing="ij"))
+    ids = np.arange(side * side, dtype=np.int32).reshape(side, side)
+    a, b, c, d = (
+        ids[rows, columns].ravel()
+        for rows, columns in (
+            (slice(None, -1), slice(None, -1)),
+            (slice(None, -1), slice(1, None)),
+            (slice(1, None), slice(1, None)),
+            (slice(1, None), slice(None, -1)),
+        )
+    )
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return TriangleMesh(np.stack([x, y, np.zeros_like(x)], axis=1), faces, name="grid")
+
+
+def lissajous(n_dabs: int, half_width: float) -> NDArray:
+    """Dab centres (N, 2) on the 3 to 2 figure that reaches `half_width` (mm) from the middle."""
+    turn = np.linspace(0.0, 2.0 * math.pi, n_dabs, endpoint=False)
+    return half_width * np.stack([np.sin(3.0 * turn + 0.3), np.sin(2.0 * turn)], axis=1)
+
+
+def figure_for(mesh: TriangleMesh, radius: float, n_dabs: int) -> NDArray:
+    """Dab centres (N, 3), mm, all over a square in the xy plane that is centred on the origin."""
+    half_width = float(mesh.bounds[1, 0]) - _MARGIN * radius
+    return np.column_stack([lissajous(n_dabs, half_width), np.zeros(n_dabs)])
+
+
+def record_dabs(dab: Dab, centres: ArrayLike, normal: ArrayLike = (0.0, 0.0, 1.0)) -> Recording:
+    """One stroke with one sample a dab, `DAB_S` apart.
+
+    Parameters
+    ----------
+    dab : Dab
+    centres : (N, 3) array_like
+        Where the middles of the footprints come to lie, mm.
+    normal : (3,) array_like
+        Of the plane they lie in. The tuft bends along the x axis laid into it (or along y or z
+        where that is farther from the normal).
+    """
+    points = np.asarray(centres, dtype=np.float64)
+    up = np.asarray(normal, dtype=np.float64) / np.linalg.norm(normal)
+    axis = np.eye(3)[np.argmin(np.abs(up))]
+    along = axis - (axis @ up) * up
+    along /= np.linalg.norm(along)
+    turn = quaternions_from_matrices(np.stack([along, np.cross(up, along), up], axis=1))
+    n = len(points)
+    return Recording(
+        time_ns=(np.arange(n) * round(DAB_S * 1e9)).astype(np.int64),
+        position=points + dab.root_height * up - dab.middle * along,
+        orientation=np.tile(turn, (n, 1)),
+        pressure=np.full(n, dab.pressure),
+    )
+
+
+def first_samples(recording: Recording, n: int) -> Recording:
+    """The recording as it was after `n` samples."""
+    pressure = recording.pressure
+    return Recording(
+        time_ns=recording.time_ns[:n],
+        position=recording.position[:n],
+        orientation=recording.orientation[:n],
+        pressure=None if pressure is None else pressure[:n],
+        buttons=recording.buttons[:n],
+        object_position=recording.object_position[:n],
+        object_orientation=recording.object_orientation[:n],
+        header=recording.header,
+    )
