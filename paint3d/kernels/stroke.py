@@ -37,6 +37,7 @@ NEEDS_ROOM = 1
 
 _FINEST_STEP = 0.35  # of the paint's resolution: the shortest sweep
 _STEP_SHARE = 0.25  # of the footprint's smaller extent: the longest sweep
+_BOW = 0.025  # of the paint's resolution: how far a sweep's chord may leave the path
 _MOST_STEPS = 4096  # sweeps between two samples
 _DRAG_STEPS = 40.0  # per length of slack
 
@@ -115,7 +116,18 @@ def _pressure(samples, i, t):
 
 
 @njit(cache=True, nogil=True)
-def _sweeps(before, after, dragged, tuft, resolution):
+def _bow(samples, i, pose):
+    """How far the path leaves its chord half-way between samples i and i + 1 (mm)."""
+    _interpolate(samples, i, 0.5, pose)
+    d2 = 0.0
+    for axis in range(3):
+        chord = 0.5 * (samples.position[i, axis] + samples.position[i + 1, axis])
+        d2 += (pose[axis] - chord) ** 2
+    return np.sqrt(d2)
+
+
+@njit(cache=True, nogil=True)
+def _sweeps(before, after, bow, dragged, tuft, resolution):
     """How many sweeps the way between two stamps is cut into."""
     a = before.values
     b = after.values
@@ -126,7 +138,7 @@ def _sweeps(before, after, dragged, tuft, resolution):
         else:
             extent = 0.0
     step = max(_FINEST_STEP * resolution, _STEP_SHARE * extent)
-    n = outline_motion(before, after) / step
+    n = max(outline_motion(before, after) / step, np.sqrt(bow / (_BOW * resolution)))
     if dragged:
         slack = drag_length(b[st.DESCENT], tuft.length, tuft.drag_fraction)
         n = max(n, _foot_motion(a, b) * _DRAG_STEPS / max(slack, resolution))
@@ -194,7 +206,8 @@ def paint_samples(samples, last, dragged, tuft, tree, field, ink, progress, coun
             _interpolate(samples, i, 1.0, pose)
             place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
             at[1] = 1
-            at[2] = _sweeps(before, after, dragged, tuft, field.numbers[0])
+            bow = _bow(samples, i, pose)
+            at[2] = _sweeps(before, after, bow, dragged, tuft, field.numbers[0])
         while at[1] <= at[2]:
             if at[2] > 1:  # a single sweep ends where the sample is: placed above
                 _interpolate(samples, i, at[1] / at[2], pose)
