@@ -26,7 +26,10 @@ _LEAST_TIMES_FASTER = 10.0
 
 
 def refined_surface(mesh: TriangleMesh, n_vertices: int) -> PaintedSurface:
-    """A surface refined all over to at least so many vertices, and not many more."""
+    """A surface refined all over to at least so many vertices.
+
+    Not many more on an uneven mesh; on an even one all triangles are halved together.
+    """
     resolution = _COARSE_MM
     while True:
         surface = PaintedSurface(mesh, resolution=resolution)

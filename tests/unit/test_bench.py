@@ -15,10 +15,12 @@ from paint3d.bench.dabs import time_dabs
 from paint3d.bench.live import FRAME_HZ, frames_of, play
 from paint3d.bench.plain import PlainSurface
 from paint3d.bench.registry import BENCHMARKS, run_benchmark
+from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Result
 from paint3d.bench.stopwatch import Times, best_of
 from paint3d.bench.strokes import figure_for, first_samples, make_dab, make_grid, record_dabs
 from paint3d.errors import InputError, UnknownNameError
+from paint3d.files.load import load_mesh
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -116,6 +118,14 @@ def test_the_competitor_paints_the_same_vertices() -> None:
     assert seen > theirs.sum()
     assert plain.amounts @ plain.areas == pytest.approx(5.0, rel=1e-4)
     assert (plain.dirty == (plain.coverage > 0)).all()
+
+
+def test_a_refined_surface_has_the_vertices_asked_for_and_every_edge_fine() -> None:
+    surface = refined_surface(load_mesh("sphere"), 30_000)
+    assert 30_000 <= surface.n_vertices < 4 * 30_000
+    corners = surface.paint_mesh.vertices[surface.paint_mesh.leaf_faces()].astype(float)
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert edges.max() <= surface.resolution * 1.0001
 
 
 def test_dabs_are_counted_per_dab() -> None:
