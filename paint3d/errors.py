@@ -1,7 +1,7 @@
 """Every exception that paint3d raises on purpose.
 
     Paint3DError                 catch this to catch them all
-    |-- InputError               something handed in is wrong: says what, where, and what was expected
+    |-- InputError               something handed in is wrong: what, where, what was expected
     |   |-- MeshError            a mesh file or mesh arrays
     |   |-- RecordingError       a recording
     |   |-- PigmentError         a pigment, ink or material table

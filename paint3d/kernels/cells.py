@@ -445,15 +445,13 @@ def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
         Number of sheets in the patch.
     """
     return _flood(
-        field.sheet_links, field.linked_sheet, field.sheet_cell, field.cell_place, field.origin,
+        field.sheet_links, field.linked_sheet, field.sheet_place, field.origin,
         field.numbers[1], start, x, y, z, radius, stamps, tick, sheets,
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
-def _flood(
-    links, linked, sheet_cell, places, origin, size, start, x, y, z, radius, stamps, tick, sheets
-):
+def _flood(links, linked, places, origin, size, start, x, y, z, radius, stamps, tick, sheets):
     r2 = (radius / size) ** 2
     px = (x - origin[0]) / size
     py = (y - origin[1]) / size
@@ -469,10 +467,9 @@ def _flood(
             other = linked[link]
             if stamps[other] == tick:
                 continue
-            cell = sheet_cell[other]
-            i = float(places[cell, 0])
-            j = float(places[cell, 1])
-            k = float(places[cell, 2])
+            i = float(places[other, 0])
+            j = float(places[other, 1])
+            k = float(places[other, 2])
             dx = max(0.0, max(i - px, px - i - 1.0))
             dy = max(0.0, max(j - py, py - j - 1.0))
             dz = max(0.0, max(k - pz, pz - k - 1.0))

@@ -29,46 +29,50 @@ class ContactTree(NamedTuple):
     """A box tree over the base triangles, as plain arrays for kernels."""
 
     order: NDArray  # (T,) int32, triangles in Morton order
-    low: NDArray  # (2 L, 3) float32, heap order
-    high: NDArray  # (2 L, 3) float32
-    triangles: NDArray  # (T, 3) int32 vertex ids
+    boxes: NDArray  # (2 L, 6) float32, low and high corners, heap order
+    triangles: NDArray  # (T, 3) int32 vertex ids, in that order: a leaf's lie together
     points: NDArray  # (V, 3) float32
     normals: NDArray  # (V, 3) float32
 
 
 @njit(cache=True, nogil=True)
-def build_boxes(order, triangles, points, low, high):
+def build_boxes(triangles, points, boxes):
     """Fill the boxes of a heap-ordered tree whose leaves hold LEAF_SIZE triangles each."""
-    n_leaves = low.shape[0] // 2
-    for node in range(2 * n_leaves):
-        for axis in range(3):
-            low[node, axis] = np.inf
-            high[node, axis] = -np.inf
-    for k in range(order.shape[0]):
+    n_leaves = boxes.shape[0] // 2
+    boxes[:, :3] = np.inf
+    boxes[:, 3:] = -np.inf
+    for k in range(triangles.shape[0]):
         node = n_leaves + k // LEAF_SIZE
-        triangle = order[k]
         for corner in range(3):
-            v = triangles[triangle, corner]
+            v = triangles[k, corner]
             for axis in range(3):
-                low[node, axis] = min(low[node, axis], points[v, axis])
-                high[node, axis] = max(high[node, axis], points[v, axis])
+                boxes[node, axis] = min(boxes[node, axis], points[v, axis])
+                boxes[node, 3 + axis] = max(boxes[node, 3 + axis], points[v, axis])
     for node in range(n_leaves - 1, 0, -1):
         for axis in range(3):
-            low[node, axis] = min(low[2 * node, axis], low[2 * node + 1, axis])
-            high[node, axis] = max(high[2 * node, axis], high[2 * node + 1, axis])
+            boxes[node, axis] = min(boxes[2 * node, axis], boxes[2 * node + 1, axis])
+            boxes[node, 3 + axis] = max(boxes[2 * node, 3 + axis], boxes[2 * node + 1, 3 + axis])
 
 
 @njit(cache=True, nogil=True)
-def _box_distance2(low, high, node, x, y, z):
-    dx = max(0.0, max(low[node, 0] - x, x - high[node, 0]))
-    dy = max(0.0, max(low[node, 1] - y, y - high[node, 1]))
-    dz = max(0.0, max(low[node, 2] - z, z - high[node, 2]))
+def _box_distance2(boxes, node, x, y, z):
+    dx = max(0.0, max(boxes[node, 0] - x, x - boxes[node, 3]))
+    dy = max(0.0, max(boxes[node, 1] - y, y - boxes[node, 4]))
+    dz = max(0.0, max(boxes[node, 2] - z, z - boxes[node, 5]))
+    return dx * dx + dy * dy + dz * dz
+
+
+@njit(cache=True, nogil=True)
+def _centre_distance2(boxes, node, x, y, z):
+    dx = 0.5 * (boxes[node, 0] + boxes[node, 3]) - x
+    dy = 0.5 * (boxes[node, 1] + boxes[node, 4]) - y
+    dz = 0.5 * (boxes[node, 2] + boxes[node, 5]) - z
     return dx * dx + dy * dy + dz * dz
 
 
 @njit(cache=True, nogil=True)
 def _closest_weights(points, a, b, c, x, y, z):
-    """Barycentric weights of the point of triangle abc nearest to (x, y, z) (Ericson 2005, 5.1.5)."""
+    """Barycentric weights of the point of triangle abc nearest to (x, y, z) (Ericson 2005)."""
     ax = float(points[a, 0])
     ay = float(points[a, 1])
     az = float(points[a, 2])
@@ -134,9 +138,8 @@ def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
     Returns the triangle, or -1; `out` (6,) gets the point and the interpolated unit normal.
     A tie is won by the triangle that comes first in the mesh.
     """
-    low = tree.low
-    high = tree.high
-    n_leaves = low.shape[0] // 2
+    boxes = tree.boxes
+    n_leaves = boxes.shape[0] // 2
     stack = np.empty(_STACK, np.int64)
     depth = 0
     stack[0] = 1
@@ -148,12 +151,18 @@ def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
     while depth >= 0:
         node = stack[depth]
         depth -= 1
-        if _box_distance2(low, high, node, x, y, z) > best:
+        if _box_distance2(boxes, node, x, y, z) > best:
             continue
         if node < n_leaves:
-            left = _box_distance2(low, high, 2 * node, x, y, z)
-            right = _box_distance2(low, high, 2 * node + 1, x, y, z)
-            near = 2 * node if left <= right else 2 * node + 1
+            left = _box_distance2(boxes, 2 * node, x, y, z)
+            right = _box_distance2(boxes, 2 * node + 1, x, y, z)
+            near = 2 * node
+            if right < left or (
+                right == left
+                and _centre_distance2(boxes, 2 * node + 1, x, y, z)
+                < _centre_distance2(boxes, 2 * node, x, y, z)
+            ):
+                near += 1  # boxes overlap: the one around the point is the better guess
             if max(left, right) <= best:
                 depth += 1
                 stack[depth] = 4 * node + 1 - near
@@ -162,11 +171,10 @@ def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
                 stack[depth] = near
             continue
         first = (node - n_leaves) * LEAF_SIZE
-        for k in range(first, min(first + LEAF_SIZE, tree.order.shape[0])):
-            triangle = tree.order[k]
-            a = tree.triangles[triangle, 0]
-            b = tree.triangles[triangle, 1]
-            c = tree.triangles[triangle, 2]
+        for k in range(first, min(first + LEAF_SIZE, tree.triangles.shape[0])):
+            a = tree.triangles[k, 0]
+            b = tree.triangles[k, 1]
+            c = tree.triangles[k, 2]
             if not _faces(tree.points, a, b, c, ux, uy, uz):
                 continue
             va, vb, vc = _closest_weights(tree.points, a, b, c, x, y, z)
@@ -175,22 +183,23 @@ def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
                 p = va * tree.points[a, axis] + vb * tree.points[b, axis]
                 p += vc * tree.points[c, axis]
                 d2 += (p - q) * (p - q)
-            if d2 < best or (d2 == best and (found < 0 or triangle < found)):
+            if d2 < best or (d2 == best and (found < 0 or tree.order[k] < tree.order[found])):
                 best = d2
-                found = triangle
+                found = k
                 w0 = va
                 w1 = vb
                 w2 = vc
-    if found >= 0:
-        _interpolate(tree, found, w0, w1, w2, out)
-    return found
+    if found < 0:
+        return -1
+    _interpolate(tree, found, w0, w1, w2, out)
+    return tree.order[found]
 
 
 @njit(cache=True, nogil=True)
-def _interpolate(tree, triangle, wa, wb, wc, out):
-    a = tree.triangles[triangle, 0]
-    b = tree.triangles[triangle, 1]
-    c = tree.triangles[triangle, 2]
+def _interpolate(tree, k, wa, wb, wc, out):
+    a = tree.triangles[k, 0]
+    b = tree.triangles[k, 1]
+    c = tree.triangles[k, 2]
     norm = 0.0
     for axis in range(3):
         out[axis] = (

@@ -27,13 +27,13 @@ _COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
 _AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _covered(edge):
     """Share of the unit box on the inner side of an edge at a signed distance (box widths)."""
     return min(1.0, max(0.0, 0.5 + edge))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _covered_sum(edge):
     """Antiderivative of `_covered`."""
     t = 0.5 + edge
@@ -44,20 +44,21 @@ def _covered_sum(edge):
     return 0.5 * t * t
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _mean_covered(a, b):
     """Mean of `_covered` while the edge distance goes evenly from a to b."""
     d = b - a
-    if abs(d) < 1e-6:
+    if abs(d) < 1e-4:
         return _covered(0.5 * (a + b))
     return (_covered_sum(b) - _covered_sum(a)) / d
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sweep_bounds(before, after, plane, margin, bounds):
     """Rectangle (x0, x1, y0, y1) in the plane of the stamp `plane` that holds both outlines.
 
-    Also fills bounds[4:8] with the turn that carries its coordinates to those of `before`: x' = c (x - ox) + s (y - oy), y' = -s (x - ox) + c (y - oy).
+    Also fills bounds[4:8] with the turn (ox, oy, c, s) that carries its coordinates to those of
+    `before`: x' = c (x - ox) + s (y - oy), y' = -s (x - ox) + c (y - oy).
     """
     a = before.values
     b = plane.values
@@ -106,7 +107,7 @@ _TURN_AFTER = 31
 FRAME_SIZE = 35  # numbers in the frame
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _fill_frame(before, after, plane, scale, bounds, frame):
     """Gather the numbers of a sweep from its stamps; `plane` holds the plane's values."""
     for k in range(3):
@@ -115,7 +116,7 @@ def _fill_frame(before, after, plane, scale, bounds, frame):
         frame[_BEND + k] = plane[st.BEND_X + k]
         frame[_CROSS + k] = plane[st.CROSS_X + k]
         frame[_SPHERE + k] = plane[st.SPHERE_X + k] - plane[st.ORIGIN_X + k]
-    frame[_RADIUS2] = plane[st.RADIUS] * plane[st.RADIUS]
+    frame[_RADIUS2] = (plane[st.RADIUS] + 0.5 / scale) ** 2
     for k in range(8):
         frame[_BOX + k] = bounds[k]
     frame[_SCALE] = scale
@@ -126,12 +127,14 @@ def _fill_frame(before, after, plane, scale, bounds, frame):
     frame[_TURN_AFTER : _TURN_AFTER + 4] = (0.0, 0.0, 1.0, 0.0)
 
 
-@njit(cache=True, nogil=True)
-def _project_block(px, py, pz, nx, ny, nz, frame, xs, ys, facing):
-    """Carry a block of vertices to the plane along their own normals (Guo 2017, 4.2.1).
+@njit(cache=True, nogil=True, error_model="numpy")
+def _project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
+    """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
     Straight-line float32 code over consecutive memory: the compiler turns it into vector
-    instructions. A vertex outside the enclosing sphere, or facing away, is sent far off.
+    instructions. A vertex that faces away, or lands outside the enclosing sphere, is sent far off;
+    where it lands and not where it is, for a convex surface falls away from under the tip.
+    `stretch` gets the plane's area for one of the surface there, as on a cylinder: 1 / cosine^2.
     """
     ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
     ux, uy, uz = np.float32(frame[3]), np.float32(frame[4]), np.float32(frame[5])
@@ -141,27 +144,60 @@ def _project_block(px, py, pz, nx, ny, nz, frame, xs, ys, facing):
     r2 = np.float32(frame[_RADIUS2])
     least = np.float32(_LEAST_FACING)
     away = np.float32(_AWAY)
-    for k in range(px.shape[0]):
+    one = np.float32(1.0)
+    # slices: indices that cannot be negative are what lets the loop be vectorised
+    px, py, pz = px[first : first + n], py[first : first + n], pz[first : first + n]
+    nx, ny, nz = nx[first : first + n], ny[first : first + n], nz[first : first + n]
+    xs, ys, stretch = xs[at : at + n], ys[at : at + n], stretch[at : at + n]
+    for k in range(n):
         dx = px[k] - ox
         dy = py[k] - oy
         dz = pz[k] - oz
         cosine = nx[k] * ux + ny[k] * uy + nz[k] * uz
         safe = max(cosine, least)
-        t = -(dx * ux + dy * uy + dz * uz) / safe
-        qx = dx + t * nx[k]
-        qy = dy + t * ny[k]
-        qz = dz + t * nz[k]
-        ex = dx - sx
-        ey = dy - sy
-        ez = dz - sz
+        height = dx * ux + dy * uy + dz * uz
+        inverse = one / safe
+        t = height * inverse
+        qx = dx - t * nx[k]
+        qy = dy - t * ny[k]
+        qz = dz - t * nz[k]
+        ex = qx - sx
+        ey = qy - sy
+        ez = qz - sz
+        reach = max(ex * ex + ey * ey + ez * ez, height * height)
         x = qx * bx + qy * by + qz * bz
-        outside = (cosine < least) | (ex * ex + ey * ey + ez * ez > r2)
-        xs[k] = away if outside else x
+        xs[k] = away if (cosine < least) | (reach > r2) else x
         ys[k] = qx * cx + qy * cy + qz * cz
-        facing[k] = safe
+        stretch[k] = inverse * inverse
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _project_ids(px, py, pz, nx, ny, nz, ids, first, last, frame, xs, ys, stretch):
+    """`_project_run` for the scattered vertices ids[first:last]."""
+    least = np.float32(_LEAST_FACING)
+    for k in range(first, last):
+        v = ids[k]
+        dx = px[v] - frame[0]
+        dy = py[v] - frame[1]
+        dz = pz[v] - frame[2]
+        cosine = nx[v] * frame[3] + ny[v] * frame[4] + nz[v] * frame[5]
+        safe = max(cosine, least)
+        height = dx * frame[3] + dy * frame[4] + dz * frame[5]
+        t = height / safe
+        dx -= t * nx[v]
+        dy -= t * ny[v]
+        dz -= t * nz[v]
+        ex = dx - frame[12]
+        ey = dy - frame[13]
+        ez = dz - frame[14]
+        reach = max(ex * ex + ey * ey + ez * ez, height * height)
+        x = dx * frame[6] + dy * frame[7] + dz * frame[8]
+        xs[k] = _AWAY if (cosine < least) | (reach > frame[_RADIUS2]) else x
+        ys[k] = dx * frame[9] + dy * frame[10] + dz * frame[11]
+        stretch[k] = 1.0 / (safe * safe)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _inner_edges(n, xs, ys, lines, heel, tip, turn, scale, places, sides, inner):
     """Signed distances (box widths) of a block's vertices to one outline; inside is positive.
 
@@ -188,7 +224,7 @@ def _inner_edges(n, xs, ys, lines, heel, tip, turn, scale, places, sides, inner)
         inner[k] = (lines[i, 0] + at * lines[i, 1] - sides[k]) * lines[i, 2] * factor
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _far_edge(x, y, lines, heel, tip, turn):
     """The distance (mm) to the outline's other side, at plane (x, y); see `_covered_share`."""
     u = x - turn[0]
@@ -201,9 +237,9 @@ def _far_edge(x, y, lines, heel, tip, turn):
     return (lines[i, 0] + at * lines[i, 1] - beyond + side) * lines[i, 2]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _weigh_block(
-    n, ids, xs, ys, facing, frame, lines, lines_before, work,
+    n, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
     out_ids, out_share, out_cover, found,
 ):  # fmt: skip
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
@@ -224,60 +260,56 @@ def _weigh_block(
         inner_b = inner_a
     elif then <= 0.0:
         inner_a = inner_b
-    for k in range(n):
-        a = inner_a[k]
-        b = inner_b[k]
-        if max(a, b) <= -0.5:
-            continue
+    candidates = 0
+    for k in range(n):  # no branch: half of them lie outside, in no order that can be foretold
+        near[candidates] = k
+        candidates += np.int64(max(inner_a[k], inner_b[k]) > np.float32(-0.5))
+    for i in range(candidates):
+        k = near[i]
+        a = float(inner_a[k])
+        b = float(inner_b[k])
         share = 1.0
         cover = 1.0
         if min(a, b) < 0.5:
-            cover = 0.0
-            if now > 0.0:
-                far = _far_edge(xs[k], ys[k], lines, heel, tip, turn_b) * scale
-                cover = _covered(b) + _covered(far) - 1.0
-            if then > 0.0:
-                far = _far_edge(xs[k], ys[k], lines_before, heel_a, tip_a, turn_a) * scale
-                cover = max(cover, _covered(a) + _covered(far) - 1.0)
             share = _mean_covered(a, b)
-            if cover <= 0.0 or share <= 0.0:
-                continue
+            if max(a, b) < 0.5:  # on the edge itself: never wholly covered
+                cover = 0.0
+                if now > 0.0:
+                    far = _far_edge(xs[k], ys[k], lines, heel, tip, turn_b) * scale
+                    cover = _covered(b) + _covered(far) - 1.0
+                if then > 0.0:
+                    far = _far_edge(xs[k], ys[k], lines_before, heel_a, tip_a, turn_a) * scale
+                    cover = max(cover, _covered(a) + _covered(far) - 1.0)
+                if cover <= 0.0:
+                    continue
         out_ids[found] = ids[k]
-        out_share[found] = share / (facing[k] * facing[k])
+        out_share[found] = share * stretch[k]
         out_cover[found] = cover
         found += 1
     return found
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _find_cells(before, after, plane, field, room):
     """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
     values = plane.values
-    bounds = room.bounds
     sheet = start_sheet(values, field)
     if sheet < 0:
         return 0
-    size = field.numbers[1]
-    half_x = 0.5 * (bounds[1] - bounds[0])
-    half_y = 0.5 * (bounds[3] - bounds[2])
-    mid_x = 0.5 * (bounds[0] + bounds[1])
-    mid_y = 0.5 * (bounds[2] + bounds[3])
-    reach = 1.1 * np.sqrt(half_x * half_x + half_y * half_y) + size
-    reach = max(reach, np.sqrt(mid_x * mid_x + mid_y * mid_y) + size)
-    for k in range(3):
-        room.vector[k] = (
-            values[st.ORIGIN_X + k] + mid_x * values[st.BEND_X + k] + mid_y * values[st.CROSS_X + k]
-        )
-    room.tick[0] += 1
-    tick = room.tick[0]
-    n_sheets = flood_patch(
-        field, sheet, room.vector[0], room.vector[1], room.vector[2], reach,
-        room.stamps, tick, room.sheets,
-    )  # fmt: skip
+    n_sheets = room.patch[0]
+    if plane.values[st.TOUCHES] <= 0.0 or after.values[st.TOUCHES] <= 0.0:
+        # the brush has just left: the patch that was flooded last is not that of this plane
+        room.tick[0] += 1
+        n_sheets = flood_patch(
+            field, sheet, values[st.SPHERE_X], values[st.SPHERE_X + 1], values[st.SPHERE_X + 2],
+            values[st.RADIUS] + field.numbers[1], room.stamps, room.tick[0], room.sheets,
+        )  # fmt: skip
+    room.tick[1] += 1
     cells = _cells_in_reach(
-        field.sheet_cell, field.sheet_area, field.sheet_normal, field.cell_place,
-        field.origin, size, room.frame, before.values, before.half_widths, after.values,
-        after.half_widths, room.sheets, n_sheets, room.cell_ticks, tick, room.cells, room.inside,
+        field.sheet_place, field.sheet_area, field.sheet_normal, field.origin,
+        field.numbers[1], room.frame, before.values, before.half_widths, after.values,
+        after.half_widths, room.sheets, n_sheets, room.cell_ticks, room.tick[1], room.cells,
+        room.inside,
     )  # fmt: skip
     for k in range(cells):
         if field.done[room.cells[k]] == 0 and activate_cell(field, room.cells[k]) < 0:
@@ -285,9 +317,9 @@ def _find_cells(before, after, plane, field, room):
     return cells
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _cells_in_reach(
-    sheet_cell, sheet_area, sheet_normal, cell_place, origin, size, frame, before, widths_before,
+    sheet_place, sheet_area, sheet_normal, origin, size, frame, before, widths_before,
     after, widths, sheets, n_sheets, cell_ticks, tick, cells, inside,
 ):  # fmt: skip
     """The cells of those sheets that the sweep can reach, each once, and which lie well inside.
@@ -300,7 +332,7 @@ def _cells_in_reach(
     margin = 0.5 / frame[_SCALE]
     for k in range(n_sheets):
         sheet = sheets[k]
-        cell = sheet_cell[sheet]
+        cell = sheet_place[sheet, 3]
         if cell_ticks[cell] == tick:
             continue
         normal = sheet_normal[sheet]
@@ -316,9 +348,9 @@ def _cells_in_reach(
             # normals in a sheet differ by about what their mean lacks of unit length
             spread = np.sqrt(max(0.0, 1.0 - length / area))
             slope = np.sqrt(1.0 - facing * facing) / max(facing, _LEAST_FACING) + 2.0 * spread
-        dx = origin[0] + (cell_place[cell, 0] + 0.5) * size - frame[0]
-        dy = origin[1] + (cell_place[cell, 1] + 0.5) * size - frame[1]
-        dz = origin[2] + (cell_place[cell, 2] + 0.5) * size - frame[2]
+        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - frame[0]
+        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - frame[1]
+        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - frame[2]
         height = abs(dx * frame[3] + dy * frame[4] + dz * frame[5])
         slack = half_diagonal + min(slope, _STEEPEST) * (height + half_diagonal) + margin
         x = dx * frame[6] + dy * frame[7] + dz * frame[8]
@@ -342,7 +374,7 @@ def _cells_in_reach(
     return n
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _disc_place(values, widths, x, y, radius):
     """1 where a disc in the plane lies within a stamp's outline, -1 outside, 0 on its edge.
 
@@ -365,7 +397,7 @@ def _disc_place(values, widths, x, y, radius):
     return 0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _width_at(values, widths, x):
     """Half width (mm) of a stamp at a reach, 0 beyond its ends."""
     heel = values[st.HEEL]
@@ -377,7 +409,7 @@ def _width_at(values, widths, x):
     return widths[i] + (at - i) * (widths[i + 1] - widths[i])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _gather(before, after, field, margin, scale, counters, room):
     """Find and weigh every vertex that the sweep covers; -1 where the mesh needs room to grow."""
     target = after if after.values[st.TOUCHES] > 0.0 else before
@@ -390,22 +422,22 @@ def _gather(before, after, field, margin, scale, counters, room):
     return _gather_cells(
         room.cells, room.inside, cells, field.base_start, field.head, field.next_in_cell,
         field.cell_sheets, field.vertex_sheet, field.px, field.py, field.pz, field.nx, field.ny,
-        field.nz, room.stamps, room.tick[0], room.frame, after.lines, before.lines, room.block,
-        room.work, room.ids, room.xs, room.ys, room.facing, room.found, room.share,
-        room.cover, counters,
+        field.nz, room.stamps, room.tick[0], room.frame, after.lines, before.lines, room.work,
+        room.near, room.ids, room.xs, room.ys, room.stretch, room.found, room.share, room.cover,
+        counters,
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _gather_cells(
     cells, inside, n_cells, base_start, head, next_in_cell, cell_sheets, vertex_sheet,
-    px, py, pz, nx, ny, nz, stamps, tick, frame, lines, lines_before, block, work, ids, xs,
-    ys, facing, found_ids, share, cover, counters,
+    px, py, pz, nx, ny, nz, stamps, tick, frame, lines, lines_before, work, near, ids,
+    xs, ys, stretch, found_ids, share, cover, counters,
 ):  # fmt: skip
     """Project and weigh the vertices of the cells, block by block; return how many are painted.
 
-    Vertices are copied into one block that goes on over cells until it is full: base vertices
-    run by run, added ones along their links. Runs well inside the outline need no weighing.
+    A block goes on over cells until it is full: base vertices come run by run, added ones along
+    their links. Runs well inside the outline need no weighing.
     """
     found = 0
     visited = 0
@@ -415,95 +447,71 @@ def _gather_cells(
         cell = cells[c]
         first = base_start[cell]
         last = base_start[cell + 1]
+        visited += last - first
         alone = cell_sheets[cell + 1] - cell_sheets[cell] == 1
         if alone and inside[c]:
             found = _take_run(
                 first, last, px, py, pz, nx, ny, nz, frame, found_ids, share, cover, found
             )
-            visited += last - first
             first = last
-        elif alone:
-            while first < last:
-                n = min(last - first, size - filled)
-                for k in range(n):
-                    ids[filled + k] = first + k
-                    block[0, filled + k] = px[first + k]
-                    block[1, filled + k] = py[first + k]
-                    block[2, filled + k] = pz[first + k]
-                    block[3, filled + k] = nx[first + k]
-                    block[4, filled + k] = ny[first + k]
-                    block[5, filled + k] = nz[first + k]
-                first += n
-                filled += n
-                if filled == size:
-                    found = _weigh_copied(
-                        block, filled, ids, xs, ys, facing, frame, lines, lines_before, work,
-                        found_ids, share, cover, found,
-                    )  # fmt: skip
-                    visited += filled
-                    filled = 0
-        v = first if first < last else head[cell]
-        while v >= 0:
-            if alone or stamps[vertex_sheet[v]] == tick:
-                ids[filled] = v
-                block[0, filled] = px[v]
-                block[1, filled] = py[v]
-                block[2, filled] = pz[v]
-                block[3, filled] = nx[v]
-                block[4, filled] = ny[v]
-                block[5, filled] = nz[v]
-                filled += 1
-            if v < last:
-                v = v + 1 if v + 1 < last else head[cell]
-            else:
-                v = next_in_cell[v]
+        while first < last:
             if filled == size:
-                found = _weigh_copied(
-                    block, filled, ids, xs, ys, facing, frame, lines, lines_before, work,
+                found = _weigh_block(
+                    filled, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
                     found_ids, share, cover, found,
                 )  # fmt: skip
-                visited += filled
                 filled = 0
-    found = _weigh_copied(
-        block, filled, ids, xs, ys, facing, frame, lines, lines_before, work,
+            n = min(last - first, size - filled)
+            _project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, filled)
+            for k in range(n):
+                ids[filled + k] = first + k
+                if not alone and stamps[vertex_sheet[first + k]] != tick:
+                    xs[filled + k] = _AWAY
+            first += n
+            filled += n
+        v = head[cell]
+        while v >= 0:
+            if filled == size:
+                found = _weigh_block(
+                    filled, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
+                    found_ids, share, cover, found,
+                )  # fmt: skip
+                filled = 0
+            start = filled
+            while v >= 0 and filled < size:
+                if alone or stamps[vertex_sheet[v]] == tick:
+                    ids[filled] = v
+                    filled += 1
+                v = next_in_cell[v]
+            visited += filled - start
+            _project_ids(px, py, pz, nx, ny, nz, ids, start, filled, frame, xs, ys, stretch)
+    found = _weigh_block(
+        filled, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
         found_ids, share, cover, found,
     )  # fmt: skip
-    visited += filled
     counters[VISITED] += visited
     return found
 
 
-@njit(cache=True, nogil=True)
-def _weigh_copied(
-    block, n, ids, xs, ys, facing, frame, lines, lines_before, work, found_ids, share, cover, found
-):
-    """Project and weigh vertices that were copied into one block."""
-    _project_block(
-        block[0, :n], block[1, :n], block[2, :n], block[3, :n], block[4, :n], block[5, :n],
-        frame, xs, ys, facing,
-    )  # fmt: skip
-    return _weigh_block(
-        n, ids, xs, ys, facing, frame, lines, lines_before, work, found_ids, share, cover, found
-    )
-
-
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out_cover, found):
-    """All vertices of a run that lies well inside the outline, within the sphere and facing."""
+    """All vertices of a run that lands well inside the outline, but those facing away."""
     for v in range(first, last):
         cosine = nx[v] * frame[3] + ny[v] * frame[4] + nz[v] * frame[5]
-        ex = px[v] - frame[0] - frame[12]
-        ey = py[v] - frame[1] - frame[13]
-        ez = pz[v] - frame[2] - frame[14]
+        height = (
+            (px[v] - frame[0]) * frame[3]
+            + (py[v] - frame[1]) * frame[4]
+            + (pz[v] - frame[2]) * frame[5]
+        )
         out_ids[found] = v
         out_share[found] = 1.0 / (cosine * cosine)
         out_cover[found] = 1.0
-        if cosine >= _LEAST_FACING and ex * ex + ey * ey + ez * ez <= frame[_RADIUS2]:
+        if cosine >= _LEAST_FACING and height * height <= frame[_RADIUS2]:
             found += 1
     return found
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _ink_released(before, after, tuft, ink):
     """Ink that leaves the brush on the way between two stamps: R (1 - exp(-eta' pe ds)).
 
@@ -523,7 +531,7 @@ def _ink_released(before, after, tuft, ink):
     return total, total * (1.0 - np.exp(-tuft.transfer_per_mm * ink.gain[0] * pressure / n * way))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _landing_share(area, width, weighed_area, found):
     """Share of the released ink that meets surface; the rest runs off its edge.
 
@@ -538,7 +546,7 @@ def _landing_share(area, width, weighed_area, found):
     return min(1.0, weighed_area / area / (1.0 - slack))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def sweep_deposit(before, after, tuft, field, ink, counters, room):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
@@ -574,7 +582,7 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _weighed_area(area_units, unit, ids, share, n):
     total = 0.0
     for k in range(n):
@@ -582,7 +590,7 @@ def _weighed_area(area_units, unit, ids, share, n):
     return total * unit
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _leave(ids, share, cover, n, part, amounts, coverage, dirty, dirty_ids, n_dirty):
     """Add every vertex's share of each pigment, and note whose colour is out of date."""
     count = n_dirty[0]

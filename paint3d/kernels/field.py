@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from numpy.typing import NDArray
 
-__all__ = ["CELL_SIZE", "RESOLUTION", "SOFT_EDGE", "AREA_UNIT", "SurfaceField"]
+__all__ = ["AREA_UNIT", "CELL_SIZE", "RESOLUTION", "SOFT_EDGE", "SurfaceField"]
 
 RESOLUTION, CELL_SIZE, SOFT_EDGE, AREA_UNIT = 0, 1, 2, 3  # places in SurfaceField.numbers
 
@@ -51,6 +51,7 @@ class SurfaceField(NamedTuple):
     head: NDArray  # (C,) int32, first added vertex
     done: NDArray  # (C,) uint8, 1 where every leaf is fine enough
     sheet_cell: NDArray  # (S,) int32
+    sheet_place: NDArray  # (S, 4) int32, lattice place of its cell, and the cell
     sheet_area: NDArray  # (S,) float64, mm2
     sheet_normal: NDArray  # (S, 3) float64, area times mean normal
     sheet_centre: NDArray  # (S, 3) float64, mm

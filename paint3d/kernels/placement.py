@@ -237,7 +237,10 @@ def _lean_plane(values, field, room):
     cz = values[st.SPHERE_X + 2]
     radius = values[st.RADIUS]
     room.tick[0] += 1
-    n = flood_patch(field, sheet, cx, cy, cz, radius, room.stamps, room.tick[0], room.sheets)
+    n = flood_patch(
+        field, sheet, cx, cy, cz, radius + field.numbers[1], room.stamps, room.tick[0], room.sheets
+    )
+    room.patch[0] = n
     fade = field.numbers[1]
     sum_x = 0.0
     sum_y = 0.0

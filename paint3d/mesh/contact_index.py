@@ -21,10 +21,10 @@ def build_contact_tree(mesh: PaintMesh) -> ContactTree:
     n_leaves = 1
     while n_leaves * LEAF_SIZE < len(triangles):
         n_leaves *= 2
-    low = np.empty((2 * n_leaves, 3), np.float32)
-    high = np.empty((2 * n_leaves, 3), np.float32)
-    build_boxes(order, triangles, points, low, high)
-    return ContactTree(order, low, high, triangles, points, normals)
+    triangles = np.ascontiguousarray(triangles[order])
+    boxes = np.empty((2 * n_leaves, 6), np.float32)
+    build_boxes(triangles, points, boxes)
+    return ContactTree(order, boxes, triangles, points, normals)
 
 
 def _morton_order(points: NDArray, triangles: NDArray) -> NDArray:

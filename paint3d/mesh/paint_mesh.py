@@ -278,6 +278,7 @@ class _Lattice:
         order, starts, vertex_sheets = _sort_vertices(
             base, origin, size, places, table, cell_pairs, pair_root, pair_sheet
         )
+        sheet_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cell_sheets))
         arrays = {
             "origin": origin,
             "table": table,
@@ -287,7 +288,8 @@ class _Lattice:
             "pair_sheet": pair_sheet,
             "cell_sheets": cell_sheets,
             "base_start": starts,
-            "sheet_cell": np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cell_sheets)),
+            "sheet_cell": sheet_cell,
+            "sheet_place": np.column_stack([places[sheet_cell], sheet_cell]).astype(np.int32),
             "sheet_area": area,
             "sheet_normal": normal,
             "sheet_centre": centre,

@@ -48,8 +48,8 @@ class Room(NamedTuple):
     half_width: NDArray  # (OUTLINE_CAPACITY,)
     bounds: NDArray  # (8,)
     frame: NDArray  # (FRAME_SIZE,)
-    block: NDArray  # (6, _BLOCK) float32, positions and normals
-    tick: NDArray  # (1,) int64
+    tick: NDArray  # (2,) int64, patches flooded and sweeps gathered so far
+    patch: NDArray  # (1,) int64, sheets in the patch that was flooded last
     stamps: NDArray  # (sheets,) int64, tick at which a sheet was last in the patch
     sheets: NDArray  # (sheets,) int32
     cell_ticks: NDArray  # (cells,) int64
@@ -57,8 +57,9 @@ class Room(NamedTuple):
     inside: NDArray  # (cells,) uint8, the cell lies well inside the outline
     xs: NDArray  # (_BLOCK,) float32
     ys: NDArray  # (_BLOCK,) float32
-    facing: NDArray  # (_BLOCK,) float32
+    stretch: NDArray  # (_BLOCK,) float32
     work: NDArray  # (4, _BLOCK) float32
+    near: NDArray  # (_BLOCK,) int32
     ids: NDArray  # (_BLOCK,) int32
     found: NDArray  # (cap,) int32
     share: NDArray  # (cap,) float32
@@ -204,13 +205,15 @@ class Painter:
     def _make_room(self) -> Room:
         mesh = self.surface.paint_mesh
         cap, sheets, cells = mesh.capacity, mesh.n_sheets, mesh.n_cells
+        per_vertex = {
+            "found": np.zeros(cap, np.int32),
+            "share": np.zeros(cap, np.float32),
+            "cover": np.zeros(cap, np.float32),
+            "part": np.zeros(len(self.surface.pigments)),
+        }
         old = getattr(self, "_room", None)
-        if (
-            old is not None
-            and len(old.found) == cap
-            and len(old.part) == len(self.surface.pigments)
-        ):
-            return old
+        if old is not None:
+            return old._replace(**per_vertex)
         return Room(
             foot=np.zeros(6),
             vector=np.zeros(3),
@@ -220,8 +223,8 @@ class Painter:
             half_width=np.zeros(OUTLINE_CAPACITY),
             bounds=np.zeros(8),
             frame=np.zeros(FRAME_SIZE),
-            block=np.zeros((6, _BLOCK), np.float32),
-            tick=np.zeros(1, np.int64),
+            tick=np.zeros(2, np.int64),
+            patch=np.zeros(1, np.int64),
             stamps=np.zeros(sheets, np.int64),
             sheets=np.zeros(sheets, np.int32),
             cell_ticks=np.zeros(cells, np.int64),
@@ -229,13 +232,11 @@ class Painter:
             inside=np.zeros(cells, np.uint8),
             xs=np.zeros(_BLOCK, np.float32),
             ys=np.zeros(_BLOCK, np.float32),
-            facing=np.zeros(_BLOCK, np.float32),
+            stretch=np.zeros(_BLOCK, np.float32),
             work=np.zeros((4, _BLOCK), np.float32),
+            near=np.zeros(_BLOCK, np.int32),
             ids=np.zeros(_BLOCK, np.int32),
-            found=np.zeros(cap, np.int32),
-            share=np.zeros(cap, np.float32),
-            cover=np.zeros(cap, np.float32),
-            part=np.zeros(len(self.surface.pigments)),
+            **per_vertex,
         )
 
     # -- accounts ---------------------------------------------------------------------------
