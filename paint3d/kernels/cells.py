@@ -149,7 +149,7 @@ def fill_pairs(points, triangles, origin, size, places, roots):
             least = np.inf
             most = -np.inf
             for corner in range(3):
-                p = float(points[triangles[t, corner], axis])
+                p = np.float64(points[triangles[t, corner], axis])
                 tri[corner, axis] = p
                 least = min(least, p)
                 most = max(most, p)
@@ -180,7 +180,7 @@ def _segment_meets_box(points, a, b, x, y, z, half):
     leave = 1.0
     for axis, middle in ((0, x), (1, y), (2, z)):
         p = points[a, axis] - middle
-        d = float(points[b, axis]) - float(points[a, axis])
+        d = np.float64(points[b, axis]) - np.float64(points[a, axis])
         if d == 0.0:
             if abs(p) > half:
                 return False
@@ -291,7 +291,7 @@ def measure_sheets(
             inside = True
             for corner in range(3):
                 for axis in range(3):
-                    q = float(points[triangles[t, corner], axis])
+                    q = np.float64(points[triangles[t, corner], axis])
                     one[corner, axis] = q
                     at = (q - origin[axis]) / size - places[c, axis]
                     inside = inside and 0.0 <= at <= 1.0
@@ -357,7 +357,7 @@ def _weights_at(points, triangles, t, mid, weights):
     """Barycentric weights of a point of triangle t."""
     d00, d01, d11, d20, d21 = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(3):
-        a = float(points[triangles[t, 0], k])
+        a = np.float64(points[triangles[t, 0], k])
         u = points[triangles[t, 1], k] - a
         v = points[triangles[t, 2], k] - a
         w = mid[k] - a
@@ -467,9 +467,9 @@ def _flood(links, linked, places, origin, size, start, x, y, z, radius, stamps, 
             other = linked[link]
             if stamps[other] == tick:
                 continue
-            i = float(places[other, 0])
-            j = float(places[other, 1])
-            k = float(places[other, 2])
+            i = np.float64(places[other, 0])
+            j = np.float64(places[other, 1])
+            k = np.float64(places[other, 2])
             dx = max(0.0, max(i - px, px - i - 1.0))
             dy = max(0.0, max(j - py, py - j - 1.0))
             dz = max(0.0, max(k - pz, pz - k - 1.0))

@@ -73,9 +73,9 @@ def _centre_distance2(boxes, node, x, y, z):
 @njit(cache=True, nogil=True)
 def _closest_weights(points, a, b, c, x, y, z):
     """Barycentric weights of the point of triangle abc nearest to (x, y, z) (Ericson 2005)."""
-    ax = float(points[a, 0])
-    ay = float(points[a, 1])
-    az = float(points[a, 2])
+    ax = np.float64(points[a, 0])
+    ay = np.float64(points[a, 1])
+    az = np.float64(points[a, 2])
     abx = points[b, 0] - ax
     aby = points[b, 1] - ay
     abz = points[b, 2] - az

@@ -202,7 +202,9 @@ def paint_samples(samples, last, dragged, tuft, tree, field, ink, progress, coun
             if before.values[st.TOUCHES] == 0.0:
                 _interpolate(samples, i, 0.0, pose)
                 place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
-                before.values[st.TOUCHES] = 0.0
+                if samples.joined[i]:
+                    before.values[st.TOUCHES] = 0.0
+                # else the stroke begins pressed: the footprint stands there from the start
             _interpolate(samples, i, 1.0, pose)
             place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
             at[1] = 1

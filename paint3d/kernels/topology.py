@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["corner_normals", "count_around", "link_radial", "smooth_corners"]
+__all__ = ["corner_normals", "count_around", "link_radial", "measure_faces", "smooth_corners"]
 
 
 @njit(cache=True, nogil=True)
@@ -111,8 +111,8 @@ def corner_normals(points, faces, face_normals, vertex_of_corner, normals):
             c = faces[t, (i + 2) % 3]
             dot, uu, vv = 0.0, 0.0, 0.0
             for k in range(3):
-                u = float(points[b, k]) - float(points[a, k])
-                v = float(points[c, k]) - float(points[a, k])
+                u = np.float64(points[b, k]) - np.float64(points[a, k])
+                v = np.float64(points[c, k]) - np.float64(points[a, k])
                 dot += u * v
                 uu += u * u
                 vv += v * v
@@ -141,3 +141,25 @@ def count_around(radial):
             g = radial[g]
         most = max(most, n)
     return most
+
+
+@njit(cache=True, nogil=True)
+def measure_faces(points, faces, normals, double_areas):
+    """Unit normals (F, 3) and twice the areas (F,) of triangles; a normal without area is 0."""
+    for t in range(faces.shape[0]):
+        a, b, c = faces[t, 0], faces[t, 1], faces[t, 2]
+        ux = np.float64(points[b, 0]) - np.float64(points[a, 0])
+        uy = np.float64(points[b, 1]) - np.float64(points[a, 1])
+        uz = np.float64(points[b, 2]) - np.float64(points[a, 2])
+        vx = np.float64(points[c, 0]) - np.float64(points[a, 0])
+        vy = np.float64(points[c, 1]) - np.float64(points[a, 1])
+        vz = np.float64(points[c, 2]) - np.float64(points[a, 2])
+        x = uy * vz - uz * vy
+        y = uz * vx - ux * vz
+        z = ux * vy - uy * vx
+        length = np.sqrt(x * x + y * y + z * z)
+        double_areas[t] = length
+        scale = 1.0 / length if length > 0.0 else 0.0
+        normals[t, 0] = x * scale
+        normals[t, 1] = y * scale
+        normals[t, 2] = z * scale

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.kernels.refine import MOST_AROUND_EDGE
-from paint3d.kernels.topology import corner_normals, count_around, link_radial, smooth_corners
+from paint3d.kernels.topology import (
+    corner_normals,
+    count_around,
+    link_radial,
+    measure_faces,
+    smooth_corners,
+)
 from paint3d.kernels.welding import weld_positions
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -51,15 +57,17 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     points = np.ascontiguousarray(mesh.vertices, np.float32) + np.float32(0.0)
     welded = _weld(points)
     faces = np.asarray(mesh.faces)
-    cross = _cross(points, faces)
-    doubled = np.linalg.norm(cross, axis=1)
+    face_normals, doubled = np.empty((len(faces), 3), np.float32), np.empty(len(faces))
+    measure_faces(points, faces, face_normals, doubled)
     ids = welded[faces]
     distinct = (ids[:, 0] != ids[:, 1]) & (ids[:, 1] != ids[:, 2]) & (ids[:, 2] != ids[:, 0])
     keep = np.flatnonzero((doubled > 0.0) & distinct)
     if len(keep) == 0:
         raise MeshError(f"{mesh.name}: none of {len(faces)} faces has an area; expected a surface")
-    faces, ids = np.ascontiguousarray(faces[keep]), np.ascontiguousarray(ids[keep])
-    face_normals = cross[keep] / doubled[keep, None]
+    if len(keep) < len(faces):
+        faces, ids, doubled = faces[keep], ids[keep], doubled[keep]
+        face_normals = face_normals[keep]
+    faces, ids = np.ascontiguousarray(faces), np.ascontiguousarray(ids)
     radial = link_radial(ids, int(ids.max()) + 1)
     if (most := count_around(radial)) > MOST_AROUND_EDGE:
         raise MeshError(
@@ -85,7 +93,7 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
         normals=_with_given(normals, mesh.normals, source),
         faces=np.ascontiguousarray(new_faces),
         radial=radial,
-        areas=0.5 * doubled[keep],
+        areas=0.5 * doubled,
         source_vertices=source,
     )
 
@@ -96,12 +104,6 @@ def _weld(points: NDArray) -> NDArray:
     ids = np.empty(len(points), np.int32)
     weld_positions(np.ascontiguousarray(points).view(np.uint32), table, ids)
     return ids
-
-
-def _cross(points: NDArray, faces: NDArray) -> NDArray:
-    """(F, 3) float64: cross product of two edges of every face; its length is twice the area."""
-    a = points[faces[:, 0]].astype(np.float64)
-    return np.cross(points[faces[:, 1]] - a, points[faces[:, 2]] - a)
 
 
 def _with_given(normals: NDArray, given: NDArray | None, source: NDArray) -> NDArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,7 @@ __all__ = ["TriangleMesh"]
 
 # Sizes beyond this (a million km) come from broken files.
 MAX_COORDINATE_MM = 1e12
+_BLOCK = 1 << 18  # faces measured at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +64,7 @@ class TriangleMesh:
         if self.normals is not None:
             shape = (len(vertices), 3)
             self._set("normals", as_array(self.normals, "normals", shape, np.float32, MeshError))
-        if not self.double_areas.any():
+        if not any(cross.any() for _, cross in self._cross_products()):
             raise MeshError(f"all {len(faces)} faces have no area; expected a surface")
 
     def _set(self, field: str, array: NDArray) -> None:
@@ -80,21 +82,29 @@ class TriangleMesh:
         """Number of faces F."""
         return len(self.faces)
 
-    @cached_property
-    def _cross_products(self) -> NDArray[np.float64]:
-        a, b, c = (self.vertices[self.faces[:, k]].astype(np.float64) for k in range(3))
-        return np.cross(b - a, c - a)
+    def _cross_products(self) -> Iterator[tuple[slice, NDArray[np.float64]]]:
+        """Cross products of two edges of each face, block by block: memory stays small."""
+        for start in range(0, self.n_faces, _BLOCK):
+            block = slice(start, start + _BLOCK)
+            a, b, c = (self.vertices[self.faces[block, k]].astype(np.float64) for k in range(3))
+            yield block, np.cross(b - a, c - a)
 
     @cached_property
     def double_areas(self) -> NDArray[np.float64]:
         """Twice the area of each face: (F,), mm^2."""
-        return np.linalg.norm(self._cross_products, axis=1)
+        areas = np.empty(self.n_faces)
+        for block, cross in self._cross_products():
+            areas[block] = np.sqrt(np.einsum("ij,ij->i", cross, cross))
+        return areas
 
     @cached_property
     def face_normals(self) -> NDArray[np.float64]:
         """Unit normals of the faces: (F, 3); zero where a face has no area."""
-        length = np.where(self.double_areas > 0.0, self.double_areas, 1.0)
-        return self._cross_products / length[:, None]
+        normals = np.empty((self.n_faces, 3))
+        for block, cross in self._cross_products():
+            length = self.double_areas[block, None]
+            normals[block] = cross / np.where(length > 0.0, length, 1.0)
+        return normals
 
     @property
     def area(self) -> float:

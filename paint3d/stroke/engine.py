@@ -127,21 +127,38 @@ class Painter:
 
     # -- painting ---------------------------------------------------------------------------
 
-    def replay(self, recording: Recording, progress: Callable[[float], None] | None = None) -> None:
-        """Paint a whole recording; `progress` is called with the fraction done."""
+    def replay(
+        self,
+        recording: Recording,
+        progress: Callable[[float], None] | None = None,
+        frame_rate: float | None = None,
+    ) -> None:
+        """Paint a whole recording.
+
+        Parameters
+        ----------
+        recording : Recording
+        progress : callable, optional
+            Called with the fraction done, a few times a second or after every frame.
+        frame_rate : float, optional
+            Bring the colours up to date this often, Hz of the recording's own time, as a live
+            view would; the painting is the same without.
+        """
         started = time.perf_counter()
         path = brush_poses(recording)
-        self.seconds["poses"] += time.perf_counter() - started
         self.finish()
         n = len(path.time_s)
         stops = _dips(path.buttons)
-        self._begin()
         samples = _samples(path)
-        for start in range(0, n, _CHUNK):
-            self._paint(samples, min(start + _CHUNK, n - 1), stops)
+        self.seconds["poses"] += time.perf_counter() - started
+        for last in _frame_ends(path.time_s, frame_rate):
+            self._paint(samples, int(last), stops)
+            if frame_rate is not None:
+                self._refresh()
             if progress is not None:
-                progress(min(start + _CHUNK, n) / n)
+                progress((last + 1) / n)
         self._n_samples += n
+        self._begin()
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
         """Paint live: the interval before the last two samples waits for what comes next."""
@@ -251,11 +268,14 @@ class Painter:
             "off_surface": float(self.surface.ink.off_surface.sum()),
         }
 
-    def report(self) -> dict:
-        """Counts, seconds by stage, and the ink ledger, ready for JSON."""
+    def _refresh(self) -> None:
         started = time.perf_counter()
         self.surface.refresh()
         self.seconds["colour"] += time.perf_counter() - started
+
+    def report(self) -> dict:
+        """Counts, seconds by stage, and the ink ledger, ready for JSON."""
+        self._refresh()
         return {
             "brush": self.brush.name,
             "ink": self.ink.name,
@@ -278,6 +298,15 @@ def _dips(buttons: NDArray) -> NDArray:
     """Samples at which the dip button goes down."""
     down = (np.asarray(buttons) & DIP) != 0
     return np.flatnonzero(down[1:] & ~down[:-1]) + 1
+
+
+def _frame_ends(time_s: NDArray, frame_rate: float | None) -> NDArray:
+    """The last sample of every frame; without a rate, of every 2000 samples."""
+    n = len(time_s)
+    if frame_rate is None:
+        return np.append(np.arange(_CHUNK, n - 1, _CHUNK), n - 1)
+    frames = np.floor((time_s - time_s[0]) * frame_rate).astype(np.int64)
+    return np.append(np.flatnonzero(np.diff(frames)), n - 1)
 
 
 def _samples(path: BrushPath) -> stroke.Samples:
