@@ -65,7 +65,8 @@ def test_nothing_within_reach_is_told():
 def test_the_foot_lies_on_its_triangle():
     mesh = noisy()
     hit, out, tree = foots(find_foot, mesh, queries(200, 2.0, 8.0))
-    corner = tree.points[tree.triangles[hit]].astype(float)
+    place = np.argsort(tree.order)[hit]  # triangles lie in the order of the leaves
+    corner = tree.points[tree.triangles[place]].astype(float)
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     assert np.abs(np.sum((out[:, :3] - corner[:, 0]) * normal, axis=1)).max() < 1e-5
