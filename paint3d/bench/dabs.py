@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paint3d.bench.live import LiveTimes, frames_of, play
+from paint3d.bench.live import LiveTimes, frames_of, play, play_live
 from paint3d.bench.result import Check, Result
 from paint3d.bench.strokes import (
     Dab,
@@ -44,6 +44,8 @@ class DabTimes:
         A dab.
     colour_ms : float
         Of it, the colours (wall).
+    live_cpu_ms : float
+        A dab of the same stroke painted as it comes in.
     pen_down_ms : float
         A stroke without its dabs (wall).
     visited, painted : float
@@ -55,6 +57,7 @@ class DabTimes:
     wall_ms: float
     cpu_ms: float
     colour_ms: float
+    live_cpu_ms: float
     pen_down_ms: float
     visited: float
     painted: float
@@ -66,28 +69,29 @@ def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: i
     painter = Painter(surface, brush=dab.brush)
     n = len(recording)
     short = _SHORT
-    strokes = {n: frames_of(recording), short: frames_of(first_samples(recording, short))}
-    for frames in strokes.values():
-        play(painter, frames)  # compiles, and brings the first pages in
+    strokes = {n: recording, short: first_samples(recording, short)}
+    for stroke in strokes.values():
+        play(painter, stroke)  # compiles, and brings the first pages in
     before = painter.report()
     best: dict[int, LiveTimes] = {}
     for _ in range(rounds):
-        for size, frames in strokes.items():
-            found = play(painter, frames)
+        for size, stroke in strokes.items():
+            found = play(painter, stroke)
             best[size] = best[size].best(found) if size in best else found
     after = painter.report()
     steps = rounds * (n + short)
 
-    def slope(seconds: str, part: str) -> float:
-        long_, short_ = (getattr(getattr(best[size], part), seconds) for size in (n, short))
-        return 1e3 * (long_ - short_) / (n - short)
-
-    wall = slope("wall_s", "whole")
+    frames = frames_of(recording)
+    live = min(play_live(painter, frames).whole.cpu_s for _ in range(rounds))
+    long_, short_ = best[n], best[short]
+    per_dab = 1e3 / (n - short)
+    wall = per_dab * (long_.whole.wall_s - short_.whole.wall_s)
     return DabTimes(
         wall_ms=wall,
-        cpu_ms=slope("cpu_s", "whole"),
-        colour_ms=slope("wall_s", "colour"),
-        pen_down_ms=1e3 * best[short].whole.wall_s - short * wall,
+        cpu_ms=per_dab * (long_.whole.cpu_s - short_.whole.cpu_s),
+        colour_ms=per_dab * (long_.colour_s - short_.colour_s),
+        live_cpu_ms=1e3 * live / n,
+        pen_down_ms=1e3 * short_.whole.wall_s - short * wall,
         visited=(after["vertices_visited"] - before["vertices_visited"]) / steps,
         painted=(after["deposits"] - before["deposits"]) / steps,
         changed=int(np.count_nonzero(surface.coverage)),

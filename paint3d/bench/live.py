@@ -1,32 +1,36 @@
-"""Painting as it happens: a frame's samples, then the colours that changed, 30 times a second."""
+"""Painting with the colours brought up to date 30 times a second of the stroke's own time.
+
+`play` takes the stroke as a recording; `play_live` takes it as a device gives it, sample by sample
+and frame by frame, which costs some Python more.
+"""
 
 from __future__ import annotations
 
-import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from paint3d.bench.stopwatch import Times
+from paint3d.bench.stopwatch import Times, timed_once
 from paint3d.device.sample import DeviceSample
 from paint3d.stroke.engine import Painter
 from paint3d.stroke.recording import Recording
 
-__all__ = ["FRAME_HZ", "LiveTimes", "frames_of", "play"]
+__all__ = ["FRAME_HZ", "LiveTimes", "frames_of", "play", "play_live"]
 
 FRAME_HZ = 30.0
 
 
 @dataclass(frozen=True)
 class LiveTimes:
-    """What a stroke cost, and how much of it the colours did."""
+    """What a stroke cost, and how much of it the colours of a recording did (wall, s)."""
 
     whole: Times
-    colour: Times
+    colour_s: float
 
     def best(self, other: LiveTimes) -> LiveTimes:
         """The smaller of each."""
-        return LiveTimes(self.whole.best(other.whole), self.colour.best(other.colour))
+        return LiveTimes(self.whole.best(other.whole), min(self.colour_s, other.colour_s))
 
 
 def frames_of(recording: Recording) -> list[list[DeviceSample]]:
@@ -39,22 +43,27 @@ def frames_of(recording: Recording) -> list[list[DeviceSample]]:
     return frames
 
 
-def play(painter: Painter, frames: list[list[DeviceSample]]) -> LiveTimes:
-    """Paint one stroke live, colours included, as fast as it goes; the brush is dipped before."""
+def play(painter: Painter, recording: Recording) -> LiveTimes:
+    """Paint a recording, colours included; the brush is dipped before."""
+    return _timed(painter, lambda: painter.replay(recording, frame_rate=FRAME_HZ))
+
+
+def play_live(painter: Painter, frames: list[list[DeviceSample]]) -> LiveTimes:
+    """Paint frames of samples as fast as it goes, colours included."""
+
+    def paint() -> None:
+        for samples in frames:
+            painter.advance(samples)
+            painter.surface.refresh()
+        painter.finish()
+        painter.surface.refresh()
+
+    return _timed(painter, paint)
+
+
+def _timed(painter: Painter, paint: Callable[[], None]) -> LiveTimes:
     painter.dip()
-    surface = painter.surface
-    surface.refresh()
-    colour_wall = colour_cpu = 0.0
-    wall, cpu = time.perf_counter(), time.thread_time()
-    for k, samples in enumerate(frames):
-        painter.advance(samples)
-        if k + 1 == len(frames):
-            painter.finish()
-        before_wall, before_cpu = time.perf_counter(), time.thread_time()
-        surface.refresh()
-        colour_wall += time.perf_counter() - before_wall
-        colour_cpu += time.thread_time() - before_cpu
-    return LiveTimes(
-        Times(time.perf_counter() - wall, time.thread_time() - cpu),
-        Times(colour_wall, colour_cpu),
-    )
+    painter.surface.refresh()
+    colour_before = painter.seconds["colour"]
+    whole = timed_once(paint)
+    return LiveTimes(whole, painter.seconds["colour"] - colour_before)

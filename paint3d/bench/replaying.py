@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from importlib.resources import files
 
 import numpy as np
 
-from paint3d.bench.live import frames_of, play
+from paint3d.bench.live import frames_of, play, play_live
 from paint3d.bench.result import Check, Result
-from paint3d.bench.stopwatch import best_of
+from paint3d.bench.stopwatch import Times, timed_once
 from paint3d.bench.strokes import first_samples
 from paint3d.kernels.refine import activate_cell
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -58,22 +59,27 @@ def measure(share: float = 1.0) -> Result:
     recording = first_samples(whole, max(_FEWEST_SAMPLES, int(len(whole) * share)))
     surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * share)))
     painter = Painter(surface, brush=recording.header["brush"], ink=recording.header["ink"])
+    play(painter, recording)
+    counted = painter.report()["footprints"]
     frames = frames_of(recording)
-    play(painter, frames)
-    live = min((play(painter, frames) for _ in range(_ROUNDS)), key=lambda t: t.whole.cpu_s)
-    counts = painter.report()
 
     def in_one_go() -> None:
+        painter.dip()
         painter.replay(recording)
-        surface.refresh()
+        painter.surface.refresh()
 
-    at_once = best_of(_ROUNDS, in_one_go, before=painter.dip)
-    footprints = counts["footprints"] / (_ROUNDS + 1)
+    ways: dict[str, list[Times]] = {}
+    for _ in range(_ROUNDS):
+        replayed = play(painter, recording)
+        ways.setdefault("30 frames/s", []).append(replayed.whole)
+        ways.setdefault("30 frames/s, as it comes in", []).append(play_live(painter, frames).whole)
+        ways.setdefault("colours at the end", []).append(timed_once(in_one_go))
+    best = {name: reduce(Times.best, times) for name, times in ways.items()}
     hand, down = recording.duration_s, _pen_down_s(recording)
     rows = [
         [name, times.wall_s, times.cpu_s, hand / times.wall_s, hand / times.cpu_s,
-         down / times.cpu_s, 1e6 * times.cpu_s / footprints]
-        for name, times in (("live, 30 frames/s", live.whole), ("in one go", at_once))
+         down / times.cpu_s, 1e6 * times.cpu_s / counted]
+        for name, times in best.items()
     ]  # fmt: skip
     return Result(
         f"The demo ({len(recording):,} samples, {hand:.0f} s by hand, {down:.0f} s of it on the "
@@ -90,11 +96,11 @@ def measure(share: float = 1.0) -> Result:
         rows,
         [
             Check(
-                "times faster than the hand, live, colours included",
-                hand / live.whole.wall_s,
+                "times faster than the hand, colours included",
+                hand / best["30 frames/s"].wall_s,
                 _LEAST_TIMES_FASTER,
                 at_most=False,
             )
         ],
-        [f"Colours are {live.colour.cpu_s:.2f} s of the live CPU time."],
+        [f"Colours are {replayed.colour_s:.2f} s of the time at 30 frames/s."],
     )

@@ -6,7 +6,7 @@ grids of 100 thousand, 1 million and 4 million vertices. Only the object grows.
 
 from __future__ import annotations
 
-from paint3d.bench.live import LiveTimes, frames_of, play
+from paint3d.bench.live import LiveTimes, play
 from paint3d.bench.result import Check, Result
 from paint3d.bench.strokes import figure_for, make_dab, make_grid, record_dabs
 from paint3d.stroke.engine import Painter
@@ -31,11 +31,11 @@ def measure(share: float = 1.0) -> Result:
         mesh = make_grid(max(400, int(size * share)), spacing)
         n_dabs = max(20, int(_DABS * (size * share / 1e6) ** 0.5))
         painters.append(Painter(PaintedSurface(mesh, resolution=None), brush=dab.brush))
-        strokes.append(frames_of(record_dabs(dab, figure_for(mesh, dab.radius, n_dabs))))
+        strokes.append(record_dabs(dab, figure_for(mesh, dab.radius, n_dabs)))
     best: list[LiveTimes | None] = [None] * len(_SIZES)
     for _ in range(_ROUNDS + 1):
-        for i, (painter, frames) in enumerate(zip(painters, strokes, strict=True)):
-            found = play(painter, frames)
+        for i, (painter, stroke) in enumerate(zip(painters, strokes, strict=True)):
+            found = play(painter, stroke)
             best[i] = found if best[i] is None else found.best(best[i])
     rows = []
     for painter, found in zip(painters, best, strict=True):

@@ -306,7 +306,7 @@ def _find_cells(before, after, plane, field, room):
         )  # fmt: skip
     room.tick[1] += 1
     cells = _cells_in_reach(
-        field.sheet_place, field.sheet_area, field.sheet_normal, field.origin,
+        field.sheet_place, field.sheet_pack, field.origin,
         field.numbers[1], room.frame, before.values, before.half_widths, after.values,
         after.half_widths, room.sheets, n_sheets, room.cell_ticks, room.tick[1], room.cells,
         room.inside,
@@ -319,7 +319,7 @@ def _find_cells(before, after, plane, field, room):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _cells_in_reach(
-    sheet_place, sheet_area, sheet_normal, origin, size, frame, before, widths_before,
+    sheet_place, pack, origin, size, frame, before, widths_before,
     after, widths, sheets, n_sheets, cell_ticks, tick, cells, inside,
 ):  # fmt: skip
     """The cells of those sheets that the sweep can reach, each once, and which lie well inside.
@@ -335,12 +335,24 @@ def _cells_in_reach(
         cell = sheet_place[sheet, 3]
         if cell_ticks[cell] == tick:
             continue
-        normal = sheet_normal[sheet]
-        area = sheet_area[sheet]
-        length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-        facing = normal[0] * frame[3] + normal[1] * frame[4] + normal[2] * frame[5]
+        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - frame[0]
+        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - frame[1]
+        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - frame[2]
+        x = dx * frame[6] + dy * frame[7] + dz * frame[8]
+        y = dx * frame[9] + dy * frame[10] + dz * frame[11]
+        height = abs(dx * frame[3] + dy * frame[4] + dz * frame[5])
+        slack = half_diagonal + _STEEPEST * (height + half_diagonal) + margin
+        if (
+            x < frame[_BOX] - slack
+            or x > frame[_BOX + 1] + slack
+            or y < frame[_BOX + 2] - slack
+            or y > frame[_BOX + 3] + slack
+        ):
+            continue
+        nx, ny, nz, area = pack[sheet, 0], pack[sheet, 1], pack[sheet, 2], pack[sheet, 3]
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        facing = nx * frame[3] + ny * frame[4] + nz * frame[5]
         facing = min(1.0, facing / length) if length > 0.0 else 0.0
-        slope = _STEEPEST
         coherent = length > _COHERENT * area
         if coherent:
             if facing < 0.0:
@@ -348,13 +360,7 @@ def _cells_in_reach(
             # normals in a sheet differ by about what their mean lacks of unit length
             spread = np.sqrt(max(0.0, 1.0 - length / area))
             slope = np.sqrt(1.0 - facing * facing) / max(facing, _LEAST_FACING) + 2.0 * spread
-        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - frame[0]
-        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - frame[1]
-        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - frame[2]
-        height = abs(dx * frame[3] + dy * frame[4] + dz * frame[5])
-        slack = half_diagonal + min(slope, _STEEPEST) * (height + half_diagonal) + margin
-        x = dx * frame[6] + dy * frame[7] + dz * frame[8]
-        y = dx * frame[9] + dy * frame[10] + dz * frame[11]
+            slack = half_diagonal + min(slope, _STEEPEST) * (height + half_diagonal) + margin
         u = x - frame[20]
         v = y - frame[21]
         now = _disc_place(after, widths, x, y, slack)

@@ -55,6 +55,7 @@ class SurfaceField(NamedTuple):
     sheet_area: NDArray  # (S,) float64, mm2
     sheet_normal: NDArray  # (S, 3) float64, area times mean normal
     sheet_centre: NDArray  # (S, 3) float64, mm
+    sheet_pack: NDArray  # (S, 8) float32: those three in one place: normal, area, centre, 0
     sheet_links: NDArray  # (S + 1,) int64
     linked_sheet: NDArray  # (links,) int32
     path: NDArray  # (64k,) int32 scratch

@@ -241,34 +241,41 @@ def _lean_plane(values, field, room):
         field, sheet, cx, cy, cz, radius + field.numbers[1], room.stamps, room.tick[0], room.sheets
     )
     room.patch[0] = n
-    fade = field.numbers[1]
-    sum_x = 0.0
-    sum_y = 0.0
-    sum_z = 0.0
-    for k in range(n):
-        s = room.sheets[k]
-        sx = field.sheet_normal[s, 0]
-        sy = field.sheet_normal[s, 1]
-        sz = field.sheet_normal[s, 2]
-        facing = (
-            sx * values[st.FOOT_NORMAL_X]
-            + sy * values[st.FOOT_NORMAL_X + 1]
-            + sz * values[st.FOOT_NORMAL_X + 2]
-        )
-        if facing <= 0.0:
-            continue
-        dx = field.sheet_centre[s, 0] - cx
-        dy = field.sheet_centre[s, 1] - cy
-        dz = field.sheet_centre[s, 2] - cz
-        inside = (radius - np.sqrt(dx * dx + dy * dy + dz * dz)) / fade + 0.5
-        if inside <= 0.0:
-            continue
-        weight = min(1.0, inside)
-        sum_x += weight * sx
-        sum_y += weight * sy
-        sum_z += weight * sz
+    _sum_normals(field.sheet_pack, room.sheets, n, values, field.numbers[1], room.vector)
+    sum_x, sum_y, sum_z = room.vector[0], room.vector[1], room.vector[2]
     norm = np.sqrt(sum_x * sum_x + sum_y * sum_y + sum_z * sum_z)
     if norm > 0.0:
         values[st.NORMAL_X] = sum_x / norm
         values[st.NORMAL_X + 1] = sum_y / norm
         values[st.NORMAL_X + 2] = sum_z / norm
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _sum_normals(pack, sheets, n, values, fade, total):
+    """Sum the area-weighted normals of the sheets that face as the foot's surface does."""
+    fx = values[st.FOOT_NORMAL_X]
+    fy = values[st.FOOT_NORMAL_X + 1]
+    fz = values[st.FOOT_NORMAL_X + 2]
+    cx = values[st.SPHERE_X]
+    cy = values[st.SPHERE_X + 1]
+    cz = values[st.SPHERE_X + 2]
+    radius = values[st.RADIUS]
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(n):
+        s = sheets[k]
+        nx, ny, nz = pack[s, 0], pack[s, 1], pack[s, 2]
+        if nx * fx + ny * fy + nz * fz <= 0.0:
+            continue
+        dx = pack[s, 4] - cx
+        dy = pack[s, 5] - cy
+        dz = pack[s, 6] - cz
+        weight = (radius - np.sqrt(dx * dx + dy * dy + dz * dz)) / fade + 0.5
+        if weight <= 0.0:
+            continue
+        weight = min(1.0, weight)
+        x += weight * nx
+        y += weight * ny
+        z += weight * nz
+    total[0] = x
+    total[1] = y
+    total[2] = z

@@ -26,7 +26,8 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["PaintMesh"]
 
-_CELL_PER_EDGE = 5.0  # a cell's size over the longest edge wanted
+_REFINED_CELL = 5.0  # a cell's size over the longest edge wanted: cells are refined as a whole
+_PLAIN_CELL = 8.0  # where nothing is refined, fewer and larger cells are found faster
 _SOFT_EDGE_PER_EDGE = 0.6  # mean vertex spacing over the longest edge, nearly
 _LATTICE = 1 << 20  # cells along an axis that Morton codes can hold
 _AREA_BITS = 61
@@ -73,7 +74,8 @@ class PaintMesh:
         self.refines = resolution is not None and bool(edges.max() > self.resolution)
         if self.refines:
             _check_precision(base.points, self.resolution)
-        order, lattice = _Lattice.build(base, _CELL_PER_EDGE * self.resolution)
+        edges_per_cell = _REFINED_CELL if self.refines else _PLAIN_CELL
+        order, lattice = _Lattice.build(base, edges_per_cell * self.resolution)
         self.source_vertices = base.source_vertices[order]
         rank = np.empty(len(order), np.int32)
         rank[order] = np.arange(len(order), dtype=np.int32)
@@ -293,6 +295,9 @@ class _Lattice:
             "sheet_area": area,
             "sheet_normal": normal,
             "sheet_centre": centre,
+            "sheet_pack": np.column_stack([normal, area, centre, np.zeros(n_sheets)]).astype(
+                np.float32
+            ),
             "sheet_links": sheet_links,
             "linked_sheet": linked,
         }
