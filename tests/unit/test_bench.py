@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from paint3d.bench.dabs import time_dabs
-from paint3d.bench.live import FRAME_HZ, frames_of, play
+from paint3d.bench.live import FRAME_HZ, frames_of, play, play_live
 from paint3d.bench.plain import PlainSurface
 from paint3d.bench.registry import BENCHMARKS, run_benchmark
 from paint3d.bench.replaying import refined_surface
@@ -90,7 +90,7 @@ def test_a_dab_covers_the_area_it_says_where_it_says(normal: tuple[float, float,
     turn = _frame(normal)
     mesh = type(flat)(flat.vertices @ turn.T, flat.faces)
     surface = PaintedSurface(mesh, resolution=None)
-    play(Painter(surface, brush=dab.brush), frames_of(stroke))
+    play(Painter(surface, brush=dab.brush), stroke)
     weight = surface.vertex_areas * surface.coverage
     assert weight.sum() == pytest.approx(math.pi * dab.radius**2, rel=0.01)
     middle = 0.5 * sum(
@@ -106,11 +106,22 @@ def _frame(normal: tuple[float, float, float]) -> np.ndarray:
     return np.stack([along, np.cross(up, along), up], axis=1)
 
 
+def test_both_ways_of_playing_paint_the_same() -> None:
+    dab = make_dab()
+    mesh = make_grid(10_000, dab.radius / 10)
+    recording = record_dabs(dab, figure_for(mesh, dab.radius, 30))
+    painters = [Painter(PaintedSurface(mesh, resolution=None), brush=dab.brush) for _ in range(2)]
+    play(painters[0], recording)
+    play_live(painters[1], frames_of(recording))
+    np.testing.assert_array_equal(painters[0].surface.srgb, painters[1].surface.srgb)
+    np.testing.assert_array_equal(painters[0].surface.amounts, painters[1].surface.amounts)
+
+
 def test_the_competitor_paints_the_same_vertices() -> None:
     dab = make_dab()
     surface = PaintedSurface(make_grid(40_000, dab.radius / 25), resolution=None)
     plain = PlainSurface(surface)
-    play(Painter(surface, brush=dab.brush), frames_of(record_dabs(dab, np.zeros((2, 3)))))
+    play(Painter(surface, brush=dab.brush), record_dabs(dab, np.zeros((2, 3))))
     along = np.array([1.0, 0.0, 0.0])
     seen = plain.stamp(-dab.middle * along, along, dab.footprint, (np.zeros(3), 30.0), 5.0)
     ours, theirs = surface.coverage > 0.5, plain.coverage > 0.5
