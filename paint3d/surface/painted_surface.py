@@ -8,15 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.arrays import as_number
+from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.errors import InputError
 from paint3d.ink.materials import Material, load_material
 from paint3d.ink.pigments import Pigment
 from paint3d.mesh.contact_index import build_contact_tree
 from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["InkField", "PaintedSurface"]
+__all__ = ["EXPORT_TOLERANCE", "InkField", "PaintedSurface"]
+
+EXPORT_TOLERANCE = 1.0  # dE00
 
 _FINEST = 0.005  # mm
 
@@ -165,20 +169,42 @@ class PaintedSurface:
     @property
     def mesh(self) -> TriangleMesh:
         """The mesh as it is refined now, with its colours."""
-        vertices, faces, normals, srgb = self.export_arrays()
         return TriangleMesh(
-            vertices=vertices, faces=faces, colours=srgb, normals=normals, name=self.source.name
+            vertices=self.paint_mesh.vertices,
+            faces=self.paint_mesh.leaf_faces(),
+            colours=self.srgb,
+            normals=self.paint_mesh.normals,
+            name=self.source.name,
         )
 
-    def export_arrays(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        """Vertices (V, 3) f32 mm, faces (F, 3) i32, normals (V, 3) f32, sRGB (V, 3) u8."""
-        return (
-            self.paint_mesh.vertices,
-            self.paint_mesh.leaf_faces(),
-            self.paint_mesh.normals,
-            self.srgb.copy(),
-        )
+    def export_arrays(
+        self, tolerance: float = EXPORT_TOLERANCE
+    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """The painting for a file: bisections that its colours do not need are taken back.
+
+        Parameters
+        ----------
+        tolerance : float
+            Largest dE00 by which interpolated sRGB codes may miss a vertex's colour.
+
+        Returns
+        -------
+        vertices : (K, 3) float32
+            mm. The source's vertices come first and in its order, one on a crease once for each
+            of its normals; an unpainted object comes out as it went in.
+        faces : (F, 3) int32
+        normals : (K, 3) float32
+        srgb : (K, 3) uint8
+        """
+        srgb = self.srgb
+        ids, faces = coarse_faces(self.paint_mesh, srgb, tolerance, _code_difference)
+        return self.paint_mesh.vertices[ids], faces, self.paint_mesh.normals[ids], srgb[ids]
 
     def wet_ink(self) -> float:
         """Ink on the surface that has not dried, coats x mm2."""
         return float(self.vertex_areas @ self.amounts.sum(axis=1, dtype=np.float64))
+
+
+def _code_difference(a: NDArray, b: NDArray) -> NDArray:
+    """CIEDE2000 (n,) between sRGB codes (n, 3), 0 to 255."""
+    return delta_e(lab_from_srgb(a / 255.0), lab_from_srgb(b / 255.0))

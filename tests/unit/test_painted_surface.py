@@ -1,0 +1,65 @@
+"""The painted surface: what it takes, what it keeps while it grows, what it hands out."""
+
+import numpy as np
+import pytest
+
+import paint3d
+from paint3d.errors import InputError, UnknownNameError
+from paint3d.ink.pigments import load_pigment
+
+
+@pytest.mark.parametrize("name", ["plane", "sphere"])
+def test_an_unpainted_object_comes_out_as_it_went_in(name):
+    mesh = paint3d.load_mesh(name)
+    surface = paint3d.PaintedSurface(mesh, resolution=1.0)
+    surface.paint_mesh.refine_all()
+    assert surface.n_vertices > 2 * mesh.n_vertices
+    vertices, faces, normals, srgb = surface.export_arrays()
+    np.testing.assert_array_equal(vertices, mesh.vertices)
+    np.testing.assert_array_equal(faces, mesh.faces)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-5)
+    assert (srgb == srgb[0]).all()
+
+
+def test_growing_keeps_ink_and_colours():
+    surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=2.0)
+    surface.column_of(load_pigment("pine soot"))
+    surface.ink.amounts[5, 0] = 1.0
+    surface.ink.coverage[5] = 1.0
+    surface.ink.dirty[5] = 1
+    surface.ink.dirty_ids[0] = 5
+    surface.ink.n_dirty[0] = 1
+    capacity = surface.paint_mesh.capacity
+    surface.make_room()
+    assert surface.paint_mesh.capacity > capacity
+    assert surface.ink.amounts[5, 0] == 1.0
+    before = surface.srgb.copy()
+    assert before[5].max() < 90 < before[4].min()
+    surface.make_room()
+    np.testing.assert_array_equal(surface.srgb, before)
+
+
+def test_a_second_pigment_keeps_the_first():
+    surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=2.0)
+    assert surface.column_of(load_pigment("pine soot")) == 0
+    surface.ink.amounts[3, 0] = 0.5
+    assert surface.column_of(load_pigment("cinnabar")) == 1
+    assert surface.column_of(load_pigment("pine soot")) == 0
+    assert surface.amounts.shape == (surface.n_vertices, 2)
+    assert surface.amounts[3].tolist() == [0.5, 0.0]
+
+
+@pytest.mark.parametrize("resolution", [0.0, -1.0, float("nan"), float("inf"), "fine"])
+def test_a_resolution_must_be_a_length(resolution):
+    with pytest.raises(InputError, match="resolution"):
+        paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=resolution)
+
+
+def test_an_unknown_material_is_named():
+    with pytest.raises(UnknownNameError, match="porcelain"):
+        paint3d.PaintedSurface(paint3d.load_mesh("plane"), material="procelain")
+
+
+def test_only_meshes_can_be_painted():
+    with pytest.raises(InputError, match="TriangleMesh"):
+        paint3d.PaintedSurface("bowl")
