@@ -111,8 +111,8 @@ def measure(share: float = 1.0) -> Result:
             times = time_dabs(surface, dab, record_dabs(dab, centres), _ROUNDS)
             rows.append(
                 [surface.n_vertices, under, times.wall_ms, times.cpu_ms, times.colour_ms,
-                 times.live_cpu_ms, 1e6 * times.cpu_ms / max(1.0, times.visited), times.visited, times.painted,
-                 times.pen_down_ms]
+                 times.live_cpu_ms, 1e6 * times.cpu_ms / max(1.0, times.visited), times.visited,
+                 times.painted, times.pen_down_ms]
             )  # fmt: skip
             checks.append(
                 Check(
