@@ -98,15 +98,27 @@ class PaintedSurface:
             gain=np.ones(1),
         )
 
-    def make_room(self) -> None:
-        """Let the mesh and everything kept per vertex grow; nothing else changes."""
-        old, old_srgb, n = self.ink, self._srgb, self.n_vertices
-        self.paint_mesh.reserve()
+    def make_room(self, extra: int | None = None) -> None:
+        """Let the mesh grow by `extra` vertices (None: as `PaintMesh.reserve` sees fit)."""
+        self.paint_mesh.reserve(extra)
+        self._fit()
+
+    def refine_all(self) -> None:
+        """Refine the whole surface now instead of where paint comes; nothing painted changes."""
+        self.paint_mesh.refine_all()
+        self._fit()
+
+    def _fit(self) -> None:
+        """Give every vertex that the mesh has room for its place in the per-vertex arrays."""
+        old, old_srgb = self.ink, self._srgb
+        n = len(old_srgb)
+        if n == self.paint_mesh.capacity:
+            return
         self._allocate(old.amounts.shape[1])
-        self._srgb[:n] = old_srgb[:n]
+        self._srgb[:n] = old_srgb
         new = self.ink
         for name in ("amounts", "coverage", "dirty"):
-            getattr(new, name)[:n] = getattr(old, name)[:n]
+            getattr(new, name)[:n] = getattr(old, name)
         count = int(old.n_dirty[0])
         new.dirty_ids[:count] = old.dirty_ids[:count]
         for name in ("n_dirty", "load", "off_surface", "gain"):

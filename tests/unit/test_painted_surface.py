@@ -12,7 +12,7 @@ from paint3d.ink.pigments import load_pigment
 def test_an_unpainted_object_comes_out_as_it_went_in(name):
     mesh = paint3d.load_mesh(name)
     surface = paint3d.PaintedSurface(mesh, resolution=1.0)
-    surface.paint_mesh.refine_all()
+    surface.refine_all()
     assert surface.n_vertices > 2 * mesh.n_vertices
     vertices, faces, normals, srgb = surface.export_arrays()
     np.testing.assert_array_equal(vertices, mesh.vertices)
@@ -30,12 +30,12 @@ def test_growing_keeps_ink_and_colours():
     surface.ink.dirty_ids[0] = 5
     surface.ink.n_dirty[0] = 1
     capacity = surface.paint_mesh.capacity
-    surface.make_room()
+    surface.make_room(100_000)
     assert surface.paint_mesh.capacity > capacity
     assert surface.ink.amounts[5, 0] == 1.0
     before = surface.srgb.copy()
     assert before[5].max() < 90 < before[4].min()
-    surface.make_room()
+    surface.make_room(200_000)
     np.testing.assert_array_equal(surface.srgb, before)
 
 
