@@ -17,7 +17,7 @@ from paint3d.kernels.cells import flood_patch
 from paint3d.kernels.placement import start_sheet
 from paint3d.kernels.refine import activate_cell
 
-__all__ = ["FRAME_SIZE", "PAINTED", "VISITED", "sweep_deposit"]
+__all__ = ["BETWEEN_SHAPE", "FRAME_SIZE", "PAINTED", "VISITED", "sweep_deposit"]
 
 VISITED, PAINTED = 2, 3  # counters
 _LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vertex faces away
@@ -103,8 +103,12 @@ def _sweep_bounds(before, after, plane, margin, bounds):
 # Places in the frame of a sweep: everything that the loop over vertices needs, as one array.
 _ORIGIN, _NORMAL, _BEND, _CROSS, _SPHERE = 0, 3, 6, 9, 12
 _RADIUS2, _BOX, _BOX_BEFORE, _SCALE, _AFTER, _BEFORE = 15, 16, 20, 24, 25, 28
-_TURN_AFTER = 31
-FRAME_SIZE = 35  # numbers in the frame
+_TURN_AFTER, _PARTS, _RISE = 31, 35, 36
+FRAME_SIZE = 37  # numbers in the frame
+_MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
+_PART_SHARE = 0.04  # of the footprint's smaller extent, the longest part
+_PART_WIDTH = 0.25  # of the soft edge, the shortest
+BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -116,7 +120,8 @@ def _fill_frame(before, after, plane, scale, bounds, frame):
         frame[_BEND + k] = plane[st.BEND_X + k]
         frame[_CROSS + k] = plane[st.CROSS_X + k]
         frame[_SPHERE + k] = plane[st.SPHERE_X + k] - plane[st.ORIGIN_X + k]
-    frame[_RADIUS2] = (plane[st.RADIUS] + 0.5 / scale) ** 2
+    # the sphere is that of one stamp: the other's outline sticks out by what it moved
+    frame[_RADIUS2] = (plane[st.RADIUS] + 0.5 / scale + st.outline_motion(before, after)) ** 2
     for k in range(8):
         frame[_BOX + k] = bounds[k]
     frame[_SCALE] = scale
@@ -125,6 +130,76 @@ def _fill_frame(before, after, plane, scale, bounds, frame):
         frame[at + 1] = values[st.HEEL]
         frame[at + 2] = values[st.TIP]
     frame[_TURN_AFTER : _TURN_AFTER + 4] = (0.0, 0.0, 1.0, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill_between(before, after, frame, between):
+    """Where the outline stands between two stamps that touch: rows of turn (4), heel and tip.
+
+    An outline passes a vertex near its edge on a curve, not straight from its distance at one
+    stamp to that at the other. Cutting the way for these vertices alone costs less than more
+    stamps would.
+    """
+    frame[_PARTS] = 1.0
+    frame[_RISE] = 0.0
+    a = before.values
+    b = after.values
+    if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
+        return
+    extent = min(a[st.TIP] - a[st.HEEL], b[st.TIP] - b[st.HEEL])
+    extent = min(extent, 2.0 * min(a[st.WIDEST], b[st.WIDEST]))
+    motion = st.outline_motion(before, after)
+    part = max(_PART_SHARE * extent, _PART_WIDTH / frame[_SCALE])
+    parts = min(_MOST_PARTS, int(np.ceil(motion / part)))
+    if parts < 2:
+        return
+    frame[_PARTS] = parts
+    frame[_RISE] = 0.5 * motion * frame[_SCALE]
+    turn = np.arctan2(frame[_BOX_BEFORE + 3], frame[_BOX_BEFORE + 2])
+    for k in range(1, parts):
+        back = 1.0 - k / parts
+        between[k, 0] = back * frame[_BOX_BEFORE]
+        between[k, 1] = back * frame[_BOX_BEFORE + 1]
+        between[k, 2] = np.cos(back * turn)
+        between[k, 3] = np.sin(back * turn)
+        between[k, 4] = back * a[st.HEEL] + (1.0 - back) * b[st.HEEL]
+        between[k, 5] = back * a[st.TIP] + (1.0 - back) * b[st.TIP]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _edges_between(x, y, lines_before, lines, back, place):
+    """Distances (mm) to the near and the far side of an outline between two stamps."""
+    u = x - place[0]
+    v = y - place[1]
+    along = place[2] * u + place[3] * v
+    side = abs(place[2] * v - place[3] * u)
+    heel = place[4]
+    tip = place[5]
+    at = min(max((along - heel) * st.PROFILE_CELLS / (tip - heel), 0.0), _LAST_PLACE)
+    i = int(at)
+    width = (1.0 - back) * (lines[i, 0] + at * lines[i, 1])
+    width += back * (lines_before[i, 0] + at * lines_before[i, 1])
+    steepness = (1.0 - back) * lines[i, 2] + back * lines_before[i, 2]
+    width -= max(0.0, max(heel - along, along - tip))
+    return (width - side) * steepness, (width + side) * steepness
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pass_edge(x, y, a, b, lines_before, lines, between, parts, scale):
+    """Mean share covered, and the greatest, while the outline goes from one stamp to the other.
+
+    `a` and `b` are the distances (box widths) at the two stamps.
+    """
+    share = 0.0
+    cover = 0.0
+    last = a
+    for k in range(1, parts):
+        near, far = _edges_between(x, y, lines_before, lines, 1.0 - k / parts, between[k])
+        inner = near * scale
+        share += _mean_covered(last, inner)
+        cover = max(cover, _covered(inner) + _covered(far * scale) - 1.0)
+        last = inner
+    return (share + _mean_covered(last, b)) / parts, cover
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -239,7 +314,7 @@ def _far_edge(x, y, lines, heel, tip, turn):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _weigh_block(
-    n, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
+    n, ids, xs, ys, stretch, frame, lines, lines_before, between, work, near,
     out_ids, out_share, out_cover, found,
 ):  # fmt: skip
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
@@ -260,10 +335,12 @@ def _weigh_block(
         inner_b = inner_a
     elif then <= 0.0:
         inner_a = inner_b
+    parts = int(frame[_PARTS])
+    least = np.float32(-0.5 - frame[_RISE])
     candidates = 0
     for k in range(n):  # no branch: half of them lie outside, in no order that can be foretold
         near[candidates] = k
-        candidates += np.int64(max(inner_a[k], inner_b[k]) > np.float32(-0.5))
+        candidates += np.int64(max(inner_a[k], inner_b[k]) > least)
     for i in range(candidates):
         k = near[i]
         a = np.float64(inner_a[k])
@@ -271,7 +348,14 @@ def _weigh_block(
         share = 1.0
         cover = 1.0
         if min(a, b) < 0.5:
-            share = _mean_covered(a, b)
+            most = 0.0
+            if parts > 1:
+                share, most = _pass_edge(
+                    np.float64(xs[k]), np.float64(ys[k]), a, b, lines_before, lines, between,
+                    parts, scale,
+                )  # fmt: skip
+            else:
+                share = _mean_covered(a, b)
             if max(a, b) < 0.5:  # on the edge itself: never wholly covered
                 cover = 0.0
                 if now > 0.0:
@@ -280,6 +364,7 @@ def _weigh_block(
                 if then > 0.0:
                     far = _far_edge(xs[k], ys[k], lines_before, heel_a, tip_a, turn_a) * scale
                     cover = max(cover, _covered(a) + _covered(far) - 1.0)
+                cover = max(cover, most)
                 if cover <= 0.0:
                     continue
         out_ids[found] = ids[k]
@@ -329,7 +414,7 @@ def _cells_in_reach(
     """
     n = 0
     half_diagonal = 0.5 * np.sqrt(3.0) * size
-    margin = 0.5 / frame[_SCALE]
+    margin = (0.5 + frame[_RISE]) / frame[_SCALE]
     for k in range(n_sheets):
         sheet = sheets[k]
         cell = sheet_place[sheet, 3]
@@ -422,23 +507,24 @@ def _gather(before, after, field, margin, scale, counters, room):
     values = target.values
     _sweep_bounds(before, after, target, margin, room.bounds)
     _fill_frame(before, after, values, scale, room.bounds, room.frame)
+    _fill_between(before, after, room.frame, room.between)
     cells = _find_cells(before, after, target, field, room)
     if cells < 0:
         return -1
     return _gather_cells(
         room.cells, room.inside, cells, field.base_start, field.head, field.next_in_cell,
         field.cell_sheets, field.vertex_sheet, field.px, field.py, field.pz, field.nx, field.ny,
-        field.nz, room.stamps, room.tick[0], room.frame, after.lines, before.lines, room.work,
-        room.near, room.ids, room.xs, room.ys, room.stretch, room.found, room.share, room.cover,
-        counters,
+        field.nz, room.stamps, room.tick[0], room.frame, after.lines, before.lines,
+        room.between, room.work, room.near, room.ids, room.xs, room.ys, room.stretch, room.found,
+        room.share, room.cover, counters,
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _gather_cells(
     cells, inside, n_cells, base_start, head, next_in_cell, cell_sheets, vertex_sheet,
-    px, py, pz, nx, ny, nz, stamps, tick, frame, lines, lines_before, work, near, ids,
-    xs, ys, stretch, found_ids, share, cover, counters,
+    px, py, pz, nx, ny, nz, stamps, tick, frame, lines, lines_before, between, work,
+    near, ids, xs, ys, stretch, found_ids, share, cover, counters,
 ):  # fmt: skip
     """Project and weigh the vertices of the cells, block by block; return how many are painted.
 
@@ -463,8 +549,8 @@ def _gather_cells(
         while first < last:
             if filled == size:
                 found = _weigh_block(
-                    filled, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
-                    found_ids, share, cover, found,
+                    filled, ids, xs, ys, stretch, frame, lines, lines_before, between, work,
+                    near, found_ids, share, cover, found,
                 )  # fmt: skip
                 filled = 0
             n = min(last - first, size - filled)
@@ -479,8 +565,8 @@ def _gather_cells(
         while v >= 0:
             if filled == size:
                 found = _weigh_block(
-                    filled, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
-                    found_ids, share, cover, found,
+                    filled, ids, xs, ys, stretch, frame, lines, lines_before, between, work,
+                    near, found_ids, share, cover, found,
                 )  # fmt: skip
                 filled = 0
             start = filled
@@ -492,7 +578,7 @@ def _gather_cells(
             visited += filled - start
             _project_ids(px, py, pz, nx, ny, nz, ids, start, filled, frame, xs, ys, stretch)
     found = _weigh_block(
-        filled, ids, xs, ys, stretch, frame, lines, lines_before, work, near,
+        filled, ids, xs, ys, stretch, frame, lines, lines_before, between, work, near,
         found_ids, share, cover, found,
     )  # fmt: skip
     counters[VISITED] += visited

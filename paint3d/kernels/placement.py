@@ -38,7 +38,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     foot = room.foot
     was_touching = before.values[st.TOUCHES] > 0.0
     for axis in range(3):
-        room.vector[axis] = before.values[st.ORIGIN_X + axis]
+        room.vector[axis] = before.values[st.FOOT_X + axis]
         room.drag[axis] = before.values[st.DRAG_X + axis]
     values[st.TOUCHES] = 0.0
     triangle = find_foot(
@@ -48,10 +48,12 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     if triangle < 0:
         for axis in range(3):
             values[st.ORIGIN_X + axis] = pose[axis]
+            values[st.FOOT_X + axis] = pose[axis]
         _flatten(values, 0.0)
         return
     for axis in range(3):
         values[st.ORIGIN_X + axis] = foot[axis]
+        values[st.FOOT_X + axis] = foot[axis]
         values[st.NORMAL_X + axis] = foot[3 + axis]
         values[st.FOOT_NORMAL_X + axis] = foot[3 + axis]
     _bend_along_pose(values, w, x, y, z)
@@ -60,6 +62,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         _flatten(values, tuft.length * np.cos(values[st.TILT]))
         _keep_drag(values, room.drag)
         return
+    if dragged:
+        _bend_along_drag(values, was_touching, tuft, room)
     along, up, radius = enclose_tuft(
         tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], room.tuft
     )
@@ -69,10 +73,12 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         )
     values[st.RADIUS] = radius
     _lean_plane(values, field, room)
-    _bend_along_pose(values, w, x, y, z)
-    _press(pose, up_x, up_y, up_z, values, tuft)
     if dragged:
-        _bend_along_drag(values, was_touching, tuft, room)
+        _set_bend(values, values[st.DRAG_X], values[st.DRAG_X + 1], values[st.DRAG_X + 2])
+    else:
+        _bend_along_pose(values, w, x, y, z)
+    _press(pose, up_x, up_y, up_z, values, tuft)
+    _settle(values, up_x, up_y, up_z, tuft)
     _count_limits(pose, up_x, up_y, up_z, values, tuft, counters)
     n = trace_outline(
         tuft,
@@ -87,6 +93,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         _flatten(values, tuft.length * np.cos(values[st.TILT]))
         return
     st.fill_profile(after, room.reach, room.half_width, n)
+    _hold_outline(values)
     if values[st.AREA] > 0.0:
         values[st.TOUCHES] = 1.0
 
@@ -167,9 +174,9 @@ def _bend_along_drag(values, was_touching, tuft, room):
             rx,
             ry,
             rz,
-            values[st.ORIGIN_X] - room.vector[0],
-            values[st.ORIGIN_X + 1] - room.vector[1],
-            values[st.ORIGIN_X + 2] - room.vector[2],
+            values[st.FOOT_X] - room.vector[0],
+            values[st.FOOT_X + 1] - room.vector[1],
+            values[st.FOOT_X + 2] - room.vector[2],
             slack,
         )
     _set_bend(values, rx, ry, rz)
@@ -188,13 +195,66 @@ def _press(pose, up_x, up_y, up_z, values, tuft):
     if np.isnan(pose[7]):
         height = 0.0
         for axis in range(3):
-            height += (pose[axis] - values[st.ORIGIN_X + axis]) * values[st.NORMAL_X + axis]
+            height += (pose[axis] - values[st.FOOT_X + axis]) * values[st.NORMAL_X + axis]
         descent = tuft.length * sine - height
     else:
         descent = pose[7] * tuft.full_press
     descent = min(descent, greatest_descent(tuft, tilt))
     values[st.DESCENT] = descent
     values[st.PRESSURE] = min(1.0, max(0.0, descent / tuft.full_press))
+
+
+@njit(cache=True, nogil=True)
+def _settle(values, up_x, up_y, up_z, tuft):
+    """Set the outline so that a tuft pressed ever less ends where its straight tip touches.
+
+    The papers' outline is counted from the root's foot in the plane, and its bend plane holds the
+    handle. Where the plane leans, the root's foot moves from P'_m; and where the handle leans to a
+    side of the bend or over it, only its lean along the bend is the model's tilt, and the rest
+    moves the outline.
+    """
+    length = tuft.length
+    nx, ny, nz = values[st.NORMAL_X], values[st.NORMAL_X + 1], values[st.NORMAL_X + 2]
+    fx, fy, fz = (
+        values[st.FOOT_NORMAL_X],
+        values[st.FOOT_NORMAL_X + 1],
+        values[st.FOOT_NORMAL_X + 2],
+    )
+    height = length * (up_x * fx + up_y * fy + up_z * fz) - values[st.DESCENT]
+    # from P'_m to the straight tip, in the plane
+    tx = height * fx - length * up_x
+    ty = height * fy - length * up_y
+    tz = height * fz - length * up_z
+    lean = -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
+    tilt = np.arccos(min(1.0, max(0.0, lean)))
+    tilt = max(tilt, tuft.lowest_tilt)
+    back = length * np.cos(tilt) + length * max(0.0, lean - np.cos(tilt))
+    tx -= back * values[st.BEND_X]
+    ty -= back * values[st.BEND_Y]
+    tz -= back * values[st.BEND_Z]
+    along = tx * nx + ty * ny + tz * nz
+    values[st.ORIGIN_X] = values[st.FOOT_X] + tx - along * nx
+    values[st.ORIGIN_X + 1] = values[st.FOOT_X + 1] + ty - along * ny
+    values[st.ORIGIN_X + 2] = values[st.FOOT_X + 2] + tz - along * nz
+    values[st.TILT] = tilt
+    values[st.DESCENT] = min(values[st.DESCENT], greatest_descent(tuft, tilt))
+
+
+@njit(cache=True, nogil=True)
+def _hold_outline(values):
+    """Let the enclosing sphere, made before the plane leaned, hold the outline that came of it."""
+    for along, across in (
+        (values[st.TIP], 0.0),
+        (values[st.HEEL], 0.0),
+        (values[st.REACH_OF_WIDEST], values[st.WIDEST]),
+        (values[st.REACH_OF_WIDEST], -values[st.WIDEST]),
+    ):
+        d2 = 0.0
+        for axis in range(3):
+            d = values[st.ORIGIN_X + axis] - values[st.SPHERE_X + axis]
+            d += along * values[st.BEND_X + axis] + across * values[st.CROSS_X + axis]
+            d2 += d * d
+        values[st.RADIUS] = max(values[st.RADIUS], np.sqrt(d2))
 
 
 @njit(cache=True, nogil=True)
@@ -216,7 +276,7 @@ def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
 @njit(cache=True, nogil=True)
 def start_sheet(values, field):
     """The sheet of surface under the foot point, or -1."""
-    cell = find_cell(field, values[st.ORIGIN_X], values[st.ORIGIN_X + 1], values[st.ORIGIN_X + 2])
+    cell = find_cell(field, values[st.FOOT_X], values[st.FOOT_X + 1], values[st.FOOT_X + 2])
     if cell < 0:
         return -1
     return sheet_of(field, cell, int(values[st.TRIANGLE]))

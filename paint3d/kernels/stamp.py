@@ -22,6 +22,7 @@ __all__ = [
     "DESCENT",
     "DRAG_X",
     "FOOT_NORMAL_X",
+    "FOOT_X",
     "HEEL",
     "NORMAL_X",
     "N_VALUES",
@@ -45,7 +46,7 @@ __all__ = [
 PROFILE_CELLS = 64
 
 # Where each value lies in Stamp.values.
-ORIGIN_X = 0  # 0-2 foot point P'_m, mm
+ORIGIN_X = 0  # 0-2 where the outline is counted from: P'_m, moved as the plane leans, mm
 NORMAL_X = 3  # 3-5 normal of the plane: mean over the effective patch
 BEND_X, BEND_Y, BEND_Z = 6, 7, 8  # direction of P'_m P_0 in the plane (azimuth alpha)
 CROSS_X = 9  # 9-11 normal x bend
@@ -60,7 +61,8 @@ TRIANGLE = 24  # base triangle under P'_m
 FOOT_NORMAL_X = 25  # 25-27 interpolated surface normal at P'_m
 TOUCHES = 28  # 1.0 when the tuft leaves a footprint
 DRAG_X = 29  # 29-31 dragged point relative to P'_m, mm; zero until the first contact
-N_VALUES = 32
+FOOT_X = 32  # 32-34 foot point P'_m, mm
+N_VALUES = 35
 
 
 class Stamp(NamedTuple):

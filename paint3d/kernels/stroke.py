@@ -148,7 +148,7 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
 @njit(cache=True, nogil=True)
 def _foot_motion(a, b):
     d2 = 0.0
-    for axis in range(st.ORIGIN_X, st.ORIGIN_X + 3):
+    for axis in range(st.FOOT_X, st.FOOT_X + 3):
         d2 += (b[axis] - a[axis]) ** 2
     return np.sqrt(d2)
 

@@ -8,6 +8,7 @@ samples give the same painting to the bit, for any number of threads and any chu
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
@@ -22,7 +23,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.kernels import placement, stroke
-from paint3d.kernels.deposit import FRAME_SIZE, PAINTED, VISITED
+from paint3d.kernels.deposit import BETWEEN_SHAPE, FRAME_SIZE, PAINTED, VISITED
 from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
@@ -48,6 +49,7 @@ class Room(NamedTuple):
     half_width: NDArray  # (OUTLINE_CAPACITY,)
     bounds: NDArray  # (8,)
     frame: NDArray  # (FRAME_SIZE,)
+    between: NDArray  # BETWEEN_SHAPE
     tick: NDArray  # (2,) int64, patches flooded and sweeps gathered so far
     patch: NDArray  # (1,) int64, sheets in the patch that was flooded last
     stamps: NDArray  # (sheets,) int64, tick at which a sheet was last in the patch
@@ -104,6 +106,7 @@ class Painter:
         self._progress = stroke.make_progress()
         self._pose = np.zeros(9)
         self._held: list[DeviceSample] = []
+        self._origin_ns = 0
         self._n_samples = 0
         self._dip_down = False
         self.dip(ink)
@@ -162,12 +165,16 @@ class Painter:
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
         """Paint live: the interval before the last two samples waits for what comes next."""
+        if not self._held:
+            samples = list(samples)
+            self._origin_ns = samples[0].time_ns if samples else 0
         self._held.extend(samples)
         self._paint_held(len(self._held) - 1 - _LOOKAHEAD)
 
     def finish(self) -> None:
         """Paint what still waits, and lift the brush."""
         self._paint_held(len(self._held) - 1)
+        self._n_samples += len(self._held)
         self._held = []
         self._begin()
 
@@ -180,6 +187,9 @@ class Painter:
             return
         started = time.perf_counter()
         path = object_poses(self._held)
+        # counted from the stroke's first sample, as in a replay: not a bit may differ
+        since = np.array([sample.time_ns - self._origin_ns for sample in self._held], np.int64)
+        path = dataclasses.replace(path, time_s=since * 1e-9)
         self.seconds["poses"] += time.perf_counter() - started
         self._paint(_samples(path), last, _dips(path.buttons))
         done = max(0, int(self._progress.at[0]) - _LOOKAHEAD)
@@ -240,6 +250,7 @@ class Painter:
             half_width=np.zeros(OUTLINE_CAPACITY),
             bounds=np.zeros(8),
             frame=np.zeros(FRAME_SIZE),
+            between=np.zeros(BETWEEN_SHAPE),
             tick=np.zeros(2, np.int64),
             patch=np.zeros(1, np.int64),
             stamps=np.zeros(sheets, np.int64),
