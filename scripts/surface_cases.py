@@ -298,11 +298,11 @@ def bowl_outside(**pressing: object) -> Case:
 
 
 def bowl_rim(**pressing: object) -> Case:
-    """The rim from above: only it, and what is not steeper than 76 degrees, may be painted."""
+    """The rim from above, and of the inner wall what faces the leaning plane: not the outside."""
     return measure(
         "bowl, rim",
         bowl(),
-        lambda v, n: n[:, 2] < 0.2,
+        lambda v, n: ((v * n).sum(axis=1) > 10.0) & (n[:, 2] < 0.2),
         point=(0.0, 41.0, 0.0),
         along=(1.0, 0.0, 0.0),
         **pressing,

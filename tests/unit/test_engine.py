@@ -1,0 +1,208 @@
+"""The painter and the painted surface: what they accept, count and report."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from paint3d.brush.presets import load_brush
+from paint3d.errors import InputError, RecordingError, UnknownNameError
+from paint3d.ink.pigments import load_pigment
+from paint3d.stroke.engine import DIP, Painter
+from paint3d.stroke.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+from scripts.surface_cases import UPRIGHT, flat, poses, sheet
+
+UP = (0.0, 0.0, 1.0)
+
+
+def surface(resolution: float | None = 0.8, half: float = 40.0) -> PaintedSurface:
+    return PaintedSurface(sheet(flat, (half, half), 5.0), resolution)
+
+
+def stroke(pressures, tilt: float = UPRIGHT, start: float = -15.0) -> Recording:
+    n = len(pressures)
+    x = np.linspace(start, start + 30.0, n)
+    points = np.column_stack([x, np.zeros((n, 2))])
+    return poses(points, UP, (0.0, 1.0, 0.0), np.asarray(pressures), tilt=tilt)
+
+
+LANDING = np.array([0.0, 0.1, 0.3, 0.4, 0.4, 0.3, 0.1, 0.0])
+
+
+def test_a_stroke_leaves_ink_and_a_report():
+    painter = Painter(surface(), "full", "pine soot")
+    painter.replay(stroke(LANDING))
+    report = painter.report()
+    assert report["brush"] == "full"
+    assert report["ink"] == "pine soot"
+    assert report["azimuth"] == "commanded"
+    assert report["samples"] == 8
+    assert report["samples_in_contact"] == 7
+    assert report["footprints"] >= 7
+    assert report["vertices"] == painter.surface.n_vertices
+    assert report["vertices_painted"] == np.count_nonzero(painter.surface.coverage) > 100
+    assert report["vertices_painted"] <= report["deposits"]
+    assert report["tilt_limited"] == report["overpressed"] == 0
+    assert set(report["seconds"]) == {"poses", "stroke", "colour"}
+    assert report["ink_ledger"]["wet"] > 0.0
+    assert painter.surface.n_vertices == len(painter.surface.srgb) == len(painter.surface.amounts)
+
+
+def test_only_painted_vertices_change_colour():
+    painter = Painter(surface())
+    bare = painter.surface.srgb[0].copy()
+    painter.replay(stroke(LANDING))
+    dirty = painter.surface.refresh()
+    painted = painter.surface.coverage > 0.0
+    assert sorted(dirty.tolist()) == np.flatnonzero(painted).tolist()
+    assert (painter.surface.srgb[~painted] == bare).all()
+    assert (painter.surface.srgb[painter.surface.coverage == 1.0].mean(axis=1) < bare.mean()).all()
+    assert len(painter.surface.refresh()) == 0
+
+
+def test_bad_arguments_are_named():
+    with pytest.raises(InputError, match="azimuth is 'free'; expected 'commanded' or 'dragged'"):
+        Painter(surface(), azimuth="free")
+    with pytest.raises(UnknownNameError, match="brush"):
+        Painter(surface(), "broom")
+    with pytest.raises(UnknownNameError, match="mud"):
+        Painter(surface(), "full", "mud")
+    with pytest.raises(InputError, match="mesh is str; expected a TriangleMesh"):
+        PaintedSurface("bowl.ply")
+    with pytest.raises(InputError, match="resolution"):
+        PaintedSurface(sheet(flat, (5.0, 5.0)), 0.0)
+
+
+def test_a_pad_recording_must_be_laid_first():
+    pad = dataclasses.replace(stroke(LANDING), header={"space": "pad"})
+    with pytest.raises(RecordingError, match="space is 'pad'; expected 'world'"):
+        Painter(surface()).replay(pad)
+
+
+def test_brush_and_ink_may_be_objects():
+    painter = Painter(surface(), load_brush("slender"), load_pigment("cinnabar"))
+    assert painter.report()["brush"] == "slender"
+    assert painter.report()["ink"] == "cinnabar"
+
+
+@pytest.mark.parametrize("pressures", [[0.0], [0.0, 0.0, 0.0], [0.4]])
+def test_without_a_touch_nothing_happens(pressures):
+    painter = Painter(surface())
+    painter.replay(stroke(pressures))
+    assert not painter.surface.coverage.any()
+    assert painter.in_brush() == painter.loaded
+    assert painter.report()["samples"] == len(pressures)
+
+
+def test_far_from_the_surface_nothing_happens():
+    recording = stroke(LANDING)
+    away = recording.position + np.array([0.0, 0.0, 60.0])
+    lifted = dataclasses.replace(recording, position=away)
+    painter = Painter(surface())
+    painter.replay(lifted)
+    assert painter.in_brush() == painter.loaded
+    assert not painter.surface.coverage.any()
+
+
+def test_beside_the_surface_ink_runs_off_or_stays():
+    painter = Painter(surface(half=10.0))
+    painter.replay(stroke(np.full(30, 0.4), start=9.0))
+    ledger = painter.ledger()
+    assert ledger["loaded"] == pytest.approx(sum(list(ledger.values())[1:]), rel=1e-6)
+    assert ledger["off_surface"] > 0.0
+
+
+def test_geometry_alone_presses_as_the_force_does():
+    forced = Painter(surface())
+    forced.replay(stroke(np.full(10, 0.4)))
+    free = Painter(surface())
+    free.replay(dataclasses.replace(stroke(np.full(10, 0.4)), pressure=None))
+    np.testing.assert_allclose(free.surface.coverage, forced.surface.coverage, atol=1e-4)
+    assert free.in_brush() == pytest.approx(forced.in_brush(), rel=1e-6)
+
+
+def test_limits_of_the_model_are_counted():
+    flat_pen = Painter(surface())
+    flat_pen.replay(stroke(np.full(5, 0.3), tilt=0.4))
+    assert flat_pen.report()["tilt_limited"] > 0
+    deep = Painter(surface())
+    recording = stroke(np.full(5, 0.4))
+    pressed = recording.position - np.array([0.0, 0.0, 20.0])
+    deep.replay(dataclasses.replace(recording, position=pressed, pressure=None))
+    assert deep.report()["overpressed"] > 0
+
+
+def test_two_inks_mix_where_they_meet():
+    painter = Painter(surface(), "full", "pine soot")
+    painter.replay(stroke(LANDING))
+    painter.dip("cinnabar")
+    painter.replay(stroke(LANDING))
+    amounts = painter.surface.amounts
+    assert amounts.shape == (painter.surface.n_vertices, 2)
+    assert ((amounts > 0.0).all(axis=1)).sum() > 100
+    assert [p.name for p in painter.surface.pigments] == ["pine soot", "cinnabar"]
+    painter.dip("pine soot")
+    assert painter.surface.amounts.shape[1] == 2
+
+
+def test_the_button_dips():
+    pressures = np.concatenate([LANDING, LANDING])
+    buttons = np.zeros(16, np.int32)
+    buttons[8] = DIP
+    recording = dataclasses.replace(stroke(pressures), buttons=buttons)
+    painter = Painter(surface())
+    painter.replay(recording)
+    undipped = Painter(surface())
+    undipped.replay(stroke(pressures))
+    assert painter.loaded > painter.tuft.load
+    assert painter.in_brush() > undipped.in_brush()
+    live = Painter(surface())
+    for sample in recording.samples():
+        live.advance([sample])
+    live.finish()
+    assert live.ledger() == painter.ledger()
+
+
+def test_progress_is_told():
+    told = []
+    Painter(surface()).replay(stroke(LANDING), told.append)
+    assert told == [1.0]
+
+
+def test_growing_changes_nothing(monkeypatch):
+    """However often the mesh runs out of room, the painting is the same."""
+    from paint3d.mesh import paint_mesh
+
+    roomy = Painter(surface(0.4))
+    roomy.replay(stroke(LANDING))
+    monkeypatch.setattr(paint_mesh, "_ROOM", 100)
+    tight = Painter(surface(0.4))
+    start = tight.surface.paint_mesh.capacity
+    tight.replay(stroke(LANDING))
+    assert tight.surface.paint_mesh.capacity > start
+    assert tight.surface.n_vertices == roomy.surface.n_vertices
+    np.testing.assert_array_equal(tight.surface.amounts, roomy.surface.amounts)
+    np.testing.assert_array_equal(tight.surface.srgb, roomy.surface.srgb)
+    assert tight.ledger() == roomy.ledger()
+
+
+def test_a_mesh_may_keep_its_own_vertices():
+    painter = Painter(surface(None))
+    before = painter.surface.n_vertices
+    painter.replay(stroke(LANDING))
+    assert painter.surface.n_vertices == before
+    assert painter.ledger()["wet"] > 0.0
+
+
+def test_the_refined_mesh_is_whole():
+    painter = Painter(surface())
+    source = painter.surface.source
+    painter.replay(stroke(LANDING))
+    mesh = painter.surface.mesh
+    assert mesh.n_vertices == painter.surface.n_vertices > source.n_vertices
+    assert mesh.area == pytest.approx(source.area, rel=1e-6)
+    assert painter.surface.vertex_areas.sum() == pytest.approx(source.area, rel=1e-6)
+    assert (mesh.colours == painter.surface.srgb).all()
