@@ -23,6 +23,7 @@ VISITED, PAINTED = 2, 3  # counters
 _LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vertex faces away
 _STEEPEST = 4.0  # tangent of the angle at which a vertex faces away
 _LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
+_AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 _COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
 _AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
 
@@ -697,10 +698,15 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _weighed_area(area_units, unit, ids, share, n):
-    total = 0.0
+    """Area that the found vertices stand for, weighed, mm2.
+
+    Summed in whole numbers, so that the order in which vertices are found, which depends on what
+    was refined before, cannot change a bit of it.
+    """
+    total = np.int64(0)
     for k in range(n):
-        total += share[k] * area_units[ids[k]]
-    return total * unit
+        total += np.int64(share[k] * area_units[ids[k]] * unit * _AREA_STEPS)
+    return total / _AREA_STEPS
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
