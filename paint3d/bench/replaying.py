@@ -11,7 +11,6 @@ from paint3d.bench.live import frames_of, play, play_live
 from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import Times, timed_once
 from paint3d.bench.strokes import first_samples
-from paint3d.kernels.refine import activate_cell
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.stroke.engine import Painter
 from paint3d.stroke.recording import Recording, load_recording
@@ -34,9 +33,7 @@ def refined_surface(mesh: TriangleMesh, n_vertices: int) -> PaintedSurface:
     resolution = _COARSE_MM
     while True:
         surface = PaintedSurface(mesh, resolution=resolution)
-        for cell in range(surface.paint_mesh.n_cells):
-            while activate_cell(surface.paint_mesh.arrays, cell) < 0:
-                surface.make_room()
+        surface.refine_all()
         if surface.n_vertices >= n_vertices:
             return surface
         lacking = (surface.n_vertices / n_vertices) ** 0.5
