@@ -109,6 +109,7 @@ FRAME_SIZE = 37  # numbers in the frame
 _MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
 _PART_SHARE = 0.04  # of the footprint's smaller extent, the longest part
 _PART_WIDTH = 0.25  # of the soft edge, the shortest
+_SLOW = 4.0  # box widths: an edge that passes faster passes as good as straight
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
@@ -157,8 +158,8 @@ def _fill_between(before, after, frame, between):
     frame[_PARTS] = parts
     frame[_RISE] = 0.5 * motion * frame[_SCALE]
     turn = np.arctan2(frame[_BOX_BEFORE + 3], frame[_BOX_BEFORE + 2])
-    for k in range(1, parts):
-        back = 1.0 - k / parts
+    for k in range(parts):  # row 0: half the way
+        back = 1.0 - k / parts if k > 0 else 0.5
         between[k, 0] = back * frame[_BOX_BEFORE]
         between[k, 1] = back * frame[_BOX_BEFORE + 1]
         between[k, 2] = np.cos(back * turn)
@@ -338,6 +339,7 @@ def _weigh_block(
         inner_a = inner_b
     parts = int(frame[_PARTS])
     least = np.float32(-0.5 - frame[_RISE])
+    half_rise = 0.5 * frame[_RISE]
     candidates = 0
     for k in range(n):  # no branch: half of them lie outside, in no order that can be foretold
         near[candidates] = k
@@ -350,22 +352,22 @@ def _weigh_block(
         cover = 1.0
         if min(a, b) < 0.5:
             most = 0.0
-            if parts > 1:
-                share, most = _pass_edge(
-                    np.float64(xs[k]), np.float64(ys[k]), a, b, lines_before, lines, between,
-                    parts, scale,
-                )  # fmt: skip
+            if parts > 1 and (max(a, b) < 0.5 or abs(b - a) < _SLOW):
+                x, y = np.float64(xs[k]), np.float64(ys[k])
+                middle, _ = _edges_between(x, y, lines_before, lines, 0.5, between[0])
+                if max(max(a, b), middle * scale + half_rise) <= -0.5:
+                    continue  # too far from the outline at half the way to be passed at all
+                share, most = _pass_edge(x, y, a, b, lines_before, lines, between, parts, scale)
             else:
                 share = _mean_covered(a, b)
             if max(a, b) < 0.5:  # on the edge itself: never wholly covered
-                cover = 0.0
-                if now > 0.0:
+                cover = most
+                if now > 0.0 and b > -0.5:
                     far = _far_edge(xs[k], ys[k], lines, heel, tip, turn_b) * scale
-                    cover = _covered(b) + _covered(far) - 1.0
-                if then > 0.0:
+                    cover = max(cover, _covered(b) + _covered(far) - 1.0)
+                if then > 0.0 and a > -0.5:
                     far = _far_edge(xs[k], ys[k], lines_before, heel_a, tip_a, turn_a) * scale
                     cover = max(cover, _covered(a) + _covered(far) - 1.0)
-                cover = max(cover, most)
                 if cover <= 0.0:
                     continue
         out_ids[found] = ids[k]
