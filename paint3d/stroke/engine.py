@@ -11,10 +11,9 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
@@ -23,10 +22,11 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.kernels import placement, stroke
-from paint3d.kernels.deposit import BETWEEN_SHAPE, FRAME_SIZE, PAINTED, VISITED
-from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
+from paint3d.kernels.deposit import PAINTED, VISITED
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
+from paint3d.projection.contact import Contact, find_contact
+from paint3d.projection.room import Room, grow_room, make_room
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -35,38 +35,6 @@ __all__ = ["DIP", "Painter"]
 DIP = 2  # button bit: the brush is dipped, on a lifted sample
 _CHUNK = 2000  # samples between two calls of `progress`
 _LOOKAHEAD = 2  # samples that must be known beyond an interval before it is painted
-_BLOCK = 4096  # vertices projected at a time
-
-
-class Room(NamedTuple):
-    """Scratch arrays of the stroke kernels."""
-
-    foot: NDArray  # (6,)
-    vector: NDArray  # (3,)
-    drag: NDArray  # (3,)
-    tuft: NDArray  # (SCRATCH_SIZE,)
-    reach: NDArray  # (OUTLINE_CAPACITY,)
-    half_width: NDArray  # (OUTLINE_CAPACITY,)
-    bounds: NDArray  # (8,)
-    frame: NDArray  # (FRAME_SIZE,)
-    between: NDArray  # BETWEEN_SHAPE
-    tick: NDArray  # (2,) int64, patches flooded and sweeps gathered so far
-    patch: NDArray  # (1,) int64, sheets in the patch that was flooded last
-    stamps: NDArray  # (sheets,) int64, tick at which a sheet was last in the patch
-    sheets: NDArray  # (sheets,) int32
-    cell_ticks: NDArray  # (cells,) int64
-    cells: NDArray  # (cells,) int32
-    inside: NDArray  # (cells,) uint8, the cell lies well inside the outline
-    xs: NDArray  # (_BLOCK,) float32
-    ys: NDArray  # (_BLOCK,) float32
-    stretch: NDArray  # (_BLOCK,) float32
-    work: NDArray  # (4, _BLOCK) float32
-    near: NDArray  # (_BLOCK,) int32
-    ids: NDArray  # (_BLOCK,) int32
-    found: NDArray  # (cap,) int32
-    share: NDArray  # (cap,) float32
-    cover: NDArray  # (cap,) float32
-    part: NDArray  # (P,)
 
 
 class Painter:
@@ -127,6 +95,15 @@ class Painter:
     def in_brush(self) -> float:
         """Ink in the brush, coats x mm2."""
         return float(self.surface.ink.load.sum())
+
+    def contact(
+        self, position: ArrayLike, orientation: ArrayLike, pressure: float | None = None
+    ) -> Contact | None:
+        """How the brush would stand on the surface in one pose; see `find_contact`."""
+        surface = self.surface
+        return find_contact(
+            self.tuft, surface.paint_mesh, surface.contact_tree, position, orientation, pressure
+        )
 
     # -- painting ---------------------------------------------------------------------------
 
@@ -232,42 +209,9 @@ class Painter:
         self.seconds["stroke"] += time.perf_counter() - started
 
     def _make_room(self) -> Room:
-        mesh = self.surface.paint_mesh
-        cap, sheets, cells = mesh.capacity, mesh.n_sheets, mesh.n_cells
-        per_vertex = {
-            "found": np.zeros(cap, np.int32),
-            "share": np.zeros(cap, np.float32),
-            "cover": np.zeros(cap, np.float32),
-            "part": np.zeros(len(self.surface.pigments)),
-        }
+        mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
         old = getattr(self, "_room", None)
-        if old is not None:
-            return old._replace(**per_vertex)
-        return Room(
-            foot=np.zeros(6),
-            vector=np.zeros(3),
-            drag=np.zeros(3),
-            tuft=np.zeros(SCRATCH_SIZE),
-            reach=np.zeros(OUTLINE_CAPACITY),
-            half_width=np.zeros(OUTLINE_CAPACITY),
-            bounds=np.zeros(8),
-            frame=np.zeros(FRAME_SIZE),
-            between=np.zeros(BETWEEN_SHAPE),
-            tick=np.zeros(2, np.int64),
-            patch=np.zeros(1, np.int64),
-            stamps=np.zeros(sheets, np.int64),
-            sheets=np.zeros(sheets, np.int32),
-            cell_ticks=np.zeros(cells, np.int64),
-            cells=np.zeros(cells, np.int32),
-            inside=np.zeros(cells, np.uint8),
-            xs=np.zeros(_BLOCK, np.float32),
-            ys=np.zeros(_BLOCK, np.float32),
-            stretch=np.zeros(_BLOCK, np.float32),
-            work=np.zeros((4, _BLOCK), np.float32),
-            near=np.zeros(_BLOCK, np.int32),
-            ids=np.zeros(_BLOCK, np.int32),
-            **per_vertex,
-        )
+        return make_room(mesh, pigments) if old is None else grow_room(old, mesh, pigments)
 
     # -- accounts ---------------------------------------------------------------------------
 

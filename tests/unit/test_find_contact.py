@@ -1,0 +1,61 @@
+"""The contact of one pose, by name."""
+
+import numpy as np
+import pytest
+
+import paint3d
+from paint3d.errors import InputError
+
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def painter():
+    return paint3d.Painter(paint3d.PaintedSurface(paint3d.load_mesh("plane"), 2.0), "full")
+
+
+def test_three_newton_on_the_plane_leave_the_footprint_of_the_model(painter):
+    contact = painter.contact((3.0, -4.0, 28.0), UPRIGHT, 3.0 / 7.9)
+    np.testing.assert_allclose(contact.foot, (3.0, -4.0, 0.0), atol=1e-5)
+    np.testing.assert_allclose(contact.normal, (0.0, 0.0, 1.0), atol=1e-6)
+    np.testing.assert_allclose(contact.bend, (1.0, 0.0, 0.0), atol=1e-6)
+    assert contact.length == pytest.approx(7.68, rel=0.01)
+    assert contact.width == pytest.approx(7.43, rel=0.01)
+    assert contact.area == pytest.approx(38.6, rel=0.01)
+
+
+def test_the_depth_follows_from_the_height_of_the_root(painter):
+    contact = painter.contact((0.0, 0.0, 28.0), UPRIGHT)
+    assert contact.descent == pytest.approx(35.0 - 28.0)
+    assert contact.pressure == pytest.approx(7.0 / 17.5)
+    assert contact.sphere_centre[2] + contact.sphere_radius >= 28.0
+
+
+def test_a_brush_in_the_air_touches_nothing(painter):
+    above = painter.contact((0.0, 0.0, 36.0), UPRIGHT)
+    assert above.area == 0.0
+    assert painter.contact((0.0, 0.0, 80.0), UPRIGHT) is None
+
+
+def test_on_a_sphere_the_normal_is_the_radius():
+    surface = paint3d.PaintedSurface(paint3d.load_mesh("sphere"), 2.0)
+    painter = paint3d.Painter(surface, "full")
+    axis = np.array([0.36, 0.48, 0.8])
+    turn = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])  # carries z to the axis
+    contact = painter.contact(103.0 * axis, turn / np.linalg.norm(turn), 0.3)
+    np.testing.assert_allclose(contact.foot, 75.0 * axis, atol=0.05)
+    assert contact.normal @ axis > np.cos(np.deg2rad(3.0))
+
+
+@pytest.mark.parametrize(
+    ("position", "orientation", "pressure", "said"),
+    [
+        ((0, 0, np.nan), UPRIGHT, None, "position"),
+        ((0, 0), UPRIGHT, None, "position"),
+        ((0, 0, 1), (1, 1, 0, 0), None, "orientation has length"),
+        ((0, 0, 1), UPRIGHT, 1.5, "pressure is 1.5"),
+    ],
+)
+def test_a_pose_must_be_one(painter, position, orientation, pressure, said):
+    with pytest.raises(InputError, match=said):
+        painter.contact(position, orientation, pressure)
