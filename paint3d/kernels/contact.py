@@ -23,6 +23,7 @@ LEAF_SIZE = 8
 _STACK = 64
 _TOLERANCE = 1e-4  # mm, tangential residual at which the foot point counts as found
 _ITERATIONS = 8
+_WARM = 0.15  # of the reach: a root that has moved farther is looked for afresh
 
 
 class ContactTree(NamedTuple):
@@ -214,18 +215,57 @@ def _interpolate(tree, k, wa, wb, wc, out):
 
 
 @njit(cache=True, nogil=True)
-def find_foot(tree, x, y, z, ux, uy, uz, reach, out):
+def find_foot(tree, x, y, z, ux, uy, uz, reach, out, warm):
     """The foot point P'_m of the root node (x, y, z): its interpolated normal passes through it.
 
-    Returns the triangle it lies on, or -1 where no facing surface is within `reach`; `out` (6,)
-    gets the point and the normal. Secant steps along the tangential residual; where the surface
-    ends or has a crease there may be no such point, and the nearest one found is kept.
+    Parameters
+    ----------
+    tree : ContactTree
+    x, y, z : float
+        Root node, mm.
+    ux, uy, uz : float
+        Up the handle: only triangles that face this way count.
+    reach : float
+        Farthest surface, mm.
+    out : (6,) float64
+        Filled with the point and the normal there. Holds the last foot where `warm` says so.
+    warm : (5,) float64
+        1 where there is a last foot, its triangle, and the root node it was found for; kept here.
+        While the root moves little the search goes on from there: a tree asked for the nearest of
+        many points all but equally far has to look at most of them.
+
+    Returns
+    -------
+    int
+        The triangle the foot lies on, or -1 where no facing surface is within `reach`. Where the
+        surface ends or has a crease there may be no such point: then the nearest one found.
     """
-    triangle = closest_point(tree, x, y, z, ux, uy, uz, reach, out)
+    triangle = -1
+    if warm[0] > 0.0:
+        moved = (x - warm[2]) ** 2 + (y - warm[3]) ** 2 + (z - warm[4]) ** 2
+        if moved <= (_WARM * reach) ** 2:
+            triangle = _settle_foot(tree, x, y, z, ux, uy, uz, int(warm[1]), 1.0, out)
+            _, _, _, residual = _residual(x, y, z, out)
+            away = (x - out[0]) ** 2 + (y - out[1]) ** 2 + (z - out[2]) ** 2
+            facing = out[3] * ux + out[4] * uy + out[5] * uz
+            if residual > _TOLERANCE * _TOLERANCE or away > reach * reach or facing <= 0.0:
+                triangle = -1
     if triangle < 0:
-        return -1
+        triangle = closest_point(tree, x, y, z, ux, uy, uz, reach, out)
+        if triangle >= 0:
+            triangle = _settle_foot(tree, x, y, z, ux, uy, uz, triangle, 0.7, out)
+    warm[0] = 1.0 if triangle >= 0 else 0.0
+    warm[1] = triangle
+    warm[2] = x
+    warm[3] = y
+    warm[4] = z
+    return triangle
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _settle_foot(tree, x, y, z, ux, uy, uz, triangle, gain, out):
+    """Secant steps along the tangential residual, from the foot in `out`; returns its triangle."""
     trial = np.empty(6)
-    gain = 0.7
     rx, ry, rz, residual = _residual(x, y, z, out)
     for _ in range(_ITERATIONS):
         if residual <= _TOLERANCE * _TOLERANCE:

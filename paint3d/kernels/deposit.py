@@ -104,8 +104,8 @@ def _sweep_bounds(before, after, plane, margin, bounds):
 # Places in the frame of a sweep: everything that the loop over vertices needs, as one array.
 _ORIGIN, _NORMAL, _BEND, _CROSS, _SPHERE = 0, 3, 6, 9, 12
 _RADIUS2, _BOX, _BOX_BEFORE, _SCALE, _AFTER, _BEFORE = 15, 16, 20, 24, 25, 28
-_TURN_AFTER, _PARTS, _RISE = 31, 35, 36
-FRAME_SIZE = 37  # numbers in the frame
+_TURN_AFTER, _PARTS, _RISE, _END_RISE, _END = 31, 35, 36, 37, 38
+FRAME_SIZE = 39  # numbers in the frame
 _MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
 _PART_SHARE = 0.04  # of the footprint's smaller extent, the longest part
 _PART_WIDTH = 0.25  # of the soft edge, the shortest
@@ -144,6 +144,8 @@ def _fill_between(before, after, frame, between):
     """
     frame[_PARTS] = 1.0
     frame[_RISE] = 0.0
+    frame[_END_RISE] = 0.0
+    frame[_END] = 0.0
     a = before.values
     b = after.values
     if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
@@ -156,7 +158,12 @@ def _fill_between(before, after, frame, between):
     if parts < 2:
         return
     frame[_PARTS] = parts
-    frame[_RISE] = 0.5 * motion * frame[_SCALE]
+    # how far beyond both stamps' edges the edge gets on its way: a flank that is carried along
+    # bulges by the height of an arc, a pointed end may stand out by half the way
+    widest = min(a[st.WIDEST], b[st.WIDEST])
+    frame[_RISE] = min(0.5 * motion, motion * motion / (4.0 * widest)) * frame[_SCALE]
+    frame[_END_RISE] = 0.5 * motion * frame[_SCALE]
+    frame[_END] = st.PROFILE_CELLS * min(0.5, motion / (a[st.TIP] - a[st.HEEL]))
     turn = np.arctan2(frame[_BOX_BEFORE + 3], frame[_BOX_BEFORE + 2])
     for k in range(parts):  # row 0: half the way
         back = 1.0 - k / parts if k > 0 else 0.5
@@ -331,7 +338,7 @@ def _weigh_block(
     turn_a = frame[_BOX_BEFORE : _BOX_BEFORE + 4]
     if now > 0.0:
         _inner_edges(n, xs, ys, lines, heel, tip, turn_b, scale, places, sides, inner_b)
-    if then > 0.0:
+    if then > 0.0:  # after the other: `places` are then those on the stamp the brush comes from
         _inner_edges(n, xs, ys, lines_before, heel_a, tip_a, turn_a, scale, places, sides, inner_a)
     if now <= 0.0:
         inner_b = inner_a
@@ -339,11 +346,15 @@ def _weigh_block(
         inner_a = inner_b
     parts = int(frame[_PARTS])
     least = np.float32(-0.5 - frame[_RISE])
-    half_rise = 0.5 * frame[_RISE]
+    least_at_end = np.float32(-0.5 - frame[_END_RISE])
+    low, high = np.float32(frame[_END]), np.float32(st.PROFILE_CELLS - frame[_END])
+    half_rise = 0.5 * frame[_END_RISE]
     candidates = 0
     for k in range(n):  # no branch: half of them lie outside, in no order that can be foretold
         near[candidates] = k
-        candidates += np.int64(max(inner_a[k], inner_b[k]) > least)
+        inner = max(inner_a[k], inner_b[k])
+        at_end = (places[k] < low) | (places[k] > high)
+        candidates += np.int64((inner > least) | (at_end & (inner > least_at_end)))
     for i in range(candidates):
         k = near[i]
         a = np.float64(inner_a[k])
@@ -417,7 +428,7 @@ def _cells_in_reach(
     """
     n = 0
     half_diagonal = 0.5 * np.sqrt(3.0) * size
-    margin = (0.5 + frame[_RISE]) / frame[_SCALE]
+    margin = (0.5 + frame[_END_RISE]) / frame[_SCALE]
     for k in range(n_sheets):
         sheet = sheets[k]
         cell = sheet_place[sheet, 3]

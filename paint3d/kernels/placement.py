@@ -42,7 +42,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         room.drag[axis] = before.values[st.DRAG_X + axis]
     values[st.TOUCHES] = 0.0
     triangle = find_foot(
-        tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, _REACH * tuft.length, foot
+        tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, _REACH * tuft.length, foot, room.warm
     )
     values[st.TRIANGLE] = triangle
     if triangle < 0:

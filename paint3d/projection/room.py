@@ -20,6 +20,7 @@ class Room(NamedTuple):
     """Scratch arrays of the stroke kernels."""
 
     foot: NDArray  # (6,)
+    warm: NDArray  # (5,), what `find_foot` knows of the last foot
     vector: NDArray  # (3,)
     drag: NDArray  # (3,)
     tuft: NDArray  # (SCRATCH_SIZE,)
@@ -52,6 +53,7 @@ def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
     sheets, cells = mesh.n_sheets, mesh.n_cells
     return Room(
         foot=np.zeros(6),
+        warm=np.zeros(5),
         vector=np.zeros(3),
         drag=np.zeros(3),
         tuft=np.zeros(SCRATCH_SIZE),

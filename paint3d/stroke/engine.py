@@ -158,6 +158,7 @@ class Painter:
     def _begin(self) -> None:
         self._progress.at[:] = 0
         self._progress.before.values[:] = 0.0
+        self._room.warm[0] = 0.0
 
     def _paint_held(self, last: int) -> None:
         if last <= int(self._progress.at[0]):

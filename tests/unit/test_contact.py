@@ -36,8 +36,26 @@ def queries(n: int, low: float, high: float, seed: int = 5) -> np.ndarray:
 def foots(search, mesh: TriangleMesh, points: np.ndarray, up=UP, reach: float = 50.0):
     tree = build_contact_tree(PaintMesh.build(mesh, None))
     out = np.zeros((len(points), 6))
-    hit = [search(tree, *p, *up, reach, out[k]) for k, p in enumerate(points)]
+    hit = []
+    for k, p in enumerate(points):
+        extra = () if search is closest_point else (np.zeros(5),)
+        hit.append(search(tree, *p, *up, reach, out[k], *extra))
     return np.array(hit), out, tree
+
+
+def test_going_on_from_the_last_foot_finds_the_same():
+    angle = np.linspace(0.0, 0.5, 300)
+    points = 60.0 * np.stack([np.sin(angle), 0.2 * angle, np.cos(angle)], axis=1)
+    mesh = ball(30.0, 3.0)
+    hit, cold, tree = foots(find_foot, mesh, points)
+    warm, out = np.zeros(5), np.zeros(6)
+    for k, point in enumerate(points):
+        triangle = find_foot(tree, *point, *UP, 50.0, out, warm)
+        assert (triangle >= 0) == (hit[k] >= 0)
+        np.testing.assert_allclose(out, cold[k], atol=3e-4)
+    far = find_foot(tree, 0.0, 0.0, 500.0, *UP, 50.0, out, warm)
+    assert far == -1
+    assert warm[0] == 0.0
 
 
 def test_closest_point_is_that_of_the_facing_triangles():
