@@ -156,7 +156,7 @@ def draw_projection() -> plt.Figure:
         surface = paint3d.PaintedSurface(mesh, resolution=0.3)
         recording = lay_on(mesh, presses(depths, 25.0), (0.5, 0.5), None)
         paint3d.Painter(surface, brush="full").replay(recording)
-        vertices, cover = surface.export_arrays()[0], surface.coverage
+        vertices, cover = surface.paint_mesh.vertices, surface.coverage
         area = float(cover @ surface.vertex_areas)
         up = 1 if name == "plane" else 2
         shown = (cover > 0) & (vertices[:, 1] < 0 if up == 2 else True)
