@@ -107,7 +107,7 @@ _RADIUS2, _BOX, _BOX_BEFORE, _SCALE, _AFTER, _BEFORE = 15, 16, 20, 24, 25, 28
 _TURN_AFTER, _PARTS, _RISE, _END_RISE, _END = 31, 35, 36, 37, 38
 FRAME_SIZE = 39  # numbers in the frame
 _MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
-_PART_SHARE = 0.04  # of the footprint's smaller extent, the longest part
+_PART_SHARE = 0.05  # of the footprint's smaller extent, the longest part
 _PART_WIDTH = 0.25  # of the soft edge, the shortest
 _SLOW = 4.0  # box widths: an edge that passes faster passes as good as straight
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
@@ -159,10 +159,11 @@ def _fill_between(before, after, frame, between):
         return
     frame[_PARTS] = parts
     # how far beyond both stamps' edges the edge gets on its way: a flank that is carried along
-    # bulges by the height of an arc, a pointed end may stand out by half the way
+    # bulges by the height of an arc, the pointed tip stands out by half its way to the side
     widest = min(a[st.WIDEST], b[st.WIDEST])
     frame[_RISE] = min(0.5 * motion, motion * motion / (4.0 * widest)) * frame[_SCALE]
-    frame[_END_RISE] = 0.5 * motion * frame[_SCALE]
+    aside = abs(frame[_BOX_BEFORE + 1] + frame[_BOX_BEFORE + 3] * a[st.TIP])
+    frame[_END_RISE] = max(frame[_RISE], 0.5 * aside * frame[_SCALE])
     frame[_END] = st.PROFILE_CELLS * min(0.5, motion / (a[st.TIP] - a[st.HEEL]))
     turn = np.arctan2(frame[_BOX_BEFORE + 3], frame[_BOX_BEFORE + 2])
     for k in range(parts):  # row 0: half the way
@@ -347,14 +348,14 @@ def _weigh_block(
     parts = int(frame[_PARTS])
     least = np.float32(-0.5 - frame[_RISE])
     least_at_end = np.float32(-0.5 - frame[_END_RISE])
-    low, high = np.float32(frame[_END]), np.float32(st.PROFILE_CELLS - frame[_END])
+    end = np.float32(st.PROFILE_CELLS - frame[_END])
     half_rise = 0.5 * frame[_END_RISE]
     candidates = 0
     for k in range(n):  # no branch: half of them lie outside, in no order that can be foretold
         near[candidates] = k
         inner = max(inner_a[k], inner_b[k])
-        at_end = (places[k] < low) | (places[k] > high)
-        candidates += np.int64((inner > least) | (at_end & (inner > least_at_end)))
+        at_end = (places[k] > end) & (inner > least_at_end)
+        candidates += np.int64((inner > least) | at_end)
     for i in range(candidates):
         k = near[i]
         a = np.float64(inner_a[k])
