@@ -24,6 +24,8 @@ def lay_on(
 ) -> Recording:
     """The recording in the world: laid on the mesh if it is a pad's, else as it is.
 
+    A pad's recording that knows no dips gets one before every stroke.
+
     Parameters
     ----------
     mesh : TriangleMesh
@@ -49,9 +51,9 @@ def lay_on(
     from paint3d.mesh.chart import make_chart
     from paint3d.mesh.closest import ClosestPoints
     from paint3d.mesh.placement import place as find_place
-    from paint3d.stroke.laying import centred, lay
+    from paint3d.stroke.laying import centred, dipped, lay
 
-    sheet = centred(recording, width_mm)
+    sheet = dipped(centred(recording, width_mm))
     half_width, half_height = np.abs(sheet.position[:, :2]).max(axis=0) + _MARGIN_MM
     surface = ClosestPoints(mesh)
     frame = find_place(surface, place or _MIDDLE)

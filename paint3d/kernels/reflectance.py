@@ -75,7 +75,7 @@ def mixture_colours(
     """Colour of vertices with any mixture of P pigments, from W bands.
 
     With X_i = amount_i / coverage the wet paint of a vertex is one layer with K X = sum K_i X_i
-    and S X = sum S_i X_i (MODEL 6); its linear RGB is mixed by area with the bare surface:
+    and S X = sum S_i X_i (docs/model.md, 6); its linear RGB is mixed by area with the bare surface:
     (1 - c) bare + c layer. Cost: 1.6 ns a band and vertex at P = 3.
 
     Parameters

@@ -27,12 +27,12 @@ from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
 from paint3d.projection.room import Room, grow_room, make_room
+from paint3d.stroke.laying import DIP
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["DIP", "Painter"]
+__all__ = ["Painter"]
 
-DIP = 2  # button bit: the brush is dipped, on a lifted sample
 _CHUNK = 2000  # samples between two calls of `progress`
 _LOOKAHEAD = 2  # samples that must be known beyond an interval before it is painted
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, RecordingError
 from paint3d.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.mesh.chart import SurfaceChart
 
-__all__ = ["centred", "lay"]
+__all__ = ["DIP", "centred", "dipped", "lay"]
+
+DIP = 2  # button bit: the brush is dipped, on a lifted sample
 
 
 def lay(recording: Recording, chart: SurfaceChart) -> Recording:
@@ -78,3 +82,16 @@ def centred(recording: Recording, width_mm: float | None = None) -> Recording:
         recording.object_orientation,
         recording.header,
     )
+
+
+def dipped(recording: Recording) -> Recording:
+    """The recording with the brush dipped before every stroke, if it is never dipped in it.
+
+    A pad knows no ink: what was drawn with a pen that never ran dry would fade out under a brush.
+    """
+    pressure = recording.pressure
+    if pressure is None or ((recording.buttons & DIP) != 0).any():
+        return recording
+    buttons = recording.buttons.copy()
+    buttons[:-1][(pressure[:-1] <= 0.0) & (pressure[1:] > 0.0)] |= DIP
+    return replace(recording, buttons=buttons)

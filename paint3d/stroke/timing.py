@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from paint3d.errors import InputError
+from paint3d.stroke.laying import DIP
 from paint3d.stroke.planning import StrokeCourse
 
 __all__ = ["Motion", "Tempo", "time_courses"]
 
-_DIP = 2  # button bit
 _TURN_RADIUS = 3.0  # mm of way that a turn of the holder by one radian counts for
 _CURVATURE_POWER = -0.29
 _FINEST_CURVE = 0.004  # of the em: finer curves are not slowed down for
@@ -232,5 +232,5 @@ def _join(parts: list[_Part], tempo: Tempo) -> Motion:
     poses = gaussian_filter1d(poses, tempo.smoothing_s * tempo.rate_hz, axis=0, mode="nearest")
     dips = np.array([part.dips for part in parts])[which] & (poses[:, 2] > 0.5 * tempo.dip_mm)
     groups = np.array([part.group for part in parts])[which]
-    buttons = np.where(dips, _DIP, 0).astype(np.int32)
+    buttons = np.where(dips, DIP, 0).astype(np.int32)
     return Motion(time, poses[:, :2], poses[:, 3], poses[:, 2], buttons, groups)

@@ -16,7 +16,8 @@ from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.resampling import resample
-from paint3d.stroke.engine import DIP, Painter
+from paint3d.stroke.engine import Painter
+from paint3d.stroke.laying import DIP
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import UPRIGHT, ball, flat, on_cylinder, poses, sheet

@@ -8,8 +8,9 @@ import pytest
 
 from paint3d.errors import RecordingError
 from paint3d.frames import matrices_from_quaternions
+from paint3d.stroke.laying import DIP, dipped
 from paint3d.stroke.pad import MM_PER_PIXEL, orientations_from_angles, spread_ties
-from paint3d.stroke.recording import load_recording, save_recording
+from paint3d.stroke.recording import Recording, load_recording, save_recording
 
 SHARED = Path(__file__).parents[2] / "../shared/recordings"
 needs_shared = pytest.mark.skipif(not SHARED.exists(), reason="recordings are not at hand")
@@ -173,3 +174,19 @@ def test_inkml_keeps_a_tablet_recording(tmp_path):
     assert np.array_equal(again.pressure, recording.pressure)
     assert again.orientation == pytest.approx(recording.orientation, abs=1e-12)
     assert again.header == recording.header
+
+
+def test_a_pad_that_knows_no_ink_is_dipped_before_every_stroke():
+    pressure = np.array([0.4, 0.5, 0.0, 0.0, 0.3, 0.0])
+    n = len(pressure)
+    recording = Recording(
+        np.arange(n) * 10_000_000,
+        np.column_stack([np.arange(n), np.zeros(n), np.zeros(n)]),
+        np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
+        pressure,
+        np.array([1, 1, 0, 0, 1, 0], np.int32),
+    )
+    marked = dipped(recording)
+    assert marked.buttons.tolist() == [1, 1, 0, DIP, 1, 0]
+    assert recording.buttons.tolist() == [1, 1, 0, 0, 1, 0]
+    assert dipped(marked) is marked
