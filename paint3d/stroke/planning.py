@@ -35,7 +35,10 @@ from paint3d.stroke.centre_line import (
 from paint3d.stroke.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.stroke.ladder import FootprintLadder
 
-__all__ = ["PlanSettings", "StrokeCourse", "on_paper", "plan_glyph", "plan_stroke"]
+__all__ = ["TECHNIQUES", "PlanSettings", "StrokeCourse", "on_paper", "plan_glyph", "plan_stroke"]
+
+TECHNIQUES = {"zhongfeng": math.pi, "cefeng": 0.75 * math.pi, "pianfeng": 0.5 * math.pi}
+"""Angle between bend and motion, rad (Guo 2017, section 5)."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,16 @@ class PlanSettings:
         How many bare corners the line is bent into, one after another.
     worth : float
         Share of the bare area that a detour must gain.
+    technique : {"zhongfeng", "cefeng", "pianfeng"}, optional
+        How the bend is held against the motion: the tip trails (180 degrees), lies half aside
+        (135) or all aside (90), on either side. None: as covers the outline best.
+    holding : float
+        Cost of a bend the opposite way, in stroke widths left bare, where a technique is asked for.
+
+    Raises
+    ------
+    InputError
+        For a technique that is not known.
     """
 
     sample_step: float = 3.5 / 1024
@@ -72,6 +85,13 @@ class PlanSettings:
     shifting: float = 0.03
     detours: int = 4
     worth: float = 0.05
+    technique: str | None = None
+    holding: float = 2.0
+
+    def __post_init__(self) -> None:
+        if self.technique is not None and self.technique not in TECHNIQUES:
+            known = ", ".join(repr(name) for name in TECHNIQUES)
+            raise InputError(f"technique is {self.technique!r}; expected one of {known}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,14 +260,23 @@ def _choose_course(line: CentreLine, plan: _Plan) -> tuple[NDArray, NDArray]:
         line.headings, line.room, shifts, settings.margin * plan.em_mm, gap,
     )  # fmt: skip
     directions = 2.0 * np.pi * np.arange(n) / n
-    leading = 0.5 + 0.5 * np.cos(directions[None, :] - line.headings[:, None])
-    cost = gap / line.width + settings.trailing * leading[:, :, None]
+    ahead = directions[None, :] - line.headings[:, None]
+    cost = gap / line.width + _cost_of_bend(ahead, settings)[:, :, None]
     per_width = line.step / line.width
     turn = settings.turning * (2.0 * np.pi / n / per_width) ** 2
     aside = settings.shifting * ((shifts[1] - shifts[0]) / per_width) ** 2
     angle, side = np.empty(len(gap), np.int64), np.empty(len(gap), np.int64)
     kernels.best_course(cost, turn, aside, 3, angle, side)
     return np.unwrap(directions[angle]), shifts[side] * line.room.min(axis=1)
+
+
+def _cost_of_bend(ahead: NDArray, settings: PlanSettings) -> NDArray[np.float64]:
+    """Cost of bends at angles from the heading (rad), in stroke widths left bare."""
+    if settings.technique is None:
+        return settings.trailing * (0.5 + 0.5 * np.cos(ahead))
+    wanted = TECHNIQUES[settings.technique]
+    off = np.maximum(np.cos(ahead - wanted), np.cos(ahead + wanted))
+    return settings.holding * (0.5 - 0.5 * off)
 
 
 def _smooth_course(

@@ -130,6 +130,25 @@ def test_trailing_tip_is_preferred_in_the_middle():
     assert np.cos(course.azimuth[middle] - heading).mean() < -0.8
 
 
+@pytest.mark.parametrize(
+    ("technique", "degrees"), [("zhongfeng", 180.0), ("cefeng", 135.0), ("pianfeng", 90.0)]
+)
+def test_technique_holds_the_bend_against_the_motion(technique, degrees):
+    asked = PlanSettings(technique=technique)
+    course = plan_stroke(*band(0.2, 14.0, 1.4), EM, ladder("slender"), asked)
+    middle = slice(len(course.level) // 3, 2 * len(course.level) // 3)
+    ahead = np.gradient(course.centre, axis=0)[middle]
+    angle = course.azimuth[middle] - np.arctan2(ahead[:, 1], ahead[:, 0])
+    held = np.degrees(np.arccos(np.cos(angle)))
+    assert held == pytest.approx(degrees, abs=15.0)
+    assert (course.level[middle] > 0.0).all()
+
+
+def test_unknown_technique_is_refused():
+    with pytest.raises(InputError, match="technique is 'sidewise'; expected one of 'zhongfeng'"):
+        PlanSettings(technique="sidewise")
+
+
 def test_planning_repeats_to_the_bit():
     again = plan_stroke(*band(0.0, 12.0, 1.4, 0.6), EM, ladder())
     assert np.array_equal(again.handle, example().handle)
