@@ -11,16 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.kernels.cells import (
-    build_table,
-    fill_pairs,
-    link_sheets,
-    locate_vertices,
-    measure_sheets,
-    split_sheets,
-)
+from paint3d.kernels.cells import build_table
 from paint3d.kernels.field import SurfaceField
+from paint3d.kernels.pairs import fill_pairs
 from paint3d.kernels.refine import MOST_AROUND_EDGE, activate_cell, longest_edges
+from paint3d.kernels.sheets import link_sheets, locate_vertices, measure_sheets, split_sheets
 from paint3d.mesh.base_surface import BaseSurface, make_base_surface
 from paint3d.mesh.triangle_mesh import TriangleMesh
 

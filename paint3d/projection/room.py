@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.deposit import BETWEEN_SHAPE, FRAME_SIZE
+from paint3d.kernels.sweep import BETWEEN_SHAPE, FRAME_SIZE
 from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.mesh.paint_mesh import PaintMesh
 

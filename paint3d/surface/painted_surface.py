@@ -35,7 +35,6 @@ class InkField(NamedTuple):
     n_dirty: NDArray  # (1,) int64, how many
     load: NDArray  # (P,) float64, ink in the brush, coats x mm2
     off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
-    gain: NDArray  # (1,) float64, factor on the brush's transfer rate
 
 
 class PaintedSurface:
@@ -95,7 +94,6 @@ class PaintedSurface:
             n_dirty=np.zeros(1, np.int64),
             load=np.zeros(n_pigments),
             off_surface=np.zeros(n_pigments),
-            gain=np.ones(1),
         )
 
     def make_room(self, extra: int | None = None) -> None:
@@ -121,7 +119,7 @@ class PaintedSurface:
             getattr(new, name)[:n] = getattr(old, name)
         count = int(old.n_dirty[0])
         new.dirty_ids[:count] = old.dirty_ids[:count]
-        for name in ("n_dirty", "load", "off_surface", "gain"):
+        for name in ("n_dirty", "load", "off_surface"):
             getattr(new, name)[:] = getattr(old, name)
 
     def column_of(self, pigment: Pigment) -> int:

@@ -1,0 +1,159 @@
+"""The way of a footprint from one stamp to the next, in the plane of one of them.
+
+A sweep's *frame* is everything that the loops over vertices need, as one array of numbers: the
+plane, the rectangle around both outlines, how one stamp's coordinates turn into the other's, and
+how finely the way between them is followed for vertices near the edge.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from paint3d.kernels import stamp as st
+
+__all__ = [
+    "AFTER", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CROSS", "END", "END_RISE",
+    "FRAME_SIZE", "NORMAL", "ORIGIN", "PARTS", "RADIUS2", "RISE", "SCALE", "SPHERE", "TURN_AFTER",
+    "edges_between", "fill_between", "fill_frame", "sweep_bounds",
+]  # fmt: skip
+
+_LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
+_MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
+_PART_SHARE = 0.05  # of the footprint's smaller extent, the longest part
+_PART_WIDTH = 0.25  # of the soft edge, the shortest
+
+# Places in the frame.
+ORIGIN, NORMAL, BEND, CROSS, SPHERE = 0, 3, 6, 9, 12
+RADIUS2, BOX, BOX_BEFORE, SCALE, AFTER, BEFORE = 15, 16, 20, 24, 25, 28
+TURN_AFTER, PARTS, RISE, END_RISE, END = 31, 35, 36, 37, 38
+FRAME_SIZE = 39  # numbers in it
+BETWEEN_SHAPE = (_MOST_PARTS, 6)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sweep_bounds(before, after, plane, margin, bounds):
+    """Rectangle (x0, x1, y0, y1) in the plane of the stamp `plane` that holds both outlines.
+
+    Also fills bounds[4:8] with the turn (ox, oy, c, s) that carries its coordinates to those of
+    `before`: x' = c (x - ox) + s (y - oy), y' = -s (x - ox) + c (y - oy).
+    """
+    a = before.values
+    b = plane.values
+    ox = 0.0
+    oy = 0.0
+    c = 0.0
+    s = 0.0
+    for k in range(3):
+        d = a[st.ORIGIN_X + k] - b[st.ORIGIN_X + k]
+        ox += d * b[st.BEND_X + k]
+        oy += d * b[st.CROSS_X + k]
+        c += a[st.BEND_X + k] * b[st.BEND_X + k]
+        s += a[st.BEND_X + k] * b[st.CROSS_X + k]
+    norm = np.sqrt(c * c + s * s)
+    if norm > 1e-9:
+        c /= norm
+        s /= norm
+    else:
+        c, s = 1.0, 0.0
+    bounds[4] = ox
+    bounds[5] = oy
+    bounds[6] = c
+    bounds[7] = s
+    x0, x1, y0, y1 = 1e30, -1e30, 1e30, -1e30
+    if after.values[st.TOUCHES] > 0.0:
+        x0, x1, y0, y1 = b[st.HEEL], b[st.TIP], -b[st.WIDEST], b[st.WIDEST]
+    if a[st.TOUCHES] > 0.0:
+        for u in (a[st.HEEL], a[st.TIP]):
+            for v in (-a[st.WIDEST], a[st.WIDEST]):
+                x = ox + c * u - s * v
+                y = oy + s * u + c * v
+                x0 = min(x0, x)
+                x1 = max(x1, x)
+                y0 = min(y0, y)
+                y1 = max(y1, y)
+    bounds[0] = x0 - margin
+    bounds[1] = x1 + margin
+    bounds[2] = y0 - margin
+    bounds[3] = y1 + margin
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_frame(before, after, plane, scale, bounds, frame):
+    """Gather the numbers of a sweep from its stamps; `plane` holds the plane's values."""
+    for k in range(3):
+        frame[ORIGIN + k] = plane[st.ORIGIN_X + k]
+        frame[NORMAL + k] = plane[st.NORMAL_X + k]
+        frame[BEND + k] = plane[st.BEND_X + k]
+        frame[CROSS + k] = plane[st.CROSS_X + k]
+        frame[SPHERE + k] = plane[st.SPHERE_X + k] - plane[st.ORIGIN_X + k]
+    # the sphere is that of one stamp: the other's outline sticks out by what it moved
+    frame[RADIUS2] = (plane[st.RADIUS] + 0.5 / scale + st.outline_motion(before, after)) ** 2
+    for k in range(8):
+        frame[BOX + k] = bounds[k]
+    frame[SCALE] = scale
+    for at, values in ((AFTER, after.values), (BEFORE, before.values)):
+        frame[at] = values[st.TOUCHES]
+        frame[at + 1] = values[st.HEEL]
+        frame[at + 2] = values[st.TIP]
+    frame[TURN_AFTER : TURN_AFTER + 4] = (0.0, 0.0, 1.0, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_between(before, after, frame, between):
+    """Where the outline stands between two stamps that touch: rows of turn (4), heel and tip.
+
+    An outline passes a vertex near its edge on a curve, not straight from its distance at one
+    stamp to that at the other. Cutting the way for these vertices alone costs less than more
+    stamps would.
+    """
+    frame[PARTS] = 1.0
+    frame[RISE] = 0.0
+    frame[END_RISE] = 0.0
+    frame[END] = 0.0
+    a = before.values
+    b = after.values
+    if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
+        return
+    extent = min(a[st.TIP] - a[st.HEEL], b[st.TIP] - b[st.HEEL])
+    extent = min(extent, 2.0 * min(a[st.WIDEST], b[st.WIDEST]))
+    motion = st.outline_motion(before, after)
+    part = max(_PART_SHARE * extent, _PART_WIDTH / frame[SCALE])
+    parts = min(_MOST_PARTS, int(np.ceil(motion / part)))
+    if parts < 2:
+        return
+    frame[PARTS] = parts
+    # how far beyond both stamps' edges the edge gets on its way: a flank that is carried along
+    # bulges by the height of an arc, the pointed tip stands out by half its way to the side
+    widest = min(a[st.WIDEST], b[st.WIDEST])
+    frame[RISE] = min(0.5 * motion, motion * motion / (4.0 * widest)) * frame[SCALE]
+    aside = abs(frame[BOX_BEFORE + 1] + frame[BOX_BEFORE + 3] * a[st.TIP])
+    frame[END_RISE] = max(frame[RISE], 0.5 * aside * frame[SCALE])
+    frame[END] = st.PROFILE_CELLS * min(0.5, motion / (a[st.TIP] - a[st.HEEL]))
+    turn = np.arctan2(frame[BOX_BEFORE + 3], frame[BOX_BEFORE + 2])
+    for k in range(parts):  # row 0: half the way
+        back = 1.0 - k / parts if k > 0 else 0.5
+        between[k, 0] = back * frame[BOX_BEFORE]
+        between[k, 1] = back * frame[BOX_BEFORE + 1]
+        between[k, 2] = np.cos(back * turn)
+        between[k, 3] = np.sin(back * turn)
+        between[k, 4] = back * a[st.HEEL] + (1.0 - back) * b[st.HEEL]
+        between[k, 5] = back * a[st.TIP] + (1.0 - back) * b[st.TIP]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def edges_between(x, y, lines_before, lines, back, place):
+    """Distances (mm) to the near and the far side of an outline between two stamps."""
+    u = x - place[0]
+    v = y - place[1]
+    along = place[2] * u + place[3] * v
+    side = abs(place[2] * v - place[3] * u)
+    heel = place[4]
+    tip = place[5]
+    at = min(max((along - heel) * st.PROFILE_CELLS / (tip - heel), 0.0), _LAST_PLACE)
+    i = int(at)
+    width = (1.0 - back) * (lines[i, 0] + at * lines[i, 1])
+    width += back * (lines_before[i, 0] + at * lines_before[i, 1])
+    steepness = (1.0 - back) * lines[i, 2] + back * lines_before[i, 2]
+    width -= max(0.0, max(heel - along, along - tip))
+    return (width - side) * steepness, (width + side) * steepness
