@@ -1,10 +1,16 @@
-"""List the inks and colours, with what they are made from and a swatch of each."""
+"""List the inks and colours, or those of a user's own table, with sources and swatches."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 import unicodedata
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from paint3d.ink.pigment import Pigment
 
 HELP = "the palette with sources and swatches"
 
@@ -12,21 +18,37 @@ _WASH, _FULL = 0.1, 1.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The command takes no options."""
-    del parser
+    """Add this command's options."""
+    parser.add_argument(
+        "table",
+        metavar="TABLE.csv",
+        nargs="?",
+        type=Path,
+        help="check and list your own pigments (K and S, or R of a masstone) instead",
+    )
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write the table to stdout, with coloured swatches on a terminal."""
-    del options
-    sys.stdout.write("\n".join(swatches_table(colour=sys.stdout.isatty())) + "\n")
+    """Write the table to stdout, with coloured swatches on a terminal.
+
+    Raises
+    ------
+    PigmentError
+        If the user's table cannot be used.
+    """
+    from paint3d.ink.pigments import load_palette, load_pigments_csv
+
+    pigments = load_palette() if options.table is None else load_pigments_csv(options.table)
+    lines = swatches_table(pigments.values(), colour=sys.stdout.isatty())
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
-def swatches_table(colour: bool = False) -> list[str]:
-    """Lines of a table of the palette: a head, then one pigment a line.
+def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[str]:
+    """Lines of a table of pigments: a head, then one pigment a line.
 
     Parameters
     ----------
+    pigments : iterable of Pigment
     colour : bool
         Put a block in 24-bit ANSI colour before each hexadecimal colour, for a terminal.
 
@@ -36,12 +58,10 @@ def swatches_table(colour: bool = False) -> list[str]:
         Name, Chinese name, colour of a wash (0.1 coats) and of a full coat on porcelain, basis,
         licence and source, in aligned columns.
     """
-    from paint3d.ink.pigments import load_palette
-
     head = ("name", "", "wash", "full coat", "basis", "licence", "source")
     rows = [
         (p.name, p.chinese, _swatch(p, _WASH), _swatch(p, _FULL), p.basis, p.licence, p.source)
-        for p in load_palette().values()
+        for p in pigments
     ]
     widths = [max(map(_columns, column)) for column in zip(head, *rows, strict=True)]
     lines = [_line(head, widths)]

@@ -9,10 +9,14 @@ import numpy as np
 import pytest
 
 from paint3d.cli.inks import swatches_table
+from paint3d.cli.main import main
+from paint3d.colour.layers import layer_reflectance
+from paint3d.colour.spectra import xyz_from_reflectance
 from paint3d.errors import PigmentError, UnknownNameError
 from paint3d.ink.materials import Material, load_material, load_materials, material_names
 from paint3d.ink.pigments import (
     BANDS_NM,
+    WATER,
     Pigment,
     load_drawdown_paints,
     load_palette,
@@ -116,9 +120,57 @@ def test_bad_wavelengths_are_named(tmp_path, nm, message):
         load_pigments_csv(table(tmp_path, "mine,1,2,3,4,4,4", nm=nm))
 
 
+def test_a_masstone_gives_its_own_colour_and_hides(tmp_path):
+    path = tmp_path / "mine.csv"
+    path.write_text("name,chinese,R_400,R_600,R_700\nclay,泥,0.2,0.6,0.6\n", "utf-8")
+    clay = load_pigments_csv(path)["clay"]
+    assert clay.basis == "masstone"
+    assert clay.chinese == "泥"
+    black, white = (layer_reflectance(clay.K, clay.S, 1.0, ground) for ground in (0.0, 0.8))
+    thick = layer_reflectance(clay.K, clay.S, 1e4, 0.0)
+    np.testing.assert_allclose(thick, np.interp(BANDS_NM, [400, 600, 700], [0.2, 0.6, 0.6]))
+    light = [xyz_from_reflectance(film)[1] for film in (black, white)]
+    assert light[0] / light[1] == pytest.approx(0.98, abs=0.002)
+    assert load_pigment(f"{path}:clay").name == "clay"
+    with pytest.raises(UnknownNameError, match=r"unknown ink of .*mine\.csv 'mud'.*clay"):
+        load_pigment(f"{path}:mud")
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("x,0.1,0.0,0.5", r":2: R is 0 at 550 nm"),
+        ("x,0.1,1.2,0.5", r":2: R is 1.2 at 550 nm"),
+        ("x,0.1,-0.2,0.5", r":2: R_550 is -0.2"),
+    ],
+)
+def test_a_masstone_must_be_a_reflectance(tmp_path, row, message):
+    path = tmp_path / "mine.csv"
+    path.write_text(f"name,R_400,R_550,R_700\n{row}\n", "utf-8")
+    with pytest.raises(PigmentError, match=message):
+        load_pigments_csv(path)
+
+
+def test_the_command_checks_an_own_table(tmp_path, capsys):
+    path = table(tmp_path, "mine,1,2,3,4,4,4")
+    assert main(["inks", str(path)]) == 0
+    assert "mine" in capsys.readouterr().out
+    assert main(["inks", str(table(tmp_path, "mine,1,-2,3,4,4,4"))]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("paint3d: error: ")
+    assert "mine.csv:2: K_550 is -2" in told
+    assert told.count("\n") == 1
+
+
+def test_water_does_nothing_to_light():
+    assert load_pigment("water") is load_pigment("水") is WATER
+    assert not WATER.K.any()
+    assert not WATER.S.any()
+
+
 def test_tables_without_columns_or_files_are_named(tmp_path):
     path = tmp_path / "mine.csv"
-    for text, message in [("", "no column 'name'"), ("name,K_400\nx,1\n", "columns K_<nm>")]:
+    for text, message in [("", "no column 'name'"), ("name,K_400\nx,1\n", "1 columns K_<nm>, 0")]:
         path.write_text(text)
         with pytest.raises(PigmentError, match=message):
             load_pigments_csv(path)
@@ -174,7 +226,8 @@ def test_shipped_table_is_what_its_script_builds(tmp_path, name):
 
 
 def test_list_of_inks_has_a_line_each_and_colour_only_when_asked():
-    plain, coloured = swatches_table(), swatches_table(colour=True)
+    palette = load_palette().values()
+    plain, coloured = swatches_table(palette), swatches_table(palette, colour=True)
     assert len(plain) == len(coloured) == len(pigment_names()) + 1
     assert not any("\x1b" in line for line in plain)
     assert all("\x1b[48;2;" in line for line in coloured[1:])
