@@ -7,6 +7,8 @@
     |   |-- PigmentError         a pigment, ink or material table
     |   |-- BrushError           a brush preset or parameter
     |   `-- UnknownNameError     a name that is not among the known ones
+    |-- DeviceError              a device, its reports or its driver
+    |   `-- PermissionNeededError   it is plugged in and may not be opened: which node, and the rule
     `-- ExportError              a result that could not be written
 
 The command line turns each of them into one line on stderr and exit status 2.
@@ -19,10 +21,12 @@ from collections.abc import Iterable
 
 __all__ = [
     "BrushError",
+    "DeviceError",
     "ExportError",
     "InputError",
     "MeshError",
     "Paint3DError",
+    "PermissionNeededError",
     "PigmentError",
     "RecordingError",
     "UnknownNameError",
@@ -61,6 +65,14 @@ class UnknownNameError(InputError):
         near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
         hint = f"did you mean {near[0]!r}? " if near else ""
         super().__init__(f"unknown {kind} {name!r}: {hint}expected one of {', '.join(names)}")
+
+
+class DeviceError(Paint3DError):
+    """A device that is not there, cannot be opened, has gone, or sends what cannot be."""
+
+
+class PermissionNeededError(DeviceError):
+    """A device is plugged in and may not be opened; the message holds the udev rule to add."""
 
 
 class ExportError(Paint3DError):

@@ -23,10 +23,14 @@ HEAVY = {
     "numba",
     "matplotlib",
     "hid",
+    "hidraw",
+    "websockets",
 }
 # Each heavy package has its places; elsewhere it must not be imported at all.
 HOMES = {
     "hid": {"device"},
+    "hidraw": {"device"},
+    "websockets": {"device"},
     "open3d": {"files", "mesh"},
     "pyvista": {"view"},
     "vtk": {"view"},

@@ -1,0 +1,76 @@
+"""Known devices and their quirks, read from ``catalogue.json``.
+
+The table names devices and says where one differs from what its descriptor leads to expect; it
+does not say where the axes are. A 6-DOF mouse that is not listed works by its descriptor.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+
+__all__ = ["MouseQuirks", "find_mouse_quirks", "is_listed_mouse", "is_never_six_dof"]
+
+
+@dataclass(frozen=True, slots=True)
+class MouseQuirks:
+    """What is known about one model of 6-DOF mouse.
+
+    Attributes
+    ----------
+    name : str or None
+        None for one that is not listed: its own product string names it.
+    full_deflection : int
+        Counts at full deflection; some caps go beyond, which is clamped.
+    axes_signs : tuple of 6 int
+        From the device's axes (x right, y towards the user, z down) to a right-handed frame with
+        z up.
+    buttons : int or None
+        How many it has.
+    receiver : bool
+        Whether another device may stand behind it.
+    """
+
+    name: str | None
+    full_deflection: int
+    axes_signs: tuple[int, ...]
+    buttons: int | None = None
+    receiver: bool = False
+
+
+@lru_cache(maxsize=1)
+def _read() -> dict:
+    text = resources.files(__package__).joinpath("catalogue.json").read_text(encoding="utf-8")
+    return json.loads(text)
+
+
+def _find(table: str, vendor: int, product: int) -> dict | None:
+    for row in _read()[table]:
+        if int(row["vendor"], 16) == vendor and f"{product:04x}" in row["products"]:
+            return row
+    return None
+
+
+def find_mouse_quirks(vendor: int, product: int) -> MouseQuirks:
+    """The quirks of a 6-DOF mouse; the defaults for one that is not listed."""
+    defaults = _read()["six_dof_defaults"]
+    row = _find("six_dof_mice", vendor, product) or {}
+    return MouseQuirks(
+        row.get("name"),
+        row.get("full_deflection", defaults["full_deflection"]),
+        tuple(row.get("axes_signs", defaults["axes_signs"])),
+        row.get("buttons"),
+        row.get("receiver", False),
+    )
+
+
+def is_never_six_dof(vendor: int, product: int) -> bool:
+    """Whether this is known to be an ordinary mouse or a keypad of a maker of 6-DOF mice."""
+    return _find("not_six_dof", vendor, product) is not None
+
+
+def is_listed_mouse(vendor: int, product: int) -> bool:
+    """Whether this model of 6-DOF mouse is in the table."""
+    return _find("six_dof_mice", vendor, product) is not None

@@ -1,0 +1,118 @@
+"""paint3d's own HID haptic stylus: pose in, force out, on a vendor page.
+
+Input report 1, 24 bytes: int32 x, y, z in um, int16 quaternion w, x, y, z in 1/16384 (Q14), uint8
+buttons, uint8 reserved, uint16 sequence number. Output report 2, 8 bytes: int16 force x, y, z in
+mN, uint16 the sequence number of the pose that it answers. Little-endian. A device of this kind
+must let its force fall to zero by itself when no force report has come for 10 ms.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paint3d.device.stylus_reading import StylusReading
+from paint3d.errors import DeviceError
+
+__all__ = [
+    "DESCRIPTOR",
+    "MAX_FORCE_N",
+    "PRODUCT_ID",
+    "VENDOR_ID",
+    "decode_force",
+    "decode_pose",
+    "encode_force",
+    "encode_pose",
+    "is_haptic_stylus",
+]
+
+VENDOR_ID, PRODUCT_ID = 0xF055, 0x4A50
+DESCRIPTOR = bytes.fromhex(
+    "0600ff 0901 a101"  # vendor page, usage 1, application
+    "8501 0902 1500 26ff00 7508 9518 8102"  # report 1, 24 bytes in
+    "8502 0903 1500 26ff00 7508 9508 9102"  # report 2, 8 bytes out
+    "c0"
+)
+MAX_FORCE_N = 7.9  # as the papers' device; no smaller number fits the reports' range
+_POSE = struct.Struct("<BiiihhhhBBH")
+_FORCE = struct.Struct("<BhhhH")
+_POSE_ID, _FORCE_ID = 1, 2
+_Q14 = 16384.0
+_WORST_LENGTH = 0.05  # a quaternion further from unit length is a broken report
+_MAX_MM = 2000.0
+_MILLI = 1000.0
+
+
+def is_haptic_stylus(descriptor: bytes) -> bool:
+    """Whether a device's descriptor is this stylus'."""
+    return bytes(descriptor) == DESCRIPTOR
+
+
+def decode_pose(data: bytes, time_ns: int = 0) -> tuple[StylusReading, int]:
+    """The pose and the sequence number in an input report; padding behind it is passed over.
+
+    Raises
+    ------
+    DeviceError
+        If the report is another one, too short, farther than 2 m, or its quaternion is not one.
+    """
+    if len(data) < _POSE.size or data[0] != _POSE_ID:
+        raise DeviceError(
+            f"a stylus report of {len(data)} bytes, {data[:1].hex() or 'no'} first; "
+            f"expected {_POSE.size}, 01 first"
+        )
+    _, x, y, z, qw, qx, qy, qz, buttons, _, sequence = _POSE.unpack_from(data)
+    position = np.array([x, y, z], np.float64) / _MILLI
+    if np.abs(position).max() > _MAX_MM:
+        raise DeviceError(f"the stylus is at {position} mm; expected within {_MAX_MM:g}")
+    orientation = np.array([qw, qx, qy, qz], np.float64) / _Q14
+    length = math.sqrt(float(orientation @ orientation))
+    if abs(length - 1.0) > _WORST_LENGTH:
+        raise DeviceError(f"the stylus' quaternion has length {length:.3g}; expected 1")
+    return StylusReading(time_ns, position, orientation / length, None, buttons), sequence
+
+
+def encode_pose(
+    position: ArrayLike, orientation: ArrayLike, buttons: int = 0, sequence: int = 0
+) -> bytes:
+    """The input report of a pose, as the device (or one that stands in for it) sends it."""
+    micro = np.round(np.asarray(position, np.float64) * _MILLI).astype(np.int64)
+    parts = np.round(np.asarray(orientation, np.float64) * _Q14).astype(np.int64)
+    return _POSE.pack(
+        _POSE_ID, *micro.tolist(), *parts.tolist(), buttons & 0xFF, 0, sequence & 0xFFFF
+    )
+
+
+def encode_force(force: ArrayLike, sequence: int = 0) -> bytes:
+    """The output report of a force (3,) in N, in the device's frame.
+
+    Raises
+    ------
+    DeviceError
+        If the force is not finite or above the device's limit: it must be made safe before.
+    """
+    x, y, z = (float(part) for part in force)
+    squared = x * x + y * y + z * z
+    if not squared <= (MAX_FORCE_N + 1e-6) ** 2:  # also where it is NaN
+        raise DeviceError(f"force is ({x:g}, {y:g}, {z:g}) N; expected at most {MAX_FORCE_N} N")
+    # towards zero: rounding must not pass the limit
+    return _FORCE.pack(
+        _FORCE_ID, int(x * _MILLI), int(y * _MILLI), int(z * _MILLI), sequence & 0xFFFF
+    )
+
+
+def decode_force(data: bytes) -> tuple[tuple[float, float, float], int]:
+    """Force in N and sequence number of an output report, as the device reads it.
+
+    Raises
+    ------
+    DeviceError
+        If it is another report.
+    """
+    if len(data) != _FORCE.size or data[0] != _FORCE_ID:
+        raise DeviceError(f"a force report of {len(data)} bytes; expected {_FORCE.size}")
+    _, x, y, z, sequence = _FORCE.unpack(data)
+    return (x / _MILLI, y / _MILLI, z / _MILLI), sequence

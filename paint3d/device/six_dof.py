@@ -1,0 +1,129 @@
+"""6-DOF mice: input reports to axes and buttons, by the device's own descriptor.
+
+Usage page 1 (generic desktop) holds X, Y, Z, Rx, Ry, Rz (0x30 to 0x35), page 9 the buttons, page 8
+the light. Older devices send translation and rotation as two reports, newer ones all six axes in
+one; the descriptor says which. A report of this kind says how far the cap is deflected *now*; it
+is no motion, and the device falls silent when it sends the last one before rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from paint3d.device.descriptor import Field, Kind, ReportDescriptor
+from paint3d.device.reports import extract, pack_report, pressed, split_report
+from paint3d.errors import DeviceError
+
+__all__ = ["AXES", "MouseLayout", "MouseReading", "find_mouse_layout", "is_multi_axis"]
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+_DESKTOP, _LEDS, _BUTTONS = 0x01, 0x08, 0x09
+_FIRST_AXIS = 0x30
+_MULTI_AXIS = 0x0001_0008
+_JOYSTICKS = (0x0001_0004, 0x0001_0005)
+_BATTERY_REPORT = 0x17  # wireless SpaceMice: per cent, charging; not in every descriptor
+
+
+@dataclass(frozen=True, slots=True)
+class MouseReading:
+    """What a 6-DOF mouse last said.
+
+    Attributes
+    ----------
+    axes : tuple of 6 int
+        x, y, z, rx, ry, rz as sent: +x right, +y towards the user, +z down.
+    buttons : int
+        Bit 0 is the first button.
+    battery : int or None
+        Per cent, where the device says.
+    """
+
+    axes: tuple[int, ...] = (0, 0, 0, 0, 0, 0)
+    buttons: int = 0
+    battery: int | None = None
+
+
+@dataclass(frozen=True)
+class MouseLayout:
+    """Where a descriptor puts axes, buttons and the light.
+
+    Attributes
+    ----------
+    descriptor : ReportDescriptor
+    axes : tuple of 6 (Field or None)
+        One for each of `AXES`.
+    buttons : tuple of Field
+    light : Field or None
+    """
+
+    descriptor: ReportDescriptor
+    axes: tuple[Field | None, ...]
+    buttons: tuple[Field, ...]
+    light: Field | None
+
+    def decode(self, data: bytes, before: MouseReading) -> MouseReading:
+        """The reading after one report; what the report does not speak of stays.
+
+        Parameters
+        ----------
+        data : bytes
+            As read from the device, id first where reports are numbered; may be padded.
+        before : MouseReading
+
+        Raises
+        ------
+        DeviceError
+            If the report is not one of the device's, or too short.
+        """
+        if data[:1] == bytes([_BATTERY_REPORT]) and self._undeclared(_BATTERY_REPORT):
+            return replace(before, battery=min(data[1], 100)) if len(data) > 1 else before
+        report_id, body = split_report(self.descriptor, data)
+        axes = tuple(
+            extract(field, body) if field is not None and field.report_id == report_id else old
+            for field, old in zip(self.axes, before.axes, strict=True)
+        )
+        told = [field for field in self.buttons if field.report_id == report_id]
+        return MouseReading(axes, pressed(told, body) if told else before.buttons, before.battery)
+
+    def encode_light(self, on: bool) -> bytes | None:
+        """The output report that turns the light on or off; None where there is no light."""
+        if self.light is None:
+            return None
+        values = {self.light: int(on)}
+        return pack_report(self.descriptor, Kind.OUTPUT, self.light.report_id, values)
+
+    def _undeclared(self, report_id: int) -> bool:
+        return self.descriptor.numbered and not self.descriptor.size(Kind.INPUT, report_id)
+
+
+def find_mouse_layout(descriptor: ReportDescriptor) -> MouseLayout:
+    """Find the six axes of a 6-DOF mouse.
+
+    Raises
+    ------
+    DeviceError
+        If the descriptor has no multi-axis controller with all of X, Y, Z, Rx, Ry and Rz.
+    """
+    fields = [f for f in descriptor.fields if f.application not in _JOYSTICKS and not f.constant]
+    axes = tuple(
+        next(
+            (f for f in fields if _is(f, Kind.INPUT, _DESKTOP, _FIRST_AXIS + i) and f.variable),
+            None,
+        )
+        for i in range(6)
+    )
+    if None in axes:
+        missing = " ".join(name for name, f in zip(AXES, axes, strict=True) if f is None)
+        raise DeviceError(f"not a 6-DOF mouse: its descriptor has no axis {missing}")
+    buttons = tuple(f for f in fields if f.kind is Kind.INPUT and f.page == _BUTTONS)
+    light = next((f for f in fields if f.kind is Kind.OUTPUT and f.page == _LEDS), None)
+    return MouseLayout(descriptor, axes, buttons, light)
+
+
+def is_multi_axis(descriptor: ReportDescriptor) -> bool:
+    """Whether a top-level collection is a multi-axis controller (page 1, usage 8)."""
+    return _MULTI_AXIS in descriptor.applications
+
+
+def _is(field: Field, kind: Kind, page: int, usage: int) -> bool:
+    return field.kind is kind and field.page == page and field.usage == usage

@@ -1,0 +1,163 @@
+"""Where a device stands in the world: world_from_device, found from points touched.
+
+The user touches known points; rotation, shift and (if wanted) scale that carry the device's
+points onto the world's with the least squares follow in closed form (Umeyama 1991, Eqs. 40-42).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.arrays import as_array, as_number
+from paint3d.errors import DeviceError
+from paint3d.frames import quaternions_from_matrices, rotate
+from paint3d.pose.single_turns import multiply, turn
+
+__all__ = ["DeviceCalibration", "fit_calibration", "load_calibration", "save_calibration"]
+
+_FORMAT = "paint3d-calibration"
+_SCALES = (0.01, 100.0)
+
+
+@dataclass(frozen=True, eq=False)
+class DeviceCalibration:
+    """world_from_device: ``world = scale * rotate(rotation, device) + shift``.
+
+    Parameters
+    ----------
+    rotation : (4,) array_like
+        Unit quaternion, w first.
+    shift : (3,) array_like
+        mm.
+    scale : float
+        World mm per device mm, 0.01 to 100.
+    residual_mm : float
+        Root mean square distance that the fit left.
+
+    Raises
+    ------
+    DeviceError
+        If a value is not finite or out of range, or the quaternion has no unit length.
+    """
+
+    rotation: NDArray[np.float64] = (1.0, 0.0, 0.0, 0.0)  # type: ignore[assignment]
+    shift: NDArray[np.float64] = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    scale: float = 1.0
+    residual_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        rotation = as_array(self.rotation, "rotation", (4,), error=DeviceError).copy()
+        length = float(np.linalg.norm(rotation))
+        if abs(length - 1.0) > 1e-3:
+            raise DeviceError(f"rotation has length {length:.6g}; expected 1 within 0.001")
+        object.__setattr__(self, "rotation", rotation / length)
+        shift = as_array(self.shift, "shift", (3,), error=DeviceError)
+        object.__setattr__(self, "shift", shift.copy())
+        as_number(self.scale, "scale", *_SCALES, DeviceError)
+
+    def to_world(self, points: NDArray) -> NDArray:
+        """Points (..., 3), mm, from the device's frame to the world's."""
+        return self.scale * rotate(self.rotation, points) + self.shift
+
+    def place(self, point: NDArray, orientation: NDArray) -> tuple[NDArray, NDArray]:
+        """One point (3,) and one orientation (4,) in the world."""
+        q, d = tuple(self.rotation.tolist()), tuple(point.tolist())
+        turned = np.array(multiply(q, tuple(orientation.tolist())))
+        return self.scale * np.array(turn(q, d)) + self.shift, turned
+
+    def force_to_device(self, force: NDArray) -> NDArray:
+        """A force (..., 3), N, from the world's frame to the device's: turned, never scaled."""
+        return rotate(self.rotation * np.array([1.0, -1.0, -1.0, -1.0]), force)
+
+    def as_dict(self) -> dict:
+        """Everything, ready for JSON."""
+        return {
+            "format": _FORMAT,
+            "rotation": self.rotation.tolist(),
+            "shift": self.shift.tolist(),
+            "scale": self.scale,
+            "residual_mm": self.residual_mm,
+        }
+
+
+def fit_calibration(
+    device_points: ArrayLike, world_points: ArrayLike, *, scaled: bool = False
+) -> DeviceCalibration:
+    """The calibration that carries device points onto world points with the least squares.
+
+    Parameters
+    ----------
+    device_points, world_points : (N, 3) array_like
+        The same N >= 3 points in both frames, mm; not all on one line.
+    scaled : bool
+        Whether the device may be larger or smaller than the world.
+
+    Raises
+    ------
+    DeviceError
+        If there are too few points, or they lie on a line.
+    """
+    device = as_array(device_points, "device_points", (None, 3), error=DeviceError)
+    world = as_array(world_points, "world_points", (None, 3), error=DeviceError)
+    if len(device) != len(world) or len(device) < 3:
+        raise DeviceError(f"{len(device)} and {len(world)} points; expected as many, at least 3")
+    d, w = device - device.mean(axis=0), world - world.mean(axis=0)
+    u, spread, vt = np.linalg.svd(w.T @ d / len(d))
+    if spread[1] < 1e-6 * max(spread[0], 1e-12):
+        raise DeviceError("the points lie on one line; expected a triangle at the least")
+    signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(vt))])
+    turn = u * signs @ vt
+    scale = float((spread * signs).sum() / (d**2).sum() * len(d)) if scaled else 1.0
+    shift = world.mean(axis=0) - scale * turn @ device.mean(axis=0)
+    left = world - (scale * device @ turn.T + shift)
+    residual = float(np.sqrt((left**2).sum(axis=1).mean()))
+    return DeviceCalibration(quaternions_from_matrices(turn[None])[0], shift, scale, residual)
+
+
+def load_calibration(path: str | os.PathLike[str]) -> DeviceCalibration:
+    """Read a calibration.
+
+    Raises
+    ------
+    DeviceError
+        If the file cannot be read or is no calibration.
+    """
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as cause:
+        raise DeviceError(f"{path}: no calibration can be read ({cause})") from None
+    if not isinstance(found, Mapping) or found.get("format") != _FORMAT:
+        raise DeviceError(f"{path}: expected a JSON object with format {_FORMAT!r}")
+    try:
+        return DeviceCalibration(
+            found["rotation"], found["shift"], found["scale"], found.get("residual_mm", 0.0)
+        )
+    except (KeyError, TypeError) as cause:
+        raise DeviceError(f"{path}: no {cause} in the calibration") from None
+    except DeviceError as cause:
+        raise DeviceError(f"{path}: {cause}") from None
+
+
+def save_calibration(calibration: DeviceCalibration, path: str | os.PathLike[str]) -> None:
+    """Write a calibration as JSON, whole or not at all.
+
+    Raises
+    ------
+    DeviceError
+        If the file cannot be written.
+    """
+    target = Path(path)
+    part = target.with_name(target.name + ".part")
+    try:
+        part.write_text(json.dumps(calibration.as_dict(), indent=2) + "\n", encoding="utf-8")
+        part.replace(target)
+    except OSError as cause:
+        part.unlink(missing_ok=True)
+        raise DeviceError(f"{path}: cannot be written: {cause.strerror}") from None

@@ -1,0 +1,208 @@
+"""The left hand turns the object: deflection of a 6-DOF mouse to motion in time.
+
+A deflection is a rate. The object's pose at any instant is the integral of what the cap said until
+then, whatever the number of reports: a device read at 60 Hz and one read at 1 kHz turn the object
+equally far. Between two reports the deflection holds, for at most `SILENCE_NS`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.arrays import as_array, as_number
+from paint3d.device.deflection import SILENCE_NS
+from paint3d.errors import DeviceError
+from paint3d.pose.single_turns import Quaternion, Vector, multiply, normalized, turn, turn_by
+
+__all__ = ["ObjectPose", "SteeringOptions", "SteeringState", "advance", "apply_action", "report"]
+
+_IDENTITY = (1.0, 0.0, 0.0, 0.0)
+_NONE: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ObjectPose:
+    """world_from_object: position (3,) mm and unit quaternion (4,), w first."""
+
+    position: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    orientation: NDArray[np.float64] = field(default_factory=lambda: np.array(_IDENTITY))
+
+
+@dataclass(frozen=True, slots=True)
+class SteeringOptions:
+    """What users ask of a 6-DOF mouse.
+
+    Parameters
+    ----------
+    mode : {"object", "camera"}
+        Whether the cap is the object, or the viewer who moves about it.
+    speed_mm_s, turn_rad_s : float
+        At full deflection.
+    inverted : tuple of 6 bool
+        Axes to be turned round: x, y, z, and the turns about them.
+    moving, turning : bool
+        False locks them.
+    dominant_axis : bool
+        Follow only the axis that is deflected farthest.
+    zoom_axis : {"y", "z"}
+        The cap's axis that brings the object nearer: pushed away (y), or lifted (z), which then
+        change places.
+    pivot : tuple of 3 float
+        Point of the object about which it turns in object mode, mm in its own frame.
+    world_from_view : tuple of 4 float
+        Where the user sits: rotates x right, y away, z up into the world.
+
+    Raises
+    ------
+    DeviceError
+        If one is out of range.
+    """
+
+    mode: str = "object"
+    speed_mm_s: float = 150.0
+    turn_rad_s: float = 1.5
+    inverted: tuple[bool, ...] = (False,) * 6
+    moving: bool = True
+    turning: bool = True
+    dominant_axis: bool = False
+    zoom_axis: str = "y"
+    pivot: tuple[float, ...] = (0.0, 0.0, 0.0)
+    world_from_view: tuple[float, ...] = _IDENTITY
+
+    def __post_init__(self) -> None:
+        if self.mode not in ("object", "camera"):
+            raise DeviceError(f"mode is {self.mode!r}; expected 'object' or 'camera'")
+        if self.zoom_axis not in ("y", "z"):
+            raise DeviceError(f"zoom_axis is {self.zoom_axis!r}; expected 'y' or 'z'")
+        if len(self.inverted) != 6:
+            raise DeviceError(f"inverted has {len(self.inverted)} entries; expected 6")
+        as_number(self.speed_mm_s, "speed_mm_s", 0.0, 5000.0, DeviceError)
+        as_number(self.turn_rad_s, "turn_rad_s", 0.0, 50.0, DeviceError)
+        as_array(self.pivot, "pivot", (3,), error=DeviceError)
+        turn = as_array(self.world_from_view, "world_from_view", (4,), error=DeviceError)
+        if abs(float(np.linalg.norm(turn)) - 1.0) > 1e-6:
+            raise DeviceError("world_from_view is no unit quaternion")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SteeringState:
+    """The object at `time_ns`, and the rates that move it on from there.
+
+    Attributes
+    ----------
+    time_ns : int
+    pose : ObjectPose
+    velocity : tuple of 3 float
+        In the world, mm/s.
+    spin : tuple of 3 float
+        About the world's axes, rad/s.
+    heard_ns : int
+        When the device last spoke.
+    """
+
+    time_ns: int
+    pose: ObjectPose = field(default_factory=ObjectPose)
+    velocity: Vector = _NONE
+    spin: Vector = _NONE
+    heard_ns: int = 0
+
+
+def report(
+    options: SteeringOptions, state: SteeringState, time_ns: int, deflection: ArrayLike
+) -> SteeringState:
+    """The state after the device said at `time_ns` that its cap is deflected so, (6,)."""
+    moved = advance(options, state, time_ns)
+    velocity, spin = _rates(options, as_array(deflection, "deflection", (6,), error=DeviceError))
+    return dataclasses.replace(moved, velocity=velocity, spin=spin, heard_ns=moved.time_ns)
+
+
+def advance(options: SteeringOptions, state: SteeringState, time_ns: int) -> SteeringState:
+    """The state at a later time; times before the state's change nothing."""
+    if time_ns <= state.time_ns:
+        return state
+    if state.velocity == _NONE and state.spin == _NONE:
+        return SteeringState(time_ns, state.pose, _NONE, _NONE, state.heard_ns)
+    until = min(time_ns, max(state.heard_ns + SILENCE_NS, state.time_ns))
+    pose = state.pose
+    if until > state.time_ns:
+        pose = _moved(options, state, (until - state.time_ns) * 1e-9)
+    if time_ns > until:
+        return SteeringState(time_ns, pose, _NONE, _NONE, state.heard_ns)
+    return SteeringState(time_ns, pose, state.velocity, state.spin, state.heard_ns)
+
+
+def apply_action(options: SteeringOptions, action: str) -> SteeringOptions:
+    """Options after a button's action; those of other actions stay as they are."""
+    if action == "toggle_turning":
+        return dataclasses.replace(options, turning=not options.turning)
+    if action == "toggle_moving":
+        return dataclasses.replace(options, moving=not options.moving)
+    if action == "toggle_dominant_axis":
+        return dataclasses.replace(options, dominant_axis=not options.dominant_axis)
+    if action == "toggle_camera":
+        mode = "object" if options.mode == "camera" else "camera"
+        return dataclasses.replace(options, mode=mode)
+    return options
+
+
+def _rates(options: SteeringOptions, deflection: NDArray) -> tuple[Vector, Vector]:
+    """Velocity, mm/s, and angular velocity, rad/s, in the world."""
+    share = np.where(options.inverted, -deflection, deflection)
+    if options.zoom_axis == "z":
+        share = share[[0, 2, 1, 3, 4, 5]]
+    share[:3] *= options.speed_mm_s if options.moving else 0.0
+    share[3:] *= options.turn_rad_s if options.turning else 0.0
+    if options.dominant_axis:
+        full = np.repeat([max(options.speed_mm_s, 1e-9), max(options.turn_rad_s, 1e-9)], 3)
+        share[np.arange(6) != np.argmax(np.abs(share / full))] = 0.0
+    x, y, z, rx, ry, rz = share.tolist()
+    return turn(options.world_from_view, (x, y, z)), turn(options.world_from_view, (rx, ry, rz))
+
+
+def _moved(options: SteeringOptions, state: SteeringState, seconds: float) -> ObjectPose:
+    """Exactly the motion of constant rates: two half steps are one whole step."""
+    x, y, z = state.velocity
+    rx, ry, rz = state.spin
+    if options.mode == "camera":
+        seconds = -seconds
+    shift = (x * seconds, y * seconds, z * seconds)
+    angles = (rx * seconds, ry * seconds, rz * seconds)
+    position: Vector = tuple(state.pose.position.tolist())
+    before: Quaternion = tuple(state.pose.orientation.tolist())
+    step = turn_by(angles)
+    after = normalized(multiply(step, before))
+    if options.mode == "camera":
+        base, way = turn(step, position), _way(shift, angles)
+    else:
+        a, b = turn(before, options.pivot), turn(after, options.pivot)
+        base = (position[0] + a[0] - b[0], position[1] + a[1] - b[1], position[2] + a[2] - b[2])
+        way = shift
+    return ObjectPose(
+        np.array((base[0] + way[0], base[1] + way[1], base[2] + way[2])), np.array(after)
+    )
+
+
+def _way(shift: Vector, angles: Vector) -> Vector:
+    """Translation of a constant twist about the world's origin (exponential map of SE(3))."""
+    angle = math.sqrt(angles[0] ** 2 + angles[1] ** 2 + angles[2] ** 2)
+    if angle < 1e-4:
+        one, two = 0.5 - angle**2 / 24.0, 1.0 / 6.0
+    else:
+        one = (1.0 - math.cos(angle)) / angle**2
+        two = (angle - math.sin(angle)) / angle**3
+    across = _cross(angles, shift)
+    twice = _cross(angles, across)
+    return (
+        shift[0] + one * across[0] + two * twice[0],
+        shift[1] + one * across[1] + two * twice[1],
+        shift[2] + one * across[2] + two * twice[2],
+    )
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -1,0 +1,234 @@
+"""The left hand: rest is rest, and a deflection moves the object in time, not in reports."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.device.button_actions import (
+    ACTIONS,
+    DEFAULT_ACTIONS,
+    checked_actions,
+    find_actions,
+)
+from paint3d.device.catalogue import find_mouse_quirks
+from paint3d.device.deflection import (
+    SILENCE_NS,
+    DeflectionSettings,
+    calibrate_rest,
+    deflection,
+    is_silent,
+)
+from paint3d.errors import DeviceError, UnknownNameError
+from paint3d.frames import rotate
+from paint3d.pose.steering import (
+    ObjectPose,
+    SteeringOptions,
+    SteeringState,
+    advance,
+    apply_action,
+    report,
+)
+
+QUICK = settings(deadline=None, max_examples=40)
+QUIRKS = find_mouse_quirks(0x046D, 0xC626)
+MS = 1_000_000
+DEFLECTION = st.tuples(*[st.floats(-1, 1)] * 6).map(np.array)
+MODES = st.sampled_from(["object", "camera"])
+
+
+def run(options: SteeringOptions, rates, milliseconds: int, period: int) -> ObjectPose:
+    """The object after a device said the same every `period` ms, and then fell silent."""
+    state = SteeringState(0)
+    for t in range(0, milliseconds, period):
+        state = report(options, state, t * MS, rates)
+    return advance(options, state, milliseconds * MS).pose
+
+
+def apart(a: ObjectPose, b: ObjectPose) -> float:
+    return max(
+        np.abs(a.position - b.position).max(), 1.0 - abs(float(a.orientation @ b.orientation))
+    )
+
+
+# -- rest -------------------------------------------------------------------------------------
+
+
+@QUICK
+@given(st.tuples(*[st.integers(-600, 600)] * 6), st.floats(0, 0.5), st.floats(1, 4))
+def test_deflection_is_odd_bounded_and_grows(axes, dead_zone, curve) -> None:
+    reading = DeflectionSettings(dead_zone=dead_zone, curve=curve)
+    found = deflection(axes, QUIRKS, reading)
+    assert np.abs(found).max() <= 1.0
+    assert np.allclose(deflection([-a for a in axes], QUIRKS, reading), -found)
+    further = deflection([a * 2 for a in axes], QUIRKS, reading)
+    assert (np.abs(further) >= np.abs(found) - 1e-12).all()
+
+
+def test_the_dead_zone_has_no_edge() -> None:
+    reading = DeflectionSettings(dead_zone=0.1, curve=1.0)
+    inside, outside = (deflection([c, 0, 0, 0, 0, 0], QUIRKS, reading)[0] for c in (35, 36))
+    assert inside == 0.0
+    assert 0.0 < outside < 0.01
+    assert deflection([350, 0, 0, 0, 0, 0], QUIRKS, reading)[0] == 1.0
+
+
+def test_axes_become_right_handed_with_z_up() -> None:
+    reading = DeflectionSettings(dead_zone=0.0, curve=1.0)
+    found = deflection([350, 350, 350, 350, 350, 350], QUIRKS, reading)
+    assert found.tolist() == [1, -1, -1, 1, -1, -1]
+
+
+def test_rest_is_learned_and_a_moving_cap_is_not() -> None:
+    reading = calibrate_rest([[12, -3, 0, 0, 5, 0]] * 5, QUIRKS, DeflectionSettings())
+    assert not deflection([12, -3, 0, 0, 5, 0], QUIRKS, reading).any()
+    assert calibrate_rest(np.zeros((0, 6)), QUIRKS, reading).rest == (0.0,) * 6
+    with pytest.raises(DeviceError, match="nobody to touch"):
+        calibrate_rest([[0] * 6, [0, 0, 200, 0, 0, 0]], QUIRKS, DeflectionSettings())
+    with pytest.raises(DeviceError, match="leaning on it"):
+        calibrate_rest([[90, 0, 0, 0, 0, 0]] * 4, QUIRKS, DeflectionSettings())
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"dead_zone": 0.95}, {"dead_zone": float("nan")}, {"curve": 0.5}, {"rest": (1, 2)}]
+)
+def test_settings_out_of_range_are_refused(wrong) -> None:
+    with pytest.raises(DeviceError, match=next(iter(wrong))):
+        DeflectionSettings(**wrong)
+
+
+# -- motion -----------------------------------------------------------------------------------
+
+
+@QUICK
+@given(DEFLECTION, MODES, st.sampled_from([1, 4, 8, 16, 40]))
+def test_motion_does_not_depend_on_the_report_rate(rates, mode, period) -> None:
+    options = SteeringOptions(mode=mode, pivot=(10.0, -5.0, 30.0))
+    assert apart(run(options, rates, 400, period), run(options, rates, 400, 100)) < 1e-9
+
+
+def test_full_deflection_moves_at_the_stated_speed() -> None:
+    options = SteeringOptions(speed_mm_s=120.0, turn_rad_s=0.5)
+    moved = run(options, np.array([1.0, 0, 0, 0, 0, 0]), 1000, 8)
+    assert np.allclose(moved.position, [120.0, 0, 0])
+    turned = run(options, np.array([0, 0, 0, 0, 0, 1.0]), 1000, 8)
+    assert np.allclose(turned.orientation, [np.cos(0.25), 0, 0, np.sin(0.25)])
+
+
+@QUICK
+@given(DEFLECTION, MODES, st.integers(SILENCE_NS, 10 * SILENCE_NS))
+def test_a_silent_device_stops_the_object(rates, mode, much_later) -> None:
+    options = SteeringOptions(mode=mode)
+    state = report(options, SteeringState(0), 0, rates)
+    stopped = advance(options, state, SILENCE_NS)
+    assert apart(advance(options, state, much_later).pose, stopped.pose) == 0.0
+    assert is_silent(much_later + 1, 0)
+    assert not is_silent(SILENCE_NS, 0)
+
+
+@QUICK
+@given(DEFLECTION, MODES, st.integers(1, 400), st.integers(1, 400))
+def test_half_and_half_is_whole(rates, mode, a, b) -> None:
+    options = SteeringOptions(mode=mode, pivot=(3.0, 1.0, 2.0))
+    state = report(options, SteeringState(0), 0, rates)
+    halves = advance(options, advance(options, state, a * MS // 4), (a + b) * MS // 4)
+    assert apart(halves.pose, advance(options, state, (a + b) * MS // 4).pose) < 1e-9
+
+
+def test_the_object_turns_about_its_pivot() -> None:
+    pivot = np.array([0.0, 20.0, 40.0])
+    options = SteeringOptions(pivot=tuple(pivot))
+    turned = run(options, np.array([0, 0, 0, 0.7, -0.3, 0.4]), 900, 8)
+    assert np.allclose(turned.position + rotate(turned.orientation, pivot), pivot)
+
+
+def test_the_camera_moves_the_other_way_about_the_viewer() -> None:
+    options = SteeringOptions(mode="camera", turn_rad_s=1.0)
+    start = SteeringState(0, ObjectPose(np.array([0.0, 100.0, 0.0])))
+    state = report(options, start, 0, np.array([0, 0, 0, 0, 0, 1.0]))
+    seen = advance(options, state, 100 * MS).pose  # turned left by 0.1: it goes to the right
+    assert np.allclose(seen.position, [100 * np.sin(0.1), 100 * np.cos(0.1), 0.0])
+    nearer = report(options, start, 0, np.array([0, 1.0, 0, 0, 0, 0]))
+    assert advance(options, nearer, 100 * MS).pose.position[1] == pytest.approx(85.0)
+
+
+def test_axis_options() -> None:
+    rates = np.array([0.5, 0.8, 0.1, 0.2, 0.3, 0.4])
+
+    def moved(**wanted) -> ObjectPose:
+        return run(SteeringOptions(speed_mm_s=100.0, **wanted), rates, 100, 10)
+
+    assert np.allclose(moved(turning=False).position, [5, 8, 1])
+    assert np.allclose(moved(turning=False).orientation, [1, 0, 0, 0])
+    assert not moved(moving=False).position.any()
+    assert np.allclose(moved(dominant_axis=True).position, [0, 8, 0])
+    assert np.allclose(moved(zoom_axis="z", turning=False).position, [5, 1, 8])
+    inverted = (True, False, True, False, False, False)
+    assert np.allclose(moved(inverted=inverted, turning=False).position, [-5, 8, -1])
+    view = (np.cos(np.pi / 4), 0.0, 0.0, np.sin(np.pi / 4))  # the user sits a quarter turn on
+    assert np.allclose(moved(world_from_view=view, turning=False).position, [-8, 5, 1])
+
+
+def test_two_seconds_of_steering_keep_a_rotation() -> None:
+    state = SteeringState(0)
+    for t in range(2000):
+        state = report(SteeringOptions(), state, t * MS, np.sin(np.arange(6) + t * 0.01))
+    assert np.linalg.norm(state.pose.orientation) == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"mode": "fly"},
+        {"zoom_axis": "x"},
+        {"speed_mm_s": -1.0},
+        {"turn_rad_s": float("inf")},
+        {"inverted": (True,)},
+        {"world_from_view": (2.0, 0.0, 0.0, 0.0)},
+        {"pivot": (0.0, float("nan"), 0.0)},
+    ],
+)
+def test_options_out_of_range_are_refused(wrong) -> None:
+    with pytest.raises(DeviceError, match=next(iter(wrong))):
+        SteeringOptions(**wrong)
+
+
+# -- buttons ----------------------------------------------------------------------------------
+
+
+def test_a_button_acts_once_when_it_goes_down() -> None:
+    assert find_actions(0b00, 0b11) == ["recentre", "dip"]
+    assert find_actions(0b01, 0b11) == ["dip"]
+    assert find_actions(0b11, 0b01) == []
+    assert set(DEFAULT_ACTIONS.values()) <= set(ACTIONS)
+
+
+def test_actions_change_the_options_they_name() -> None:
+    options = SteeringOptions()
+    for action, field in (
+        ("toggle_turning", "turning"),
+        ("toggle_moving", "moving"),
+        ("toggle_dominant_axis", "dominant_axis"),
+        ("toggle_camera", "mode"),
+    ):
+        changed = apply_action(options, action)
+        differing = [
+            f.name
+            for f in dataclasses.fields(options)
+            if getattr(changed, f.name) != getattr(options, f.name)
+        ]
+        assert differing == [field]
+        assert apply_action(changed, action) == options
+    assert apply_action(options, "undo") == options
+
+
+def test_own_actions_are_checked() -> None:
+    assert checked_actions({30: "undo"}) == {30: "undo"}
+    with pytest.raises(DeviceError, match="button 31"):
+        checked_actions({31: "undo"})
+    with pytest.raises(UnknownNameError, match="recentre"):
+        checked_actions({0: "recenter"})
