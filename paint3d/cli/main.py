@@ -68,6 +68,14 @@ def _report_failure(message: str) -> int:
     return _FAILED
 
 
+def _tell_warnings(*, quiet: bool) -> None:
+    """Write what the library warns of to stderr, a line each; nothing with ``--quiet``."""
+    log = logging.getLogger("paint3d")
+    log.propagate = False
+    log.handlers = [logging.NullHandler() if quiet else logging.StreamHandler()]
+    log.handlers[0].setFormatter(logging.Formatter("paint3d: note: %(message)s"))
+
+
 def _describe_os_error(error: OSError) -> str:
     reason = error.strerror or str(error) or type(error).__name__
     return f"{error.filename}: {reason}" if error.filename else reason
@@ -76,6 +84,7 @@ def _describe_os_error(error: OSError) -> str:
 def _run(arguments: Sequence[str] | None) -> int:
     try:
         options = _make_parser().parse_args(arguments)
+        _tell_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
         sys.stdout.flush()
     except (_UsageError, Paint3DError) as error:

@@ -82,6 +82,18 @@ def add_painting_options(parser: argparse.ArgumentParser) -> None:
         choices=UNITS,
         help="length of one unit in the mesh file (default: as the file says, else mm)",
     )
+    parser.add_argument(
+        "--from-points",
+        action="store_true",
+        default=None,
+        help="build a surface through the points of a mesh file that holds no triangles, even if "
+        "it is not a point cloud",
+    )
+    parser.add_argument(
+        "--texture",
+        action="store_true",
+        help="take the object's colours from the materials and textures of its file",
+    )
 
 
 def check_output_folder(folder: Path) -> None:

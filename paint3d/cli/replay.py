@@ -68,7 +68,9 @@ def run(options: argparse.Namespace) -> None:
     if options.report is not None:
         check_output_file(options.report, (".json",))
     recording = load_recording(options.recording)
-    mesh = load_mesh(options.on, unit=options.unit)
+    mesh = load_mesh(
+        options.on, options.unit, from_points=options.from_points, texture=options.texture
+    )
     recording = lay_on(mesh, recording, options.at, options.size)
     wishes = Wishes(
         brush=options.brush,

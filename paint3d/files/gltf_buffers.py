@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import base64
-import json
 from pathlib import Path
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.contents import parse_json, read_beside
 from paint3d.files.raw_mesh import check_count
 
 __all__ = ["GltfFile"]
@@ -40,17 +39,8 @@ class GltfFile:
     def __init__(self, data: bytes, folder: Path) -> None:
         self.folder = folder
         self.binary: bytes | None = None
-        if data[:4] == b"glTF":
-            text = self._open_container(data)
-            encoding = "utf-8"
-        else:
-            text, encoding = data, "utf-8-sig"
-        try:
-            self.document = json.loads(text.decode(encoding))
-        except ValueError as cause:
-            raise MeshError(f"its JSON cannot be read: {cause}") from None
-        if not isinstance(self.document, dict):
-            raise MeshError("its JSON is not an object; expected a glTF document")
+        text = self._open_container(data) if data[:4] == b"glTF" else data
+        self.document = parse_json(text)
         self._buffers: dict[int, bytes] = {}
 
     def _open_container(self, data: bytes) -> bytes:
@@ -149,16 +139,34 @@ class GltfFile:
         return self._buffers[index]
 
     def _load(self, uri: str | None) -> bytes:
-        if uri is None:
-            if self.binary is None:
-                raise MeshError("a buffer has no data")
-            return self.binary
-        if uri.startswith("data:"):
-            try:
-                return base64.b64decode(uri.partition(",")[2], validate=True)
-            except ValueError:
-                raise MeshError("a buffer's data URI is not base64") from None
-        path = self.folder / unquote(uri)
-        if not path.is_file():
-            raise MeshError(f"its buffer file {uri[:80]!r} is missing")
-        return path.read_bytes()
+        if uri is not None:
+            return self.resource(uri)
+        if self.binary is None:
+            raise MeshError("a buffer has no data")
+        return self.binary
+
+    def resource(self, uri: str) -> bytes:
+        """Return what a URI stands for: base64 data, or a file in the document's folder.
+
+        Raises
+        ------
+        MeshError
+            If it is broken, missing, or lies outside the folder.
+        """
+        if not uri.startswith("data:"):
+            return read_beside(self.folder, uri)
+        try:
+            return base64.b64decode(uri.partition(",")[2], validate=True)
+        except ValueError:
+            raise MeshError("a data URI is not base64") from None
+
+    def view_bytes(self, index: int) -> bytes:
+        """Return the bytes of a buffer view, as for an image.
+
+        Raises
+        ------
+        MeshError
+            If the view does not fit into its buffer.
+        """
+        length = self.item("bufferViews", index)["byteLength"]
+        return self._view(index, 0, np.dtype("u1"), 1, length).tobytes()

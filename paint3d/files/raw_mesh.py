@@ -33,6 +33,11 @@ class RawMesh:
         Millimetres in one unit, where the format or the file says so.
     y_up : bool
         Whether the format says that y, not z, points up.
+    announces_faces : bool
+        Whether the file speaks of faces even if it holds none: a mesh without triangles, then,
+        and not a point cloud.
+    notes : tuple of str
+        What the user should know, such as a texture that was left out.
     """
 
     vertices: NDArray[np.float64]
@@ -42,6 +47,8 @@ class RawMesh:
     normals: NDArray[np.float64] | None = None
     unit_mm: float | None = None
     y_up: bool = False
+    announces_faces: bool = False
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of_triangles(cls, vertices: NDArray, faces: NDArray, **others: object) -> RawMesh:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.contents import parse_xml
 from paint3d.files.raw_mesh import RawMesh
 
 __all__ = ["read_3mf"]
@@ -45,11 +46,9 @@ class Package:
         """Return the root of a model part."""
         if part not in self.models:
             try:
-                self.models[part] = ElementTree.fromstring(self.archive.read(part.lstrip("/")))
+                self.models[part] = parse_xml(self.archive.read(part.lstrip("/")), part)
             except KeyError:
                 raise MeshError(f"it refers to {part!r}, which it does not contain") from None
-            except ElementTree.ParseError as cause:
-                raise MeshError(f"{part} is not well-formed XML: {cause}") from None
         return self.models[part]
 
 
@@ -93,11 +92,9 @@ def _read_package(package: Package) -> RawMesh:
 
 def _start_part(archive: zipfile.ZipFile) -> str:
     try:
-        relations = ElementTree.fromstring(archive.read("_rels/.rels"))
+        relations = parse_xml(archive.read("_rels/.rels"), "_rels/.rels")
     except KeyError:
         raise MeshError("it has no _rels/.rels; expected a 3MF package") from None
-    except ElementTree.ParseError as cause:
-        raise MeshError(f"_rels/.rels is not well-formed XML: {cause}") from None
     for relation in relations:
         if relation.get("Type") == MODEL_RELATION:
             return posixpath.join("/", relation.get("Target", ""))

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.gltf_buffers import GltfFile
+from paint3d.files.gltf_materials import GltfPaint
 from paint3d.files.raw_mesh import RawMesh
+from paint3d.files.textures import srgb_from_linear
 
 __all__ = ["read_gltf"]
 
@@ -18,18 +20,20 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 METRE_MM = 1000.0
 
 
-def read_gltf(data: bytes, folder: Path) -> RawMesh:
+def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     """Read the default scene, with the transforms of its nodes applied.
 
-    Points and lines are passed over, as are materials, textures, skins and animations. COLOR_0
-    is linear by the specification and comes back as sRGB codes.
+    Points and lines are passed over, as are skins and animations. COLOR_0 is linear by the
+    specification and comes back as sRGB codes, with `texture` times the materials' base colours.
 
     Parameters
     ----------
     data : bytes
         A .gltf or .glb file.
     folder : Path
-        Where the buffers of a .gltf lie.
+        Where the buffers and pictures of a .gltf lie; others are not followed.
+    texture : bool
+        Whether materials and their textures are read at the vertices.
 
     Raises
     ------
@@ -37,15 +41,16 @@ def read_gltf(data: bytes, folder: Path) -> RawMesh:
         If the file is broken, or compressed by an extension.
     """
     file = GltfFile(data, folder)
+    paint = GltfPaint(file) if texture else None
     parts = []
     for matrix, mesh in _placed_meshes(file):
         for primitive in mesh.get("primitives", []):
-            part = _primitive(file, primitive)
+            part = _primitive(file, primitive, paint)
             if part is not None:
                 parts.append(_transformed(part, matrix))
     if not parts:
         raise MeshError("its scene has no triangles; expected a surface")
-    return _merged(parts)
+    return _merged(parts, paint.notes if paint else [])
 
 
 def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict]]:
@@ -84,7 +89,7 @@ def _local(node: dict) -> NDArray[np.float64]:
     return matrix
 
 
-def _primitive(file: GltfFile, primitive: dict) -> RawMesh | None:
+def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint | None) -> RawMesh | None:
     """Return one primitive in its own frame, or None for points and lines."""
     mode = primitive.get("mode", TRIANGLES)
     if mode not in (TRIANGLES, STRIP, FAN):
@@ -106,7 +111,11 @@ def _primitive(file: GltfFile, primitive: dict) -> RawMesh | None:
             if len(others[name]) != len(vertices):
                 raise MeshError(f"a primitive has {len(vertices)} positions but "
                                 f"{len(others[name])} of {name}")  # fmt: skip
-    colours = None if others["COLOR_0"] is None else _srgb_codes(others["COLOR_0"])
+    colours = others["COLOR_0"]
+    base = None if paint is None else paint.base_colours(primitive, len(vertices))
+    if base is not None:
+        colours = base if colours is None else colours * base
+    colours = None if colours is None else srgb_from_linear(colours)
     return RawMesh.of_triangles(
         vertices, _triangles(indices, mode), colours=colours, normals=others["NORMAL"]
     )
@@ -126,13 +135,6 @@ def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
     return indices[np.stack(columns, axis=1)]
 
 
-def _srgb_codes(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return sRGB codes of linear values (IEC 61966-2-1); display limits them to 0 to 1."""
-    linear = np.clip(np.nan_to_num(linear), 0.0, 1.0)
-    curve = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-    return np.floor(255.0 * curve + 0.5).astype(np.uint8)
-
-
 def _transformed(part: RawMesh, matrix: NDArray[np.float64]) -> RawMesh:
     turn = matrix[:3, :3]
     vertices = part.vertices @ turn.T + matrix[:3, 3]
@@ -147,7 +149,7 @@ def _transformed(part: RawMesh, matrix: NDArray[np.float64]) -> RawMesh:
     return RawMesh.of_triangles(vertices, faces, colours=part.colours, normals=normals)
 
 
-def _merged(parts: list[RawMesh]) -> RawMesh:
+def _merged(parts: list[RawMesh], notes: list[str]) -> RawMesh:
     first = np.cumsum([0, *(len(part.vertices) for part in parts)])
     for part in parts:  # checked here: after merging, a wrong index would hit another part
         if len(part.corners) and int(part.corners.max()) >= len(part.vertices):
@@ -172,4 +174,5 @@ def _merged(parts: list[RawMesh]) -> RawMesh:
         normals,
         unit_mm=METRE_MM,
         y_up=True,
+        notes=tuple(dict.fromkeys(notes)),
     )

@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-import codecs
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.contents import plain_text
+from paint3d.files.obj_materials import obj_colours
 from paint3d.files.raw_mesh import RawMesh, as_codes, index_array, parse_numbers
 
 __all__ = ["read_obj"]
 
-ENCODINGS = {
-    codecs.BOM_UTF8: "utf-8-sig",
-    codecs.BOM_UTF16_LE: "utf-16",
-    codecs.BOM_UTF16_BE: "utf-16",
-}
 COLOUR_COLUMN = {6: 3, 7: 4}  # numbers in a vertex line: where red stands (7: after a weight)
 ATTRIBUTES = re.compile(rb"/\S*")
 ODD_EXPONENT = re.compile(rb"(?<=\d)([+-])[eE](?=\d)")
 
 
-def read_obj(data: bytes) -> RawMesh:
-    """Read an OBJ file; materials, groups, lines and points are passed over.
+def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
+    """Read an OBJ file; groups, lines and points are passed over.
 
     Relative (negative) indices count back from the vertices read so far, as the format says.
     Vertices without a colour, among others with one, are white.
@@ -34,6 +31,10 @@ def read_obj(data: bytes) -> RawMesh:
     ----------
     data : bytes
         The whole file.
+    folder : Path
+        Where its material libraries and pictures lie; others are not followed.
+    texture : bool
+        Whether materials and their textures are read at the vertices, instead of vertex colours.
 
     Raises
     ------
@@ -55,18 +56,16 @@ def read_obj(data: bytes) -> RawMesh:
         corners = np.where(corners < 0, corners + before, corners - 1)
     else:
         corners = corners - 1
-    return RawMesh(vertices, corners, sizes, colours)
+    if not texture:
+        return RawMesh(vertices, corners, sizes, colours)
+    sampled, notes = obj_colours(lines, len(vertices), folder)
+    colours = colours if sampled is None else sampled
+    return RawMesh(vertices, corners, sizes, colours, notes=tuple(dict.fromkeys(notes)))
 
 
 def _lines(data: bytes) -> list[bytes]:
     """Return the lines without indentation, comments and continuations."""
-    for mark, encoding in ENCODINGS.items():
-        if data.startswith(mark):
-            try:
-                data = data.decode(encoding).encode("utf-8")
-            except UnicodeDecodeError as cause:
-                raise MeshError(f"it is not the {encoding} text it claims to be: {cause}") from None
-    data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\t", b" ")
+    data = plain_text(data).replace(b"\t", b" ")
     data = data.replace(b"\\\n", b" ")
     return [line.partition(b"#")[0].strip() for line in data.split(b"\n")]
 

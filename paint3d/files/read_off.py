@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.contents import plain_text
 from paint3d.files.raw_mesh import RawMesh, as_codes, check_count, index_array, parse_numbers
 
 __all__ = ["read_off"]
@@ -27,8 +28,7 @@ def read_off(data: bytes) -> RawMesh:
     MeshError
         If it is not OFF in text form, or holds less than its counts promise.
     """
-    text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    lines = [line.partition(b"#")[0].split() for line in text.split(b"\n")]
+    lines = [line.partition(b"#")[0].split() for line in plain_text(data).split(b"\n")]
     lines = [words for words in lines if words]
     if not lines or lines[0][0].upper() not in KINDS:
         raise MeshError("it does not start with 'OFF'; expected an OFF file")

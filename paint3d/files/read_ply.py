@@ -74,7 +74,15 @@ def read_ply(data: bytes) -> RawMesh:
         raise MeshError("no vertex positions; expected an element vertex with x, y and z")
     vertices = np.stack([vertex.values[k].astype(np.float64) for k in "xyz"], axis=1)
     corners, sizes = _polygons(elements)
-    return RawMesh(vertices, corners, sizes, _colours(vertex), _normals(vertex))
+    announced = any(element.name == "face" for element in elements)
+    return RawMesh(
+        vertices,
+        corners,
+        sizes,
+        _colours(vertex),
+        _normals(vertex),
+        announces_faces=announced,
+    )
 
 
 def _read_header(data: bytes) -> tuple[str, list[Element], int]:

@@ -40,12 +40,13 @@ class TriangleMesh:
     ------
     MeshError
         If there are no vertices or no faces, a vertex is not finite, an index is out of range,
-        an array has the wrong shape or length, or no face has an area.
+        or an array has the wrong shape or length.
 
     Notes
     -----
     The arrays are private read-only copies or views, so a mesh may be shared between threads
-    and used as a key by identity. Faces without area are allowed among others: files have them.
+    and used as a key by identity. Faces without area are allowed, since files have them; whether
+    there is anything to paint is for `PaintMesh` to say.
     """
 
     vertices: NDArray[np.float32]
@@ -64,8 +65,6 @@ class TriangleMesh:
         if self.normals is not None:
             shape = (len(vertices), 3)
             self._set("normals", as_array(self.normals, "normals", shape, np.float32, MeshError))
-        if not any(cross.any() for _, cross in self._cross_products()):
-            raise MeshError(f"all {len(faces)} faces have no area; expected a surface")
 
     def _set(self, field: str, array: NDArray) -> None:
         array = array.copy() if array.flags.writeable else array.view()

@@ -138,6 +138,21 @@ def test_a_place_is_for_pads_only(paint3d, recording: Path, tmp_path: Path) -> N
     assert not out.exists()
 
 
+def test_a_point_cloud_is_painted_and_said_to_be_one(
+    paint3d, recording: Path, tmp_path: Path
+) -> None:
+    rows = [f"v {3 * i - 45} {3 * j - 45} 0" for i in range(31) for j in range(31)]
+    cloud = tmp_path / "cloud.obj"
+    cloud.write_text("\n".join(rows))
+    out = tmp_path / "a.ply"
+    done = paint3d("replay", recording, "--on", cloud, "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert out.exists()
+    assert done.stderr.splitlines() == [
+        f"paint3d: note: {cloud}: it is a point cloud: built 1,800 triangles through 961 points"
+    ]
+
+
 def test_inks_are_listed_with_their_sources(paint3d) -> None:
     done = paint3d("inks")
     assert done.returncode == 0

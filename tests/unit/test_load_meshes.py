@@ -2,8 +2,12 @@
 
 import base64
 import gzip
+import io
 import json
+import os
 import struct
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -11,9 +15,13 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from paint3d.errors import MeshError, UnknownNameError
+from paint3d.files import isolation
+from paint3d.files.handover import make_memory_file, receive, send
 from paint3d.files.load import load_mesh
+from paint3d.files.reading import Wanted, read_surface
 from paint3d.files.write_glb import write_glb
 from paint3d.files.write_ply import write_ply
 from paint3d.mesh.solids import make_plane
@@ -145,13 +153,14 @@ BAD_FILES = {
     "index.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("3 0 1 2", "3 0 1 7"),
                   "face 0 refers to vertex 7; expected 0 to 2"),
     "negative.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("3 0 1 2", "3 0 1 -2"), "vertex -2"),
-    "points.ply": (PLY_HEAD + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "3 points but no triangles"),
+    "points.ply": (PLY_HEAD + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "3 points and no triangles"),
+    "faceless.ply": (PLY_HEAD + PLY_FACE.replace("face 1", "face 0") + PLY_ROWS[:-8],
+                     "3 points but no triangles, though it says it has faces"),
     "huge.ply": (PLY_HEAD.replace("vertex 3", "vertex 99999999999999") + PLY_FACE + PLY_ROWS,
                  "99,999,999,999,999 of vertex, but what follows has room"),
     "minus.ply": (PLY_HEAD.replace("vertex 3", "vertex -3") + PLY_FACE + PLY_ROWS, "-3 of vertex"),
     "million.ply": ((PLY_HEAD + PLY_FACE.replace("uchar", "int") + PLY_ROWS).replace(
         "3 0 1 2", "1000000 " + "0 1 2 1 " * 250_000), "face 0 has 1,000,000 corners"),
-    "flat.ply": (PLY_HEAD + PLY_FACE + PLY_ROWS.replace("0 1 0", "2 0 0"), "no area"),
     "empty.obj": (b"# nothing\n", "no vertices and no triangles"),
     "zero.obj": (TRIANGLE + "f 0 1 2\n", "OBJ counts from 1"),
     "far.obj": (TRIANGLE + "f 1 2 4\n", "face 0 refers to vertex 3; expected 0 to 2"),
@@ -185,7 +194,7 @@ def test_bad_files_give_one_line_that_names_file_and_reason(tmp_path, name):
     data, message = BAD_FILES[name]
     path = written(tmp_path, name, data)
     with pytest.raises(MeshError, match=message) as caught:
-        load_mesh(path)
+        read_surface(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
 
@@ -240,7 +249,7 @@ def test_strips_keep_their_orientation(tmp_path):
 )
 def test_bad_gltf(tmp_path, text, message):
     with pytest.raises(MeshError, match=message):
-        load_mesh(written(tmp_path, "a.gltf", text))
+        read_surface(written(tmp_path, "a.gltf", text))
 
 
 @pytest.fixture(scope="module")
@@ -267,7 +276,7 @@ def test_damaged_files_load_or_say_so(bases, tmp_path_factory, data):
 def failure(path):
     """Return why a file cannot be loaded, or None."""
     try:
-        assert np.isfinite(load_mesh(path).vertices).all()
+        assert np.isfinite(read_surface(path).mesh.vertices).all()
     except MeshError as cause:
         return str(cause)
     return None
@@ -280,15 +289,180 @@ def damaged_bases(folder):
     yield "gltf", gltf(CORNERS, [0, 1, 2]).encode()
 
 
-def test_points_become_a_surface_only_when_asked(tmp_path):
+@pytest.fixture
+def sphere():
+    return trimesh.creation.icosphere(subdivisions=3, radius=10.0)
+
+
+def test_a_point_cloud_becomes_a_surface_and_says_so(tmp_path, sphere, caplog):
     pytest.importorskip("open3d", exc_type=ImportError)
-    sphere = trimesh.creation.icosphere(subdivisions=3, radius=10.0)
-    path = written(tmp_path, "a.obj", "".join(f"v {x} {y} {z}\n" for x, y, z in sphere.vertices))
-    with pytest.raises(MeshError, match=r"642 points but no triangles.*from_points"):
-        load_mesh(path)
-    mesh = load_mesh(path, from_points=True)
+    trimesh.PointCloud(sphere.vertices).export(tmp_path / "a.ply")
+    mesh = load_mesh(tmp_path / "a.ply")
     assert mesh.area == pytest.approx(sphere.area, rel=1e-3)
+    assert trimesh.Trimesh(mesh.vertices, mesh.faces).volume == pytest.approx(sphere.volume, 1e-3)
     np.testing.assert_allclose(mesh.vertices, sphere.vertices, atol=1e-5)
-    few = written(tmp_path, "b.obj", TRIANGLE)
-    with pytest.raises(MeshError, match="expected at least 20 points"):
-        load_mesh(few, from_points=True)
+    assert "a.ply: it is a point cloud: built 1,280 triangles through 642 points" in caplog.text
+    with pytest.raises(MeshError, match="642 points but no triangles; expected a surface"):
+        load_mesh(tmp_path / "a.ply", from_points=False)
+
+
+def test_points_of_a_mesh_without_triangles_become_a_surface_only_when_asked(tmp_path, sphere):
+    pytest.importorskip("open3d", exc_type=ImportError)
+    head = PLY_HEAD.replace("vertex 3", "vertex 642") + PLY_FACE.replace("face 1", "face 0")
+    text = head + "".join(f"{x} {y} {z}\n" for x, y, z in sphere.vertices)
+    path = written(tmp_path, "a.ply", text)
+    with pytest.raises(MeshError, match=r"though it says it has faces.*--from-points"):
+        load_mesh(path)
+    assert load_mesh(path, from_points=True).n_faces == 1280
+
+
+def shades():
+    """Four pixels of different colour, as PNG: the upper row is red and green."""
+    codes = np.array([[[255, 0, 0], [0, 255, 0]], [[0, 0, 255], [40, 80, 120]]], np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(codes).save(file, "PNG")
+    return file.getvalue(), codes.reshape(4, 3)
+
+
+UV = [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]]  # the middles, from the upper left
+
+
+def test_an_obj_texture_is_read_at_the_vertices(tmp_path):
+    picture, codes = shades()
+    written(tmp_path, "my picture.png", picture)
+    written(tmp_path, "a.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd -s 1 1 1 my picture.png\n")
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"
+    places = "".join(f"vt {u} {1 - v}\n" for u, v in UV)
+    text = f"mtllib a.mtl\n{corners}{places}usemtl skin\nf 1/1 2/2 3/3\nf -2/-2 -3/-3 -1/-1\n"
+    path = written(tmp_path, "a.obj", text)
+    assert load_mesh(path).colours is None
+    np.testing.assert_array_equal(load_mesh(path, texture=True).colours, codes)
+
+
+def textured_gltf(uri):
+    uv = np.array(UV, "<f4").tobytes()
+    document = json.loads(gltf(CORNERS, [0, 1, 2, 2, 1, 3]))
+    document["buffers"].append({"byteLength": 32, "uri": inline(uv)})
+    document["bufferViews"].append({"buffer": 1, "byteLength": 32})
+    document["accessors"].append(
+        {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"}
+    )
+    document["images"], document["textures"] = [{"uri": uri}], [{"source": 0}]
+    surface = {"baseColorTexture": {"index": 0}, "baseColorFactor": [1.0, 1.0, 1.0, 1.0]}
+    document["materials"] = [{"pbrMetallicRoughness": surface}]
+    primitive = document["meshes"][0]["primitives"][0]
+    primitive["material"] = 0
+    primitive["attributes"]["TEXCOORD_0"] = 2
+    return json.dumps(document)
+
+
+def inline(data):
+    return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+
+
+def test_a_gltf_texture_is_read_at_the_vertices(tmp_path):
+    picture, codes = shades()
+    path = written(tmp_path, "a.gltf", textured_gltf(inline(picture)))
+    assert load_mesh(path).colours is None
+    np.testing.assert_array_equal(load_mesh(path, texture=True).colours, codes)
+
+
+@pytest.mark.parametrize("uri", ["../secret.png", "%2e%2e/secret.png", "link.png", "{folder}"])
+def test_textures_outside_the_folder_are_not_followed(tmp_path, uri, caplog):
+    folder = tmp_path / "inner"
+    folder.mkdir()
+    secret = written(tmp_path, "secret.png", shades()[0])
+    (folder / "link.png").symlink_to(secret)
+    path = written(folder, "a.gltf", textured_gltf(uri.format(folder=secret)))
+    mesh = load_mesh(path, texture=True)
+    assert (mesh.colours == 255).all()
+    assert "outside its folder, which is not followed" in caplog.text
+    document = json.loads(gltf(CORNERS, [0, 1, 2]))
+    document["buffers"][0]["uri"] = uri.format(folder=secret)
+    with pytest.raises(MeshError, match="outside its folder"):
+        read_surface(written(folder, "b.gltf", json.dumps(document)))
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be", "utf-8-sig", "latin-1"])
+@pytest.mark.parametrize("suffix", ["obj", "off"])
+def test_text_in_other_encodings(tmp_path, encoding, suffix):
+    texts = {"obj": "# Gefäß\n" + TRIANGLE + "f 1 2 3\n",
+             "off": "OFF # Gefäß\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}  # fmt: skip
+    text = texts[suffix].replace("\n", "\r")
+    if encoding == "utf-16-le" or encoding == "utf-16-be":
+        text = text.replace("# Gefäß", "# plain name")
+    path = written(tmp_path, f"a.{suffix}", text.encode(encoding))
+    assert read_surface(path).mesh.area == 0.5
+
+
+def test_file_names_in_other_encodings(tmp_path):
+    name = os.fsdecode(b"gef\xe4\xdf \xe7\xa2\x97.obj")
+    path = written(tmp_path, name, TRIANGLE + "f 1 2 3\n")
+    assert load_mesh(path).n_faces == 1
+    with pytest.raises(MeshError, match="refers to vertex 8"):
+        load_mesh(written(tmp_path, name, TRIANGLE + "f 1 2 9\n"))
+
+
+def in_child(monkeypatch, code):
+    """Let the child process run this instead of a reader."""
+    start = f"import sys, json, os, signal; sys.path[:] = json.loads(sys.argv.pop())\n{code}\n"
+    monkeypatch.setattr(isolation, "START", start)
+
+
+LIMITED = "import paint3d.files.reading as r, paint3d.files.child as c\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("os.kill(os.getpid(), signal.SIGSEGV)", "reading it crashed \\(SIGSEGV\\)"),
+        ("os._exit(0)", "reading it ended early"),
+        ("raise SystemError('new to us')", "reading it ended early"),
+        (LIMITED + "r.read_surface = lambda *_: bytearray(3 << 30)\nc.main()", "more than 2 GiB"),
+        ("import time; time.sleep(60)", "longer than 1 s"),
+    ],
+)
+def test_a_reader_that_fails_takes_nothing_with_it(tmp_path, monkeypatch, code, message):
+    path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
+    in_child(monkeypatch, code)
+    with pytest.raises(MeshError, match=message) as caught:
+        isolation.read_apart(path, Wanted(), seconds=1 if "sleep" in code else 20)
+    assert str(caught.value).startswith(f"{path}: ")
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"\xff\xff\xff\xff{}",
+        b"\2\0\0\0{}",
+        b'\x35\0\0\0{"rows": {"vertices": 1000000000000}, "facts": {}}   ',
+        b'\x24\0\0\0{"rows": {"secrets": 1}, "facts": {}} ' + bytes(12),
+        b'\x25\0\0\0{"rows": {"vertices": 1}, "facts": {}} ' + bytes(11),
+    ],
+)
+def test_what_a_child_hands_over_is_checked(data):
+    descriptor = make_memory_file()
+    os.write(descriptor, data)
+    with pytest.raises(MeshError, match="ended early"):
+        receive(descriptor)
+    os.close(descriptor)
+
+
+def test_what_a_child_hands_over_arrives():
+    descriptor = make_memory_file()
+    arrays = {"vertices": np.eye(3, dtype=np.float32), "colours": np.full((3, 3), 7, np.uint8)}
+    send(descriptor, arrays, {"name": "cube"})
+    got, facts = receive(descriptor)
+    os.close(descriptor)
+    assert facts == {"name": "cube"}
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(got[name], array)
+        assert not got[name].flags.writeable
+
+
+def test_the_child_needs_no_heavy_package():
+    code = "import sys, paint3d.files.child, paint3d.files.reading, paint3d.files.read_gltf\n"
+    code += "print({'numba', 'open3d', 'scipy', 'PIL', 'vtk'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"

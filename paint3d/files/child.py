@@ -1,0 +1,45 @@
+"""The child process in which one mesh file of a stranger is read: `python -m` with a request.
+
+It limits itself before it looks at the file, so that whatever the file does to a reader, it ends
+here: memory, processor time and the size of what is handed back.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import sys
+from pathlib import Path
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Read the file of the request (JSON in the first argument) and hand its mesh over."""
+    request = json.loads(sys.argv[1])
+    memory, seconds = int(request["memory"]), int(request["seconds"])
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
+    from paint3d.errors import MeshError
+    from paint3d.files.handover import send
+    from paint3d.files.reading import Wanted, read_surface
+
+    path = Path(os.fsdecode(bytes.fromhex(request["path"])))
+    descriptor = int(request["descriptor"])
+    try:
+        reading = read_surface(path, Wanted(*request["wanted"]))
+    except MeshError as cause:
+        send(descriptor, {}, {"error": str(cause)})
+        return
+    mesh = reading.mesh
+    arrays = {"vertices": mesh.vertices, "faces": mesh.faces}
+    arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
+    arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
+    send(descriptor, arrays, {"name": mesh.name, "notes": list(reading.notes)})
+
+
+if __name__ == "__main__":
+    main()

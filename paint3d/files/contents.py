@@ -1,0 +1,149 @@
+"""The bytes of files from strangers: read, unpacked, decoded, and refused, in one place."""
+
+from __future__ import annotations
+
+import bz2
+import codecs
+import gzip
+import json
+import os
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+from paint3d.errors import MeshError
+
+__all__ = ["parse_json", "parse_xml", "plain_text", "read_beside", "read_contents"]
+
+MAX_BYTES = 1 << 30
+PIECE = 1 << 24
+PACKED = {".gz": gzip.GzipFile, ".bz2": bz2.BZ2File}
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+SHOWN_ZEROS = 64  # bytes in which every second one is 0 where UTF-16 comes without a mark
+
+
+def read_contents(path: Path, most: int = MAX_BYTES) -> bytes:
+    """Return a file's bytes, unpacked where its suffix is .gz or .bz2.
+
+    Raises
+    ------
+    MeshError
+        If it cannot be read, is empty, or holds more than `most` bytes.
+    """
+    packing = PACKED.get(path.suffix.lower())
+    try:
+        with packing(path) if packing else open(path, "rb") as file:
+            data = b"".join(_pieces(file, most))
+    except (OSError, EOFError, zlib.error) as cause:
+        raise MeshError(f"cannot read it: {getattr(cause, 'strerror', None) or cause}") from None
+    if len(data) > most:
+        raise MeshError(f"it is larger than {most:,} bytes; expected less")
+    if not data:
+        raise MeshError("the file is empty")
+    return data
+
+
+def _pieces(file: BinaryIO, most: int) -> Iterator[bytes]:
+    """Yield a file piece by piece (one big read would take its memory beforehand)."""
+    left = most + 1
+    while left > 0 and (piece := file.read(min(PIECE, left))):
+        left -= len(piece)
+        yield piece
+
+
+def read_beside(folder: Path, name: str, most: int = MAX_BYTES) -> bytes:
+    """Return the bytes of a file that another one refers to, in its folder or below.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the file that refers.
+    name : str
+        A relative path or URI. Links and ``..`` may not lead out of the folder.
+
+    Raises
+    ------
+    MeshError
+        If it lies elsewhere, is missing, or cannot be read.
+    """
+    shown = repr(name[:80])
+    top = os.path.realpath(folder)
+    try:
+        found = os.path.realpath(os.path.join(top, unquote(name).replace("\\", "/")))
+        inside = os.path.commonpath([top, found]) == top
+        there = inside and os.path.isfile(found)
+    except ValueError:  # a NUL in the name
+        raise MeshError(f"it refers to {shown}, which is no file name") from None
+    if not inside:
+        raise MeshError(f"it refers to {shown} outside its folder, which is not followed")
+    if not there:
+        raise MeshError(f"it refers to {shown}, which is missing")
+    return read_contents(Path(found), most)
+
+
+def plain_text(data: bytes) -> bytes:
+    r"""Return text as one byte per ASCII character with lines ending in ``\n``.
+
+    UTF-16 (with its mark, or told by its zeros) becomes UTF-8; UTF-8, Latin-1 and the like stay
+    as they are, since numbers and keywords are ASCII in all of them.
+
+    Raises
+    ------
+    MeshError
+        If the text is not what its mark says.
+    """
+    found = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), None)
+    mark, encoding = found or (b"", _unmarked(data[:SHOWN_ZEROS]))
+    try:
+        data = data[len(mark) :]
+        if encoding.startswith("utf-16"):
+            data = data.decode(encoding).encode("utf-8")
+    except UnicodeDecodeError as cause:
+        raise MeshError(f"it is not the {encoding} text it claims to be: {cause}") from None
+    return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+
+
+def _unmarked(start: bytes) -> str:
+    if len(start) >= 8 and not any(start[1::2]) and all(start[::2]):
+        return "utf-16-le"
+    if len(start) >= 8 and not any(start[::2]) and all(start[1::2]):
+        return "utf-16-be"
+    return "bytes"
+
+
+def parse_json(data: bytes) -> dict:
+    """Return the object in a JSON text.
+
+    Raises
+    ------
+    MeshError
+        If it is not JSON, or not an object.
+    """
+    try:
+        document = json.loads(data.decode("utf-8-sig"))
+    except (ValueError, RecursionError) as cause:
+        raise MeshError(f"its JSON cannot be read: {cause}") from None
+    if not isinstance(document, dict):
+        raise MeshError("its JSON is not an object; expected a glTF document")
+    return document
+
+
+def parse_xml(data: bytes, name: str) -> ElementTree.Element:
+    """Return the root of an XML text.
+
+    Raises
+    ------
+    MeshError
+        If it is not well-formed.
+    """
+    try:
+        return ElementTree.fromstring(data)
+    except (ElementTree.ParseError, LookupError, ValueError) as cause:
+        raise MeshError(f"{name} is not well-formed XML: {cause}") from None
