@@ -32,7 +32,7 @@ from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment, load_palette
 from paint3d.kernels.reflectance import mixture_colours, single_colours
 
-__all__ = ["ColourModel"]
+__all__ = ["ColourModel", "srgb_codes"]
 
 _LIVE = Path(__file__).parent / "data" / "live_bands.csv"
 _N_CODES, _N_THICKNESSES = 1 << 14, 2048
@@ -52,7 +52,7 @@ def _all_of_palette(pigments: Sequence[Pigment]) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _srgb_codes() -> NDArray:
+def srgb_codes() -> NDArray:
     """sRGB code (16384,) uint8 of evenly spaced linear values; at most 0.2 codes a step."""
     return srgb_from_linear(np.linspace(0.0, 1.0, _N_CODES))
 
@@ -181,10 +181,10 @@ class ColourModel:
         rgb = _NO_RGB if linear_rgb is None else linear_rgb
         if self._table is not None:
             fixed = (self._table, self._bend, self._bare)
-            single_colours(ids, amounts, coverage, *fixed, _srgb_codes(), rgb, out)
+            single_colours(ids, amounts, coverage, *fixed, srgb_codes(), rgb, out)
         else:
             fixed = (self._paints, self._bands, self._bare, np.float32(self._gloss[1]))
-            mixture_colours(ids, amounts, coverage, *fixed, _srgb_codes(), rgb, out)
+            mixture_colours(ids, amounts, coverage, *fixed, srgb_codes(), rgb, out)
         return out
 
 

@@ -222,8 +222,8 @@ class Painter:
             "loaded": self.loaded,
             "in_brush": self.in_brush(),
             "wet": self.surface.wet_ink(),
-            "dry": 0.0,
-            "off_surface": float(self.surface.ink.off_surface.sum()),
+            "dry": self.surface.dry_ink(),
+            "off_surface": self.surface.lasting(self.surface.ink.off_surface),
         }
 
     def _refresh(self) -> None:
@@ -243,7 +243,7 @@ class Painter:
             "footprints": int(self._counters[stroke.FOOTPRINTS]),
             "vertices": self.surface.n_vertices,
             "vertices_visited": int(self._counters[VISITED]),
-            "vertices_painted": int(np.count_nonzero(self.surface.coverage)),
+            "vertices_painted": int(np.count_nonzero(self.surface.painted)),
             "deposits": int(self._counters[PAINTED]),
             "tilt_limited": int(self._counters[placement.TILT_LIMITED]),
             "overpressed": int(self._counters[placement.OVERPRESSED]),

@@ -9,14 +9,18 @@ from numpy.typing import NDArray
 
 from paint3d.arrays import as_number
 from paint3d.colour.difference import delta_e, lab_from_srgb
+from paint3d.colour.glazing import GlazeModel, Ground, make_ground
+from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.errors import InputError
 from paint3d.ink.materials import Material, load_material
-from paint3d.ink.pigments import Pigment
+from paint3d.ink.pigments import WATER, Pigment
 from paint3d.mesh.contact_index import build_contact_tree
 from paint3d.mesh.paint_mesh import PaintMesh
 from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.dry_layers import DryLayers
+from paint3d.surface.mesh_colours import MeshColours
 
 __all__ = ["EXPORT_TOLERANCE", "InkField", "PaintedSurface"]
 
@@ -73,14 +77,18 @@ class PaintedSurface:
         self.paint_mesh = PaintMesh.build(mesh, resolution)
         self.contact_tree = build_contact_tree(self.paint_mesh)
         self.pigments: list[Pigment] = []
+        self.dry_layers = DryLayers()
         self._colours: ColourModel | None = None
-        self._bare = self._bare_srgb()
+        self._glaze: GlazeModel | None = None
+        self._ground = make_ground(self.material.reflectance)
+        self._bare = srgb_from_reflectance(self.material.reflectance)
+        self._mesh_colours: MeshColours | None = None
         self._allocate(0)
-
-    def _bare_srgb(self) -> NDArray:
-        from paint3d.colour.spectra import srgb_from_reflectance
-
-        return np.asarray(srgb_from_reflectance(self.material.reflectance), dtype=np.uint8)
+        if mesh.colours is not None:
+            own = mesh.colours[self.paint_mesh.source_vertices]
+            self._srgb[: len(own)] = own
+            self._mesh_colours = MeshColours(own)
+            self._mesh_colours.fit(self.paint_mesh.capacity)
 
     def _allocate(self, n_pigments: int) -> None:
         capacity = self.paint_mesh.capacity
@@ -121,12 +129,26 @@ class PaintedSurface:
         new.dirty_ids[:count] = old.dirty_ids[:count]
         for name in ("n_dirty", "load", "off_surface"):
             getattr(new, name)[:] = getattr(old, name)
+        self.dry_layers.fit(self.paint_mesh.capacity, len(self.pigments))
+        if self._mesh_colours is not None:
+            self._mesh_colours.fit(self.paint_mesh.capacity)
 
     def column_of(self, pigment: Pigment) -> int:
-        """The column of a pigment in the ink's arrays; a new one is added at the end."""
-        names = [known.name for known in self.pigments]
-        if pigment.name in names:
-            return names.index(pigment.name)
+        """The column of a pigment in the ink's arrays; a new one is added at the end.
+
+        Raises
+        ------
+        InputError
+            If an ink of that name but with other K or S is on the surface already.
+        """
+        for column, known in enumerate(self.pigments):
+            if known.name == pigment.name:
+                if not _same_light(known, pigment):
+                    raise InputError(
+                        f"there is another ink named {pigment.name!r} on this surface; "
+                        "expected its K and S or another name"
+                    )
+                return column
         self.pigments.append(pigment)
         old = self.ink
         count = len(self.pigments)
@@ -137,18 +159,75 @@ class PaintedSurface:
             load=np.append(old.load, 0.0),
             off_surface=np.append(old.off_surface, 0.0),
         )
+        self.dry_layers.fit(self.paint_mesh.capacity, count)
         self._colours = ColourModel(self.pigments, self.material.reflectance, path="live")
+        self._glaze = GlazeModel(self.pigments)
         return count - 1
 
     def refresh(self) -> NDArray:
         """Bring the colours of all vertices that got ink up to date; return their ids (int32)."""
+        self._know_vertices()
         count = int(self.ink.n_dirty[0])
         ids = self.ink.dirty_ids[:count].copy()
         if count and self._colours is not None:
-            self._colours.srgb(self.ink.amounts, self.ink.coverage, self._srgb, ids)
+            self._colour(ids)
             self.ink.dirty[ids] = 0
             self.ink.n_dirty[0] = 0
         return ids
+
+    def _know_vertices(self) -> None:
+        """Give vertices that have appeared on a mesh with colours theirs."""
+        if self._mesh_colours is not None:
+            mesh = self.paint_mesh
+            self._mesh_colours.know(mesh.arrays.parents, mesh.n_vertices, self._srgb)
+
+    def _colour(self, ids: NDArray) -> None:
+        ink = self.ink
+        own = np.full(len(ids), self._mesh_colours is not None) | self.dry_layers.has_row(ids)
+        if not own.all():
+            self._colours.srgb(ink.amounts, ink.coverage, self._srgb, ids[~own])
+        if own.any():
+            ground = self.ground()
+            self._glaze.srgb(ink.amounts, ink.coverage, ground, self._srgb, ids[own])
+
+    def ground(self) -> Ground:
+        """What lies below the wet paint: dried layers, the mesh's own colours, the material."""
+        ground = self._ground
+        if self._mesh_colours is not None:
+            ground = self._mesh_colours.ground_of(ground)
+        return self.dry_layers.ground_under(ground)
+
+    def dry(self, vertex_ids: NDArray | None = None) -> None:
+        """Let the wet paint dry, everywhere or on some vertices (N,) int32: what it shows stays.
+
+        Paint that comes later glazes over it and does not mix with it. Water is gone.
+        """
+        ink = self.ink
+        if vertex_ids is None:
+            vertex_ids = np.flatnonzero(ink.coverage[: self.n_vertices] > 0.0).astype(np.int32)
+        if not len(vertex_ids) or self._glaze is None:
+            return
+        self._know_vertices()
+        rows = self.dry_layers.reserve_rows(vertex_ids, self.paint_mesh.capacity)
+        self._glaze.dry(ink.amounts, ink.coverage, self.ground(), vertex_ids, rows)
+        self.dry_layers.settle(vertex_ids, rows, ink.amounts[vertex_ids] * self._lasting)
+        ink.amounts[vertex_ids] = 0.0
+        ink.coverage[vertex_ids] = 0.0
+        self.touch(vertex_ids)
+
+    def touch(self, vertex_ids: NDArray) -> None:
+        """Note that the colours of some vertices are out of date."""
+        ink = self.ink
+        fresh = vertex_ids[ink.dirty[vertex_ids] == 0]
+        count = int(ink.n_dirty[0])
+        ink.dirty_ids[count : count + len(fresh)] = fresh
+        ink.dirty[fresh] = 1
+        ink.n_dirty[0] = count + len(fresh)
+
+    @property
+    def _lasting(self) -> NDArray:
+        """(P,) float32: 1 for a pigment, 0 for water, which no account holds."""
+        return np.array([p is not WATER for p in self.pigments], np.float32)
 
     @property
     def n_vertices(self) -> int:
@@ -163,12 +242,19 @@ class PaintedSurface:
 
     @property
     def coverage(self) -> NDArray:
-        """(V,) float32: share of each vertex's own area that is under paint, 0 to 1."""
+        """(V,) float32: share of each vertex's own area that is under wet paint, 0 to 1."""
         return self.ink.coverage[: self.n_vertices]
 
     @property
+    def painted(self) -> NDArray:
+        """(V,) bool: whether there is paint on a vertex, wet or dry."""
+        painted = self.coverage > 0.0
+        painted[self.dry_layers.vertex_ids] = True
+        return painted
+
+    @property
     def amounts(self) -> NDArray:
-        """(V, P) float32: ink at each vertex, full coats times the covered share."""
+        """(V, P) float32: wet ink at each vertex, full coats times the covered share."""
         return self.ink.amounts[: self.n_vertices]
 
     @property
@@ -211,10 +297,26 @@ class PaintedSurface:
         return self.paint_mesh.vertices[ids], faces, self.paint_mesh.normals[ids], srgb[ids]
 
     def wet_ink(self) -> float:
-        """Ink on the surface that has not dried, coats x mm2."""
-        return float(self.vertex_areas @ self.amounts.sum(axis=1, dtype=np.float64))
+        """Pigment on the surface that has not dried, coats x mm2."""
+        return float(self.vertex_areas @ (self.amounts @ self._lasting.astype(np.float64)))
+
+    def dry_ink(self) -> float:
+        """Pigment that has dried on the surface, coats x mm2."""
+        areas = self.paint_mesh.vertex_areas[self.dry_layers.vertex_ids]
+        return float(areas @ self.dry_layers.amounts.sum(axis=1, dtype=np.float64))
+
+    def lasting(self, per_pigment: NDArray) -> float:
+        """Sum of a quantity (P,) over the pigments, without water."""
+        return float(per_pigment @ self._lasting)
 
 
 def _code_difference(a: NDArray, b: NDArray) -> NDArray:
     """CIEDE2000 (n,) between sRGB codes (n, 3), 0 to 255."""
     return delta_e(lab_from_srgb(a / 255.0), lab_from_srgb(b / 255.0))
+
+
+def _same_light(one: Pigment, two: Pigment) -> bool:
+    if one is two:
+        return True
+    same = np.array_equal(one.K, two.K) and np.array_equal(one.S, two.S)
+    return same and one.saunderson == two.saunderson

@@ -1,0 +1,109 @@
+"""Wet paint over grounds that differ from vertex to vertex: dried layers, coloured meshes.
+
+All 31 bands, always: what has dried is kept as the spectrum that it shows, which is all that
+Kubelka-Munk theory asks of a backing, so any number of layers is composed exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.colour.layers import SAUNDERSON
+from paint3d.colour.spectra import N_BANDS, rgb_weights
+from paint3d.colour.vertex_colours import srgb_codes
+from paint3d.ink.pigments import Pigment
+from paint3d.kernels.glazing import dry_vertices, glazed_colours
+
+__all__ = ["GlazeModel", "Ground", "make_ground", "spectrum_from_linear_rgb", "srgb_primaries"]
+
+_TABLE = Path(__file__).parent / "data" / "srgb_spectra.csv"
+_NO_RGB = np.empty((0, 3), np.float32)
+
+
+class Ground(NamedTuple):
+    """What lies below the wet paint (cap: room for vertices, D: dried vertices)."""
+
+    slots: NDArray  # (cap,) int32, row of each vertex in `spectra`, -1 for none; or (0,)
+    spectra: NDArray  # (D, 31) uint16, reflectance as measured, in steps of 1/65535
+    linear_rgb: NDArray  # (cap, 3) float32, colour that the mesh came with; or (0, 3)
+    primaries: NDArray  # (31, 3) float32, spectra of red, green and blue
+    material: NDArray  # (31,) float32
+
+
+@lru_cache(maxsize=1)
+def srgb_primaries() -> NDArray:
+    """Return (31, 3) spectra of red, green and blue; see `spectrum_from_linear_rgb`."""
+    primaries = np.loadtxt(_TABLE, delimiter=",", skiprows=1)[:, 1:]
+    primaries.flags.writeable = False
+    return primaries
+
+
+def spectrum_from_linear_rgb(linear_rgb: ArrayLike) -> NDArray:
+    """Smooth reflectances (..., 31) in [0, 1] that have the linear sRGB (..., 3) in [0, 1].
+
+    Mallett, Yuksel: Spectral Primary Decomposition for Rendering with sRGB Reflectance, EGSR
+    2019: a sum of three spectra, so that what lies between two colours has the spectrum between.
+    """
+    return np.asarray(linear_rgb, dtype=np.float64) @ srgb_primaries().T
+
+
+def make_ground(material: NDArray) -> Ground:
+    """The ground of a surface of one material on which nothing has dried."""
+    return Ground(
+        slots=np.empty(0, np.int32),
+        spectra=np.empty((0, N_BANDS), np.uint16),
+        linear_rgb=_NO_RGB,
+        primaries=srgb_primaries().astype(np.float32),
+        material=np.asarray(material, np.float32),
+    )
+
+
+class GlazeModel:
+    """Colours and drying of vertices that carry some of P pigments over a `Ground`.
+
+    Parameters
+    ----------
+    pigments : sequence of Pigment
+        At least one; the columns of the amounts. If any was fitted with Saunderson's correction,
+        paint is glossy and the ground is taken as seen through gloss.
+    """
+
+    def __init__(self, pigments: Sequence[Pigment]) -> None:
+        gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
+        self._gloss = np.array(gloss, np.float32)
+        strengths = [(p.K, p.S) for p in pigments]
+        self._paints = np.ascontiguousarray(np.transpose(strengths, (2, 0, 1)), np.float32)
+        self._weights = np.ascontiguousarray(rgb_weights(), np.float32)
+
+    def srgb(
+        self,
+        amounts: NDArray[np.float32],
+        coverage: NDArray[np.float32],
+        ground: Ground,
+        out: NDArray[np.uint8],
+        vertex_ids: NDArray[np.int32],
+        linear_rgb: NDArray[np.float32] | None = None,
+    ) -> None:
+        """Fill `out` (V, 3), and `linear_rgb` (V, 3), for the vertices named."""
+        rgb = _NO_RGB if linear_rgb is None else linear_rgb
+        glazed_colours(
+            vertex_ids, amounts, coverage, self._paints, self._weights, self._gloss,
+            ground, srgb_codes(), rgb, out,
+        )  # fmt: skip
+
+    def dry(
+        self,
+        amounts: NDArray[np.float32],
+        coverage: NDArray[np.float32],
+        ground: Ground,
+        vertex_ids: NDArray[np.int32],
+        rows: NDArray[np.int32],
+    ) -> None:
+        """Keep in the rows of `ground.spectra` what the vertices show now."""
+        dry_vertices(vertex_ids, amounts, coverage, self._paints, self._gloss, ground, rows)

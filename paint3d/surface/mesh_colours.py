@@ -1,0 +1,57 @@
+"""The colours that a mesh came with, on the vertices it is refined to: a ground to paint on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.colour.glazing import Ground
+from paint3d.colour.spectra import decode_srgb
+from paint3d.kernels.glazing import add_between
+
+__all__ = ["MeshColours"]
+
+
+class MeshColours:
+    """sRGB of every vertex of a refined mesh before anything was painted.
+
+    A vertex that halves an edge has the mean of its ends' codes, as a viewer that interpolates
+    codes shows it, so that refinement does not show and export can take it back.
+
+    Parameters
+    ----------
+    srgb : (B, 3) uint8
+        Colours of the base vertices.
+    """
+
+    def __init__(self, srgb: NDArray) -> None:
+        self._known = len(srgb)
+        self._encoded = (srgb / 255.0).astype(np.float32)
+        self._linear = decode_srgb(srgb).astype(np.float32)
+
+    def fit(self, capacity: int) -> None:
+        """Make room for so many vertices."""
+        if len(self._encoded) < capacity:
+            self._encoded = _grown(self._encoded, self._known, capacity)
+            self._linear = _grown(self._linear, self._known, capacity)
+
+    def know(self, parents: NDArray, n_vertices: int, srgb: NDArray) -> None:
+        """Give colours to vertices that have appeared, also as codes in `srgb` (cap, 3)."""
+        first, last = self._known, n_vertices
+        if first == last:
+            return
+        add_between(parents, first, last, self._encoded)
+        fresh = self._encoded[first:last]
+        self._linear[first:last] = decode_srgb(fresh.astype(np.float64))
+        srgb[first:last] = np.rint(fresh * 255.0)
+        self._known = last
+
+    def ground_of(self, ground: Ground) -> Ground:
+        """The ground with these colours in the place of the material."""
+        return ground._replace(linear_rgb=self._linear)
+
+
+def _grown(array: NDArray, used: int, room: int) -> NDArray:
+    grown = np.empty((room, *array.shape[1:]), array.dtype)
+    grown[:used] = array[:used]
+    return grown
