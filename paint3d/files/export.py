@@ -3,51 +3,47 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from paint3d.arrays import as_array
-from paint3d.errors import ExportError, MeshError, UnknownNameError
+from paint3d.errors import ExportError, UnknownNameError
 from paint3d.files.atomic import write_atomically
+from paint3d.files.export_options import ExportOptions
+from paint3d.files.painting import Exportable, Painting, read_painting
 from paint3d.files.records import write_records
 from paint3d.files.write_3mf import write_3mf
 from paint3d.files.write_glb import write_glb
 from paint3d.files.write_obj import write_obj
 from paint3d.files.write_ply import write_ply
+from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["EXPORT_SUFFIXES", "Exportable", "check_export_path", "export"]
+__all__ = ["EXPORT_SUFFIXES", "check_export_path", "export"]
 
 DEFAULT_ROUGHNESS = 0.5
+ANY_MESH = frozenset({"unit", "up_axis", "filaments"})
 
 
-class Exportable(Protocol):
-    """What can be exported: a PaintedSurface, or anything with its arrays and material."""
+class Format(NamedTuple):
+    """How a format is written, what it takes as unit and up axis, and which wishes it knows."""
 
-    @property
-    def material(self) -> object:
-        """The material; its ``name`` goes into the file and chooses the shine."""
-        ...
-
-    def export_arrays(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        """Return vertices (V, 3) mm, faces (F, 3), unit normals (V, 3) and sRGB codes (V, 3)."""
-        ...
+    write: Callable[[Path, Painting, ExportOptions, str], None]
+    unit: str = "mm"
+    up_axis: str = "z"
+    takes: frozenset[str] = ANY_MESH
 
 
-class Painting(NamedTuple):
-    """Checked arrays of a painting and the name of its material."""
-
-    vertices: NDArray[np.float32]
-    faces: NDArray[np.int32]
-    normals: NDArray[np.float32]
-    srgb: NDArray[np.uint8]
-    material: str
-
-
-def export(surface: Exportable, path: str | os.PathLike[str]) -> None:
+def export(
+    surface: Exportable | TriangleMesh,
+    path: str | os.PathLike[str],
+    *,
+    tolerance: float = 1.0,
+    exact: bool = False,
+    unit: str | None = None,
+    up_axis: str | None = None,
+    unlit: bool = False,
+    filaments: int | Sequence[str] | None = None,
+) -> None:
     """Write a painting to `path`; the suffix chooses the format.
 
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
@@ -56,24 +52,46 @@ def export(surface: Exportable, path: str | os.PathLike[str]) -> None:
 
     Parameters
     ----------
-    surface : PaintedSurface
+    surface : PaintedSurface or TriangleMesh
+        A mesh is written with the colours that it came with.
     path : path-like
         An existing file is replaced at the end, in one step; after a failure it is as it was.
+    tolerance : float
+        dE00 by which a colour may be missed where vertices that were added for painting are left
+        out again.
+    exact : bool
+        Leave no vertex out.
+    unit : {"mm", "cm", "m", "in"}, optional
+        Length of one unit in the file; by default what is right in the format.
+    up_axis : {"y", "z"}, optional
+        The axis of the file that points up, which in paint3d is z; by default as in the format.
+    unlit : bool
+        glTF: show the colours as they are, without light.
+    filaments : int or sequence of str, optional
+        Reduce the colours to so many, or to the nearest of these (sRGB as hex), one for each
+        triangle.
 
     Raises
     ------
     ExportError
-        If the suffix is not known or the file cannot be written.
+        If the suffix is not known, the format cannot do what is asked, or the file cannot be
+        written.
+    InputError
+        If an option is not possible.
     """
     path = Path(path)
-    write = check_export_path(path)
-    painting = _painting(surface)
+    suffix = check_export_path(path)
+    options = ExportOptions(tolerance, exact, unit, up_axis, unlit, filaments)
+    form = FORMATS[suffix]
+    options.refuse_others(form.takes, suffix, _formats_by_wish())
+    unit = options.unit or form.unit
+    painting = read_painting(surface, options).placed(unit, options.up_axis or form.up_axis)
     with write_atomically(path) as temporary:
-        write(temporary, painting)
+        form.write(temporary, painting, options, unit)
 
 
-def check_export_path(path: str | os.PathLike[str]) -> Callable[[Path, Painting], None]:
-    """Return the writer for a path, so that a bad suffix or folder is known before the work.
+def check_export_path(path: str | os.PathLike[str]) -> str:
+    """Return the known suffix of a path, so that a bad suffix or folder is known before the work.
 
     Raises
     ------
@@ -82,67 +100,55 @@ def check_export_path(path: str | os.PathLike[str]) -> Callable[[Path, Painting]
     """
     path = Path(path)
     name = path.name.lower()
-    suffix = next((s for s in WRITERS if name.endswith(s)), None)
+    suffix = next((s for s in FORMATS if name.endswith(s)), None)
     if suffix is None:
         known = " ".join(EXPORT_SUFFIXES)
         shown = f"the suffix {path.suffix!r} is not known" if path.suffix else "it has no suffix"
         raise ExportError(f"{path}: {shown}; expected one of {known}")
     if not path.parent.is_dir():
         raise ExportError(f"{path}: the folder {path.parent} does not exist")
-    return WRITERS[suffix]
+    return suffix
 
 
-def _painting(surface: Exportable) -> Painting:
-    """Return the surface's arrays in the types that the writers take, checked."""
-    vertices, faces, normals, srgb = surface.export_arrays()
-    vertices = as_array(vertices, "vertices", (None, 3), np.float32, MeshError)
-    shape = (len(vertices), 3)
-    return Painting(
-        vertices,
-        as_array(faces, "faces", (None, 3), np.int32, MeshError),
-        _unit(as_array(normals, "normals", shape, np.float32, MeshError)),
-        _codes(srgb, shape),
-        str(getattr(surface.material, "name", "painting")),
-    )
+def _formats_by_wish() -> dict[str, str]:
+    wishes = {wish for form in FORMATS.values() for wish in form.takes}
+    return {
+        wish: " ".join(s for s, form in FORMATS.items() if wish in form.takes) for wish in wishes
+    }
 
 
-def _codes(srgb: NDArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
-    srgb = np.ascontiguousarray(srgb)
-    if srgb.dtype != np.uint8 or srgb.shape != shape:
-        raise MeshError(f"srgb is {srgb.dtype} {srgb.shape}; expected uint8 {shape}")
-    return srgb
-
-
-def _unit(normals: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return normals of length 1; vertices without one, which no face uses, point up."""
-    length = np.sqrt(np.einsum("ij,ij->i", normals, normals, dtype=np.float64))[:, None]
-    unit = normals / np.where(length > 0.0, length, 1.0)
-    return np.where(length > 0.0, unit, (0.0, 0.0, 1.0)).astype(np.float32)
-
-
-def _write_ply(path: Path, painting: Painting) -> None:
+def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     write_ply(path, painting.vertices, painting.faces, painting.normals, painting.srgb)
 
 
-def _write_glb(path: Path, painting: Painting) -> None:
+def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     gloss = _gloss(painting.material)
     roughness = DEFAULT_ROUGHNESS if gloss is None else gloss.roughness
-    write_glb(path, *painting[:4], name=painting.material, roughness=roughness)
+    write_glb(path, *painting[:4], name=painting.material, roughness=roughness, unlit=options.unlit)
 
 
-def _write_obj(path: Path, painting: Painting) -> None:
-    write_obj(path, *painting[:4], name=painting.material)
+def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    write_obj(path, *painting[:4], name=painting.material, unit=unit)
 
 
-def _write_3mf(path: Path, painting: Painting) -> None:
-    write_3mf(path, painting.vertices, painting.faces, painting.srgb, name=painting.material)
+def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    write_3mf(
+        path,
+        painting.vertices,
+        painting.faces,
+        painting.srgb,
+        name=painting.material,
+        unit=unit,
+        palette=painting.palette,
+        face_filaments=painting.face_filaments,
+    )
 
 
-def _write_records(path: Path, painting: Painting) -> None:
+def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     write_records(path, painting.vertices, painting.normals, painting.srgb)
 
 
-def _write_png(path: Path, painting: Painting) -> None:
+def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from paint3d.view.picture import render_picture  # brings VTK: only where a picture is asked
 
     render_picture(*painting[:4], path, gloss=_gloss(painting.material))
@@ -158,12 +164,12 @@ def _gloss(material: str) -> object | None:
         return None
 
 
-WRITERS: dict[str, Callable[[Path, Painting], None]] = {
-    ".ply": _write_ply,
-    ".glb": _write_glb,
-    ".obj": _write_obj,
-    ".3mf": _write_3mf,
-    ".p3d.txt": _write_records,
-    ".png": _write_png,
+FORMATS: dict[str, Format] = {
+    ".ply": Format(_write_ply),
+    ".glb": Format(_write_glb, "m", "y", ANY_MESH | {"unlit"}),
+    ".obj": Format(_write_obj),
+    ".3mf": Format(_write_3mf),
+    ".p3d.txt": Format(_write_records, takes=frozenset()),
+    ".png": Format(_write_png, takes=frozenset({"filaments"})),
 }
-EXPORT_SUFFIXES = tuple(WRITERS)
+EXPORT_SUFFIXES = tuple(FORMATS)

@@ -1,4 +1,4 @@
-"""Binary glTF 2.0 as its specification wants it: metres, y up, linear colours, a dull material."""
+"""Binary glTF 2.0 with linear vertex colours and a material that is no metal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["write_glb"]
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTEX_DATA, INDEX_DATA = 34962, 34963
-METRES = 1e-3
+UNLIT = "KHR_materials_unlit"
 
 
 def write_glb(
@@ -24,6 +24,7 @@ def write_glb(
     *,
     name: str = "painting",
     roughness: float = 0.5,
+    unlit: bool = False,
 ) -> None:
     """Write one mesh with vertex colours.
 
@@ -34,7 +35,7 @@ def write_glb(
     ----------
     path : Path
     vertices : (V, 3) float32
-        mm, z up; the file holds metres, y up.
+        As in the file; by the specification metres, y up.
     faces : (F, 3) int32
     normals : (V, 3) float32
         Unit.
@@ -43,14 +44,16 @@ def write_glb(
         Of mesh and material.
     roughness : float
         Of the material, 0 to 1.
+    unlit : bool
+        Show the colours without light (KHR_materials_unlit).
 
     Raises
     ------
     OSError
         If the file cannot be written.
     """
-    positions = _y_up(vertices) * np.float32(METRES)
-    blocks = [positions, _y_up(normals), _linear(srgb), faces.astype("<u4")]
+    positions = np.ascontiguousarray(vertices, "<f4")
+    blocks = [positions, np.ascontiguousarray(normals, "<f4"), _linear(srgb), faces.astype("<u4")]
     sizes = [block.nbytes for block in blocks]
     starts = np.cumsum([0, *sizes]).tolist()
     document = {
@@ -59,7 +62,7 @@ def write_glb(
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": name}],
         "meshes": [{"name": name, "primitives": [_primitive()]}],
-        "materials": [_material(name, roughness)],
+        "materials": [_material(name, roughness, unlit)],
         "accessors": _accessors(positions, faces),
         "bufferViews": [
             {"buffer": 0, "byteOffset": start, "byteLength": size, "target": target}
@@ -69,6 +72,8 @@ def write_glb(
         ],
         "buffers": [{"byteLength": starts[4]}],
     }
+    if unlit:
+        document["extensionsUsed"] = [UNLIT]
     text = json.dumps(document, separators=(",", ":")).encode("utf-8")
     text += b" " * (-len(text) % 4)
     with open(path, "wb") as file:
@@ -79,11 +84,6 @@ def write_glb(
             file.write(word.to_bytes(4, "little"))
         for block in blocks:
             file.write(memoryview(block).cast("B"))
-
-
-def _y_up(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return (x, z, -y): a turn by -90 degrees about x."""
-    return np.stack([vectors[:, 0], vectors[:, 2], -vectors[:, 1]], axis=1).astype("<f4")
 
 
 def _linear(srgb: NDArray[np.uint8]) -> NDArray[np.uint16]:
@@ -101,9 +101,10 @@ def _primitive() -> dict:
     return {"attributes": attributes, "indices": 3, "material": 0, "mode": 4}
 
 
-def _material(name: str, roughness: float) -> dict:
+def _material(name: str, roughness: float, unlit: bool) -> dict:
     surface = {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": roughness}
-    return {"name": name, "pbrMetallicRoughness": surface, "doubleSided": True}
+    extensions = {"extensions": {UNLIT: {}}} if unlit else {}
+    return {"name": name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
 
 
 def _accessors(positions: NDArray[np.float32], faces: NDArray[np.int32]) -> list[dict]:

@@ -274,27 +274,51 @@ class PaintedSurface:
         )
 
     def export_arrays(
-        self, tolerance: float = EXPORT_TOLERANCE
+        self, tolerance: float | None = EXPORT_TOLERANCE, srgb: NDArray | None = None
     ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """The painting for a file: bisections that its colours do not need are taken back.
 
         Parameters
         ----------
-        tolerance : float
-            Largest dE00 by which interpolated sRGB codes may miss a vertex's colour.
+        tolerance : float or None
+            Largest dE00 by which interpolated sRGB codes may miss a vertex's colour; None for
+            all vertices and triangles that there are.
+        srgb : (V, 3) uint8, optional
+            Codes to give out, and to judge by, instead of the painting's own.
 
         Returns
         -------
         vertices : (K, 3) float32
             mm. The source's vertices come first and in its order, one on a crease once for each
-            of its normals; an unpainted object comes out as it went in.
+            of its normals. An object without paint comes out as it went in.
         faces : (F, 3) int32
         normals : (K, 3) float32
         srgb : (K, 3) uint8
         """
-        srgb = self.srgb
-        ids, faces = coarse_faces(self.paint_mesh, srgb, tolerance, _code_difference)
-        return self.paint_mesh.vertices[ids], faces, self.paint_mesh.normals[ids], srgb[ids]
+        codes = self.srgb if srgb is None else srgb
+        mesh = self.paint_mesh
+        if tolerance is None:
+            ids = mesh.source_order()
+            place = np.empty(len(ids), np.int32)
+            place[ids] = np.arange(len(ids), dtype=np.int32)
+            faces = place[mesh.leaf_faces()]
+        elif not self.coverage.any():
+            return self._source_arrays(codes)
+        else:
+            ids, faces = coarse_faces(mesh, codes, tolerance, _code_difference)
+        return mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]
+
+    def _source_arrays(self, codes: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """The source's vertices and triangles; normals are not of length 1."""
+        source, base = self.source, self.paint_mesh.source_vertices
+        srgb = np.empty((source.n_vertices, 3), np.uint8)
+        srgb[:] = self._bare
+        srgb[base] = codes[: len(base)]
+        normals = source.normals
+        if normals is None:
+            normals = np.zeros((source.n_vertices, 3), np.float32)
+            np.add.at(normals, base, self.paint_mesh.normals[: len(base)])
+        return source.vertices, source.faces, normals, srgb
 
     def wet_ink(self) -> float:
         """Pigment on the surface that has not dried, coats x mm2."""

@@ -32,9 +32,10 @@ class Painted:
         self.normals = np.float32(ball.vertices / 60.0)
         codes = np.arange(self.vertices.size) * 7 % 256  # every code occurs
         self.srgb = codes.astype(np.uint8).reshape(-1, 3)
+        self.vertex_areas = np.ones(len(self.vertices))
 
-    def export_arrays(self):
-        return self.vertices, self.faces, self.normals, self.srgb
+    def export_arrays(self, tolerance=1.0, srgb=None):
+        return self.vertices, self.faces, self.normals, self.srgb if srgb is None else srgb
 
 
 @pytest.fixture

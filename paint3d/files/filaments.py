@@ -1,0 +1,137 @@
+"""For printers with a few filaments: one of k colours for every triangle.
+
+The colours of a painting are gathered into clusters in CIE L*a*b*, every colour weighted by the
+area that shows it (k-means from the colours farthest apart, so that a little cinnabar is not lost
+on much porcelain), or taken as the nearest (CIEDE2000) of colours that are given. Triangles between
+two filaments are as small as the painting's; where one filament covers many, they are joined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_srgb
+from paint3d.colour.spectra import decode_srgb, srgb_from_linear
+
+__all__ = ["Filaments", "choose_filaments", "choose_for_triangles", "split_by_filament"]
+
+ROUNDS = 50
+NEGLIGIBLE = 1e-4  # share of the area below which a colour cannot start a cluster
+
+
+class Filaments(NamedTuple):
+    """Filament colours, and the one for each of the colours that there were."""
+
+    palette: NDArray[np.uint8]  # (k, 3) sRGB, the one that covers most first
+    chosen: NDArray[np.int32]  # (V,) place in the palette
+
+
+def choose_filaments(
+    srgb: NDArray[np.uint8], areas: NDArray[np.float64], wanted: int | Sequence[str]
+) -> Filaments:
+    """Choose filaments for a painting, and one of them for every vertex.
+
+    Parameters
+    ----------
+    srgb : (V, 3) uint8
+    areas : (V,)
+        What each vertex stands for.
+    wanted : int or sequence of str
+        How many filaments (fewer come back where there are fewer colours), or their sRGB as hex.
+
+    Returns
+    -------
+    Filaments
+    """
+    packed = srgb.astype(np.int64) @ np.array([65536, 256, 1])
+    colours, place = np.unique(packed, return_inverse=True)
+    codes = (colours[:, None] >> np.array([16, 8, 0]) & 255).astype(np.uint8)
+    weights = np.bincount(place, weights=areas, minlength=len(codes))
+    if isinstance(wanted, int):
+        palette = _cluster(codes, weights, wanted)
+    else:
+        rgb = [bytes.fromhex(colour.lstrip("#")) for colour in wanted]
+        palette = np.frombuffer(b"".join(rgb), np.uint8).reshape(-1, 3)
+    nearest = _nearest(codes, palette)
+    cover = np.bincount(nearest, weights=weights, minlength=len(palette))
+    order = np.argsort(-cover, kind="stable") if isinstance(wanted, int) else np.arange(len(cover))
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
+    return Filaments(palette[order], rank[nearest][place])
+
+
+def _cluster(codes: NDArray[np.uint8], weights: NDArray, k: int) -> NDArray[np.uint8]:
+    """Return at most k different colours (k, 3) that stand for all of them."""
+    lab, linear = lab_from_srgb(codes), decode_srgb(codes)
+    starts = np.flatnonzero(weights >= NEGLIGIBLE * weights.sum())
+    centres = lab[[int(np.argmax(weights))]]
+    while len(centres) < k:
+        gap = np.min([np.linalg.norm(lab[starts] - c, axis=1) for c in centres], axis=0)
+        if len(starts) == 0 or gap.max() == 0.0:
+            break
+        centres = np.vstack([centres, lab[starts[np.argmax(gap)]]])
+    belongs = np.full(len(lab), -1)
+    for _ in range(ROUNDS):
+        gaps = np.stack([np.linalg.norm(lab - c, axis=1) for c in centres], axis=1)
+        now = gaps.argmin(axis=1)
+        if (now == belongs).all():
+            break
+        belongs = now
+        mean = _means(linear, weights, belongs, len(centres))
+        centres = np.where(np.isfinite(mean), lab_from_linear_rgb(np.nan_to_num(mean)), centres)
+    mean = _means(linear, weights, belongs, len(centres))
+    return np.unique(srgb_from_linear(mean[np.isfinite(mean).all(axis=1)]), axis=0)
+
+
+def _means(linear: NDArray, weights: NDArray, belongs: NDArray, k: int) -> NDArray:
+    """Mean light (k, 3) of every cluster; nan where it is empty."""
+    total = np.bincount(belongs, weights=weights, minlength=k)
+    sums = [np.bincount(belongs, weights=weights * band, minlength=k) for band in linear.T]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.stack(sums, axis=1) / total[:, None]
+
+
+def _nearest(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Place in the palette (n,) of what looks most like each colour."""
+    lab, filaments = lab_from_srgb(codes), lab_from_srgb(palette)
+    gaps = [delta_e(lab, filament[None]) for filament in filaments]
+    return np.argmin(gaps, axis=0).astype(np.int32)
+
+
+def choose_for_triangles(
+    faces: NDArray[np.int32], chosen: NDArray[np.int32], palette: NDArray[np.uint8]
+) -> NDArray[np.int32]:
+    """Return each triangle's filament (F,): what two corners have, or nearest to the mean."""
+    a, b, c = chosen[faces].T
+    out = np.where(b == c, b, a)
+    differ = np.flatnonzero((a != b) & (b != c) & (c != a))
+    if len(differ):
+        light = decode_srgb(palette)[chosen[faces[differ]]].mean(axis=1)
+        out[differ] = _nearest(srgb_from_linear(light), palette)
+    return out.astype(np.int32)
+
+
+def split_by_filament(
+    faces: NDArray[np.int32], face_filaments: NDArray[np.int32], n_filaments: int
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]:
+    """Give every vertex a copy for each filament around it, so that a triangle has one colour.
+
+    Returns
+    -------
+    vertex_ids : (K,)
+        The vertex that each new one is a copy of, in their order.
+    faces : (F, 3) int32
+        Triangles of the new vertices.
+    filaments : (K,) int32
+    """
+    keys = faces.astype(np.int64) * n_filaments + face_filaments[:, None]
+    unique, place = np.unique(keys, return_inverse=True)
+    return (
+        unique // n_filaments,
+        place.reshape(-1, 3).astype(np.int32),
+        (unique % n_filaments).astype(np.int32),
+    )

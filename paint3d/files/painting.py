@@ -1,0 +1,180 @@
+"""A painting as the writers take it: plain arrays, checked, in the file's unit and axes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.arrays import as_array
+from paint3d.errors import MeshError
+from paint3d.files.export_options import ExportOptions
+from paint3d.files.filaments import choose_filaments, choose_for_triangles, split_by_filament
+from paint3d.files.load import UNITS_MM
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["Exportable", "Painting", "PlainSurface", "read_painting"]
+
+UNIT_LENGTH = 1e-6  # a normal nearer to length 1 than this is left as it is
+
+
+class Exportable(Protocol):
+    """What can be exported: a PaintedSurface, or anything with its arrays and material."""
+
+    @property
+    def material(self) -> object:
+        """The material; its ``name`` goes into the file and chooses the shine."""
+        ...
+
+    @property
+    def srgb(self) -> NDArray[np.uint8]:
+        """Codes of every vertex, (V, 3)."""
+        ...
+
+    @property
+    def vertex_areas(self) -> NDArray[np.float64]:
+        """Area that each vertex stands for, (V,) mm2."""
+        ...
+
+    def export_arrays(
+        self, tolerance: float | None = 1.0, srgb: NDArray[np.uint8] | None = None
+    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Return vertices (K, 3) mm, faces (F, 3), unit normals (K, 3) and sRGB codes (K, 3).
+
+        Parameters
+        ----------
+        tolerance : float or None
+            dE00 by which colours may be missed; None for all vertices.
+        srgb : (V, 3) uint8, optional
+            Codes to export instead of the painting's own.
+        """
+        ...
+
+
+class Painting(NamedTuple):
+    """Arrays of a painting, the name of its material, and where there are some, its filaments."""
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    normals: NDArray[np.float32]
+    srgb: NDArray[np.uint8]
+    material: str
+    palette: NDArray[np.uint8] | None = None
+    face_filaments: NDArray[np.int32] | None = None
+
+    def placed(self, unit: str, up_axis: str) -> Painting:
+        """Return the painting in another unit, with another axis up; it is in mm with z up."""
+        vertices, normals = self.vertices, self.normals
+        if up_axis == "y":  # a turn by -90 degrees about x
+            vertices, normals = (
+                np.stack([v[:, 0], v[:, 2], -v[:, 1]], axis=1) for v in (vertices, normals)
+            )
+        if unit != "mm":
+            vertices = (vertices / UNITS_MM[unit]).astype(np.float32)
+        return self._replace(vertices=vertices, normals=normals)
+
+
+class PlainSurface:
+    """A mesh with the colours that it came with, as something to export; white without colours."""
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        self.mesh = mesh
+        self.material = None
+        white = np.full((mesh.n_vertices, 3), 255, np.uint8)
+        self.srgb = white if mesh.colours is None else mesh.colours
+
+    @property
+    def vertex_areas(self) -> NDArray[np.float64]:
+        """(V,) mm2."""
+        areas = np.zeros(self.mesh.n_vertices)
+        for corner in range(3):
+            np.add.at(areas, self.mesh.faces[:, corner], self.mesh.double_areas / 6.0)
+        return areas
+
+    def export_arrays(
+        self, tolerance: float | None = 1.0, srgb: NDArray[np.uint8] | None = None
+    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Return the mesh's arrays as they are; none of its vertices was added for painting."""
+        mesh = self.mesh
+        normals = _smooth_normals(mesh) if mesh.normals is None else mesh.normals
+        return mesh.vertices, mesh.faces, normals, self.srgb if srgb is None else srgb
+
+
+def _smooth_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return vertex normals (V, 3), not yet of length 1: the faces' by area."""
+    normals = np.zeros((mesh.n_vertices, 3))
+    weighted = mesh.face_normals * mesh.double_areas[:, None]
+    for corner in range(3):
+        np.add.at(normals, mesh.faces[:, corner], weighted)
+    return normals
+
+
+def read_painting(surface: Exportable | TriangleMesh, options: ExportOptions) -> Painting:
+    """Return what is to be written of a surface, checked.
+
+    Raises
+    ------
+    MeshError
+        If its arrays do not fit each other.
+    """
+    if isinstance(surface, TriangleMesh):
+        surface = PlainSurface(surface)
+    material = str(getattr(surface.material, "name", "painting"))
+    if options.filaments is None:
+        return _checked(
+            surface.export_arrays(None if options.exact else options.tolerance), material
+        )
+    filaments = choose_filaments(surface.srgb, surface.vertex_areas, options.filaments)
+    codes = filaments.palette[filaments.chosen]
+    arrays = surface.export_arrays(None if options.exact else 0.0, codes)
+    return _in_filaments(_checked(arrays, material), filaments.palette)
+
+
+def _in_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:
+    """Return a painting whose codes are of the palette, with one filament a triangle."""
+    weights = np.array([65536, 256, 1])
+    packed, order = palette @ weights, np.argsort(palette @ weights, kind="stable")
+    chosen = order[np.searchsorted(packed, painting.srgb @ weights, sorter=order)]
+    face_filaments = choose_for_triangles(painting.faces, chosen, palette)
+    ids, faces, filament = split_by_filament(painting.faces, face_filaments, len(palette))
+    return painting._replace(
+        vertices=painting.vertices[ids],
+        faces=faces,
+        normals=painting.normals[ids],
+        srgb=palette[filament],
+        palette=palette,
+        face_filaments=face_filaments,
+    )
+
+
+def _checked(arrays: tuple[NDArray, NDArray, NDArray, NDArray], material: str) -> Painting:
+    vertices = as_array(arrays[0], "vertices", (None, 3), np.float32, MeshError)
+    shape = (len(vertices), 3)
+    return Painting(
+        vertices,
+        as_array(arrays[1], "faces", (None, 3), np.int32, MeshError),
+        _unit(as_array(arrays[2], "normals", shape, np.float32, MeshError)),
+        _codes(arrays[3], shape),
+        material,
+    )
+
+
+def _codes(srgb: NDArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
+    srgb = np.ascontiguousarray(srgb)
+    if srgb.dtype != np.uint8 or srgb.shape != shape:
+        raise MeshError(f"srgb is {srgb.dtype} {srgb.shape}; expected uint8 {shape}")
+    return srgb
+
+
+def _unit(normals: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return normals of length 1; vertices without one, which no face uses, point up."""
+    length = np.sqrt(np.einsum("ij,ij->i", normals, normals, dtype=np.float64))
+    off = np.flatnonzero(np.abs(length - 1.0) > UNIT_LENGTH)
+    if len(off) == 0:
+        return normals
+    unit = normals.copy()
+    none = length[off] == 0.0
+    unit[off] = normals[off] / np.where(none, 1.0, length[off])[:, None]
+    unit[off[none]] = (0.0, 0.0, 1.0)
+    return unit

@@ -1,0 +1,192 @@
+"""What an export can be asked for: units, axes, light, density, filaments; and what it refuses."""
+
+import json
+import zipfile
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import trimesh
+
+import paint3d
+from paint3d.errors import ExportError, InputError, UnknownNameError
+from paint3d.files.export import FORMATS, export
+from paint3d.files.load import load_mesh
+from paint3d.ink.pigments import load_pigment
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+MATERIALS = "{http://schemas.microsoft.com/3dmanufacturing/material/2015/02}"
+
+
+def box(size=(10.0, 20.0, 40.0)):
+    """A box whose corners have one vertex a side, with colours that say where they are."""
+    solid = trimesh.creation.box(size)
+    solid.unmerge_vertices()
+    codes = np.uint8(127 + 100 * np.sign(solid.vertices))
+    return TriangleMesh(np.float32(solid.vertices), np.int32(solid.faces), codes, "box")
+
+
+def document_of(path):
+    data = path.read_bytes()
+    return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".glb", ".3mf"])
+@pytest.mark.parametrize("unit", ["mm", "cm", "m", "in"])
+def test_the_unit_can_be_chosen(tmp_path, suffix, unit):
+    export(box(), tmp_path / f"a{suffix}", unit=unit)
+    back = load_mesh(tmp_path / f"a{suffix}", unit=None if suffix == ".3mf" else unit)
+    np.testing.assert_allclose(np.ptp(back.vertices, axis=0), (10, 20, 40), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "extent"),
+    [(".ply", (10, 20, 40)), (".obj", (10, 20, 40)), (".3mf", (10, 20, 40)),
+     (".glb", (0.01, 0.04, 0.02))],
+)  # fmt: skip
+def test_units_and_axes_are_those_of_the_format(tmp_path, suffix, extent):
+    export(box(), tmp_path / f"a{suffix}")
+    other = trimesh.load(tmp_path / f"a{suffix}", process=False, force="mesh")
+    np.testing.assert_allclose(other.extents, extent, rtol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".3mf", ".glb"])
+def test_the_up_axis_can_be_chosen(tmp_path, suffix):
+    mesh = box()
+    for up_axis in "yz":
+        export(mesh, tmp_path / f"a{suffix}", up_axis=up_axis, unit="mm")
+        other = trimesh.load(tmp_path / f"a{suffix}", process=False, force="mesh")
+        tall = (10, 40, 20) if up_axis == "y" else (10, 20, 40)
+        np.testing.assert_allclose(other.extents, tall, rtol=1e-6)
+        assert other.volume == pytest.approx(8000)  # turned, not mirrored
+
+
+def test_a_glb_can_be_unlit(tmp_path):
+    export(box(), tmp_path / "a.glb")
+    assert "extensionsUsed" not in document_of(tmp_path / "a.glb")
+    export(box(), tmp_path / "a.glb", unlit=True)
+    document = document_of(tmp_path / "a.glb")
+    assert document["extensionsUsed"] == ["KHR_materials_unlit"]
+    assert document["materials"][0]["extensions"] == {"KHR_materials_unlit": {}}
+    np.testing.assert_array_equal(load_mesh(tmp_path / "a.glb").colours, box().colours)
+
+
+def test_the_corners_of_a_box_are_closed_in_3mf_and_keep_their_colours(tmp_path):
+    mesh = box()
+    codes = mesh.colours.copy()
+    codes[mesh.faces[0]] = (255, 0, 0)  # one side's corners differ from their neighbours'
+    export(TriangleMesh(mesh.vertices, mesh.faces, codes), tmp_path / "a.3mf")
+    with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
+        root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
+    assert len(list(root.iter(f"{CORE}vertex"))) == 8
+    colours = [element.get("color") for element in root.iter(f"{MATERIALS}color")]
+    corners = [
+        [colours[int(triangle.get(place))] for place in ("p1", "p2", "p3")]
+        for triangle in root.iter(f"{CORE}triangle")
+    ]
+    wanted = [[f"#{bytes(code).hex().upper()}" for code in three] for three in codes[mesh.faces]]
+    assert corners == wanted
+    other = trimesh.load(tmp_path / "a.3mf", process=False, force="mesh")
+    assert other.is_watertight
+
+
+def spotted_plane(n_spots=1):
+    """A plane with dark ink on some of its vertices, refined all over."""
+    surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=4.0)
+    surface.refine_all()
+    column = surface.column_of(load_pigment("pine soot"))
+    ids = np.flatnonzero(np.hypot(*(surface.mesh.vertices[:, :2] - (30, 20)).T) < 25.0)
+    field = surface.ink
+    field.amounts[ids, column] = field.coverage[ids] = field.dirty[ids] = 1
+    field.dirty_ids[: len(ids)] = ids
+    field.n_dirty[0] = len(ids)
+    return surface, len(ids)
+
+
+def test_exact_leaves_no_vertex_out_and_the_default_does(tmp_path):
+    surface, _ = spotted_plane()
+    counts = {}
+    for name, options in {
+        "usual": {},
+        "coarse": {"tolerance": 30.0},
+        "all": {"exact": True},
+    }.items():
+        export(surface, tmp_path / "a.ply", **options)
+        counts[name] = load_mesh(tmp_path / "a.ply").n_vertices
+    assert counts["all"] == surface.n_vertices
+    assert counts["coarse"] <= counts["usual"] < surface.n_vertices
+    export(surface, tmp_path / "a.ply", exact=True)
+    back = load_mesh(tmp_path / "a.ply")
+    order = surface.paint_mesh.source_order()
+    np.testing.assert_array_equal(back.vertices, surface.mesh.vertices[order])
+    np.testing.assert_array_equal(back.colours, surface.srgb[order])
+    assert back.n_faces == len(surface.paint_mesh.leaf_faces())
+    assert back.area == pytest.approx(surface.source.area)
+
+
+def test_an_unpainted_object_comes_out_as_it_went_in(tmp_path):
+    corners = box().vertices
+    welded, place = np.unique(corners, axis=0, return_inverse=True)
+    faces = np.r_[place[box().faces], [[3, 3, 4]]]  # one without area, and sharp corners
+    mesh = TriangleMesh(welded, faces)
+    surface = paint3d.PaintedSurface(mesh, resolution=2.0)
+    surface.refine_all()
+    vertices, kept, normals, srgb = surface.export_arrays()
+    np.testing.assert_array_equal(vertices, mesh.vertices)
+    np.testing.assert_array_equal(kept, mesh.faces)
+    assert (srgb == srgb[0]).all()
+    assert (np.einsum("ij,ij->i", normals, welded) > 0).all()
+    export(surface, tmp_path / "a.obj")
+    assert load_mesh(tmp_path / "a.obj").n_vertices == 8
+
+
+def test_a_mesh_without_colours_is_white(tmp_path):
+    mesh = TriangleMesh(box().vertices, box().faces)
+    export(mesh, tmp_path / "a.ply")
+    assert (load_mesh(tmp_path / "a.ply").colours == 255).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"unit": "ft"}, UnknownNameError, "unknown unit 'ft'"),
+        ({"up_axis": "x"}, UnknownNameError, "unknown up axis 'x'"),
+        ({"tolerance": -1.0}, InputError, "tolerance"),
+        ({"tolerance": float("nan")}, InputError, "tolerance"),
+        ({"filaments": 0}, InputError, "filaments is 0; expected 1 to 64"),
+        ({"filaments": True}, InputError, "expected how many, or a list of colours"),
+        ({"filaments": "#112233"}, InputError, "expected how many, or a list of colours"),
+        ({"filaments": []}, InputError, "the number of filaments is 0"),
+        ({"filaments": ["#12345"]}, InputError, "'#12345' is not a colour"),
+        ({"unlit": True}, ExportError, r"\.ply files cannot have unlit; expected one of \.glb"),
+    ],
+)
+def test_wishes_that_cannot_be(tmp_path, options, error, message):
+    with pytest.raises(error, match=message):
+        export(box(), tmp_path / "a.ply", **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_format_says_no_to_what_it_cannot_do(tmp_path):
+    wishes = {"unit": "cm", "up_axis": "y", "unlit": True, "filaments": 2}
+    for suffix, form in FORMATS.items():
+        for wish, value in wishes.items():
+            if wish not in form.takes:
+                with pytest.raises(ExportError, match=wish.replace("_", " ")):
+                    export(box(), tmp_path / f"a{suffix}", **{wish: value})
+
+
+def test_a_material_without_name_is_a_painting(tmp_path):
+    surface = SimpleNamespace(
+        material=object(),
+        export_arrays=lambda tolerance: (
+            box().vertices,
+            box().faces,
+            box().vertices,
+            box().colours,
+        ),
+    )
+    export(surface, tmp_path / "a.glb")
+    assert document_of(tmp_path / "a.glb")["materials"][0]["name"] == "painting"
