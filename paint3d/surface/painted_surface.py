@@ -290,7 +290,7 @@ class PaintedSurface:
         -------
         vertices : (K, 3) float32
             mm. The source's vertices come first and in its order, one on a crease once for each
-            of its normals. An object without paint comes out as it went in.
+            of its normals. An object without paint, wet or dry, comes out as it went in.
         faces : (F, 3) int32
         normals : (K, 3) float32
         srgb : (K, 3) uint8
@@ -302,19 +302,18 @@ class PaintedSurface:
             place = np.empty(len(ids), np.int32)
             place[ids] = np.arange(len(ids), dtype=np.int32)
             faces = place[mesh.leaf_faces()]
-        elif not self.coverage.any():
-            return self._source_arrays(codes)
+        elif srgb is None and not self.painted.any():
+            return self._source_arrays()
         else:
             ids, faces = coarse_faces(mesh, codes, tolerance, _code_difference)
         return mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]
 
-    def _source_arrays(self, codes: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        """The source's vertices and triangles; normals are not of length 1."""
+    def _source_arrays(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """The source's own vertices and triangles; normals are not of length 1."""
         source, base = self.source, self.paint_mesh.source_vertices
-        srgb = np.empty((source.n_vertices, 3), np.uint8)
-        srgb[:] = self._bare
-        srgb[base] = codes[: len(base)]
-        normals = source.normals
+        srgb, normals = source.colours, source.normals
+        if srgb is None:
+            srgb = np.tile(self._bare, (source.n_vertices, 1))
         if normals is None:
             normals = np.zeros((source.n_vertices, 3), np.float32)
             np.add.at(normals, base, self.paint_mesh.normals[: len(base)])

@@ -92,21 +92,22 @@ def test_the_corners_of_a_box_are_closed_in_3mf_and_keep_their_colours(tmp_path)
     assert other.is_watertight
 
 
-def spotted_plane(n_spots=1):
-    """A plane with dark ink on some of its vertices, refined all over."""
-    surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=4.0)
+def spotted(name="plane"):
+    """An object with dark ink on one side, refined all over."""
+    surface = paint3d.PaintedSurface(paint3d.load_mesh(name), resolution=4.0)
     surface.refine_all()
     column = surface.column_of(load_pigment("pine soot"))
-    ids = np.flatnonzero(np.hypot(*(surface.mesh.vertices[:, :2] - (30, 20)).T) < 25.0)
+    along = surface.mesh.vertices[:, 0]
+    ids = np.flatnonzero(along > 0.4 * along.max())
     field = surface.ink
     field.amounts[ids, column] = field.coverage[ids] = field.dirty[ids] = 1
     field.dirty_ids[: len(ids)] = ids
     field.n_dirty[0] = len(ids)
-    return surface, len(ids)
+    return surface
 
 
 def test_exact_leaves_no_vertex_out_and_the_default_does(tmp_path):
-    surface, _ = spotted_plane()
+    surface = spotted()
     counts = {}
     for name, options in {
         "usual": {},
@@ -146,6 +147,41 @@ def test_a_mesh_without_colours_is_white(tmp_path):
     mesh = TriangleMesh(box().vertices, box().faces)
     export(mesh, tmp_path / "a.ply")
     assert (load_mesh(tmp_path / "a.ply").colours == 255).all()
+
+
+def test_dried_paint_is_exported_too(tmp_path):
+    surface = spotted()
+    export(surface, tmp_path / "wet.ply")
+    surface.dry()
+    assert not surface.coverage.any()
+    export(surface, tmp_path / "dry.ply")
+    assert load_mesh(tmp_path / "dry.ply").colours.min() < 90
+    wet, dry = (load_mesh(tmp_path / f"{name}.ply").n_vertices for name in ("wet", "dry"))
+    assert dry == wet
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".3mf", ".glb"])
+def test_ten_round_trips_through_our_own_reader_change_nothing(tmp_path, suffix):
+    surface = spotted("sphere")
+    export(surface, tmp_path / f"0{suffix}")
+    first = load_mesh(tmp_path / f"0{suffix}")
+    vertices, faces, normals, srgb = surface.export_arrays()
+    if suffix == ".glb":  # metres in float32: the last bit of a millimetre may change, once
+        np.testing.assert_array_max_ulp(first.vertices, vertices, 1)
+    else:
+        np.testing.assert_array_equal(first.vertices, vertices)
+    np.testing.assert_array_equal(first.faces, faces)
+    np.testing.assert_array_equal(first.colours, srgb)
+    mesh = first
+    for trip in range(1, 11):
+        export(mesh if trip % 2 else paint3d.PaintedSurface(mesh), tmp_path / f"{trip}{suffix}")
+        mesh = load_mesh(tmp_path / f"{trip}{suffix}")
+    np.testing.assert_array_equal(mesh.vertices, first.vertices)
+    np.testing.assert_array_equal(mesh.faces, faces)
+    np.testing.assert_array_equal(mesh.colours, srgb)
+    if suffix in (".ply", ".glb"):  # from which normals are read
+        np.testing.assert_array_equal(mesh.normals, normals)
+    assert (tmp_path / f"9{suffix}").read_bytes() == (tmp_path / f"1{suffix}").read_bytes()
 
 
 @pytest.mark.parametrize(
