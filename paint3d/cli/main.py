@@ -14,12 +14,19 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from paint3d.cli import bench, demo, inks, replay, report
+from paint3d.cli import bench, demo, devices, inks, replay, report
 from paint3d.errors import Paint3DError
 
 __all__ = ["main"]
 
-_COMMANDS = {"demo": demo, "replay": replay, "inks": inks, "bench": bench, "report": report}
+_COMMANDS = {
+    "demo": demo,
+    "replay": replay,
+    "devices": devices,
+    "inks": inks,
+    "bench": bench,
+    "report": report,
+}
 _FAILED = 2
 _INTERRUPTED = 130
 

@@ -7,8 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.frames import quaternions_from_matrices
-
 __all__ = ["orientation_from_tilt"]
 
 _STEEPEST = math.radians(89.0)
@@ -19,18 +17,20 @@ def orientation_from_tilt(tilt_x: float, tilt_y: float, twist: float = 0.0) -> N
 
     The handle leans towards +x by `tilt_x` and towards +y by `tilt_y` (rad, seen along the other
     axis), so its direction is (tan tilt_x, tan tilt_y, 1), as in W3C Pointer Events. The tip
-    bends away from the lean; an upright pen's tip bends along -x. `twist` turns the pen about its
+    bends away from the lean; an upright pen's bends along -x. `twist` turns the pen about its
     own axis, anticlockwise seen from above, and the bend with it.
     """
     lean_x = math.tan(min(max(tilt_x, -_STEEPEST), _STEEPEST))
     lean_y = math.tan(min(max(tilt_y, -_STEEPEST), _STEEPEST))
-    up = np.array([lean_x, lean_y, 1.0])
-    up /= np.linalg.norm(up)
-    side = math.hypot(lean_x, lean_y)
-    away = np.array([-lean_x, -lean_y, 0.0]) / side if side > 1e-9 else np.array([-1.0, 0.0, 0.0])
-    bend = away - (away @ up) * up
-    bend /= np.linalg.norm(bend)
-    across = np.cross(up, bend)
-    turned = math.cos(twist) * bend + math.sin(twist) * across
-    frame = np.stack([turned, np.cross(up, turned), up], axis=1)
-    return quaternions_from_matrices(frame[None])[0]
+    azimuth = math.atan2(lean_y, lean_x) if (lean_x, lean_y) != (0.0, 0.0) else 0.0
+    half_lean = 0.5 * math.atan(math.hypot(lean_x, lean_y))
+    # Rz(azimuth) Ry(lean) Rz(pi + twist), in half angles
+    turn, sway = azimuth + math.pi + twist, azimuth - math.pi - twist
+    return np.array(
+        [
+            math.cos(half_lean) * math.cos(0.5 * turn),
+            -math.sin(half_lean) * math.sin(0.5 * sway),
+            math.sin(half_lean) * math.cos(0.5 * sway),
+            math.cos(half_lean) * math.sin(0.5 * turn),
+        ]
+    )

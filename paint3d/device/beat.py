@@ -1,0 +1,72 @@
+"""How steadily a device reports, from the times at which its reports were read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Beat", "find_beat", "lateness_ms"]
+
+_PAUSE_NS = 100_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Beat:
+    """Rate and regularity of a stream of reports.
+
+    Attributes
+    ----------
+    n : int
+        Reports.
+    rate_hz : float
+        One over the mean interval, pauses of 100 ms and more left out; 0 where there is none.
+    interval_p50_ms, interval_p99_ms, longest_ms : float
+        Of the intervals within runs; NaN where there is none.
+    pauses : int
+    """
+
+    n: int
+    rate_hz: float
+    interval_p50_ms: float
+    interval_p99_ms: float
+    longest_ms: float
+    pauses: int
+
+
+def find_beat(times_ns: ArrayLike) -> Beat:
+    """The beat of reports read at these times (N,), ns."""
+    times = np.asarray(times_ns, dtype=np.int64)
+    gaps = np.diff(times)
+    within = gaps[gaps < _PAUSE_NS] * 1e-6
+    if len(within) == 0:
+        return Beat(len(times), 0.0, np.nan, np.nan, np.nan, len(gaps))
+    mean = float(within.mean())
+    p50, p99 = (float(p) for p in np.percentile(within, (50, 99)))
+    longest = float(within.max())
+    return Beat(len(times), 1e3 / max(mean, 1e-6), p50, p99, longest, int(len(gaps) - len(within)))
+
+
+def lateness_ms(times_ns: ArrayLike, sequence: ArrayLike) -> NDArray[np.float64]:
+    """How much later than the steady beat each report was read, (N,) ms.
+
+    Parameters
+    ----------
+    times_ns : (N,) array_like
+    sequence : (N,) array_like
+        The device's own numbers, modulo 65536, at a steady rate.
+
+    Notes
+    -----
+    The earliest report of all is taken as not late: a delay that they all share cannot be seen
+    from this side.
+    """
+    times = np.asarray(times_ns, dtype=np.float64)
+    steps = np.diff(np.asarray(sequence, dtype=np.int64)) % 65536
+    count = np.concatenate([[0], np.cumsum(steps)]).astype(np.float64)
+    if len(times) < 3 or count[-1] <= 0:
+        return np.zeros(len(times))
+    slope, start = np.polyfit(count, times - times[0], 1)
+    rest = times - times[0] - (start + slope * count)
+    return (rest - rest.min()) * 1e-6

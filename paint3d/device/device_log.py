@@ -1,0 +1,209 @@
+"""Everything that devices sent, as they sent it: written while it happens, played back as devices.
+
+JSON Lines, gzipped where the name ends in .gz. The first line names format, version and the
+devices with their descriptors; every further line is ``[time_ns, device, "report in hex"]``. What
+was recorded can be decoded again by later, better decoders.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Lock
+
+from paint3d.device.hid_link import DeviceGoneError
+from paint3d.device.hid_nodes import HidNode
+from paint3d.errors import DeviceError
+
+__all__ = ["DeviceLog", "LogEntry", "PlaybackLink", "read_device_log"]
+
+_FORMAT, _VERSION = "paint3d-device-log", 1
+_MAX_LINE = 1 << 16
+
+LogEntry = tuple[int, bytes]
+
+
+class DeviceLog:
+    """Writes reports as they come; threads may share it.
+
+    The file is written beside its place and moved there by `close`.
+
+    Raises
+    ------
+    DeviceError
+        If it cannot be written.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self._path = Path(path)
+        self._part = self._path.with_name(self._path.name + ".part")
+        self._lock = Lock()
+        self._devices: dict[str, int] = {}
+        try:
+            raw = self._part.open("wb")
+        except OSError as cause:
+            raise DeviceError(f"{path}: cannot be written: {cause.strerror}") from None
+        zipped = gzip.GzipFile(fileobj=raw, mode="wb", mtime=0) if _is_gz(self._path) else raw
+        self._raw, self._file = raw, zipped
+        self._write({"format": _FORMAT, "version": _VERSION})
+
+    def keep(self, node: HidNode, descriptor: bytes, time_ns: int, report: bytes) -> None:
+        """Write down one report; a device is named before its first."""
+        with self._lock:
+            if node.path not in self._devices:
+                self._devices[node.path] = len(self._devices)
+                self._write(
+                    {
+                        "device": self._devices[node.path],
+                        "kind": node.kind,
+                        "name": node.name,
+                        "vendor": node.vendor,
+                        "product": node.product,
+                        "descriptor": descriptor.hex(),
+                    }
+                )
+            self._write([time_ns, self._devices[node.path], report.hex()])
+
+    def discard(self) -> None:
+        """Leave no file behind."""
+        with self._lock:
+            self._file.close()
+            self._raw.close()
+            self._part.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Finish the file and put it in its place."""
+        with self._lock:
+            self._file.close()
+            self._raw.close()
+            self._part.replace(self._path)
+
+    def _write(self, what: object) -> None:
+        self._file.write(json.dumps(what, separators=(",", ":")).encode() + b"\n")
+
+
+class PlaybackLink:
+    """A device out of a log: gives its reports at their times, then goes.
+
+    Parameters
+    ----------
+    node : HidNode
+    descriptor : bytes
+    entries : list of (int, bytes)
+        Times (ns) and reports.
+    now_ns : callable
+        The clock that plays; `time.monotonic_ns`, or a simulated one.
+    """
+
+    def __init__(
+        self, node: HidNode, descriptor: bytes, entries: list[LogEntry], now_ns=time.monotonic_ns
+    ) -> None:
+        self.node = node
+        self.name = node.name
+        self.descriptor = descriptor
+        self.entries = entries
+        self.sent: list[bytes] = []
+        self._now_ns = now_ns
+        self._start_ns: int | None = None
+        self._next = 0
+
+    def start(self, at_ns: int, first_ns: int) -> None:
+        """Let what was recorded at `first_ns` happen at `at_ns`."""
+        self._start_ns = at_ns - first_ns
+
+    def read(self, timeout_ms: int) -> list[LogEntry]:
+        """Reports whose time has come.
+
+        Raises
+        ------
+        DeviceGoneError
+            When all have been given.
+        """
+        if self._next == len(self.entries):
+            raise DeviceGoneError(f"{self.name}: the recording is over")
+        if self._start_ns is None:
+            self.start(self._now_ns(), self.entries[0][0])
+        due = self.entries[self._next][0] + self._start_ns
+        wait_s = min(timeout_ms * 1e-3, (due - self._now_ns()) * 1e-9)
+        if wait_s > 0.0:
+            time.sleep(wait_s)
+        now, ready = self._now_ns(), []
+        while self._next < len(self.entries):
+            time_ns, report = self.entries[self._next]
+            if time_ns + self._start_ns > now:
+                break
+            ready.append((time_ns + self._start_ns, report))
+            self._next += 1
+        return ready
+
+    def write(self, report: bytes) -> None:
+        """Kept in `sent`: there is nobody to feel it."""
+        self.sent.append(report)
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+
+def read_device_log(path: str | os.PathLike[str]) -> list[PlaybackLink]:
+    """The devices of a log, ready to play.
+
+    Raises
+    ------
+    DeviceError
+        ``file:line: what is wrong; what was expected``.
+    """
+    name = Path(path).name
+    links: list[PlaybackLink] = []
+    try:
+        with open(path, "rb") as raw:
+            zipped = raw.peek(2)[:2] == b"\x1f\x8b"
+            file = io.BufferedReader(gzip.GzipFile(fileobj=raw)) if zipped else raw
+            for number, line in _lines(file):
+                try:
+                    _take_line(json.loads(line), number, links)
+                except (ValueError, KeyError, TypeError, IndexError) as cause:
+                    raise DeviceError(f"{name}:{number}: {cause}") from None
+    except (OSError, EOFError) as cause:
+        raise DeviceError(f"{path}: no device log can be read ({cause})") from None
+    if not links:
+        raise DeviceError(f"{name}: no device in the log; expected at least one")
+    return links
+
+
+def _lines(file: io.BufferedReader) -> Iterator[tuple[int, bytes]]:
+    number = 0
+    while line := file.readline(_MAX_LINE + 1):
+        number += 1
+        if len(line) > _MAX_LINE:
+            raise EOFError(f"line {number} is longer than {_MAX_LINE} bytes")
+        yield number, line
+
+
+def _take_line(found: object, number: int, links: list[PlaybackLink]) -> None:
+    if number == 1:
+        if not isinstance(found, dict) or found.get("format") != _FORMAT:
+            raise ValueError(f"expected format {_FORMAT!r} in the first line")
+        if found.get("version") != _VERSION:
+            raise ValueError(f"version is {found.get('version')!r}; expected {_VERSION}")
+    elif isinstance(found, dict):
+        kind, vendor, product = str(found["kind"]), int(found["vendor"]), int(found["product"])
+        path = f"log:{len(links)}"
+        node = HidNode(path, "log", vendor, product, str(found["name"]), "", 0, 0, kind)
+        links.append(PlaybackLink(node, bytes.fromhex(found["descriptor"]), []))
+    else:
+        time_ns, device, report = found
+        if not 0 <= device < len(links):
+            raise ValueError(f"device {device!r} was not named before")
+        entries = links[device].entries
+        if not isinstance(time_ns, int) or (entries and time_ns < entries[-1][0]):
+            raise ValueError(f"time {time_ns!r}; expected an integer, not before the last one")
+        entries.append((time_ns, bytes.fromhex(report)))
+
+
+def _is_gz(path: Path) -> bool:
+    return path.suffix == ".gz"

@@ -1,0 +1,131 @@
+"""A thread that reads one device until it goes: decode, count, deliver, never stop for garbage."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from paint3d.device.hid_link import DeviceGoneError, Link
+from paint3d.errors import DeviceError
+
+__all__ = ["DeviceLoop", "DeviceStatus"]
+
+_WAIT_MS = 50
+_MOST_WAITING = 100_000
+
+
+@dataclass
+class DeviceStatus:
+    """What is known about a device's stream.
+
+    Attributes
+    ----------
+    n_reports : int
+        Decoded.
+    n_refused : int
+        That could not be decoded; `last_refusal` says why the last of them was.
+    n_dropped : int
+        Events that nobody took in time.
+    heard_ns : int
+        When the last report was read; 0 before the first.
+    longest_gap_ns : int
+        Longest time between two reports.
+    gone : str or None
+        Why the device is no longer there.
+    """
+
+    n_reports: int = 0
+    n_refused: int = 0
+    n_dropped: int = 0
+    heard_ns: int = 0
+    longest_gap_ns: int = 0
+    last_refusal: str = ""
+    gone: str | None = None
+
+
+class DeviceLoop:
+    """Reads a link in a thread of its own.
+
+    Parameters
+    ----------
+    link : Link
+    decode : callable
+        From a time (ns) and a report to events; it may raise `DeviceError`, which is counted.
+    log : callable, optional
+        Called with every raw report and its time, before it is decoded.
+    at_end : callable, optional
+        Called with the time (ns) once the device is gone or closed; gives the last events.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        decode: Callable[[int, bytes], Iterable[object]],
+        log: Callable[[int, bytes], None] | None = None,
+        at_end: Callable[[int], Iterable[object]] | None = None,
+    ) -> None:
+        self.link = link
+        self.status = DeviceStatus()
+        self._decode = decode
+        self._log = log
+        self._at_end = at_end
+        self._events: deque = deque()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=f"read {link.name}", daemon=True)
+        self._thread.start()
+
+    def take(self) -> list:
+        """All events since the last call, oldest first."""
+        events = []
+        while self._events:
+            events.append(self._events.popleft())
+        return events
+
+    def write(self, report: bytes | None) -> None:
+        """Send an output report; None and a device that has gone are passed over."""
+        if report is None or self.status.gone is not None:
+            return
+        try:
+            self.link.write(report)
+        except DeviceGoneError as cause:
+            self.status.gone = str(cause)
+
+    def stop(self) -> None:
+        """Stop reading and close the device."""
+        self._stop.set()
+        self._thread.join(timeout=2.0)
+        self.link.close()
+
+    def _run(self) -> None:
+        try:
+            while not self._stop.is_set() and self.status.gone is None:
+                for time_ns, report in self.link.read(_WAIT_MS):
+                    self._handle(time_ns, report)
+        except DeviceGoneError as cause:
+            self.status.gone = str(cause)
+        if self._at_end is not None:
+            self._deliver(self._at_end(time.monotonic_ns()))
+
+    def _handle(self, time_ns: int, report: bytes) -> None:
+        status = self.status
+        if status.heard_ns:
+            status.longest_gap_ns = max(status.longest_gap_ns, time_ns - status.heard_ns)
+        status.heard_ns = time_ns
+        if self._log is not None:
+            self._log(time_ns, report)
+        try:
+            self._deliver(self._decode(time_ns, report))
+            status.n_reports += 1
+        except DeviceError as refusal:
+            status.n_refused += 1
+            status.last_refusal = str(refusal)
+
+    def _deliver(self, events: Iterable[object]) -> None:
+        for event in events:
+            if len(self._events) >= _MOST_WAITING:
+                self._events.popleft()
+                self.status.n_dropped += 1
+            self._events.append(event)

@@ -1,0 +1,127 @@
+"""An open HID device: reports in with their times, reports out, and a clear end when it goes."""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+from paint3d.device.hid_nodes import HidNode, backend_module
+from paint3d.device.permission import explain_failure
+from paint3d.errors import DeviceError
+
+__all__ = ["MAX_REPORT", "DeviceGoneError", "HidLink", "Link", "open_node"]
+
+MAX_REPORT = 64
+_MOST_AT_ONCE = 256
+"""The kernel keeps 64; a device that sends faster than we read must not hold us for ever."""
+
+
+class DeviceGoneError(DeviceError):
+    """The device was unplugged, or its driver gave it up."""
+
+
+class Link(Protocol):
+    """What a loop needs of a device: `HidLink`, or a recording that plays one."""
+
+    name: str
+    descriptor: bytes
+
+    def read(self, timeout_ms: int) -> list[tuple[int, bytes]]:
+        """All reports that wait, oldest first, each with its time in ns."""
+
+    def write(self, report: bytes) -> None:
+        """Send an output report, id first."""
+
+    def close(self) -> None:
+        """Let the device go."""
+
+
+class HidLink:
+    """A device that hidapi opened; see `open_node`."""
+
+    def __init__(self, device: object, name: str) -> None:
+        self._device = device
+        self.name = name
+        self.descriptor = bytes(device.get_report_descriptor())
+        device.set_nonblocking(1)
+
+    def read(self, timeout_ms: int) -> list[tuple[int, bytes]]:
+        """Wait for a report, then take all that wait with it.
+
+        The kernel keeps the oldest 63 reports and drops the newest, so whoever leaves reports
+        lying sees the past.
+
+        Parameters
+        ----------
+        timeout_ms : int
+            How long to wait for the first; 0 does not wait.
+
+        Returns
+        -------
+        list of (int, bytes)
+            Time of reading, ns on the monotonic clock, and report; empty after a silence.
+
+        Raises
+        ------
+        DeviceGoneError
+            If the device is no longer there.
+        """
+        reports = []
+        report = self._read_one(timeout_ms)
+        while report:
+            reports.append((time.monotonic_ns(), report))
+            if len(reports) == _MOST_AT_ONCE:
+                break
+            report = self._read_one(0)
+        return reports
+
+    def _read_one(self, timeout_ms: int) -> bytes:
+        try:
+            if timeout_ms > 0:
+                return bytes(self._device.read(MAX_REPORT, timeout_ms))
+            return bytes(self._device.read(MAX_REPORT))
+        except (OSError, ValueError) as cause:
+            raise DeviceGoneError(f"{self.name} has gone ({cause})") from None
+
+    def write(self, report: bytes) -> None:
+        """Send an output report, id first.
+
+        Raises
+        ------
+        DeviceGoneError
+            If it could not be sent.
+        """
+        try:
+            sent = self._device.write(report)
+        except (OSError, ValueError) as cause:
+            raise DeviceGoneError(f"{self.name} has gone ({cause})") from None
+        if sent < 0:
+            raise DeviceGoneError(f"{self.name} has gone: a report could not be sent")
+
+    def close(self) -> None:
+        """Let the device go; nothing happens the second time."""
+        self._device.close()
+
+
+def open_node(node: HidNode) -> HidLink:
+    """Open a node.
+
+    Raises
+    ------
+    PermissionNeededError
+        If it may not be opened; the message holds the udev rule to add.
+    DeviceError
+        If it cannot be opened for another reason, or does not say what its reports mean.
+    """
+    device = backend_module(node.backend).device()
+    try:
+        device.open_path(node.path.encode())
+    except OSError as cause:
+        raise explain_failure(node, cause) from None
+    try:
+        return HidLink(device, node.name)
+    except (OSError, ValueError) as cause:
+        device.close()
+        raise DeviceError(
+            f"{node.name} at {node.path} does not tell its report descriptor ({cause})"
+        ) from None

@@ -1,0 +1,167 @@
+"""What is plugged in: HID nodes, what each is good for, and in which way it is reached.
+
+On Linux the wheel of hidapi holds two backends: ``hidraw`` (the kernel's own HID layer, which says
+which usages a node has) and ``hid`` (libusb, which takes a device from the kernel). The first is
+tried first; a node that only the second one sees is reached through it.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+from paint3d.device.catalogue import find_mouse_quirks, is_listed_mouse, is_never_six_dof
+from paint3d.device.descriptor import parse_descriptor
+from paint3d.device.digitizer import find_digitizer_layout
+from paint3d.device.haptic_stylus import PRODUCT_ID, VENDOR_ID, is_haptic_stylus
+from paint3d.device.six_dof import find_mouse_layout, is_multi_axis
+from paint3d.errors import DeviceError
+
+__all__ = ["HidNode", "backend_module", "backends", "kind_of", "list_nodes"]
+
+_MULTI_AXIS = (1, 8)
+_PENS = {(page, usage) for page in (0x0D, 0xFF0D) for usage in (1, 2, 0x20)}
+_SYSFS = "/sys/class/hidraw/{}/device/report_descriptor"
+
+
+@dataclass(frozen=True, slots=True)
+class HidNode:
+    """One node of one device.
+
+    Attributes
+    ----------
+    path : str
+        As the backend names it: ``/dev/hidraw3``, or ``1-2:1.0`` under libusb.
+    backend : str
+        "hidraw" or "hid".
+    vendor, product : int
+    name : str
+        By the catalogue, else by the device's own strings.
+    serial : str
+    usage_page, usage : int
+        Of its first top-level collection; 0 where the backend does not say.
+    kind : {"mouse", "stylus", "pen", "other"}
+        6-DOF mouse, haptic stylus, digitizer.
+    """
+
+    path: str
+    backend: str
+    vendor: int
+    product: int
+    name: str
+    serial: str
+    usage_page: int
+    usage: int
+    kind: str
+
+
+def backends() -> tuple[str, ...]:
+    """Names of hidapi's modules in the order in which they are tried."""
+    return ("hidraw", "hid") if sys.platform.startswith("linux") else ("hid",)
+
+
+def backend_module(backend: str) -> ModuleType:
+    """The module of a backend.
+
+    Raises
+    ------
+    DeviceError
+        If hidapi lacks it or a library that it needs is missing.
+    """
+    try:
+        return import_module(backend)
+    except ImportError as cause:
+        raise DeviceError(f"hidapi's module {backend!r} cannot be loaded: {cause}") from None
+
+
+def list_nodes(kinds: tuple[str, ...] = ("mouse", "stylus", "pen")) -> list[HidNode]:
+    """Nodes of these kinds, in the order of their paths, hidraw's before libusb's.
+
+    A device that hidraw shows is not listed again under libusb.
+
+    Raises
+    ------
+    DeviceError
+        If no backend can be loaded.
+    """
+    nodes: list[HidNode] = []
+    failures = []
+    for backend in backends():
+        try:
+            entries = backend_module(backend).enumerate()
+        except DeviceError as failure:
+            failures.append(failure)
+            continue
+        shown = {(node.vendor, node.product) for node in nodes}
+        fresh = [e for e in entries if (e["vendor_id"], e["product_id"]) not in shown]
+        nodes += _merged([_make_node(backend, entry) for entry in fresh])
+    if len(failures) == len(backends()):
+        raise failures[0]
+    return [node for node in nodes if node.kind in kinds]
+
+
+def _merged(nodes: list[HidNode]) -> list[HidNode]:
+    """One entry a path: hidapi lists a node once for every top-level collection."""
+    best: dict[str, HidNode] = {}
+    for node in nodes:
+        if node.path not in best or best[node.path].kind == "other":
+            best[node.path] = node
+    return [best[path] for path in sorted(best)]
+
+
+def _make_node(backend: str, entry: dict) -> HidNode:
+    vendor, product = entry["vendor_id"], entry["product_id"]
+    path = entry["path"].decode(errors="replace")
+    usages = (entry["usage_page"], entry["usage"])
+    listed = find_mouse_quirks(vendor, product).name
+    strings = [entry.get(key) or "" for key in ("manufacturer_string", "product_string")]
+    name = listed or " ".join(part for part in strings if part) or f"{vendor:04x}:{product:04x}"
+    kind = _kind(backend, path, vendor, product, usages)
+    return HidNode(
+        path, backend, vendor, product, name, entry.get("serial_number") or "", *usages, kind
+    )
+
+
+def _kind(backend: str, path: str, vendor: int, product: int, usages: tuple[int, int]) -> str:
+    if is_never_six_dof(vendor, product):
+        return "other"
+    if (vendor, product) == (VENDOR_ID, PRODUCT_ID):
+        return "stylus"
+    if usages == _MULTI_AXIS:
+        return "mouse"
+    if usages in _PENS:
+        return "pen"
+    if backend == "hidraw":
+        data = _descriptor_of(path)
+        return kind_of(data) if data else "other"
+    # libusb's backend does not say what a node is for: only what the table knows is touched
+    return "mouse" if usages == (0, 0) and is_listed_mouse(vendor, product) else "other"
+
+
+def kind_of(descriptor: bytes) -> str:
+    """What a report descriptor is good for: "mouse", "stylus", "pen" or "other"."""
+    if is_haptic_stylus(descriptor):
+        return "stylus"
+    try:
+        parsed = parse_descriptor(descriptor)
+    except DeviceError:
+        return "other"
+    for kind, find in (("mouse", find_mouse_layout), ("pen", find_digitizer_layout)):
+        try:
+            find(parsed)
+        except DeviceError:
+            continue
+        if kind == "pen" or is_multi_axis(parsed):
+            return kind
+    return "other"
+
+
+def _descriptor_of(path: str) -> bytes:
+    """A hidraw node's descriptor, which may be read even where the node may not be opened."""
+    try:
+        return Path(_SYSFS.format(Path(path).name)).read_bytes()
+    except OSError:
+        return b""
