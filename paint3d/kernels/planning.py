@@ -14,7 +14,10 @@ import math
 import numpy as np
 from numba import njit
 
+from paint3d.kernels.raster import fill_polygon
+
 __all__ = [
+    "balance",
     "best_course",
     "cover",
     "fit_level",
@@ -25,32 +28,77 @@ __all__ = [
 ]
 
 _STRIDE = 4  # rungs between tries, going up
-_HALVINGS = 8
+_HALVINGS = 8  # of a bracket of that many
+_ROUGH = 4  # halvings where directions are only compared
+_SECTIONS = 7  # golden sections of a side step
+_STAYING = 0.01  # of a side step, what it must gain
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _square_to_edge(polygon, k, x, y):
+    """Square of the distance of (x, y) to the edge that ends at corner k."""
+    px, py = polygon[k - 1, 0], polygon[k - 1, 1]
+    ex, ey = polygon[k, 0] - px, polygon[k, 1] - py
+    square = ex * ex + ey * ey
+    t = ((x - px) * ex + (y - py) * ey) / square if square > 0.0 else 0.0
+    t = min(1.0, max(0.0, t))
+    dx, dy = x - px - t * ex, y - py - t * ey
+    return dx * dx + dy * dy
 
 
 @njit(cache=True, nogil=True)
 def signed_distances(polygon, x0, y0, step, out):
-    """Distance of every grid point to a closed polygon (N, 2), positive inside (even-odd rule)."""
+    """Distance of every grid point to a closed polygon (N, 2), positive inside (non-zero rule).
+
+    Exact within a step of the polygon; from there the nearest edges spread from point to point,
+    which is exact but for few points far off.
+    """
     n = polygon.shape[0]
-    for i in range(out.shape[0]):
-        y = y0 + i * step
-        for j in range(out.shape[1]):
-            x = x0 + j * step
-            nearest = np.inf
-            inside = False
-            px, py = polygon[n - 1, 0], polygon[n - 1, 1]
-            for k in range(n):
-                qx, qy = polygon[k, 0], polygon[k, 1]
-                ex, ey = qx - px, qy - py
-                square = ex * ex + ey * ey
-                t = ((x - px) * ex + (y - py) * ey) / square if square > 0.0 else 0.0
-                t = min(1.0, max(0.0, t))
-                dx, dy = x - px - t * ex, y - py - t * ey
-                nearest = min(nearest, dx * dx + dy * dy)
-                if (py > y) != (qy > y) and x < px + (y - py) / ey * ex:
-                    inside = not inside
-                px, py = qx, qy
-            out[i, j] = math.sqrt(nearest) if inside else -math.sqrt(nearest)
+    rows, columns = out.shape
+    nearest = np.full((rows, columns), -1, np.int32)
+    out[:] = np.inf
+    for k in range(n):
+        ax, ay = (polygon[k - 1, 0] - x0) / step, (polygon[k - 1, 1] - y0) / step
+        bx, by = (polygon[k, 0] - x0) / step, (polygon[k, 1] - y0) / step
+        for i in range(max(0, int(min(ay, by)) - 1), min(rows, int(max(ay, by)) + 3)):
+            for j in range(max(0, int(min(ax, bx)) - 1), min(columns, int(max(ax, bx)) + 3)):
+                square = _square_to_edge(polygon, k, x0 + j * step, y0 + i * step)
+                if square < out[i, j]:
+                    out[i, j], nearest[i, j] = square, k
+    for way in (1, -1, 1, -1):
+        for row in range(rows):
+            i = row if way > 0 else rows - 1 - row
+            for turn in (1, -1):
+                for column in range(columns):
+                    j = column if turn > 0 else columns - 1 - column
+                    _take_over(polygon, x0, y0, step, i, j, i, j - turn, nearest, out)
+                    if turn > 0:
+                        for aside in (-1, 0, 1):
+                            _take_over(
+                                polygon, x0, y0, step, i, j, i - way, j + aside, nearest, out
+                            )
+    scaled = np.empty_like(polygon)
+    for k in range(n):
+        scaled[k, 0], scaled[k, 1] = (
+            (polygon[k, 0] - x0) / step + 0.5,
+            (polygon[k, 1] - y0) / step + 0.5,
+        )
+    inside = np.zeros((rows, columns), np.bool_)
+    fill_polygon(scaled, inside)
+    for i in range(rows):
+        for j in range(columns):
+            out[i, j] = math.sqrt(out[i, j]) if inside[i, j] else -math.sqrt(out[i, j])
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _take_over(polygon, x0, y0, step, i, j, row, column, nearest, out):
+    """Try a neighbour's nearest edge for the grid point (i, j)."""
+    if 0 <= row < out.shape[0] and 0 <= column < out.shape[1]:
+        k = nearest[row, column]
+        if k >= 0 and k != nearest[i, j]:
+            square = _square_to_edge(polygon, k, x0 + j * step, y0 + i * step)
+            if square < out[i, j]:
+                out[i, j], nearest[i, j] = square, k
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -82,51 +130,73 @@ def measure_room(field, grid, centres, directions, limit, out):
         out[s] = min(max(run, 0.0), limit)
 
 
-@njit(cache=True, nogil=True)
-def _fits(points, level, field, grid, x, y, cosine, sine, margin):
-    """Whether the footprint of a (fractional) level at (x, y) stays within `margin` of inside."""
+@njit(cache=True, nogil=True, inline="always")
+def _first_outside(points, level, field, grid, x, y, cosine, sine, margin, first):
+    """The first boundary point, from `first` on, that lies over `margin` outside; -1 for none."""
     k = min(int(level), points.shape[0] - 2)
     t = level - k
-    for b in range(points.shape[1]):
+    n = points.shape[1]
+    for i in range(n):
+        b = first + i
+        if b >= n:
+            b -= n
         u = (1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0]
         v = (1.0 - t) * points[k, b, 1] + t * points[k + 1, b, 1]
         px, py = x + cosine * u - sine * v, y + sine * u + cosine * v
         if _distance_at(field, grid[0], grid[1], grid[2], px, py) < -margin:
-            return False
-    return True
+            return b
+    return -1
 
 
 @njit(cache=True, nogil=True)
-def fit_level(points, field, grid, x, y, azimuth, margin):
-    """Greatest level that fits with its centroid at (x, y), or -1; rungs tried below fit too."""
+def fit_level(points, field, grid, x, y, azimuth, margin, hint=-1.0, halvings=_HALVINGS):
+    """Greatest level that fits with its centroid at (x, y), or -1; rungs tried below fit too.
+
+    `hint` is a level to start from; each of `halvings` halves a range of four rungs.
+    """
     cosine, sine = math.cos(azimuth), math.sin(azimuth)
-    n = points.shape[0]
+    top = points.shape[0] - 1.0
     if _distance_at(field, grid[0], grid[1], grid[2], x, y) <= 0.0:
         return -1.0
-    k = 0
-    while k < n and _fits(points, float(k), field, grid, x, y, cosine, sine, margin):
-        k += _STRIDE
-    if k == 0:
-        return -1.0
-    low, high = float(k - _STRIDE), float(k)
-    if k >= n:
-        if _fits(points, n - 1.0, field, grid, x, y, cosine, sine, margin):
-            return n - 1.0
-        high = n - 1.0
-    for _ in range(_HALVINGS):
+    level = min(max(hint, 0.0), top)
+    low, high = -1.0, top + _STRIDE
+    at = 0
+    while True:  # up or down from the hint until the level is bracketed
+        outside = _first_outside(points, level, field, grid, x, y, cosine, sine, margin, at)
+        if outside < 0:
+            low = level
+            if level >= top:
+                return top
+            if high <= top:
+                break
+            level = min(level + _STRIDE, top)
+        else:
+            at = outside
+            high = level
+            if low >= 0.0:
+                break
+            if level <= 0.0:
+                return -1.0
+            level = max(level - _STRIDE, 0.0)
+    for _ in range(halvings):
         middle = 0.5 * (low + high)
-        if _fits(points, middle, field, grid, x, y, cosine, sine, margin):
+        outside = _first_outside(points, middle, field, grid, x, y, cosine, sine, margin, at)
+        if outside < 0:
             low = middle
         else:
-            high = middle
+            high, at = middle, outside
     return low
 
 
 @njit(cache=True, nogil=True)
 def fit_levels(points, field, grid, centres, azimuths, margin, out):
     """`fit_level` of every pose of a dense course: centres (S, 2), azimuths (S,)."""
+    hint = -1.0
     for s in range(centres.shape[0]):
-        out[s] = fit_level(points, field, grid, centres[s, 0], centres[s, 1], azimuths[s], margin)
+        hint = fit_level(
+            points, field, grid, centres[s, 0], centres[s, 1], azimuths[s], margin, hint
+        )
+        out[s] = hint
 
 
 @njit(cache=True, nogil=True)
@@ -153,22 +223,68 @@ def rate(points, support, field, grid, centres, headings, room, shifts, margin, 
         Width left bare on both sides together.
     """
     n_angles = out_gap.shape[1]
+    levels = np.full((n_angles, shifts.shape[0]), -1.0)
     for s in range(centres.shape[0]):
         left, right = room[s, 0], room[s, 1]
-        nx, ny = -math.sin(headings[s]), math.cos(headings[s])
         for o in range(shifts.shape[0]):
             shift = shifts[o] * min(left, right)
-            x, y = centres[s, 0] + shift * nx, centres[s, 1] + shift * ny
             for a in range(n_angles):
                 azimuth = 2.0 * math.pi * a / n_angles
-                level = fit_level(points, field, grid, x, y, azimuth, margin)
-                if level < 0.0:
-                    out_gap[s, a, o] = left + right
-                    continue
-                turn = headings[s] + 0.5 * math.pi - azimuth
-                reach_left = _reach(support, level, turn) + shift
-                reach_right = _reach(support, level, turn + math.pi) - shift
-                out_gap[s, a, o] = max(0.0, left - reach_left) + max(0.0, right - reach_right)
+                levels[a, o], out_gap[s, a, o] = _gap(
+                    points, support, field, grid, centres[s, 0], centres[s, 1], headings[s],
+                    left, right, shift, azimuth, margin, levels[a, o], _ROUGH,
+                )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _gap(
+    points, support, field, grid, x, y, heading, left, right, shift, azimuth, margin, hint, halvings
+):
+    """Level that fits a side step to the left of (x, y), and the width it leaves bare."""
+    x -= shift * math.sin(heading)
+    y += shift * math.cos(heading)
+    level = fit_level(points, field, grid, x, y, azimuth, margin, hint, halvings)
+    if level < 0.0:
+        return level, left + right
+    turn = heading + 0.5 * math.pi - azimuth
+    reach_left = _reach(support, level, turn) + shift
+    reach_right = _reach(support, level, turn + math.pi) - shift
+    return level, max(0.0, left - reach_left) + max(0.0, right - reach_right)
+
+
+@njit(cache=True, nogil=True)
+def balance(
+    points, support, field, grid, centres, headings, room, azimuths, margin, span, out_shift
+):
+    """Side step (S,) near the given one that leaves the least width bare, by golden section.
+
+    Parameters are those of `rate`; `azimuths` (S,) are fixed, `span` is how far (mm) to look to
+    each side, `out_shift` (S,) is read and written, mm.
+    """
+    ratio = 0.5 * (math.sqrt(5.0) - 1.0)
+    level = -1.0
+    for s in range(centres.shape[0]):
+        start = out_shift[s]
+        low, high = start - span, start + span
+        tries = np.array([high - ratio * (high - low), low + ratio * (high - low)])
+        gaps = np.full(2, -1.0)
+        for _ in range(_SECTIONS):
+            for k in range(2):
+                if gaps[k] < 0.0:
+                    level, gap = _gap(
+                        points, support, field, grid, centres[s, 0], centres[s, 1], headings[s],
+                        room[s, 0], room[s, 1], tries[k], azimuths[s], margin, level, _HALVINGS,
+                    )  # fmt: skip
+                    gaps[k] = gap + _STAYING * abs(tries[k] - start)
+            if gaps[0] > gaps[1]:
+                low = tries[0]
+                tries[0], gaps[0] = tries[1], gaps[1]
+                tries[1], gaps[1] = low + ratio * (high - low), -1.0
+            else:
+                high = tries[1]
+                tries[1], gaps[1] = tries[0], gaps[0]
+                tries[0], gaps[0] = high - ratio * (high - low), -1.0
+        out_shift[s] = 0.5 * (low + high)
 
 
 @njit(cache=True, nogil=True)

@@ -41,6 +41,9 @@ TECHNIQUES = {"zhongfeng": math.pi, "cefeng": 0.75 * math.pi, "pianfeng": 0.5 * 
 """Angle between bend and motion, rad (Guo 2017, section 5)."""
 
 
+_SPAN = 0.12  # of the width: how far a course steps aside to lie in the middle
+
+
 @dataclass(frozen=True)
 class PlanSettings:
     """How a stroke is planned; lengths in shares of the em.
@@ -77,7 +80,7 @@ class PlanSettings:
 
     sample_step: float = 3.5 / 1024
     pose_step: float = 1.0 / 1024
-    margin: float = 1.25 / 1024
+    margin: float = 0.4 / 1024
     n_directions: int = 36
     shifts: tuple[float, ...] = (-0.5, -0.25, 0.0, 0.25, 0.5)
     trailing: float = 0.03
@@ -212,7 +215,7 @@ class _Plan:
 
     def follow(self, line: CentreLine) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
         """Return the course along a line (None: nothing fits), and what it leaves bare."""
-        azimuth, shift = _choose_course(line, self)
+        azimuth, shift = _balanced(line, self, *_choose_course(line, self))
         centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
         level = np.empty(len(centre))
         margin = self.settings.margin * self.em_mm
@@ -279,13 +282,26 @@ def _cost_of_bend(ahead: NDArray, settings: PlanSettings) -> NDArray[np.float64]
     return settings.holding * (0.5 - 0.5 * off)
 
 
+def _balanced(
+    line: CentreLine, plan: _Plan, azimuth: NDArray, shift: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Smooth the chosen course, and step aside until both edges are reached alike."""
+    sigma = 0.2 * line.width / line.step
+    azimuth = smoothed(azimuth[:, None], sigma)[:, 0]
+    shift = smoothed(shift[:, None], sigma)[:, 0]
+    kernels.balance(
+        plan.ladder.points, plan.ladder.support, plan.field.distance, plan.field.grid, line.points,
+        line.headings, line.room, azimuth, plan.settings.margin * plan.em_mm,
+        _SPAN * line.width, shift,
+    )  # fmt: skip
+    return azimuth, smoothed(shift[:, None], 0.5 * sigma)[:, 0]
+
+
 def _smooth_course(
     line: CentreLine, azimuth: NDArray, shift: NDArray, step: float
 ) -> tuple[NDArray, NDArray]:
     """Interpolate the chosen course at the final step: centres (N, 2) and azimuths (N,)."""
-    sigma = 0.2 * line.width / line.step
-    azimuth = smoothed(azimuth[:, None], sigma)[:, 0]
-    centre = line.points + smoothed(shift[:, None], sigma) * line.normals
+    centre = line.points + shift[:, None] * line.normals
     way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centre, axis=0), axis=1))]
     at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
     dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
