@@ -82,14 +82,14 @@ class PlanSettings:
     pose_step: float = 1.0 / 1024
     margin: float = 0.4 / 1024
     n_directions: int = 36
-    shifts: tuple[float, ...] = (-0.5, -0.25, 0.0, 0.25, 0.5)
+    shifts: tuple[float, ...] = (-0.4, 0.0, 0.4)
     trailing: float = 0.03
     turning: float = 0.01
     shifting: float = 0.03
     detours: int = 4
     worth: float = 0.05
     technique: str | None = None
-    holding: float = 2.0
+    holding: float = 10.0
 
     def __post_init__(self) -> None:
         if self.technique is not None and self.technique not in TECHNIQUES:
@@ -258,9 +258,10 @@ def _choose_course(line: CentreLine, plan: _Plan) -> tuple[NDArray, NDArray]:
     settings, ladder = plan.settings, plan.ladder
     n, shifts = settings.n_directions, np.array(settings.shifts)
     gap = np.empty((len(line.points), n, len(shifts)))
+    sparse = np.ascontiguousarray(ladder.points[:, ::2])  # directions are only compared
     kernels.rate(
-        ladder.points, ladder.support, plan.field.distance, plan.field.grid, line.points,
-        line.headings, line.room, shifts, settings.margin * plan.em_mm, gap,
+        sparse, ladder.support, plan.field.distance, plan.field.grid, line.points, line.headings,
+        line.room, shifts, settings.margin * plan.em_mm, gap,
     )  # fmt: skip
     directions = 2.0 * np.pi * np.arange(n) / n
     ahead = directions[None, :] - line.headings[:, None]
