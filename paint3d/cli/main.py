@@ -14,7 +14,7 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from paint3d.cli import bench, demo, devices, inks, replay, report
+from paint3d.cli import bench, demo, devices, inks, replay, report, write
 from paint3d.errors import Paint3DError
 
 __all__ = ["main"]
@@ -22,6 +22,7 @@ __all__ = ["main"]
 _COMMANDS = {
     "demo": demo,
     "replay": replay,
+    "write": write,
     "devices": devices,
     "inks": inks,
     "bench": bench,

@@ -45,6 +45,13 @@ class ProgressBar:
         self._stream.write(f"\r\x1b[K{self._label} [{bar}] {done:4.0%}{left}")
         self._stream.flush()
 
+    def note(self, line: str) -> None:
+        """Write a line above the bar; to a stream that is no terminal it is just written."""
+        clear = "\r\x1b[K" if self._active else ""
+        self._stream.write(f"{clear}{line}\n")
+        self._stream.flush()
+        self._drawn = -_INTERVAL_S
+
     def __enter__(self) -> Self:
         return self
 

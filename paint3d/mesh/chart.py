@@ -153,6 +153,7 @@ def make_chart(
     half_width: float,
     half_height: float,
     spacing: float = 2.0,
+    step: float = _STEP_MM,
 ) -> SurfaceChart:
     """Lay a rectangle on the surface around a frame.
 
@@ -165,6 +166,8 @@ def make_chart(
         How far the chart reaches in x and y, mm.
     spacing : float
         Distance of the grid's nodes, mm; made larger where there would be over 400 in a row.
+    step : float
+        Longest step along a geodesic, mm.
 
     Raises
     ------
@@ -175,15 +178,15 @@ def make_chart(
 
     Notes
     -----
-    All nodes are traced side by side, in steps of at most 0.5 mm along the tangent followed by
-    the closest point: for n nodes and a reach r, 2 r n closest points of about 1 us.
+    All nodes are traced side by side, in steps along the tangent followed by the closest point:
+    for n nodes and a reach r, n r / step closest points of about 1 us.
     """
     half_width = as_number(half_width, "half_width", 1e-3, 1e6)
     half_height = as_number(half_height, "half_height", 1e-3, 1e6)
     spacing = as_number(spacing, "spacing", 1e-3, 1e6)
     xs, ys = _nodes(half_width, spacing), _nodes(half_height, spacing)
     x, y = (grid.ravel() for grid in np.meshgrid(xs, ys, indexing="ij"))
-    points, normals = _trace(surface, frame, x, y)
+    points, normals = _trace(surface, frame, x, y, as_number(step, "step", 1e-3, 1e6))
     shape = (len(xs), len(ys), 3)
     return SurfaceChart(frame, xs, ys, points.reshape(shape), normals.reshape(shape))
 
@@ -194,11 +197,11 @@ def _nodes(half: float, spacing: float) -> NDArray:
 
 
 def _trace(
-    surface: ClosestPoints, frame: SurfaceFrame, x: NDArray, y: NDArray
+    surface: ClosestPoints, frame: SurfaceFrame, x: NDArray, y: NDArray, step_mm: float
 ) -> tuple[NDArray, NDArray]:
     """Follow the straightest geodesics from the frame to chart coordinates x, y: (N, 3) each."""
     reach = np.hypot(x, y)
-    n_steps = max(1, math.ceil(reach.max() / _STEP_MM))
+    n_steps = max(1, math.ceil(reach.max() / step_mm))
     step = (reach / n_steps)[:, None]
     safe = np.where(reach > 0.0, reach, 1.0)[:, None]
     heading = (x[:, None] * frame.x_axis + y[:, None] * frame.y_axis) / safe

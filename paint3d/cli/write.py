@@ -1,0 +1,188 @@
+"""Write characters on an object: plan the strokes, replay them, export the painting."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from paint3d.cli.options import (
+    add_painting_options,
+    add_quiet_option,
+    check_output_file,
+    parse_length_mm,
+    parse_place,
+)
+from paint3d.cli.painting import Wishes, paint, timed, write_report
+from paint3d.cli.progress import ProgressBar
+
+if TYPE_CHECKING:
+    from paint3d.stroke.writing import Pen, Written
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "write characters: plan the strokes, then replay them"
+
+_RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
+_TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
+_SIDES = ("outside", "inside", "top", "bottom")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    parser.add_argument(
+        "text", metavar="TEXT", help="what to write; a line break starts a new column or row"
+    )
+    parser.add_argument(
+        "--on",
+        metavar="MESH",
+        required=True,
+        help="a mesh file, or bowl, plate, vase, sphere, plane",
+    )
+    parser.add_argument(
+        "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
+    )
+    _add_writing_options(parser)
+    add_painting_options(parser)
+    parser.add_argument(
+        "--recording", metavar="FILE", type=Path, help="also write the way of the hand"
+    )
+    parser.add_argument(
+        "--report", metavar="FILE", type=Path, help="write frames, counts and times as JSON"
+    )
+    parser.add_argument(
+        "--processes",
+        metavar="N",
+        type=_parse_count,
+        help="how many to plan in at once (default: one a core); the result is the same",
+    )
+    add_quiet_option(parser)
+
+
+def _add_writing_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--glyphs", metavar="DIR", type=Path, help="an unpacked npm hanzi-writer-data"
+    )
+    parser.add_argument(
+        "--size",
+        metavar="MM",
+        type=parse_length_mm,
+        default=20.0,
+        help="side of a character's square (default: 20)",
+    )
+    parser.add_argument(
+        "--layout",
+        choices=("columns", "row"),
+        default="columns",
+        help="columns from right to left, or rows (default: columns)",
+    )
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--at", metavar="U,V", type=parse_place, help="where the text's middle goes (see the guide)"
+    )
+    where.add_argument(
+        "--around", action="store_true", help="spread the text evenly around the body"
+    )
+    parser.add_argument(
+        "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
+    )
+    parser.add_argument(
+        "--technique", choices=_TECHNIQUES, help="how the tip is held (default: as the shape asks)"
+    )
+
+
+def _parse_count(text: str) -> int:
+    try:
+        count = int(text)
+    except ValueError:
+        count = 0
+    if count < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a count; expected 1 or more")
+    return count
+
+
+def run(options: argparse.Namespace) -> None:
+    """Check, plan, paint, write: nothing is written unless all of it went well.
+
+    Raises
+    ------
+    Paint3DError
+        If anything handed in cannot be used, or a result cannot be written.
+    """
+    from paint3d.files.export import EXPORT_SUFFIXES, export
+    from paint3d.files.load import load_mesh
+    from paint3d.stroke.recording import save_recording
+
+    check_output_file(options.out, EXPORT_SUFFIXES)
+    for file, suffixes in ((options.report, (".json",)), (options.recording, _RECORDINGS)):
+        if file is not None:
+            check_output_file(file, suffixes)
+    wishes = Wishes(
+        brush=None,
+        ink=options.ink,
+        material=options.material,
+        resolution_mm=options.resolution,
+        quiet=options.quiet,
+    )
+    mesh = load_mesh(options.on, unit=options.unit)
+    seconds: dict[str, float] = {}
+    with timed(seconds, "plan"):
+        written = _plan(options, mesh)
+    painting = paint(mesh, written.recording, wishes)
+    painting.seconds.update(seconds)
+    painting.counts["characters"] = written.characters
+    with timed(painting.seconds, "export"):
+        export(painting.surface, options.out)
+    if options.recording is not None:
+        save_recording(written.recording, options.recording)
+    if options.report is not None:
+        write_report(options.report, painting)
+    if not options.quiet:
+        sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
+
+
+def _plan(options: argparse.Namespace, mesh) -> Written:
+    """Plan the text, telling the progress."""
+    from paint3d.ink.pigments import load_pigment
+    from paint3d.stroke.glyph_sources import open_glyph_folder
+    from paint3d.stroke.layout import Layout
+    from paint3d.stroke.writing import write_text
+
+    source = open_glyph_folder(options.glyphs)
+    layout = Layout(options.layout, options.at, options.around, options.side)
+    header = {"ink": load_pigment(options.ink).name if options.ink else "pine soot"}
+    with ProgressBar("planning", enabled=not options.quiet) as bar:
+
+        def tell(character: str, fraction: float) -> None:
+            if not options.quiet:
+                bar.note(f"planned {character}")
+            bar(fraction)
+
+        return write_text(
+            mesh,
+            options.text,
+            source,
+            _pen(options),
+            layout,
+            header=header,
+            processes=options.processes or _usable_cores(),
+            progress=tell,
+        )
+
+
+def _pen(options: argparse.Namespace) -> Pen:
+    from paint3d.brush.presets import load_brush
+    from paint3d.stroke.brush_choice import choose_brush
+    from paint3d.stroke.planning import PlanSettings
+    from paint3d.stroke.writing import Pen
+
+    brush = load_brush(options.brush or choose_brush(options.size))
+    return Pen(brush, options.size, PlanSettings(technique=options.technique))
+
+
+def _usable_cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

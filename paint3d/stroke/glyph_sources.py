@@ -1,0 +1,93 @@
+"""Where glyphs come from: a folder of outlines, or a package of centre lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from paint3d.errors import InputError
+from paint3d.stroke.glyphs import Glyph, load_glyph
+
+__all__ = ["GlyphSource", "HanziWriterFolder", "load_glyphs", "open_glyph_folder"]
+
+_HOW_TO_GET = "get it with: npm pack hanzi-writer-data@2 && tar xf hanzi-writer-data-*.tgz"
+_PROBE = "一"
+
+
+class GlyphSource(Protocol):
+    """Something that knows the strokes of characters.
+
+    Attributes
+    ----------
+    name : str
+        What it is, for reports.
+    licence : str
+        Whose shapes they are and under what licence.
+    """
+
+    name: str
+    licence: str
+
+    def has(self, text: str) -> bool:
+        """Whether a character is known."""
+        ...
+
+    def load(self, text: str) -> Glyph:
+        """The glyph of a character."""
+        ...
+
+
+@dataclass(frozen=True)
+class HanziWriterFolder:
+    """An unpacked npm `hanzi-writer-data`: one JSON file a character."""
+
+    folder: Path
+    name: str = "hanzi-writer-data"
+    licence: str = (
+        "Stroke shapes: hanzi-writer-data (Make Me a Hanzi), derived from Arphic PL KaitiM; "
+        "Arphic Public License"
+    )
+
+    def has(self, text: str) -> bool:
+        """Whether there is a file for a character."""
+        return text not in "/\\\0." and (self.folder / f"{text}.json").is_file()
+
+    def load(self, text: str) -> Glyph:
+        """Read a character's file."""
+        return load_glyph(self.folder, text)
+
+
+def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
+    """Find the glyphs in an unpacked `hanzi-writer-data`, in the folder itself or in its `data`.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder, or it holds no glyphs.
+    """
+    top = Path(folder)
+    if not top.is_dir():
+        raise InputError(f"{top}: no such folder; expected hanzi-writer-data ({_HOW_TO_GET})")
+    for candidate in (top, top / "package", top / "data", top / "node_modules/hanzi-writer-data"):
+        if (candidate / f"{_PROBE}.json").is_file():
+            return HanziWriterFolder(candidate)
+    raise InputError(
+        f"{top} holds no glyphs (no {_PROBE}.json); expected hanzi-writer-data ({_HOW_TO_GET})"
+    )
+
+
+def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
+    """The glyphs of all characters of a text, each once.
+
+    Raises
+    ------
+    InputError
+        If characters are missing; the message names them all.
+    """
+    characters = list(dict.fromkeys(text))
+    missing = [c for c in characters if not source.has(c)]
+    if missing:
+        names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing)
+        raise InputError(f"{source.name} has no glyph for {names}; expected characters it has")
+    return {c: source.load(c) for c in characters}

@@ -1,0 +1,216 @@
+"""Where characters go on objects: squares that are square, apart, and in reading order."""
+
+import functools
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from paint3d.errors import InputError, MeshError
+from paint3d.files.load import load_mesh
+from paint3d.mesh.chart import frame_at, make_chart
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.em_square import lay_square
+from paint3d.mesh.placement import place
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.walking import walk
+from paint3d.stroke.layout import Layout, lay_out, split_text
+
+POEM = "春眠不觉晓处处闻啼鸟夜来风雨声花落知多少"
+
+
+def make_cylinder(radius=40.0, height=120.0, n=160):
+    """An open tube about z, facing outwards."""
+    turn = 2 * np.pi * np.arange(n) / n
+    z = np.linspace(0.0, height, 49)
+    ring = np.stack([radius * np.cos(turn), radius * np.sin(turn)], axis=1)
+    points = np.concatenate([np.column_stack([ring, np.full(n, h)]) for h in z])
+    a = (np.arange(48)[:, None] * n + np.arange(n)).ravel()
+    b = (np.arange(48)[:, None] * n + (np.arange(n) + 1) % n).ravel()
+    faces = np.concatenate([np.stack([a, b, b + n], 1), np.stack([a, b + n, a + n], 1)])
+    return TriangleMesh(points.astype(np.float32), faces.astype(np.int32), name="cylinder")
+
+
+@functools.cache
+def body(name):
+    return ClosestPoints(make_cylinder() if name == "cylinder" else load_mesh(name))
+
+
+def true_sides(square, surface):
+    """Lengths of the square's sides by closest points on the surface, walked finely."""
+    half = 0.5 * square.em_mm
+    t = np.linspace(-half, half, 101)
+    fixed = np.full_like(t, half)
+    edges = [(t, -fixed), (fixed, t), (t, fixed), (-fixed, t)]
+    sides = []
+    for x, y in edges:
+        line = surface.find(square.chart.points(np.column_stack([x, y]))).points
+        sides.append(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+    return np.array(sides)
+
+
+def deepest(one, two):
+    """How far (mm) points of one square lie inside another, by fine grids."""
+    line = np.linspace(-0.5, 0.5, 61) * one.em_mm
+    xy = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    a, b = one.chart.points(xy), two.chart.points(xy)
+    depth = 0.5 * one.em_mm - np.abs(xy).max(axis=1)
+    distance, nearest = cKDTree(b).query(a)
+    shared = distance < 0.6 * one.em_mm / 60
+    return float(np.max(np.minimum(depth, depth[nearest])[shared], initial=0.0))
+
+
+CASES = [
+    ("bowl", 12.0, Layout()),
+    ("bowl", 40.0, Layout(around=True)),
+    ("bowl", 18.0, Layout(side="inside")),
+    ("bowl", 16.0, Layout(side="top")),
+    ("vase", 40.0, Layout()),
+    ("vase", 45.0, Layout("row", around=True)),
+    ("sphere", 20.0, Layout()),
+    ("plate", 24.0, Layout()),
+    ("cylinder", 20.0, Layout()),
+    ("plane", 30.0, Layout("row")),
+]
+
+
+@functools.cache
+def placed(case):
+    name, em, layout = CASES[case]
+    n = {40.0: 7, 18.0: 8, 16.0: 6, 45.0: 12, 30.0: 6}.get(em, 20)
+    return lay_out(body(name), POEM[:n], em, layout)
+
+
+@pytest.mark.parametrize("case", range(len(CASES)))
+def test_squares_are_square(case):
+    surface = body(CASES[case][0])
+    for character in placed(case):
+        square = character.square
+        assert true_sides(square, surface) == pytest.approx(square.em_mm, rel=0.035)
+        assert np.degrees(square.corner_angles()) == pytest.approx(90.0, abs=3.5)
+
+
+@pytest.mark.parametrize("case", range(len(CASES)))
+def test_no_two_squares_overlap(case):
+    squares = [character.square for character in placed(case)]
+    em = squares[0].em_mm
+    for k, one in enumerate(squares):
+        for two in squares[k + 1 :]:
+            apart = np.linalg.norm(one.chart.frame.origin - two.chart.frame.origin)
+            if apart < 2.2 * em:
+                assert deepest(one, two) < 0.02 * em
+
+
+def test_columns_run_down_and_from_right_to_left():
+    squares = [c.square.chart.frame for c in placed(0)]
+    heights = np.array([frame.origin[2] for frame in squares])
+    tall = int(np.argmax(np.diff(heights) > 0.0)) + 1
+    assert tall >= 2
+    assert (np.diff(heights[:tall]) < 0.0).all()
+    step = squares[tall].origin - squares[0].origin
+    assert step @ squares[0].x_axis < 0.0
+    assert abs(heights[tall] - heights[0]) < 0.2
+    assert [c.text for c in placed(0)] == list(POEM)
+
+
+def test_rows_run_to_the_right():
+    squares = [c.square.chart.frame for c in placed(9)]
+    xs = [frame.origin[0] for frame in squares]
+    assert np.diff(xs) == pytest.approx(30.0, abs=0.2)
+    assert np.mean(xs) == pytest.approx(0.0, abs=0.1)
+
+
+def test_around_goes_evenly_all_around():
+    origins = np.array([c.square.chart.frame.origin for c in placed(1)])
+    turn = np.unwrap(np.arctan2(origins[:, 1], origins[:, 0]))
+    assert np.diff(turn) == pytest.approx(-2 * np.pi / len(origins), abs=0.02)
+    assert np.ptp(origins[:, 2]) < 0.2
+
+
+def test_writing_inside_faces_inwards():
+    for character in placed(2):
+        frame = character.square.chart.frame
+        assert frame.normal[:2] @ frame.origin[:2] < 0.0
+
+
+def test_line_breaks_make_columns():
+    frames = [c.square.chart.frame.origin for c in lay_out(body("plane"), "永和\n九", 20.0)]
+    assert frames[1] - frames[0] == pytest.approx([0, -20, 0], abs=0.2)
+    assert frames[2] - frames[0] == pytest.approx([-22, 0, 0], abs=0.2)
+    assert split_text(" 永 和\n\n九\t") == ["永和", "九"]
+
+
+def test_a_place_that_was_asked_for_is_kept():
+    (one,) = lay_out(body("plane"), "永", 20.0, Layout(at=(0.25, 0.75)))
+    assert one.square.chart.frame.origin == pytest.approx([-50, 50, 0], abs=1e-3)
+
+
+def test_a_text_that_does_not_fit_says_how_much_would():
+    with pytest.raises(InputError, match=r"9 characters does not fit on plane .* 4 would"):
+        lay_out(body("plane"), POEM[:9], 66.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "em", "layout", "words"),
+    [
+        ("plane", 300.0, Layout(), "the surface ends"),
+        ("sphere", 140.0, Layout(), "stretched by"),
+        ("sphere", 20.0, Layout(side="inside"), "shows its back"),
+        ("plane", 20.0, Layout(side="outside"), "no surface at"),
+        ("plane", 20.0, Layout(around=True), "does not come back"),
+        ("bowl", 20.0, Layout(at=(0.5, 0.99)), "edge or a tight bend"),
+    ],
+)
+def test_no_place_is_said_and_why(name, em, layout, words):
+    with pytest.raises(MeshError, match=words):
+        lay_out(body(name), "永", em, layout)
+
+
+@pytest.mark.parametrize("text", ["", " \n\t"])
+def test_an_empty_text_is_refused(text):
+    with pytest.raises(InputError, match="the text is empty"):
+        lay_out(body("plane"), text, 20.0)
+
+
+def test_an_unknown_order_is_refused():
+    with pytest.raises(InputError, match="expected one of columns, row"):
+        lay_out(body("plane"), "永", 20.0, Layout("spiral"))
+
+
+def test_level_lines_close_and_keep_their_height():
+    start = place(body("bowl"), (0.5, 0.5))
+    line = walk(body("bowl"), start, (0, 0, 1), (1.0, 0.0))
+    assert line.closed
+    assert line.points[:, 2] == pytest.approx(start.origin[2], abs=0.1)
+    radius = np.hypot(*start.origin[:2])
+    assert line.length == pytest.approx(2 * np.pi * radius, rel=2e-3)
+    assert line.at(line.length + 5.0) == pytest.approx(line.at(5.0))
+
+
+def test_climbing_lines_end_where_the_surface_does():
+    start = place(body("cylinder"), (0.5, 0.5))
+    up = walk(body("cylinder"), start, (0, 0, 1), (0.0, 1.0))
+    assert not up.closed
+    assert up.length == pytest.approx(60.0, abs=0.2)
+    assert walk(body("sphere"), place(body("sphere"), (0.5, 0.5)), (0, 0, 1), (0, 1)).length < 119.0
+    with pytest.raises(InputError, match="mm long"):
+        up.at(61.0)
+
+
+def test_overlap_is_the_depth_that_two_squares_share():
+    surface = body("plane")
+    squares = [
+        lay_square(surface, frame_at(surface, (x, y, 0), (0, 1, 0)), 20.0)
+        for x, y in ((0, 0), (18, 0), (20.5, 0), (17, 17))
+    ]
+    assert squares[0].overlap(squares[1]) == pytest.approx(2.0, abs=0.05)
+    assert squares[0].overlap(squares[2]) == 0.0
+    assert squares[0].overlap(squares[3]) == pytest.approx(3.0, abs=0.05)
+
+
+def test_a_chart_s_steps_may_be_larger():
+    surface = body("sphere")
+    frame = place(surface, (0.5, 0.5))
+    fine, coarse = (make_chart(surface, frame, 15, 15, 2.5, step) for step in (0.5, 2.0))
+    xy = np.random.default_rng(1).uniform(-15, 15, (100, 2))
+    assert np.linalg.norm(fine.points(xy) - coarse.points(xy), axis=1).max() < 0.05
