@@ -16,6 +16,8 @@ from paint3d.files.write_3mf import write_3mf
 from paint3d.files.write_glb import write_glb
 from paint3d.files.write_obj import write_obj
 from paint3d.files.write_ply import write_ply
+from paint3d.files.write_usdz import write_usdz
+from paint3d.files.write_wrl import write_wrl
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["EXPORT_SUFFIXES", "check_export_path", "export"]
@@ -47,7 +49,8 @@ def export(
     """Write a painting to `path`; the suffix chooses the format.
 
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
-    after the position); .3mf (mm, sRGB at each corner, for printers); .p3d.txt the paper's
+    after the position); .3mf (mm, sRGB at each corner, for printers); .usdz (metres, y up, linear
+    displayColor); .wrl VRML97 (metres, y up, sRGB, for colour printers); .p3d.txt the paper's
     records (vertices only); .png a picture.
 
     Parameters
@@ -144,6 +147,21 @@ def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str
     )
 
 
+def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    write_usdz(
+        path,
+        *painting[:4],
+        name=painting.material,
+        roughness=_roughness(painting.material),
+        unit=unit,
+        up_axis=options.up_axis or FORMATS[".usdz"].up_axis,
+    )
+
+
+def _write_wrl(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    write_wrl(path, *painting[:4], name=painting.material, unit=unit)
+
+
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     write_records(path, painting.vertices, painting.normals, painting.srgb)
 
@@ -152,6 +170,11 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
     from paint3d.view.picture import render_picture  # brings VTK: only where a picture is asked
 
     render_picture(*painting[:4], path, gloss=_gloss(painting.material))
+
+
+def _roughness(material: str) -> float:
+    gloss = _gloss(material)
+    return DEFAULT_ROUGHNESS if gloss is None else gloss.roughness
 
 
 def _gloss(material: str) -> object | None:
@@ -169,6 +192,8 @@ FORMATS: dict[str, Format] = {
     ".glb": Format(_write_glb, "m", "y", ANY_MESH | {"unlit"}),
     ".obj": Format(_write_obj),
     ".3mf": Format(_write_3mf),
+    ".usdz": Format(_write_usdz, "m", "y"),
+    ".wrl": Format(_write_wrl, "m", "y"),
     ".p3d.txt": Format(_write_records, takes=frozenset()),
     ".png": Format(_write_png, takes=frozenset({"filaments"})),
 }
