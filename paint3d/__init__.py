@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.files.export import export
     from paint3d.files.load import load_mesh
+    from paint3d.files.session import Session, load_session, save_session
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.stroke.engine import Painter
     from paint3d.stroke.recording import Recording, load_recording
@@ -31,24 +32,30 @@ __all__ = [
     "PaintedSurface",
     "Painter",
     "Recording",
+    "Session",
     "TriangleMesh",
     "__version__",
     "errors",
     "export",
     "load_mesh",
     "load_recording",
+    "load_session",
     "mixture_reflectance",
+    "save_session",
 ]
 
 _HOME_OF = {
     "PaintedSurface": "paint3d.surface.painted_surface",
     "Painter": "paint3d.stroke.engine",
     "Recording": "paint3d.stroke.recording",
+    "Session": "paint3d.files.session",
     "TriangleMesh": "paint3d.mesh.triangle_mesh",
     "export": "paint3d.files.export",
     "load_mesh": "paint3d.files.load",
     "load_recording": "paint3d.stroke.recording",
+    "load_session": "paint3d.files.session",
     "mixture_reflectance": "paint3d.colour.layers",
+    "save_session": "paint3d.files.session",
 }
 
 

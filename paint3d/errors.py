@@ -4,6 +4,7 @@
     |-- InputError               something handed in is wrong: what, where, what was expected
     |   |-- MeshError            a mesh file or mesh arrays
     |   |-- RecordingError       a recording
+    |   |-- SessionError         a saved session, or a journal
     |   |-- PigmentError         a pigment, ink or material table
     |   |-- BrushError           a brush preset or parameter
     |   `-- UnknownNameError     a name that is not among the known ones
@@ -29,6 +30,7 @@ __all__ = [
     "PermissionNeededError",
     "PigmentError",
     "RecordingError",
+    "SessionError",
     "UnknownNameError",
 ]
 
@@ -47,6 +49,10 @@ class MeshError(InputError):
 
 class RecordingError(InputError):
     """A recording that is broken; the message starts with ``file:line:`` where there is one."""
+
+
+class SessionError(InputError):
+    """A saved session or a journal that is damaged, or newer than this program."""
 
 
 class PigmentError(InputError):

@@ -12,13 +12,14 @@ from pathlib import Path
 
 from paint3d.cli.options import add_quiet_option, check_output_folder
 from paint3d.cli.painting import Wishes, paint, timed, write_report
+from paint3d.cli.results import write_result
 from paint3d.errors import ExportError
 
 __all__ = ["HELP", "add_arguments", "run"]
 
-HELP = "paint the shipped recording on the bowl: PLY, GLB, text records, PNG, report.json"
+HELP = "paint the shipped recording on the bowl: PLY, GLB, text records, PNG, session, report.json"
 
-_FILES = ("bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png")
+_FILES = ("bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png", "bowl.p3d")
 _PICTURE = "bowl.png"
 _RECORDING = "data/demo.jsonl.gz"
 _RESOLUTION_MM = 0.12  # strokes of small characters are down to half a millimetre wide
@@ -47,7 +48,6 @@ def run(options: argparse.Namespace) -> None:
     ExportError
         If the folder or a file cannot be written.
     """
-    from paint3d.files.export import export
     from paint3d.files.load import load_mesh
     from paint3d.stroke.recording import load_recording
 
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> None:
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):
         for file in written:
-            export(painting.surface, file)
+            write_result(painting, file)
     write_report(options.out / "report.json", painting)
     if not options.quiet:
         sys.stdout.write(f"{painting.summarize()}\n")

@@ -14,7 +14,7 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from paint3d.cli import bench, demo, devices, inks, replay, report, write
+from paint3d.cli import bench, demo, devices, export, inks, replay, report, write
 from paint3d.errors import Paint3DError
 
 __all__ = ["main"]
@@ -23,6 +23,7 @@ _COMMANDS = {
     "demo": demo,
     "replay": replay,
     "write": write,
+    "export": export,
     "devices": devices,
     "inks": inks,
     "bench": bench,

@@ -6,7 +6,7 @@ import json
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,11 +40,13 @@ class Wishes:
 
 @dataclass(frozen=True)
 class Painting:
-    """A painted surface, what painting it took, and the seconds of each step around it."""
+    """A painted surface, what painting it took, what made it, and the seconds of each step."""
 
     surface: PaintedSurface
     counts: dict
     seconds: dict[str, float]
+    recordings: tuple[Recording, ...] = ()
+    settings: dict = field(default_factory=dict)
 
     def describe(self) -> dict:
         """Everything that ``--report`` writes: versions, seconds by stage, counts, ink ledger."""
@@ -99,7 +101,8 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
         ProgressBar("painting", enabled=not wishes.quiet) as progress,
     ):
         painter.replay(recording, progress=progress)
-    return Painting(surface, painter.report(), seconds)
+    settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}
+    return Painting(surface, painter.report(), seconds, (recording,), settings)
 
 
 def _named_in(recording: Recording, what: str, default: str) -> str:

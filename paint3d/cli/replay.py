@@ -15,6 +15,7 @@ from paint3d.cli.options import (
 )
 from paint3d.cli.pads import lay_on
 from paint3d.cli.painting import Wishes, paint, timed, write_report
+from paint3d.cli.results import result_suffixes, write_result
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -60,11 +61,10 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
-    from paint3d.files.export import EXPORT_SUFFIXES, export
     from paint3d.files.load import load_mesh
     from paint3d.stroke.recording import load_recording
 
-    check_output_file(options.out, EXPORT_SUFFIXES)
+    check_output_file(options.out, result_suffixes())
     if options.report is not None:
         check_output_file(options.report, (".json",))
     recording = load_recording(options.recording)
@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> None:
     )
     painting = paint(mesh, recording, wishes)
     with timed(painting.seconds, "export"):
-        export(painting.surface, options.out)
+        write_result(painting, options.out)
     if options.report is not None:
         write_report(options.report, painting)
     if not options.quiet:

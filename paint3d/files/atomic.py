@@ -41,6 +41,7 @@ def write_atomically(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         _flush(temporary)
         os.replace(temporary, target)
+        _flush_folder(target.parent)
     except OSError as cause:
         raise ExportError(f"{target}: cannot write: {_reason(cause)}") from None
     finally:
@@ -65,6 +66,16 @@ def _reserve(target: Path) -> Path:
 def _flush(path: Path) -> None:
     with open(path, "rb+") as file:
         os.fsync(file.fileno())
+
+
+def _flush_folder(folder: Path) -> None:
+    """Bring the move itself to the disk; file systems that cannot do so are left in peace."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def _reason(cause: OSError) -> str:

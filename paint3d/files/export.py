@@ -12,6 +12,7 @@ from paint3d.files.atomic import write_atomically
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.painting import Exportable, Painting, read_painting
 from paint3d.files.records import write_records
+from paint3d.files.session import SESSION_SUFFIX, Session, save_session
 from paint3d.files.write_3mf import write_3mf
 from paint3d.files.write_glb import write_glb
 from paint3d.files.write_obj import write_obj
@@ -19,6 +20,7 @@ from paint3d.files.write_ply import write_ply
 from paint3d.files.write_usdz import write_usdz
 from paint3d.files.write_wrl import write_wrl
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["EXPORT_SUFFIXES", "check_export_path", "export"]
 
@@ -51,7 +53,7 @@ def export(
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
     after the position); .3mf (mm, sRGB at each corner, for printers); .usdz (metres, y up, linear
     displayColor); .wrl VRML97 (metres, y up, sRGB, for colour printers); .p3d.txt the paper's
-    records (vertices only); .png a picture.
+    records (vertices only); .png a picture; .p3d a session, to which no option applies.
 
     Parameters
     ----------
@@ -84,6 +86,9 @@ def export(
     """
     path = Path(path)
     suffix = check_export_path(path)
+    if suffix == SESSION_SUFFIX:
+        _save(surface, path)
+        return
     options = ExportOptions(tolerance, exact, unit, up_axis, unlit, filaments)
     form = FORMATS[suffix]
     options.refuse_others(form.takes, suffix, _formats_by_wish())
@@ -91,6 +96,13 @@ def export(
     painting = read_painting(surface, options).placed(unit, options.up_axis or form.up_axis)
     with write_atomically(path) as temporary:
         form.write(temporary, painting, options, unit)
+
+
+def _save(surface: Exportable | TriangleMesh, path: Path) -> None:
+    if not isinstance(surface, PaintedSurface):
+        kind = type(surface).__name__
+        raise ExportError(f"{path}: a session holds a PaintedSurface; got a {kind}")
+    save_session(Session(surface), path)
 
 
 def check_export_path(path: str | os.PathLike[str]) -> str:
@@ -103,7 +115,7 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
     """
     path = Path(path)
     name = path.name.lower()
-    suffix = next((s for s in FORMATS if name.endswith(s)), None)
+    suffix = next((s for s in EXPORT_SUFFIXES if name.endswith(s)), None)
     if suffix is None:
         known = " ".join(EXPORT_SUFFIXES)
         shown = f"the suffix {path.suffix!r} is not known" if path.suffix else "it has no suffix"
@@ -197,4 +209,4 @@ FORMATS: dict[str, Format] = {
     ".p3d.txt": Format(_write_records, takes=frozenset()),
     ".png": Format(_write_png, takes=frozenset({"filaments"})),
 }
-EXPORT_SUFFIXES = tuple(FORMATS)
+EXPORT_SUFFIXES = (*FORMATS, SESSION_SUFFIX)

@@ -81,14 +81,14 @@ def test_demo(paint3d, tmp_path: Path) -> None:
     out = tmp_path / "new" / "demo"
     done = paint3d("demo", "--out", out, "--no-view")
     assert done.returncode == 0, done.stderr
-    names = {"bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png", "report.json"}
+    names = {"bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png", "bowl.p3d", "report.json"}
     assert {file.name for file in out.iterdir()} == names
     assert all(file.stat().st_size > 1000 for file in out.iterdir())
     assert all(str(out / name) in done.stdout for name in names)
     assert json.loads((out / "report.json").read_text())["vertices_painted"] > 10_000
 
 
-@pytest.mark.parametrize("command", ["demo", "replay", "inks", "report"])
+@pytest.mark.parametrize("command", ["demo", "replay", "export", "inks", "report"])
 def test_every_command_has_help(paint3d, command: str) -> None:
     done = paint3d(command, "--help")
     assert done.returncode == 0
@@ -151,6 +151,20 @@ def test_a_point_cloud_is_painted_and_said_to_be_one(
     assert done.stderr.splitlines() == [
         f"paint3d: note: {cloud}: it is a point cloud: built 1,800 triangles through 961 points"
     ]
+
+
+def test_a_session_is_left_and_exported(paint3d, recording: Path, tmp_path: Path) -> None:
+    options = ("--ink", "cinnabar", "--resolution", "0.7")
+    direct = replay(paint3d, recording, tmp_path / "direct.ply", *options)
+    replay(paint3d, recording, tmp_path / "a.p3d", *options)
+    done = paint3d("export", tmp_path / "a.p3d", tmp_path / "later.ply")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "later.ply").read_bytes() == direct
+    done = paint3d("export", tmp_path / "a.p3d", tmp_path / "b.p3d")
+    assert (tmp_path / "b.p3d").read_bytes() == (tmp_path / "a.p3d").read_bytes()
+    done = paint3d("export", tmp_path / "a.p3d", tmp_path / "c.p3d.txt", "--unlit")
+    assert done.returncode == 2
+    assert "paint3d: error: " in done.stderr
 
 
 def test_inks_are_listed_with_their_sources(paint3d) -> None:

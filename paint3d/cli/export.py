@@ -1,0 +1,77 @@
+"""Write a saved painting in another format, which the suffix of the file chooses."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from paint3d.cli.options import UNITS, add_quiet_option, check_output_file
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "a saved painting to any format, by suffix"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    parser.add_argument("session", metavar="SESSION", type=Path, help="a saved session (.p3d)")
+    parser.add_argument("file", metavar="FILE", type=Path, help="where to write it")
+    parser.add_argument(
+        "--tolerance",
+        metavar="DE",
+        type=float,
+        default=1.0,
+        help="dE00 by which a colour may be missed where vertices are left out (default: 1)",
+    )
+    parser.add_argument("--exact", action="store_true", help="leave no vertex out")
+    parser.add_argument(
+        "--unit", choices=UNITS, help="length of one unit in the file (default: the format's own)"
+    )
+    parser.add_argument(
+        "--up-axis", choices=("y", "z"), help="axis that points up (default: the format's own)"
+    )
+    parser.add_argument(
+        "--unlit", action="store_true", help="glTF: show the colours as they are, without light"
+    )
+    parser.add_argument(
+        "--filaments",
+        metavar="K",
+        type=_parse_filaments,
+        help="reduce to so many colours, or to the nearest of these, as #rrggbb,#rrggbb",
+    )
+    add_quiet_option(parser)
+
+
+def _parse_filaments(text: str) -> int | list[str]:
+    return int(text) if text.isascii() and text.isdigit() else text.split(",")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Open the session and write the file.
+
+    Raises
+    ------
+    Paint3DError
+        If the session cannot be opened, or the file cannot be written.
+    """
+    from paint3d.files.export import EXPORT_SUFFIXES, export
+    from paint3d.files.session import is_session_path, load_session, save_session
+
+    check_output_file(options.file, EXPORT_SUFFIXES)
+    session = load_session(options.session)
+    if is_session_path(options.file):
+        save_session(session, options.file)
+    else:
+        export(
+            session.surface,
+            options.file,
+            tolerance=options.tolerance,
+            exact=options.exact,
+            unit=options.unit,
+            up_axis=options.up_axis,
+            unlit=options.unlit,
+            filaments=options.filaments,
+        )
+    if not options.quiet:
+        sys.stdout.write(f"{options.file}\n")

@@ -1,0 +1,151 @@
+"""A zip archive of NumPy arrays and one JSON text: written in one go, read with distrust.
+
+Why zip and .npy: any program opens them, every entry has a checksum, and both formats are older
+than most programs and will outlive this one. Entries are stored, not deflated: an archive cannot
+be larger than it looks, saving and loading take a tenth of the time, and the same arrays give
+the same bytes whatever the version of zlib.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from paint3d.errors import SessionError
+
+__all__ = ["read_archive", "write_archive"]
+
+TEXT = "session.json"
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # a fixed date: the same session gives the same bytes
+MAX_BYTES = 4 << 30
+MAX_ENTRIES = 10_000
+MAX_TEXT = 1 << 24
+MAX_HEADER = 10_000
+KINDS = "biuf"  # of array elements: never objects, which would be pickled
+
+
+def write_archive(path: Path, text: Mapping[str, object], arrays: Mapping[str, NDArray]) -> None:
+    """Write a JSON object and arrays by name.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    ValueError
+        If the object holds what JSON cannot.
+    """
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
+        line = json.dumps(text, ensure_ascii=False, allow_nan=False, indent=1)
+        archive.writestr(_entry(TEXT), line.encode("utf-8", "surrogatepass"))
+        for name, array in arrays.items():
+            head = io.BytesIO()
+            array = np.ascontiguousarray(array)
+            npy.write_array_header_1_0(head, npy.header_data_from_array_1_0(array))
+            with archive.open(_entry(f"{name}.npy"), "w", force_zip64=True) as file:
+                file.write(head.getvalue())
+                file.write(array.reshape(-1).view(np.uint8).data)
+
+
+def _entry(name: str) -> zipfile.ZipInfo:
+    entry = zipfile.ZipInfo(name, EARLIEST)
+    entry.external_attr = 0o644 << 16
+    return entry
+
+
+def read_archive(path: Path) -> tuple[dict[str, object], dict[str, NDArray]]:
+    """Return the JSON object and the arrays of a file that may come from a stranger.
+
+    Nothing is executed or unpacked to the disk. Arrays of objects are refused, and no memory is
+    taken for more numbers than the file holds.
+
+    Raises
+    ------
+    SessionError
+        If it is no such archive, or is damaged.
+    """
+    try:
+        with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
+            entries = _checked(archive, os.fstat(file.fileno()).st_size)
+            text = _parse(archive.read(entries.pop(TEXT)))
+            return text, {
+                name.removesuffix(".npy"): _read_array(archive, entry)
+                for name, entry in entries.items()
+                if name.endswith(".npy")
+            }
+    except zipfile.BadZipFile as cause:
+        raise SessionError(f"it is damaged, or no session: {cause}") from None
+    except OSError as cause:
+        raise SessionError(f"cannot read it: {cause.strerror or cause}") from None
+    except (EOFError, NotImplementedError, RuntimeError, OverflowError, IndexError) as cause:
+        raise SessionError(f"it is damaged, or no session: {cause}") from None
+
+
+def _checked(archive: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
+    """Return the entries by name; all must be stored plainly and fit into the file."""
+    entries = archive.infolist()
+    if len(entries) > MAX_ENTRIES or sum(entry.file_size for entry in entries) > min(
+        size, MAX_BYTES
+    ):
+        raise SessionError("its entries claim to be larger than the file; expected a session")
+    for entry in entries:
+        if entry.compress_type != zipfile.ZIP_STORED or entry.flag_bits & 1:
+            raise SessionError(f"{entry.filename!r:.60} is packed; expected a plain entry")
+    found = {entry.filename: entry for entry in entries}
+    if TEXT not in found or len(found) < len(entries):
+        raise SessionError(f"it has no {TEXT}, or a name twice; expected a session")
+    if found[TEXT].file_size > MAX_TEXT:
+        raise SessionError(f"its {TEXT} has {found[TEXT].file_size:,} bytes; expected {MAX_TEXT:,}")
+    return found
+
+
+def _parse(data: bytes) -> dict[str, object]:
+    try:
+        text = json.loads(data.decode("utf-8", "surrogatepass"))
+    except (ValueError, RecursionError) as cause:
+        raise SessionError(f"its {TEXT} cannot be read: {cause}") from None
+    if not isinstance(text, dict):
+        raise SessionError(f"its {TEXT} is no object; expected one")
+    return text
+
+
+def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray:
+    with archive.open(entry) as file:
+        shape, dtype, length = _array_header(file, entry.filename)
+        count = 1
+        for n in shape:
+            count *= n
+        if min(shape, default=0) < 0 or length + count * dtype.itemsize != entry.file_size:
+            raise SessionError(
+                f"{entry.filename!r:.60} says it is {dtype} {shape} in {entry.file_size:,} bytes"
+            )
+        data = file.read()  # to the end, where its checksum is compared
+    if len(data) != count * dtype.itemsize:
+        raise SessionError(f"{entry.filename!r:.60} is cut short")
+    return np.frombuffer(data, dtype).reshape(shape)
+
+
+def _array_header(file: BinaryIO, name: str) -> tuple[tuple[int, ...], np.dtype, int]:
+    """Return shape, element type and the header's length of an .npy file."""
+    try:
+        if npy.read_magic(file) != (1, 0):
+            raise ValueError("its version is not 1.0")
+        length = int.from_bytes(file.read(2), "little")
+        if length > MAX_HEADER:
+            raise ValueError("its header is too long")
+        words = file.read(length)
+        head = io.BytesIO(length.to_bytes(2, "little") + words)
+        shape, in_columns, dtype = npy.read_array_header_1_0(head, MAX_HEADER)
+    except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError) as cause:
+        raise SessionError(f"{name!r:.60} is no array: {str(cause).splitlines()[0]:.80}") from None
+    if dtype.kind not in KINDS or dtype.fields or dtype.subdtype or in_columns or len(shape) > 4:
+        raise SessionError(f"{name!r:.60} holds {dtype!s:.40}; expected plain numbers")
+    return shape, dtype, 10 + length

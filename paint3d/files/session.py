@@ -1,0 +1,164 @@
+"""Sessions (.p3d): a painting as it stands, to go on with, in one file.
+
+An archive (`array_archive`) with the object, the surface's state, the recordings it came from and
+the settings. What each part holds, version by version, is in docs/sessions.md.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.device.recorded import Recording
+from paint3d.errors import ExportError, Paint3DError, SessionError
+from paint3d.files.array_archive import read_archive, write_archive
+from paint3d.files.atomic import write_atomically
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.state import restore_surface, surface_state
+
+__all__ = [
+    "SESSION_SUFFIX",
+    "VERSION",
+    "Session",
+    "is_session_path",
+    "load_session",
+    "save_session",
+]
+
+FORMAT = "paint3d-session"
+VERSION = 1
+SESSION_SUFFIX = ".p3d"
+MAX_RECORDINGS = 10_000
+MESH = ("vertices", "faces", "colours", "normals")
+SAMPLES = (
+    "time_ns", "position", "orientation", "pressure", "buttons",
+    "object_position", "object_orientation",
+)  # fmt: skip
+
+Parts = tuple[dict[str, object], dict[str, NDArray]]
+UPGRADES: dict[int, Callable[[Parts], Parts]] = {}
+"""For each old version the step to the next one; `load_session` takes them in turn."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """A painting, and how it came about.
+
+    Attributes
+    ----------
+    surface : PaintedSurface
+    recordings : sequence of Recording
+        What was painted, in order.
+    settings : mapping
+        Anything that JSON can hold: brush, ink, the command's options.
+    """
+
+    surface: PaintedSurface
+    recordings: Sequence[Recording] = ()
+    settings: Mapping[str, object] = field(default_factory=dict)
+
+
+def is_session_path(path: str | os.PathLike[str]) -> bool:
+    """Whether a file's name is that of a session."""
+    return os.fspath(path).lower().endswith(SESSION_SUFFIX)
+
+
+def save_session(session: Session, path: str | os.PathLike[str]) -> None:
+    """Save a session: after any failure the file is as it was.
+
+    The same session gives the same bytes.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written, or a setting or header is nothing that JSON can hold.
+    """
+    path = Path(path)
+    text, arrays = _parts(session)
+    with write_atomically(path) as temporary:
+        try:
+            write_archive(temporary, text, arrays)
+        except (TypeError, ValueError) as cause:
+            raise ExportError(f"{path}: settings cannot be saved: {cause}") from None
+
+
+def _parts(session: Session) -> Parts:
+    mesh, state = session.surface.source, surface_state(session.surface)
+    arrays = {f"mesh/{name}": getattr(mesh, name) for name in MESH}
+    arrays |= {f"surface/{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
+    for k, recording in enumerate(session.recordings):
+        arrays |= {f"recordings/{k}/{name}": getattr(recording, name) for name in SAMPLES}
+    text = {
+        "format": FORMAT,
+        "version": VERSION,
+        "object": mesh.name,
+        "surface": {k: v for k, v in state.items() if not isinstance(v, np.ndarray)},
+        "recordings": [dict(recording.header) for recording in session.recordings],
+        "settings": dict(session.settings),
+    }
+    return text, {name: array for name, array in arrays.items() if array is not None}
+
+
+def load_session(path: str | os.PathLike[str]) -> Session:
+    """Open a session of this version or an older one; it may come from a stranger.
+
+    Raises
+    ------
+    SessionError
+        ``file: what is wrong``: it is damaged, incomplete, or newer than this program.
+    """
+    path = Path(path)
+    try:
+        return _session(_upgraded(read_archive(path)))
+    except SessionError as cause:
+        raise SessionError(f"{path}: {_one_line(cause)}") from None
+    except Paint3DError as cause:
+        raise SessionError(f"{path}: it cannot be used: {_one_line(cause)}") from None
+    except (KeyError, TypeError, AttributeError, ValueError) as cause:
+        raise SessionError(f"{path}: it is incomplete near {_one_line(cause)}") from None
+    except MemoryError:
+        raise SessionError(f"{path}: it does not fit into memory") from None
+
+
+def _one_line(cause: BaseException) -> str:
+    return " ".join(str(cause).split())
+
+
+def _upgraded(parts: Parts) -> Parts:
+    text = parts[0]
+    version = text.get("version")
+    if text.get("format") != FORMAT or type(version) is not int or version < 1:
+        raise SessionError(f"it says it is {text.get('format')!r:.40}; expected {FORMAT!r}")
+    if version > VERSION:
+        raise SessionError(f"its version is {version}; this program knows up to {VERSION}")
+    for old in range(version, VERSION):
+        parts = UPGRADES[old](parts)
+    return parts
+
+
+def _session(parts: Parts) -> Session:
+    text, arrays = parts
+    mesh = TriangleMesh(
+        arrays["mesh/vertices"],
+        arrays["mesh/faces"],
+        arrays.get("mesh/colours"),
+        str(text["object"]),
+        arrays.get("mesh/normals"),
+    )
+    headers, settings = text["recordings"], text["settings"]
+    if len(headers) > MAX_RECORDINGS:
+        raise SessionError(f"it has {len(headers):,} recordings; expected {MAX_RECORDINGS:,}")
+    recordings = []
+    for k, header in enumerate(headers):
+        columns = {name: arrays.get(f"recordings/{k}/{name}") for name in SAMPLES}
+        recordings.append(Recording(**columns, header=dict(header)))
+    prefix = "surface/"
+    state = dict(text["surface"])
+    state |= {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+    return Session(restore_surface(mesh, state), tuple(recordings), dict(settings))

@@ -1,0 +1,187 @@
+"""A painted surface as plain arrays, numbers and words, and back again, to the bit.
+
+What can be computed from the mesh is not kept: the refined vertices are a log of bisections, the
+colours follow from the ink. Pigments and the material are kept with their spectra, so a painting
+looks the same when the palette has changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.arrays import as_array
+from paint3d.colour.spectra import N_BANDS
+from paint3d.errors import InputError, Paint3DError, SessionError
+from paint3d.ink.materials import Material, load_materials
+from paint3d.ink.pigments import WATER, Pigment, load_palette
+from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["STATE_VERSION", "restore_surface", "surface_state"]
+
+STATE_VERSION = 1
+_MOST_PIGMENTS = 256
+
+State = dict[str, object]
+_UPGRADES: dict[int, Callable[[State], State]] = {}
+"""For each old version the step to the next one; `restore_surface` takes them in turn."""
+
+
+def surface_state(surface: PaintedSurface) -> State:
+    """Return everything that `restore_surface` needs besides the mesh.
+
+    Returns
+    -------
+    dict
+        version, resolution (mm or None), material, pigments (dicts of numbers and words), and
+        arrays: splits (n,) int32, the refinement log; touched (T,) int32, numbers of the
+        vertices with wet ink (`mesh.refinement_log.saved_ids`); amounts (T, P) and coverage (T,)
+        float32; dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and
+        dried_amounts (D, P) float32; load and off_surface (P,) float64.
+    """
+    mesh, ink, dry = surface.paint_mesh, surface.ink, surface.dry_layers
+    n = mesh.n_vertices
+    ids = saved_ids(mesh)
+    inked = np.flatnonzero((ink.coverage[:n] != 0) | (ink.amounts[:n] != 0).any(axis=1))
+    rows = inked[np.argsort(ids[inked], kind="stable")]
+    return {
+        "version": STATE_VERSION,
+        "resolution": surface.resolution,
+        "material": _as_dict(surface.material),
+        "pigments": [_as_dict(pigment) for pigment in surface.pigments],
+        "splits": refinement_log(mesh),
+        "touched": ids[rows],
+        "amounts": ink.amounts[rows],
+        "coverage": ink.coverage[rows],
+        "dried": ids[dry.vertex_ids],
+        "dried_spectra": dry.spectra.copy(),
+        "dried_amounts": dry.amounts.copy(),
+        "load": ink.load.copy(),
+        "off_surface": ink.off_surface.copy(),
+    }
+
+
+def restore_surface(mesh: TriangleMesh, state: Mapping[str, object]) -> PaintedSurface:
+    """Return the surface that `surface_state` described.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        The object as it was before painting.
+    state : mapping
+        Of this version or an older one. It may come from a stranger: everything is checked.
+
+    Raises
+    ------
+    SessionError
+        If the state is newer than this program, incomplete, or not that of this mesh.
+    """
+    state = _upgraded(dict(state))
+    try:
+        material = _known(Material, state["material"], load_materials())
+        surface = PaintedSurface(mesh, state["resolution"], material)
+        palette = {**load_palette(), WATER.name: WATER}
+        pigments = [_known(Pigment, entry, palette) for entry in state["pigments"]]
+        if len(pigments) > _MOST_PIGMENTS or len({p.name for p in pigments}) < len(pigments):
+            raise SessionError(f"it has {len(pigments)} pigments with repeated or too many names")
+        repeat_refinement(surface.paint_mesh, _integers(state, "splits"))
+        if surface.n_vertices > surface.paint_mesh.n_base_vertices:
+            surface.make_room()
+        for pigment in pigments:
+            surface.column_of(pigment)
+        _put_ink(surface, state)
+    except (KeyError, TypeError, AttributeError) as cause:
+        raise SessionError(f"the surface's state is incomplete near {cause}") from None
+    except SessionError:
+        raise
+    except Paint3DError as cause:
+        raise SessionError(f"the surface's state cannot be used: {cause}") from None
+    return surface
+
+
+def _upgraded(state: State) -> State:
+    version = state.get("version")
+    if type(version) is not int or version < 1:
+        raise SessionError(f"the surface's state has version {version!r}; expected a number")
+    if version > STATE_VERSION:
+        raise SessionError(
+            f"the surface's state has version {version}; this program knows up to {STATE_VERSION}"
+        )
+    while state["version"] < STATE_VERSION:
+        state = _UPGRADES[state["version"]](state)
+    return state
+
+
+def _put_ink(surface: PaintedSurface, state: State) -> None:
+    n, count, ink = surface.n_vertices, len(surface.pigments), surface.ink
+    now = np.empty(n, np.int32)
+    now[saved_ids(surface.paint_mesh)] = np.arange(n, dtype=np.int32)
+    wet = now[_vertices(state, "touched", n)]
+    ink.amounts[wet] = _amounts(state, "amounts", (len(wet), count), np.float32)
+    ink.coverage[wet] = _amounts(state, "coverage", (len(wet),), np.float32, 1.0)
+    for name in ("load", "off_surface"):
+        getattr(ink, name)[:] = _amounts(state, name, (count,), np.float64)
+    dry = now[_vertices(state, "dried", n)]
+    spectra = np.asarray(state["dried_spectra"])
+    if spectra.dtype != np.uint16 or spectra.shape != (len(dry), N_BANDS):
+        raise SessionError(f"dried_spectra is {spectra.dtype} {spectra.shape}")
+    amounts = _amounts(state, "dried_amounts", (len(dry), count), np.float32)
+    if (len(wet) or len(dry)) and not count:
+        raise SessionError("there is ink without pigments")
+    surface.dry_layers.restore(surface.paint_mesh.capacity, dry, spectra, amounts)
+    surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
+
+
+def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:
+    """Return distinct numbers of vertices, 0 to n - 1."""
+    ids = _integers(state, name)
+    if len(ids) and not 0 <= int(ids.min()) <= int(ids.max()) < n:
+        raise SessionError(f"{name} holds {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
+    if np.bincount(ids, minlength=1).max() > 1:
+        raise SessionError(f"{name} holds a vertex twice")
+    return ids
+
+
+def _amounts(
+    state: State, name: str, shape: tuple[int, ...], dtype: type, most: float = np.inf
+) -> NDArray:
+    values = as_array(state[name], name, shape, dtype, SessionError)
+    if values.size and not 0.0 <= values.min() <= values.max() <= most:
+        raise SessionError(
+            f"{name} holds {values.min():g} to {values.max():g}; expected 0 to {most:g}"
+        )
+    return values
+
+
+def _integers(state: State, name: str) -> NDArray[np.int32]:
+    values = np.asarray(state[name])
+    if values.dtype != np.int32 or values.ndim != 1:
+        raise SessionError(f"{name} is {values.dtype} {values.shape}; expected (n,) int32")
+    return values
+
+
+def _as_dict(record: Material | Pigment) -> dict[str, object]:
+    """Return a frozen record's fields with arrays as lists; floats read back exactly."""
+    found = {field.name: getattr(record, field.name) for field in fields(record) if field.init}
+    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in found.items()}
+
+
+def _known(kind: type, entry: object, table: Mapping[str, object]) -> Material | Pigment:
+    """Return the table's record where it is the same, so that fast ways for it stay open."""
+    if not isinstance(entry, Mapping):
+        raise SessionError(f"a {kind.__name__.lower()} is {entry!r:.60}; expected its properties")
+    names = {field.name for field in fields(kind) if field.init}
+    given = {key: value for key, value in entry.items() if key in names}
+    if not all(isinstance(given.get(key, ""), str) for key in ("name", "chinese")):
+        raise SessionError(f"a {kind.__name__.lower()} has a name that is no text")
+    try:
+        record = kind(**given)
+    except InputError as cause:
+        raise SessionError(str(cause)) from None
+    own = table.get(record.name)
+    return own if own is not None and _as_dict(own) == _as_dict(record) else record
