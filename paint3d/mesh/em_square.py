@@ -155,4 +155,3 @@ def lay_square(
             f"({x:.1f}, {y:.1f}, {z:.1f}): {fault}"
         )
     return square
-

@@ -213,9 +213,7 @@ def _described(character: PlacedCharacter) -> dict:
     }
 
 
-def _joined(
-    laid: list[HandMotion], surface: ClosestPoints, tuft: Tuft, tempo: Tempo
-) -> HandMotion:
+def _joined(laid: list[HandMotion], surface: ClosestPoints, tuft: Tuft, tempo: Tempo) -> HandMotion:
     parts = [laid[0]]
     for motion in laid[1:]:
         parts.extend([travel(parts[-1], motion, surface, tuft, tempo), motion])
