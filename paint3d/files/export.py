@@ -15,6 +15,7 @@ from paint3d.files.records import write_records
 from paint3d.files.session import SESSION_SUFFIX, Session, save_session
 from paint3d.files.write_3mf import write_3mf
 from paint3d.files.write_glb import write_glb
+from paint3d.files.write_html import write_html
 from paint3d.files.write_obj import write_obj
 from paint3d.files.write_ply import write_ply
 from paint3d.files.write_usdz import write_usdz
@@ -53,7 +54,8 @@ def export(
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
     after the position); .3mf (mm, sRGB at each corner, for printers); .usdz (metres, y up, linear
     displayColor); .wrl VRML97 (metres, y up, sRGB, for colour printers); .p3d.txt the paper's
-    records (vertices only); .png a picture; .p3d a session, to which no option applies.
+    records (vertices only); .html a page that shows the object, by itself; .png a picture; .p3d a
+    session, to which no option applies.
 
     Parameters
     ----------
@@ -94,6 +96,7 @@ def export(
     options.refuse_others(form.takes, suffix, _formats_by_wish())
     unit = options.unit or form.unit
     painting = read_painting(surface, options).placed(unit, options.up_axis or form.up_axis)
+    painting = painting._replace(title=path.name[: -len(suffix)] or painting.material)
     with write_atomically(path) as temporary:
         form.write(temporary, painting, options, unit)
 
@@ -189,6 +192,10 @@ def _roughness(material: str) -> float:
     return DEFAULT_ROUGHNESS if gloss is None else gloss.roughness
 
 
+def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    write_html(path, *painting[:4], title=painting.title)
+
+
 def _gloss(material: str) -> object | None:
     """Return how a material shines, or None for one that the view does not know."""
     from paint3d.view.studio import Gloss
@@ -207,6 +214,7 @@ FORMATS: dict[str, Format] = {
     ".usdz": Format(_write_usdz, "m", "y"),
     ".wrl": Format(_write_wrl, "m", "y"),
     ".p3d.txt": Format(_write_records, takes=frozenset()),
+    ".html": Format(_write_html, takes=frozenset({"filaments"})),
     ".png": Format(_write_png, takes=frozenset({"filaments"})),
 }
 EXPORT_SUFFIXES = (*FORMATS, SESSION_SUFFIX)

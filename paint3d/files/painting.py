@@ -53,13 +53,14 @@ class Exportable(Protocol):
 
 
 class Painting(NamedTuple):
-    """Arrays of a painting, the name of its material, and where there are some, its filaments."""
+    """Arrays of a painting, names of its material and file, and its filaments if there are any."""
 
     vertices: NDArray[np.float32]
     faces: NDArray[np.int32]
     normals: NDArray[np.float32]
     srgb: NDArray[np.uint8]
     material: str
+    title: str = "painting"
     palette: NDArray[np.uint8] | None = None
     face_filaments: NDArray[np.int32] | None = None
 

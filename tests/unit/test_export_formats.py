@@ -152,7 +152,7 @@ def test_unknown_suffix_and_folder(painted, tmp_path):
     with pytest.raises(ExportError, match="is a folder; expected a file name"):
         export(painted, tmp_path / "b.ply")
     assert os.listdir(tmp_path) == ["b.ply"]
-    known = {".ply", ".glb", ".obj", ".3mf", ".usdz", ".wrl", ".p3d.txt", ".png", ".p3d"}
+    known = {".ply", ".glb", ".obj", ".3mf", ".usdz", ".wrl", ".html", ".p3d.txt", ".png", ".p3d"}
     assert set(EXPORT_SUFFIXES) == known
 
 

@@ -1,0 +1,214 @@
+"""The page with the object, in a real browser: exact colours, every way to turn it, no network."""
+
+import re
+
+import numpy as np
+import pytest
+import trimesh
+
+from paint3d.errors import ExportError
+from paint3d.files.export import export
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from tests.e2e.browser import PROGRAM, Browser
+
+GROUND = (143, 139, 133)
+MIDDLE = (320, 240)
+
+
+def patches(n=16):
+    """A sheet of n x n squares, each of one colour; with n = 16 every code occurs."""
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    corner = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    places = np.stack([i, j], axis=1)[:, None] + corner
+    vertices = np.concatenate([places, np.zeros((n * n, 4, 1))], axis=2).reshape(-1, 3)
+    first = 4 * np.arange(n * n)[:, None, None]
+    faces = (first + np.array([(0, 1, 2), (0, 2, 3)])).reshape(-1, 3)
+    code = np.arange(n * n)
+    colours = np.stack([code, 255 - code, code * 7 % 256], axis=1)
+    return TriangleMesh(
+        np.float32(vertices), np.int32(faces), np.repeat(colours, 4, axis=0).astype(np.uint8)
+    ), colours
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    if PROGRAM is None:
+        pytest.skip("there is no Chromium")
+    one = Browser(tmp_path_factory.mktemp("browser"))
+    yield one
+    one.close()
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    """A sphere of three colours that looks different from every side."""
+    solid = trimesh.creation.icosphere(subdivisions=4, radius=30.0)
+    codes = np.uint8(60 + 120 * (solid.vertices > 0))
+    mesh = TriangleMesh(np.float32(solid.vertices), np.int32(solid.faces), codes)
+    path = tmp_path_factory.mktemp("page") / "Su Shi & <friends>.html"
+    export(mesh, path)
+    return path
+
+
+def open_without_words(browser, page, *arguments, **options):
+    """Open a page for pictures of the object alone."""
+    browser.open(page, *arguments, **options)
+    browser.evaluate(
+        "document.querySelectorAll('h1, p, #controls').forEach((e) => { e.style.opacity = 0; })"
+    )
+
+
+def is_ball(picture):
+    return (np.abs(picture.astype(int) - GROUND) > 20).any(axis=2)
+
+
+def test_every_painted_colour_is_on_the_screen_within_one_code(browser, tmp_path):
+    mesh, colours = patches()
+    export(mesh, tmp_path / "sheet.html")
+    open_without_words(browser, tmp_path / "sheet.html")
+    picture = browser.picture().astype(int)
+    side = np.flatnonzero((picture[240] != GROUND).any(axis=1))
+    left, right = side[0], side[-1] + 1
+    place = (np.arange(16) + 0.5) * (right - left) / 16
+    x = np.rint(left + place).astype(int)
+    y = np.rint(240 + (right - left) / 2 - place).astype(int)
+    for dx, dy in ((0, 0), (-5, 3), (4, -6)):
+        seen = picture[y[None, :] + dy, x[:, None] + dx].reshape(-1, 3)
+        assert np.abs(seen - colours).max() <= 1
+
+
+def test_the_page_asks_for_nothing_and_complains_of_nothing(browser, ball):
+    browser.requests.clear()
+    browser.complaints.clear()
+    browser.open(ball)
+    assert is_ball(browser.picture()).any()
+    assert browser.requests == [ball.as_uri()]
+    assert browser.complaints == []
+    text = ball.read_text(encoding="utf-8")
+    assert not re.search(r"https?:|//cdn|@import|<link", text)
+
+
+def test_title_and_names_for_those_who_do_not_see(browser, ball):
+    browser.open(ball)
+    assert browser.evaluate("document.title") == "Su Shi & <friends>"
+    assert browser.evaluate("document.documentElement.lang") == "en"
+    tree = browser.call("Accessibility.getFullAXTree")["nodes"]
+    named = {
+        (node["role"]["value"], node["name"]["value"])
+        for node in tree
+        if not node.get("ignored") and "name" in node
+    }
+    assert ("heading", "Su Shi & <friends>") in named
+    assert ("image", "Su Shi & <friends>, a painted object in three dimensions") in named
+    assert {("button", "Light"), ("button", "Closer"), ("button", "Farther")} <= named
+    assert browser.evaluate("document.getElementById('view').tabIndex") == 0
+
+
+def test_keys_turn_come_closer_light_and_reset(browser, ball):
+    open_without_words(browser, ball)
+    first = browser.picture()
+    for key, more in (("ArrowLeft", {}), ("ArrowUp", {}), ("ArrowRight", {"modifiers": 8})):
+        browser.key(key, **more)
+        assert (browser.picture() != first).any(), key
+        browser.key("r")
+        np.testing.assert_array_equal(browser.picture(), first)
+    size = is_ball(first).sum()
+    browser.key("+")
+    assert is_ball(browser.picture()).sum() > 1.2 * size
+    browser.key("-")
+    browser.key("-")
+    assert is_ball(browser.picture()).sum() < 0.85 * size
+    browser.key("Home")
+    browser.key("l")
+    assert browser.evaluate("document.getElementById('light').ariaPressed") == "true"
+    lit = browser.picture()
+    codes = len(np.unique(lit[is_ball(lit)], axis=0))
+    assert codes > 50  # shades
+    browser.key("L")
+    np.testing.assert_array_equal(browser.picture(), first)
+
+
+def test_mouse_turns_moves_and_comes_closer(browser, ball):
+    open_without_words(browser, ball)
+    first = browser.picture()
+    browser.drag(MIDDLE, (420, 260))
+    turned = browser.picture()
+    assert (turned != first).any()
+    middle = np.argwhere(is_ball(first)).mean(axis=0)
+    np.testing.assert_allclose(np.argwhere(is_ball(turned)).mean(axis=0), middle, atol=1.0)
+    browser.key("r")
+    browser.drag(MIDDLE, (360, 220), modifiers=8)
+    moved = np.argwhere(is_ball(browser.picture())).mean(axis=0)
+    np.testing.assert_allclose(moved - middle, (-20, 40), atol=3.0)
+    browser.key("r")
+    browser.mouse("wheel", *MIDDLE, deltaX=0, deltaY=-120)
+    assert is_ball(browser.picture()).sum() > 1.1 * is_ball(first).sum()
+
+
+def test_a_drag_turns_the_side_in_front_along_with_it(browser, ball):
+    open_without_words(browser, ball, "azimuth=-90&elevation=0")
+    browser.drag(MIDDLE, (400, 240))  # the right side, which is red, goes away
+    picture = browser.picture()
+    reddish = picture[..., 0] > 150
+    assert reddish[240].sum() < is_ball(picture)[240].sum() / 2 - 20
+
+
+def test_two_fingers_pinch(browser, ball):
+    open_without_words(browser, ball)
+    first = is_ball(browser.picture())
+    browser.touch([(300, 240), (340, 240)], [(290, 240), (350, 240)], [(280, 240), (360, 240)])
+    assert is_ball(browser.picture()).sum() > 1.5 * first.sum()
+    browser.key("r")
+    browser.touch([(300, 240)], [(340, 240)])
+    assert is_ball(browser.picture()).sum() == pytest.approx(first.sum(), rel=0.01)
+
+
+def test_buttons_work(browser, ball):
+    open_without_words(browser, ball)
+    first = browser.picture()
+    browser.evaluate("document.getElementById('closer').click()")
+    assert is_ball(browser.picture()).sum() > is_ball(first).sum()
+    browser.evaluate("document.getElementById('farther').click()")
+    browser.evaluate("document.getElementById('light').click()")
+    assert (browser.picture()[MIDDLE[::-1]] != first[MIDDLE[::-1]]).any()
+    browser.evaluate("document.getElementById('reset').click()")
+    np.testing.assert_array_equal(browser.picture(), first)
+
+
+@pytest.mark.parametrize("size", [(360, 640), (900, 300)])
+def test_the_whole_object_is_seen_in_any_window(browser, ball, size):
+    open_without_words(browser, ball, size=size)
+    seen = is_ball(browser.picture())
+    rows, columns = np.argwhere(seen).T
+    assert columns.min() > 2
+    assert columns.max() < size[0] - 3
+    assert rows.max() < size[1] - 3
+
+
+def test_a_lost_context_comes_back(browser, ball):
+    open_without_words(browser, ball)
+    first = browser.picture()
+    browser.evaluate(
+        "new Promise((done) => { const canvas = document.getElementById('view');"
+        "const loss = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');"
+        "canvas.addEventListener('webglcontextrestored', () => setTimeout(done, 50));"
+        "const restore = () => setTimeout(() => loss.restoreContext());"
+        "canvas.addEventListener('webglcontextlost', restore);"
+        "loss.loseContext(); })"
+    )
+    np.testing.assert_array_equal(browser.picture(), first)
+
+
+def test_a_page_has_no_unit(tmp_path):
+    with pytest.raises(ExportError, match=r"\.html files cannot have unit"):
+        export(patches(2)[0], tmp_path / "a.html", unit="cm")
+
+
+def test_a_damaged_page_says_so(browser, ball, tmp_path):
+    text = ball.read_text(encoding="utf-8")
+    at = text.index('id="mesh">') + 10
+    broken = tmp_path / "broken.html"
+    broken.write_text(text[:at] + "A" * 400 + text[at + 400 :], encoding="utf-8")
+    browser.open(broken)
+    said = browser.evaluate("document.getElementById('message').textContent")
+    assert said.startswith("The object cannot be shown")
