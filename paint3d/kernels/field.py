@@ -6,17 +6,19 @@ from typing import NamedTuple
 
 from numpy.typing import NDArray
 
-__all__ = ["AREA_UNIT", "CELL_SIZE", "RESOLUTION", "SOFT_EDGE", "SurfaceField"]
+__all__ = ["AREA_UNIT", "BLOCK_VERTICES", "CELL_SIZE", "RESOLUTION", "SOFT_EDGE", "SurfaceField"]
 
 RESOLUTION, CELL_SIZE, SOFT_EDGE, AREA_UNIT = 0, 1, 2, 3  # places in SurfaceField.numbers
+BLOCK_VERTICES = 32  # base vertices to a block: neighbours, looked at together
 
 
 class SurfaceField(NamedTuple):
     """Arrays of a `PaintMesh` (cap: room for vertices, N: for nodes, C cells, S sheets, R roots).
 
     A *cell* is a cube of a regular lattice that the surface meets. A *sheet* is one connected
-    piece of surface in one cell. The base vertices of a cell stand in a run; those that refinement
-    adds are linked. Roots of the forest are the base triangles.
+    piece of surface in one cell. The base vertices of a cell stand in a run, cut into blocks
+    of BLOCK_VERTICES neighbours; those that refinement adds are linked. Roots of the forest are
+    the base triangles.
     """
 
     counts: NDArray  # (2,) int64: vertices, nodes
@@ -48,6 +50,8 @@ class SurfaceField(NamedTuple):
     pair_sheet: NDArray  # (pairs,) int32
     cell_sheets: NDArray  # (C + 1,) int32, run of sheets
     base_start: NDArray  # (C + 1,) int32, run of base vertices
+    cell_blocks: NDArray  # (C + 1,) int32, run of blocks
+    block_balls: NDArray  # (blocks, 4) float32: centre and radius of a ball around the block, mm
     head: NDArray  # (C,) int32, first added vertex
     done: NDArray  # (C,) uint8, 1 where every leaf is fine enough
     sheet_cell: NDArray  # (S,) int32

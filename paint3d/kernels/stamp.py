@@ -70,13 +70,14 @@ class Stamp(NamedTuple):
 
     values: NDArray  # (N_VALUES,) float64
     half_widths: NDArray  # (PROFILE_CELLS + 2,) float64, mm, even steps from heel to tip
-    lines: NDArray  # (PROFILE_CELLS, 3) float32: in each step half width = first + second x place
-    # (place in steps from the heel), and third = 1/sqrt(1 + slope^2), for distances to the edge
+    lines: NDArray  # (PROFILE_CELLS, 4) float32: in each step half width = first + second x place
+    # (place in steps from the heel), and third = 1/sqrt(1 + slope^2), for distances to the edge;
+    # the fourth only keeps rows from lying across two lines of the cache
 
 
 def make_stamp() -> Stamp:
     """An empty stamp that touches nothing."""
-    lines = np.zeros((PROFILE_CELLS, 3), np.float32)
+    lines = np.zeros((PROFILE_CELLS, 4), np.float32)
     return Stamp(np.zeros(N_VALUES), np.zeros(PROFILE_CELLS + 2), lines)
 
 

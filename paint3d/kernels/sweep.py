@@ -14,11 +14,10 @@ from paint3d.kernels import stamp as st
 
 __all__ = [
     "AFTER", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CROSS", "END", "END_RISE",
-    "FRAME_SIZE", "NORMAL", "ORIGIN", "PARTS", "RADIUS2", "RISE", "SCALE", "SPHERE", "TURN_AFTER",
-    "edges_between", "fill_between", "fill_frame", "sweep_bounds",
+    "FRAME_SIZE", "NORMAL", "ORIGIN", "PARTS", "RADIUS2", "RISE", "RISES", "SCALE", "SPHERE",
+    "TURN_AFTER", "fill_between", "fill_frame", "sweep_bounds",
 ]  # fmt: skip
 
-_LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
 _PART_SHARE = 0.05  # of the footprint's smaller extent, the longest part
 _PART_WIDTH = 0.25  # of the soft edge, the shortest
@@ -26,8 +25,8 @@ _PART_WIDTH = 0.25  # of the soft edge, the shortest
 # Places in the frame.
 ORIGIN, NORMAL, BEND, CROSS, SPHERE = 0, 3, 6, 9, 12
 RADIUS2, BOX, BOX_BEFORE, SCALE, AFTER, BEFORE = 15, 16, 20, 24, 25, 28
-TURN_AFTER, PARTS, RISE, END_RISE, END = 31, 35, 36, 37, 38
-FRAME_SIZE = 39  # numbers in it
+TURN_AFTER, PARTS, RISE, END_RISE, END, RISES = 31, 35, 36, 37, 38, 39
+FRAME_SIZE = 42  # numbers in it
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
@@ -111,6 +110,7 @@ def fill_between(before, after, frame, between):
     frame[RISE] = 0.0
     frame[END_RISE] = 0.0
     frame[END] = 0.0
+    frame[RISES : RISES + 3] = 0.0
     a = before.values
     b = after.values
     if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
@@ -130,6 +130,9 @@ def fill_between(before, after, frame, between):
     aside = abs(frame[BOX_BEFORE + 1] + frame[BOX_BEFORE + 3] * a[st.TIP])
     frame[END_RISE] = max(frame[RISE], 0.5 * aside * frame[SCALE])
     frame[END] = st.PROFILE_CELLS * min(0.5, motion / (a[st.TIP] - a[st.HEEL]))
+    frame[RISES] = frame[RISE] / frame[SCALE]
+    frame[RISES + 1] = frame[END_RISE] / frame[SCALE]
+    frame[RISES + 2] = motion
     turn = np.arctan2(frame[BOX_BEFORE + 3], frame[BOX_BEFORE + 2])
     for k in range(parts):  # row 0: half the way
         back = 1.0 - k / parts if k > 0 else 0.5
@@ -139,21 +142,3 @@ def fill_between(before, after, frame, between):
         between[k, 3] = np.sin(back * turn)
         between[k, 4] = back * a[st.HEEL] + (1.0 - back) * b[st.HEEL]
         between[k, 5] = back * a[st.TIP] + (1.0 - back) * b[st.TIP]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def edges_between(x, y, lines_before, lines, back, place):
-    """Distances (mm) to the near and the far side of an outline between two stamps."""
-    u = x - place[0]
-    v = y - place[1]
-    along = place[2] * u + place[3] * v
-    side = abs(place[2] * v - place[3] * u)
-    heel = place[4]
-    tip = place[5]
-    at = min(max((along - heel) * st.PROFILE_CELLS / (tip - heel), 0.0), _LAST_PLACE)
-    i = int(at)
-    width = (1.0 - back) * (lines[i, 0] + at * lines[i, 1])
-    width += back * (lines_before[i, 0] + at * lines_before[i, 1])
-    steepness = (1.0 - back) * lines[i, 2] + back * lines_before[i, 2]
-    width -= max(0.0, max(heel - along, along - tip))
-    return (width - side) * steepness, (width + side) * steepness

@@ -42,9 +42,18 @@ OUTLINE_CAPACITY = (
     MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
 )  # what out_reach and out_half_width must hold
 HALF_RING = 5  # surface points on one half of each joint's section, for the enclosing sphere
-SCRATCH_SIZE = 512  # float64 numbers: angles, then three coordinates of every surface point
+SCRATCH_SIZE = 512  # float64 numbers: angles, then four of every surface point
+_POINTS = 6  # on these steps
+_CROSSING_STEPS = 7
+OUTLINE_CAPACITY = (
+    MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
+)  # what out_reach and out_half_width must hold
+HALF_RING = 5  # surface points on one half of each joint's section, for the enclosing sphere
+SCRATCH_SIZE = (
+    512  # float64 numbers: angles, then three coordinates of every surface point, and one more
+)
 _POINTS = MAX_SEGMENTS * HALF_RING + 1
-_X, _Y, _Z = 32, 32 + _POINTS, 32 + 2 * _POINTS
+_X, _Y, _Z, _SQUARE = 32, 32 + _POINTS, 32 + 2 * _POINTS, 32 + 3 * _POINTS
 _TOLERANCE = 3e-3  # an outlier nearer than this (relative) ends the sphere's passes
 _PASSES = 40
 
@@ -299,12 +308,14 @@ def _surface_points(tuft, descent, tilt, pe, scratch):
 @njit(cache=True, nogil=True)
 def _farthest(scratch, n, x, y, z):
     """Which surface point lies farthest from (x, y, z), and the square of how far."""
+    xs, ys, zs = scratch[_X : _X + n], scratch[_Y : _Y + n], scratch[_Z : _Z + n]
+    squares = scratch[_SQUARE : _SQUARE + n]
+    for i in range(n):
+        squares[i] = (xs[i] - x) ** 2 + (ys[i] - y) ** 2 + (zs[i] - z) ** 2
     index, greatest = 0, -1.0
     for i in range(n):
-        dx, dy, dz = scratch[_X + i] - x, scratch[_Y + i] - y, scratch[_Z + i] - z
-        square = dx * dx + dy * dy + dz * dz
-        if square > greatest:
-            index, greatest = i, square
+        if squares[i] > greatest:
+            index, greatest = i, squares[i]
     return index, greatest
 
 

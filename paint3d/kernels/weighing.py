@@ -4,6 +4,10 @@ Guo 2017 asks whether a vertex lies inside the outline. Here it is asked for how
 distance to the moving outline is followed between the two stamps, and its share of the ink is the
 mean share of its box that was covered meanwhile. That closes the gaps between samples (Guo 2015,
 section 3.2), does not darken with the sampling rate, and draws edges finer than the vertices.
+
+Distances are in widths of the box, positive inside. Everything runs over blocks of vertices in
+single precision, loop by loop, so that the compiler can use vector instructions; only the look-up
+in the outline's profile and the packing of what is left over are done vertex by vertex.
 """
 
 from __future__ import annotations
@@ -13,160 +17,267 @@ from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels import sweep as sw
-from paint3d.kernels.sweep import edges_between
 
-__all__ = ["weigh_block"]
+__all__ = ["WORK_ROWS", "weigh_block"]
 
+WORK_ROWS = 8  # float32 rows of a block's length that `weigh_block` works in
 _LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
-_SLOW = 4.0  # box widths: an edge that passes faster passes as good as straight
+_SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
+_STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
+_NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
+_NONE_OF_EIGHT, _ALL_OF_EIGHT = np.uint64(0), np.uint64(0x0101010101010101)  # as one number
+_HALF = np.float32(0.5)
+_ONE = np.float32(1.0)
+_ZERO = np.float32(0.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def covered(edge):
+def _covered(edge):
     """Share of the unit box on the inner side of an edge at a signed distance (box widths)."""
-    return min(1.0, max(0.0, 0.5 + edge))
+    return min(_ONE, max(_ZERO, _HALF + edge))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _covered_sum(edge):
-    """Antiderivative of `covered`."""
-    t = 0.5 + edge
-    if t <= 0.0:
-        return 0.0
-    if t >= 1.0:
-        return t - 0.5
-    return 0.5 * t * t
+def _mean_covered(a, b):
+    """Mean of `_covered` while the edge's distance goes evenly from a to b: both antiderivatives.
 
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def mean_covered(a, b):
-    """Mean of `covered` while the edge distance goes evenly from a to b."""
-    d = b - a
-    if abs(d) < 1e-4:
-        return covered(0.5 * (a + b))
-    return (_covered_sum(b) - _covered_sum(a)) / d
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _pass_edge(x, y, a, b, lines_before, lines, between, parts, scale):
-    """Mean share covered, and the greatest, while the outline goes from one stamp to the other.
-
-    `a` and `b` are the distances (box widths) at the two stamps.
+    Without a branch, for vector instructions.
     """
-    share = 0.0
-    cover = 0.0
-    last = a
-    for k in range(1, parts):
-        near, far = edges_between(x, y, lines_before, lines, 1.0 - k / parts, between[k])
-        inner = near * scale
-        share += mean_covered(last, inner)
-        cover = max(cover, covered(inner) + covered(far * scale) - 1.0)
-        last = inner
-    return (share + mean_covered(last, b)) / parts, cover
+    s, t = _HALF + a, _HALF + b
+    u, v = min(_ONE, max(_ZERO, s)), min(_ONE, max(_ZERO, t))
+    way = t - s
+    rise = _HALF * (v * v - u * u) + (max(t, _ONE) - max(s, _ONE))
+    still = abs(way) < _STILL
+    mean = rise / (_ONE if still else way)
+    return _covered(_HALF * (a + b)) if still else mean
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _inner_edges(n, xs, ys, lines, heel, tip, turn, scale, places, sides, inner):
-    """Signed distances (box widths) of a block's vertices to one outline; inside is positive.
+def _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond):
+    """Where vertices of the plane lie on a stamp's profile: place (cells), side and beyond (mm).
 
     `turn` (4,) carries plane coordinates to the stamp's own: (x - ox, y - oy) turned by (c, s).
-    Two loops without branches, the first of them in vector instructions: the profile is read at
-    its nearer end beyond its ends, less the way beyond.
+    The profile is read at its nearer end beyond its ends, `beyond` is the way beyond.
     """
     ox, oy = np.float32(turn[0]), np.float32(turn[1])
     c, s = np.float32(turn[2]), np.float32(turn[3])
     first, last = np.float32(heel), np.float32(tip)
     per_step = np.float32(st.PROFILE_CELLS / (tip - heel))
     top = np.float32(_LAST_PLACE)
-    nothing = np.float32(0.0)
-    factor = np.float32(scale)
     for k in range(n):
         u = xs[k] - ox
         v = ys[k] - oy
         x = c * u + s * v
-        places[k] = min(max((x - first) * per_step, nothing), top)
-        sides[k] = abs(c * v - s * u) + max(nothing, max(first - x, x - last))
-    for k in range(n):
-        at = places[k]
-        i = np.int32(at)
-        inner[k] = (lines[i, 0] + at * lines[i, 1] - sides[k]) * lines[i, 2] * factor
+        places[k] = min(max((x - first) * per_step, _ZERO), top)
+        beyond[k] = max(_ZERO, max(first - x, x - last))
+        sides[k] = abs(c * v - s * u)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _far_edge(x, y, lines, heel, tip, turn):
-    """The distance (mm) to the outline's other side, at plane (x, y); see `_covered_share`."""
-    u = x - turn[0]
-    v = y - turn[1]
-    along = turn[2] * u + turn[3] * v
-    side = abs(turn[2] * v - turn[3] * u)
-    at = min(max((along - heel) * st.PROFILE_CELLS / (tip - heel), 0.0), _LAST_PLACE)
-    i = int(at)
-    beyond = max(0.0, max(heel - along, along - tip))
-    return (lines[i, 0] + at * lines[i, 1] - beyond + side) * lines[i, 2]
+def _stamp_edges(n, places, sides, beyond, lines, scale, inner, far):
+    """Signed distances (box widths) to the near and to the far side of one stamp's outline."""
+    factor = np.float32(scale)
+    for k in range(n):
+        at = places[k]
+        i = np.int32(at)
+        width = lines[i, 0] + at * lines[i, 1] - beyond[k]
+        steepness = lines[i, 2] * factor
+        inner[k] = (width - sides[k]) * steepness
+        far[k] = (width + sides[k]) * steepness
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _way_edges(n, places, sides, beyond, lines_before, lines, back, scale, inner, far):
+    """`_stamp_edges` for the outline a share `back` of the way before the stamp `lines`."""
+    then = np.float32(back)
+    now = np.float32(1.0 - back)
+    factor = np.float32(scale)
+    for k in range(n):
+        at = places[k]
+        i = np.int32(at)
+        width = now * (lines[i, 0] + at * lines[i, 1])
+        width += then * (lines_before[i, 0] + at * lines_before[i, 1]) - beyond[k]
+        steepness = (now * lines[i, 2] + then * lines_before[i, 2]) * factor
+        inner[k] = (width - sides[k]) * steepness
+        far[k] = (width + sides[k]) * steepness
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pack(n, near, ids, rows, chosen_ids, chosen):
+    """Copy the columns `near` of the first rows, and their ids, to the front of others."""
+    for i in range(n):
+        chosen_ids[i] = ids[near[i]]
+    for row in range(chosen.shape[0]):
+        source = rows[row]
+        target = chosen[row]
+        for i in range(n):
+            target[i] = source[near[i]]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _follow(n, frame, lines, lines_before, between, rows, work, share, cover):
+    """Mean share covered, and the greatest, of vertices that the edge passes on a curve."""
+    xs, ys, a, b = rows[0], rows[1], rows[3], rows[4]
+    last, inner, far = work[0], work[1], work[2]
+    places, sides, beyond = work[3], work[4], work[5]
+    parts = int(frame[sw.PARTS])
+    each = np.float32(1.0 / parts)
+    for k in range(n):
+        last[k] = a[k]
+        share[k] = _ZERO
+    for part in range(1, parts):
+        where = between[part]
+        _place_block(n, xs, ys, where, where[4], where[5], places, sides, beyond)
+        _way_edges(
+            n, places, sides, beyond, lines_before, lines, 1.0 - part / parts, frame[sw.SCALE],
+            inner, far,
+        )  # fmt: skip
+        for k in range(n):
+            share[k] += _mean_covered(last[k], inner[k])
+            cover[k] = max(cover[k], _covered(inner[k]) + _covered(far[k]) - _ONE)
+            last[k] = inner[k]
+    for k in range(n):
+        share[k] = (share[k] + _mean_covered(last[k], b[k])) * each
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _drop_far(n, frame, lines, lines_before, between, rows, work, near):
+    """List which of these the outline can reach on its way, by where it is half the way."""
+    inner, far, places, sides, beyond = work[0], work[1], work[2], work[3], work[4]
+    where = between[0]
+    _place_block(n, rows[0], rows[1], where, where[4], where[5], places, sides, beyond)
+    _way_edges(
+        n, places, sides, beyond, lines_before, lines, 0.5, frame[sw.SCALE], inner, far
+    )  # fmt: skip
+    rise = np.float32(0.5 * frame[sw.END_RISE])
+    kept = 0
+    for k in range(n):
+        near[kept] = k
+        kept += np.int64(max(max(rows[3][k], rows[4][k]), inner[k] + rise) > -_HALF)
+    return kept
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _append(n, ids, rows, share, cover, out_ids, out_share, out_cover, found):
+    """Append the vertices with a share to the outputs."""
+    stretch = rows[2]
+    for k in range(n):
+        out_ids[found] = ids[k]
+        out_share[found] = share[k] * stretch[k]
+        out_cover[found] = cover[k]
+        found += np.int64(cover[k] > _ZERO)
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _stamp_cover(n, rows, cover):
+    """Greatest share covered at the two stamps: whole where the middle of the box ever was."""
+    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
+    for k in range(n):
+        now = _covered(b[k]) + _covered(far_b[k]) - _ONE
+        then = _covered(a[k]) + _covered(far_a[k]) - _ONE
+        cover[k] = _ONE if max(a[k], b[k]) >= _HALF else max(now, then)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def weigh_block(
-    n, ids, xs, ys, stretch, frame, lines, lines_before, between, work, near,
-    out_ids, out_share, out_cover, found,
+    n, ids, rows, frame, lines, lines_before, between, packed_ids, packed, work, near,
+    kinds, eights, out_ids, out_share, out_cover, found,
 ):  # fmt: skip
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
 
-    Vertices with a share are appended to the outputs; returns their new number.
+    Parameters
+    ----------
+    n : int
+        Vertices in the block (N: its room).
+    ids : (N,) int32
+    rows : (7, N) float32
+        Plane x, y and stretch of each; the rest is filled: the distances at the stamp before and
+        at the stamp after, to the near side and to the far side.
+    frame, between, lines, lines_before : arrays of the sweep and of its two stamps
+    packed_ids, packed, work, near : (N,) int32, (7, N), (WORK_ROWS, N) float32, (2, N) int32
+        Scratch.
+    kinds, eights : (N,) uint8, (N / 8,) uint64
+        Scratch: the same memory seen in two ways. Neighbours mostly share their fate, so eight of
+        them are looked at together first.
+    out_ids, out_share, out_cover : (cap + 1,) int32, float32, float32
+        Vertices with a share are appended.
+    found : int
+        How many there are already.
+
+    Returns
+    -------
+    int
+        How many there are then.
     """
-    places, sides, inner_a, inner_b = work[0], work[1], work[2], work[3]
-    scale = frame[sw.SCALE]
-    now, heel, tip = frame[sw.AFTER], frame[sw.AFTER + 1], frame[sw.AFTER + 2]
-    then, heel_a, tip_a = frame[sw.BEFORE], frame[sw.BEFORE + 1], frame[sw.BEFORE + 2]
-    turn_b = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
-    turn_a = frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
+    xs, ys, stretch = rows[0], rows[1], rows[2]
+    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
+    places, sides, beyond = work[0], work[1], work[2]
+    now, then, scale = frame[sw.AFTER], frame[sw.BEFORE], frame[sw.SCALE]
     if now > 0.0:
-        _inner_edges(n, xs, ys, lines, heel, tip, turn_b, scale, places, sides, inner_b)
+        turn = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
+        heel, tip = frame[sw.AFTER + 1], frame[sw.AFTER + 2]
+        _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond)
+        _stamp_edges(n, places, sides, beyond, lines, scale, b, far_b)
     if then > 0.0:  # after the other: `places` are then those on the stamp the brush comes from
-        _inner_edges(n, xs, ys, lines_before, heel_a, tip_a, turn_a, scale, places, sides, inner_a)
+        turn = frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
+        heel, tip = frame[sw.BEFORE + 1], frame[sw.BEFORE + 2]
+        _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond)
+        _stamp_edges(n, places, sides, beyond, lines_before, scale, a, far_a)
     if now <= 0.0:
-        inner_b = inner_a
+        b[:n] = a[:n]
+        far_b[:n] = far_a[:n]
     elif then <= 0.0:
-        inner_a = inner_b
-    parts = int(frame[sw.PARTS])
+        a[:n] = b[:n]
+        far_a[:n] = far_b[:n]
+    curved = frame[sw.PARTS] > 1.0
     least = np.float32(-0.5 - frame[sw.RISE])
     least_at_end = np.float32(-0.5 - frame[sw.END_RISE])
     end = np.float32(st.PROFILE_CELLS - frame[sw.END])
-    half_rise = 0.5 * frame[sw.END_RISE]
-    candidates = 0
-    for k in range(n):  # no branch: half of them lie outside, in no order that can be foretold
-        near[candidates] = k
-        inner = max(inner_a[k], inner_b[k])
-        at_end = (places[k] > end) & (inner > least_at_end)
-        candidates += np.int64((inner > least) | at_end)
-    for i in range(candidates):
-        k = near[i]
-        a = np.float64(inner_a[k])
-        b = np.float64(inner_b[k])
-        share = 1.0
-        cover = 1.0
-        if min(a, b) < 0.5:
-            most = 0.0
-            if parts > 1 and (max(a, b) < 0.5 or abs(b - a) < _SLOW):
-                x, y = np.float64(xs[k]), np.float64(ys[k])
-                middle, _ = edges_between(x, y, lines_before, lines, 0.5, between[0])
-                if max(max(a, b), middle * scale + half_rise) <= -0.5:
-                    continue  # too far from the outline at half the way to be passed at all
-                share, most = _pass_edge(x, y, a, b, lines_before, lines, between, parts, scale)
-            else:
-                share = mean_covered(a, b)
-            if max(a, b) < 0.5:  # on the edge itself: never wholly covered
-                cover = most
-                if now > 0.0 and b > -0.5:
-                    far = _far_edge(xs[k], ys[k], lines, heel, tip, turn_b) * scale
-                    cover = max(cover, covered(b) + covered(far) - 1.0)
-                if then > 0.0 and a > -0.5:
-                    far = _far_edge(xs[k], ys[k], lines_before, heel_a, tip_a, turn_a) * scale
-                    cover = max(cover, covered(a) + covered(far) - 1.0)
-                if cover <= 0.0:
-                    continue
-        out_ids[found] = ids[k]
-        out_share[found] = share * stretch[k]
-        out_cover[found] = cover
-        found += 1
-    return found
+    for k in range(n):
+        low, high = min(a[k], b[k]), max(a[k], b[k])
+        reached = (high > least) | ((places[k] > end) & (high > least_at_end))
+        bent = curved & ((high < _HALF) | (high - low < _SLOW))
+        kind = _SLOWLY if bent else _STRAIGHT
+        kind = _WHOLE if low >= _HALF else kind
+        kinds[k] = kind if reached else _NOT
+    last = (n + 7) // 8
+    kinds[n : 8 * last] = _NOT
+    straight_ones, slow_ones = near[0], near[1]
+    straight, slow = 0, 0
+    for g in range(last):
+        if eights[g] == _NONE_OF_EIGHT:
+            continue
+        first = 8 * g
+        if eights[g] == _ALL_OF_EIGHT:
+            for k in range(8):
+                out_ids[found + k] = ids[first + k]
+                out_share[found + k] = stretch[first + k]
+                out_cover[found + k] = _ONE
+            found += 8
+            continue
+        for k in range(first, min(n, first + 8)):  # no branch: what comes cannot be foretold
+            out_ids[found] = ids[k]
+            out_share[found] = stretch[k]
+            out_cover[found] = _ONE
+            found += np.int64(kinds[k] == _WHOLE)
+            straight_ones[straight] = k
+            straight += np.int64(kinds[k] == _STRAIGHT)
+            slow_ones[slow] = k
+            slow += np.int64(kinds[k] == _SLOWLY)
+    share, cover = work[6], work[7]
+    _pack(straight, straight_ones, ids, rows, packed_ids, packed)
+    _stamp_cover(straight, packed, cover)
+    for k in range(straight):
+        share[k] = _mean_covered(packed[3, k], packed[4, k])
+    found = _append(
+        straight, packed_ids, packed, share, cover, out_ids, out_share, out_cover, found
+    )
+    if slow == 0:
+        return found
+    _pack(slow, slow_ones, ids, rows, packed_ids, packed)
+    left = _drop_far(slow, frame, lines, lines_before, between, packed, work, slow_ones)
+    _pack(left, slow_ones, packed_ids, packed, packed_ids, packed)
+    _stamp_cover(left, packed, cover)
+    _follow(left, frame, lines, lines_before, between, packed, work, share, cover)
+    return _append(left, packed_ids, packed, share, cover, out_ids, out_share, out_cover, found)

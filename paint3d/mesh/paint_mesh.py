@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.kernels.cells import build_table
-from paint3d.kernels.field import SurfaceField
+from paint3d.kernels.field import BLOCK_VERTICES, SurfaceField
 from paint3d.kernels.pairs import fill_pairs
 from paint3d.kernels.refine import MOST_AROUND_EDGE, activate_cell, longest_edges
 from paint3d.kernels.sheets import link_sheets, locate_vertices, measure_sheets, split_sheets
@@ -22,8 +22,9 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 __all__ = ["PaintMesh"]
 
 _REFINED_CELL = 5.0  # a cell's size over the longest edge wanted: cells are refined as a whole
-_PLAIN_CELL = 8.0  # where nothing is refined, fewer and larger cells are found faster
+_PLAIN_CELL = 12.0  # where nothing is refined, fewer and larger cells are found faster
 _SOFT_EDGE_PER_EDGE = 0.6  # mean vertex spacing over the longest edge, nearly
+_BLOCK_STEPS = 16  # places along a cell that order its vertices
 _LATTICE = 1 << 20  # cells along an axis that Morton codes can hold
 _AREA_BITS = 61
 _STEPS_PER_EDGE = 8  # float32 steps that a shortest edge must span
@@ -167,6 +168,11 @@ class PaintMesh:
         return len(self.arrays.head)
 
     @property
+    def n_blocks(self) -> int:
+        """Blocks of neighbouring base vertices."""
+        return len(self.arrays.block_balls)
+
+    @property
     def n_sheets(self) -> int:
         """Connected pieces of surface, cell by cell."""
         return len(self.arrays.sheet_cell)
@@ -285,6 +291,7 @@ class _Lattice:
             "pair_sheet": pair_sheet,
             "cell_sheets": cell_sheets,
             "base_start": starts,
+            **_blocks(base.points[order], starts),
             "sheet_cell": sheet_cell,
             "sheet_place": np.column_stack([places[sheet_cell], sheet_cell]).astype(np.int32),
             "sheet_area": area,
@@ -371,7 +378,7 @@ def _sort_vertices(
     pair_root: NDArray,
     pair_sheet: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray]:
-    """Order of the base vertices by cell, each cell's run, and every vertex's sheet."""
+    """Order of the base vertices by cell and place in it, each cell's run, every vertex's sheet."""
     root_of = np.empty(len(base.points), np.int32)
     for corner in range(3):
         root_of[base.faces[:, corner]] = np.arange(len(base.faces), dtype=np.int32)
@@ -381,6 +388,26 @@ def _sort_vertices(
         base.points, root_of, origin, size, places, table,
         cell_pairs, pair_root, pair_sheet, cells, sheets,
     )  # fmt: skip
-    order = np.argsort(cells, kind="stable")
+    within = ((base.points - origin) / (size / _BLOCK_STEPS)).astype(np.int64) % _BLOCK_STEPS
+    order = np.argsort(cells * np.int64(_BLOCK_STEPS**3) + _morton(within), kind="stable")
     starts = np.searchsorted(cells[order], np.arange(len(places) + 1)).astype(np.int32)
     return order, starts, sheets[order]
+
+
+def _blocks(points: NDArray, starts: NDArray) -> dict[str, NDArray]:
+    """Cut every cell's run of vertices (B, 3) into blocks; a ball around each."""
+    counts = -(-np.diff(starts) // BLOCK_VERTICES)
+    cell_blocks = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+    at = np.arange(cell_blocks[-1]) - np.repeat(cell_blocks[:-1], counts)
+    first = np.repeat(starts[:-1], counts) + at * BLOCK_VERTICES
+    if len(first) == 0:
+        return {"cell_blocks": cell_blocks, "block_balls": np.zeros((0, 4), np.float32)}
+    low = np.minimum.reduceat(points, first).astype(np.float64)
+    high = np.maximum.reduceat(points, first).astype(np.float64)
+    centre = (0.5 * (low + high)).astype(np.float32)
+    sizes = np.diff(np.append(first, len(points)))
+    reach = np.linalg.norm(points - np.repeat(centre, sizes, axis=0), axis=1)
+    # a little more: rounding must not leave a vertex out
+    radius = 1.0001 * np.maximum.reduceat(reach, first)
+    balls = np.column_stack([centre, radius]).astype(np.float32)
+    return {"cell_blocks": cell_blocks, "block_balls": balls}

@@ -7,13 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.kernels.reach import DISC_ROWS
 from paint3d.kernels.sweep import BETWEEN_SHAPE, FRAME_SIZE
 from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
+from paint3d.kernels.weighing import WORK_ROWS
 from paint3d.mesh.paint_mesh import PaintMesh
 
 __all__ = ["Room", "grow_room", "make_room"]
 
-_BLOCK = 4096  # vertices projected at a time
+_BLOCK = 1024  # vertices projected and weighed at a time: what that takes stays in fast memory
 
 
 class Room(NamedTuple):
@@ -34,23 +36,30 @@ class Room(NamedTuple):
     stamps: NDArray  # (sheets,) int64, tick at which a sheet was last in the patch
     sheets: NDArray  # (sheets,) int32
     cell_ticks: NDArray  # (cells,) int64
-    cells: NDArray  # (cells,) int32
-    inside: NDArray  # (cells,) uint8, the cell lies well inside the outline
-    xs: NDArray  # (_BLOCK,) float32
-    ys: NDArray  # (_BLOCK,) float32
-    stretch: NDArray  # (_BLOCK,) float32
-    work: NDArray  # (4, _BLOCK) float32
-    near: NDArray  # (_BLOCK,) int32
+    cells: NDArray  # (sheets,) int32
+    slopes: NDArray  # (sheets,) float32, how far the cell's normals lean from the plane's
+    discs: NDArray  # (DISC_ROWS, sheets or blocks) float32, cells or blocks laid in the plane
+    where: NDArray  # (2, sheets or blocks) uint8, where those lie to the sweep
+    blocks: NDArray  # (blocks, 3) int32, runs of base vertices that may be reached
+    runs: NDArray  # (cells + blocks, 3) int32, runs of base vertices, and where they lie
+    rows: NDArray  # (7, _BLOCK) float32, what `weigh_block` knows of each vertex
     ids: NDArray  # (_BLOCK,) int32
-    found: NDArray  # (cap,) int32
-    share: NDArray  # (cap,) float32
-    cover: NDArray  # (cap,) float32
+    packed: NDArray  # (7, _BLOCK) float32
+    packed_ids: NDArray  # (_BLOCK,) int32
+    work: NDArray  # (WORK_ROWS, _BLOCK) float32
+    near: NDArray  # (2, _BLOCK) int32
+    kinds: NDArray  # (_BLOCK,) uint8
+    eights: NDArray  # (_BLOCK / 8,) uint64, the same memory
+    found: NDArray  # (cap + 1,) int32
+    share: NDArray  # (cap + 1,) float32
+    cover: NDArray  # (cap + 1,) float32
     part: NDArray  # (P,)
 
 
 def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
     """Scratch for painting on a mesh with so many pigments."""
     sheets, cells = mesh.n_sheets, mesh.n_cells
+    kinds = np.zeros(_BLOCK, np.uint8)
     return Room(
         foot=np.zeros(6),
         warm=np.zeros(5),
@@ -67,14 +76,20 @@ def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
         stamps=np.zeros(sheets, np.int64),
         sheets=np.zeros(sheets, np.int32),
         cell_ticks=np.zeros(cells, np.int64),
-        cells=np.zeros(cells, np.int32),
-        inside=np.zeros(cells, np.uint8),
-        xs=np.zeros(_BLOCK, np.float32),
-        ys=np.zeros(_BLOCK, np.float32),
-        stretch=np.zeros(_BLOCK, np.float32),
-        work=np.zeros((4, _BLOCK), np.float32),
-        near=np.zeros(_BLOCK, np.int32),
+        cells=np.zeros(sheets, np.int32),
+        slopes=np.zeros(sheets, np.float32),
+        discs=np.zeros((DISC_ROWS, max(sheets, mesh.n_blocks)), np.float32),
+        where=np.zeros((2, max(sheets, mesh.n_blocks)), np.uint8),
+        blocks=np.zeros((mesh.n_blocks, 3), np.int32),
+        runs=np.zeros((cells + mesh.n_blocks, 3), np.int32),
+        rows=np.zeros((7, _BLOCK), np.float32),
         ids=np.zeros(_BLOCK, np.int32),
+        packed=np.zeros((7, _BLOCK), np.float32),
+        packed_ids=np.zeros(_BLOCK, np.int32),
+        work=np.zeros((WORK_ROWS, _BLOCK), np.float32),
+        near=np.zeros((2, _BLOCK), np.int32),
+        kinds=kinds,
+        eights=kinds.view(np.uint64),
         **_per_vertex(mesh, n_pigments),
     )
 
@@ -85,9 +100,10 @@ def grow_room(room: Room, mesh: PaintMesh, n_pigments: int) -> Room:
 
 
 def _per_vertex(mesh: PaintMesh, n_pigments: int) -> dict[str, NDArray]:
+    room = mesh.capacity + 1  # one is written before it is known whether it counts
     return {
-        "found": np.zeros(mesh.capacity, np.int32),
-        "share": np.zeros(mesh.capacity, np.float32),
-        "cover": np.zeros(mesh.capacity, np.float32),
+        "found": np.zeros(room, np.int32),
+        "share": np.zeros(room, np.float32),
+        "cover": np.zeros(room, np.float32),
         "part": np.zeros(n_pigments),
     }

@@ -187,7 +187,7 @@ class Painter:
     def _run(self, samples: stroke.Samples, last: int) -> None:
         started = time.perf_counter()
         surface = self.surface
-        if len(self._room.found) != surface.paint_mesh.capacity:
+        if len(self._room.found) != surface.paint_mesh.capacity + 1:
             self._room = self._make_room()
         while True:
             state = stroke.paint_samples(
