@@ -172,7 +172,8 @@ def _floats(values: object, name: str, shape: tuple[int, ...]) -> NDArray:
 
 def _unit(values: object, name: str, n: int) -> NDArray:
     array = _floats(values, name, (n, 4))
-    length = np.linalg.norm(array, axis=1)
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(array, axis=1)
     bad = np.flatnonzero(np.abs(length - 1.0) > UNIT_TOLERANCE)
     if len(bad):
         raise RecordingError(

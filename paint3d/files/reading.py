@@ -59,7 +59,8 @@ def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
         One line with file, reason and what was expected, whatever the file holds.
     """
     try:
-        return _finish(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
+        with np.errstate(all="ignore"):  # what is not finite in the end is refused
+            return _finish(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
     except MeshError as cause:
         raise MeshError(f"{path}: {_one_line(cause)}") from None
     except MemoryError:
@@ -80,8 +81,7 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     data = read_contents(path)
     if data.startswith(WIDE):
         data = plain_text(data)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return read(data, path.parent, texture) if kind in BESIDE else read(data)
+    return read(data, path.parent, texture) if kind in BESIDE else read(data)
 
 
 def _one_line(cause: BaseException) -> str:
@@ -104,8 +104,7 @@ def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     if raw.y_up:
         raw = _z_up(raw)
     scale = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
-    with np.errstate(over="ignore"):
-        vertices = raw.vertices * scale
+    vertices = raw.vertices * scale
     if len(raw.sizes) == 0:
         return _without_faces(raw, vertices, name, wanted.from_points)
     faces = triangulate(vertices, raw.corners, raw.sizes)

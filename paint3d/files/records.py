@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from paint3d.arrays import as_array
 from paint3d.errors import MeshError
 from paint3d.files.atomic import write_atomically
+from paint3d.files.contents import plain_text, read_contents
 from paint3d.files.raw_mesh import parse_numbers
 
 __all__ = ["Records", "pack_normals", "read_records", "unpack_normals", "write_records"]
@@ -29,6 +30,7 @@ INITIAL = re.compile(rf"InitialPosition\s*=\s*\{{{NUMBER},{NUMBER},{NUMBER}\}}\.
 ROW = re.compile(r"\{[^{}]*\}\.?\s*$")
 NAMES = {9: "{x, y, z, nx, ny, nz, R, G, B}", 7: "{x, y, z, packed normal, R, G, B}"}
 CHUNK = 100_000
+MAX_BYTES = 1 << 28
 
 
 class Records(NamedTuple):
@@ -110,9 +112,9 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     """
     path = Path(path)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as cause:
-        raise MeshError(f"{path}: cannot read it: {cause}") from None
+        lines = plain_text(read_contents(path, MAX_BYTES)).decode("utf-8").split("\n")
+    except (MeshError, UnicodeDecodeError) as cause:
+        raise MeshError(f"{path}: {cause}") from None
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip()]
     rows = [(k, line) for k, line in rows if not line.startswith("#")]
     match = INITIAL.match(rows[0][1]) if rows else None
@@ -129,13 +131,18 @@ def read_records(path: str | os.PathLike[str]) -> Records:
         normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _unit(table[:, 3:6])
     except MeshError as cause:
         raise MeshError(f"{path}: {cause}") from None
-    return Records(start, table[:, :3] + start, normals, table[:, -3:].astype(np.uint8))
+    with np.errstate(over="ignore", invalid="ignore"):
+        vertices = table[:, :3] + start
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path}: a position is not finite; expected numbers in mm")
+    return Records(start, vertices, normals, table[:, -3:].astype(np.uint8))
 
 
 def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    if (length == 0.0).any():
-        raise MeshError("a normal has length 0")
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+    if not ((length > 0.0) & (length < np.inf)).all():
+        raise MeshError("a normal has length 0, or more than numbers can tell")
     return normals / length
 
 

@@ -229,9 +229,8 @@ def _columns(table: _Table, names: tuple[str, ...]) -> NDArray:
     found = [table.column(name) for name in names]
     if None in found:
         raise RecordingError(f"there is no column {names[found.index(None)]!r}")
-    return table.check(
-        names[0], np.stack([values for _, values in found], axis=1).T, -_LARGEST, _LARGEST
-    ).T
+    checked = [table.check(name, values, -_LARGEST, _LARGEST) for name, values in found]
+    return np.stack(checked, axis=1)
 
 
 def _place(table: _Table, axis: str, scale: float) -> NDArray:

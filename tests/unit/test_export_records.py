@@ -50,7 +50,8 @@ def test_the_file_names_its_columns(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "expected InitialPosition="),
+        ("", "the file is empty"),
+        ("# x\n", "expected InitialPosition="),
         ("{1, 2, 3}\n", "expected InitialPosition="),
         ("InitialPosition={0, 0, 1e}\n{1}\n", "a.txt:1: a coordinate is not a number"),
         ("InitialPosition={0, 0, 0}\n", "it has no rows"),

@@ -1,0 +1,1 @@
+"""Random damage to every kind of file that paint3d reads; see `python -m scripts.fuzz --help`."""

@@ -1,0 +1,284 @@
+"""What is fuzzed: for each kind of file good ones to start from, and the reader to try.
+
+A target that is not about a file takes bytes all the same: see `Target.check`.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import random
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from scripts.fuzz.mutation import damage, damage_archive
+
+__all__ = ["TARGETS", "Target"]
+
+Damage = Callable[[bytes, random.Random, Sequence[bytes]], bytes]
+
+
+@dataclass(frozen=True)
+class Target:
+    """One kind of input.
+
+    Attributes
+    ----------
+    about : str
+    seeds : callable
+        Returns good inputs as (suffix, content), made afresh.
+    check : callable
+        Takes a suffix and a content; raises a Paint3DError for what it refuses, and an
+        AssertionError if something that it accepts breaks its promises.
+    damage : callable
+    """
+
+    about: str
+    seeds: Callable[[], list[tuple[str, bytes]]]
+    check: Callable[[str, bytes], None]
+    damage: Damage = damage
+
+
+_folder = tempfile.TemporaryDirectory(
+    prefix="fuzz", dir="/dev/shm" if Path("/dev/shm").is_dir() else None
+)
+
+
+def _file(suffix: str, content: bytes) -> Path:
+    path = Path(_folder.name) / f"a{suffix}"
+    path.write_bytes(content)
+    return path
+
+
+def _written(suffix: str, write: Callable[[Path], object]) -> tuple[str, bytes]:
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / f"a{suffix}"
+        write(path)
+        return suffix, path.read_bytes()
+
+
+# -- recordings -----------------------------------------------------------------------------------
+
+
+def _recording(space: str = "world"):
+    from paint3d.device.recorded import Recording
+
+    n = 6
+    ramp = np.linspace(0.0, 1.0, n)
+    return Recording(
+        np.arange(n) * 1_000_000,
+        np.column_stack([ramp, 2 * ramp, 30 * (ramp == 0)]),
+        np.tile([0.8, 0.0, 0.6, 0.0], (n, 1)),
+        np.where(ramp > 0, 0.5, 0.0),
+        np.arange(n) % 3,
+        header={"space": space, "brush": "full", "ink": "pine soot"},
+    )
+
+
+def _recording_seeds() -> list[tuple[str, bytes]]:
+    from paint3d.stroke.recording import save_recording
+
+    saved = [_written(s, partial(save_recording, _recording())) for s in (".jsonl", ".csv")]
+    table = b"0.00 10 20 0.1\n0.01 11 20.5 0.2\n0.02 12 21 0.3\n"
+    named = b"timestamp,spline_x,spline_y,pressure,altitude,azimuth,stroke_id\n"
+    named += b"0,1,2,0.5,1.2,0.3,1\n8,2,3,0.6,1.2,0.3,1\n16,9,9,0.5,1.1,0.2,2\n"
+    return [*saved, (".txt", table), (".csv", named), (".jsonl.gz", gzip.compress(saved[0][1]))]
+
+
+def _inkml_seeds() -> list[tuple[str, bytes]]:
+    from paint3d.stroke.recording import save_recording
+
+    made = _written(".inkml", lambda path: save_recording(_recording("pad"), path))
+    plain = (
+        b'<ink xmlns="http://www.w3.org/2003/InkML"><traceFormat>'
+        b'<channel name="X" type="decimal" units="mm"/><channel name="Y" orientation="-ve"/>'
+        b'<channel name="F" min="0" max="1023"/><intermittentChannels><channel name="OE"/>'
+        b"</intermittentChannels></traceFormat>"
+        b"<trace>1 2 3 4, 2 3 4 5,'1'2\"3!4</trace><trace>5 6 7</trace></ink>"
+    )
+    return [made, (".inkml", plain)]
+
+
+def _check_recording(suffix: str, content: bytes) -> None:
+    from paint3d.stroke.recording import load_recording
+
+    recording = load_recording(_file(suffix, content))
+    assert len(recording) > 0
+    assert np.isfinite(recording.position).all()
+    assert (np.diff(recording.time_ns) > 0).all()
+    assert recording.pressure is None or (np.abs(recording.pressure - 0.5) <= 0.5).all()
+
+
+# -- meshes ---------------------------------------------------------------------------------------
+
+CORNERS = np.array([[x, y, z] for x in (0, 9) for y in (0, 9) for z in (0, 9)], np.float32)
+QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+FACES = np.array([face for a, b, c, d in QUADS for face in ([a, b, c], [a, c, d])], np.int32)
+STEP = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def _mesh_seeds() -> list[tuple[str, bytes]]:
+    from paint3d.files.export import export
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+
+    codes = (np.arange(24).reshape(8, 3) * 10).astype(np.uint8)
+    mesh = TriangleMesh(CORNERS, FACES, codes)
+    made = [_written(s, partial(export, mesh)) for s in (".ply", ".obj", ".glb", ".3mf")]
+    rows = "\n".join(" ".join(map(str, row)) for row in CORNERS.tolist())
+    polygons = "\n".join(f"4 {a} {b} {c} {d}" for a, b, c, d in QUADS)
+    header = "ply\nformat ascii 1.0\ncomment a box\nelement vertex 8\nproperty float x\n"
+    header += "property float y\nproperty float z\nelement face 6\n"
+    header += "property list uchar int vertex_indices\nend_header\n"
+    triangles = np.zeros(len(FACES), STEP)
+    triangles["corners"] = CORNERS[FACES]
+    stl = b"a box".ljust(80) + len(FACES).to_bytes(4, "little") + triangles.tobytes()
+    facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+    relative = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nvt 0 1\nmtllib a.mtl\nusemtl a\n"
+    return [
+        *made,
+        (".ply", f"{header}{rows}\n{polygons}\n".encode()),
+        (".off", f"OFF\n8 6 12\n{rows}\n{polygons}\n".encode()),
+        (".stl", stl),
+        (".stl", f"solid a\n{facet}endloop\nendfacet\nendsolid\n".encode()),
+        (".obj", f"{relative}f -3/1 -2/1 -1/-1\nf 1//2 2//1 3//3\nl 1 2\n".encode()),
+        (".gltf", _gltf()),
+    ]
+
+
+def _gltf() -> bytes:
+    import base64
+
+    data = CORNERS.tobytes() + FACES.astype("<u2").tobytes() + CORNERS[:, :2].tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    attributes = {"POSITION": 0, "TEXCOORD_0": 2}
+    document = {
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "children": [1], "scale": [1, 2, 3]}, {"rotation": [0, 0, 0, 1]}],
+        "meshes": [{"primitives": [{"attributes": attributes, "indices": 1, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0}],
+        "images": [{"uri": "none.png"}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
+            {"bufferView": 2, "componentType": 5126, "count": 8, "type": "VEC2"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 96},
+            {"buffer": 0, "byteOffset": 96, "byteLength": 72},
+            {"buffer": 0, "byteOffset": 168, "byteLength": 64},
+        ],
+        "buffers": [{"byteLength": len(data), "uri": uri}],
+    }
+    return json.dumps(document).encode()
+
+
+def _damage_mesh(data: bytes, chance: random.Random, others: Sequence[bytes]) -> bytes:
+    return (damage_archive if data.startswith(b"PK") else damage)(data, chance, others)
+
+
+def _check_mesh(suffix: str, content: bytes) -> None:
+    from paint3d.files.reading import Wanted, read_surface
+
+    wanted = Wanted(from_points=False, texture=True)
+    mesh = read_surface(_file(suffix, content), wanted).mesh
+    assert np.isfinite(mesh.vertices).all()
+    assert 0 <= mesh.faces.min() <= mesh.faces.max() < mesh.n_vertices
+
+
+# -- paintings ------------------------------------------------------------------------------------
+
+
+def _record_seeds() -> list[tuple[str, bytes]]:
+    from paint3d.files.records import write_records
+
+    up, codes = np.tile([0.0, 0.0, 1.0], (8, 1)), np.arange(24).reshape(8, 3)
+    return [
+        _written(".p3d.txt", lambda p, k=k: write_records(p, CORNERS, up, codes, packed=k))
+        for k in (False, True)
+    ]
+
+
+def _check_records(suffix: str, content: bytes) -> None:
+    from paint3d.files.records import read_records
+
+    records = read_records(_file(suffix, content))
+    assert np.isfinite(records.vertices).all()
+    assert len(records.vertices) == len(records.normals) == len(records.srgb) > 0
+
+
+def _session_seeds() -> list[tuple[str, bytes]]:
+    from paint3d.files.session import Session, save_session
+    from paint3d.ink.pigments import load_pigment
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.surface.painted_surface import PaintedSurface
+
+    surface = PaintedSurface(TriangleMesh(CORNERS, FACES), resolution=4.0)
+    surface.refine_all()
+    column = surface.column_of(load_pigment("pine soot"))
+    ids = np.arange(6, dtype=np.int32)
+    surface.ink.amounts[ids, column], surface.ink.coverage[ids] = 0.5, 0.75
+    surface.touch(ids)
+    surface.dry(ids[:3])
+    session = Session(surface, (_recording(),), {"brush": "full"})
+    return [_written(".p3d", partial(save_session, session))]
+
+
+def _check_session(suffix: str, content: bytes) -> None:
+    from paint3d.files.session import load_session
+
+    surface = load_session(_file(suffix, content)).surface
+    assert surface.srgb.shape == (surface.n_vertices, 3)
+
+
+def _journal_seeds() -> list[tuple[str, bytes]]:
+    from paint3d.files.journal import Journal
+
+    def write(path: Path) -> None:
+        with Journal(path, {"brush": "full"}) as journal:
+            for sample in _recording().samples():
+                journal.append([sample])
+
+    return [_written(".p3dj", write)]
+
+
+def _check_journal(suffix: str, content: bytes) -> None:
+    from paint3d.files.journal import read_journal
+
+    recording, _ = read_journal(_file(suffix, content))
+    assert (np.diff(recording.time_ns) > 0).all()
+
+
+# -- devices --------------------------------------------------------------------------------------
+
+
+def _device_seeds() -> list[tuple[str, bytes]]:
+    from tests.devices.descriptors import SPACENAVIGATOR, combined_mouse, pen, split_mouse
+
+    descriptors = [SPACENAVIGATOR, split_mouse(), combined_mouse(), pen()]
+    reports = b"".join(bytes([k]) + bytes(range(40 * k, 40 * k + 15)) for k in range(1, 4))
+    with_reports = [len(d).to_bytes(2, "little") + d + reports for d in descriptors]
+    return [("", data) for data in [*descriptors, *with_reports, reports]]
+
+
+def _check_device(suffix: str, content: bytes) -> None:
+    from paint3d.device.fuzzing import decode_any
+
+    for refusal in decode_any(content).values():
+        assert "\n" not in refusal
+
+
+TARGETS: dict[str, Target] = {
+    "recording": Target("JSON Lines, CSV and plain tables", _recording_seeds, _check_recording),
+    "inkml": Target("W3C InkML", _inkml_seeds, _check_recording),
+    "mesh": Target("mesh files of every format", _mesh_seeds, _check_mesh, _damage_mesh),
+    "records": Target("the papers' record format", _record_seeds, _check_records),
+    "session": Target("saved sessions", _session_seeds, _check_session, damage_archive),
+    "device": Target("HID descriptors and reports", _device_seeds, _check_device),
+    "journal": Target("journals", _journal_seeds, _check_journal),
+}
