@@ -36,6 +36,7 @@ HOMES = {
     "vtk": {"view"},
     "vtkmodules": {"view"},
     "numba": {"kernels"},
+    "xatlas": {"files"},
 }
 # Tools and oracles, never part of the program:
 FORBIDDEN = {"colour", "trimesh", "matplotlib", "pandas", "torch"}

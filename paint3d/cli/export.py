@@ -35,6 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--unlit", action="store_true", help="glTF: show the colours as they are, without light"
     )
     parser.add_argument(
+        "--texture",
+        metavar="PIXELS",
+        nargs="?",
+        type=int,
+        const=True,
+        default=False,
+        help="glTF: bake the colours into a texture, so many pixels long (default: as needed)",
+    )
+    parser.add_argument(
         "--filaments",
         metavar="K",
         type=_parse_filaments,
@@ -71,6 +80,7 @@ def run(options: argparse.Namespace) -> None:
             unit=options.unit,
             up_axis=options.up_axis,
             unlit=options.unlit,
+            texture=options.texture,
             filaments=options.filaments,
         )
     if not options.quiet:

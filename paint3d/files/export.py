@@ -14,7 +14,7 @@ from paint3d.files.painting import Exportable, Painting, read_painting
 from paint3d.files.records import write_records
 from paint3d.files.session import SESSION_SUFFIX, Session, save_session
 from paint3d.files.write_3mf import write_3mf
-from paint3d.files.write_glb import write_glb
+from paint3d.files.write_glb import write_glb, write_textured_glb
 from paint3d.files.write_html import write_html
 from paint3d.files.write_obj import write_obj
 from paint3d.files.write_ply import write_ply
@@ -47,6 +47,7 @@ def export(
     unit: str | None = None,
     up_axis: str | None = None,
     unlit: bool = False,
+    texture: bool | int = False,
     filaments: int | Sequence[str] | None = None,
 ) -> None:
     """Write a painting to `path`; the suffix chooses the format.
@@ -74,6 +75,9 @@ def export(
         The axis of the file that points up, which in paint3d is z; by default as in the format.
     unlit : bool
         glTF: show the colours as they are, without light.
+    texture : bool or int
+        glTF: bake the colours into a texture on the object as it was before painting; True, or
+        the pixels of its longer side. Needs the package xatlas.
     filaments : int or sequence of str, optional
         Reduce the colours to so many, or to the nearest of these (sRGB as hex), one for each
         triangle.
@@ -91,7 +95,7 @@ def export(
     if suffix == SESSION_SUFFIX:
         _save(surface, path)
         return
-    options = ExportOptions(tolerance, exact, unit, up_axis, unlit, filaments)
+    options = ExportOptions(tolerance, exact, unit, up_axis, unlit, texture, filaments)
     form = FORMATS[suffix]
     options.refuse_others(form.takes, suffix, _formats_by_wish())
     unit = options.unit or form.unit
@@ -140,9 +144,12 @@ def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    gloss = _gloss(painting.material)
-    roughness = DEFAULT_ROUGHNESS if gloss is None else gloss.roughness
-    write_glb(path, *painting[:4], name=painting.material, roughness=roughness, unlit=options.unlit)
+    looks = {"name": painting.material, "unlit": options.unlit}
+    looks["roughness"] = _roughness(painting.material)
+    if painting.uv is None:
+        write_glb(path, *painting[:4], **looks)
+    else:
+        write_textured_glb(path, *painting[:3], painting.uv, painting.image, **looks)
 
 
 def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
@@ -208,7 +215,7 @@ def _gloss(material: str) -> object | None:
 
 FORMATS: dict[str, Format] = {
     ".ply": Format(_write_ply),
-    ".glb": Format(_write_glb, "m", "y", ANY_MESH | {"unlit"}),
+    ".glb": Format(_write_glb, "m", "y", ANY_MESH | {"unlit", "texture"}),
     ".obj": Format(_write_obj),
     ".3mf": Format(_write_3mf),
     ".usdz": Format(_write_usdz, "m", "y"),

@@ -14,6 +14,7 @@ __all__ = ["MOST_FILAMENTS", "UP_AXES", "ExportOptions"]
 
 UP_AXES = ("y", "z")
 MOST_FILAMENTS = 64
+TEXTURE_SIZES = (16, 16384)
 HEX = re.compile(r"#?([0-9a-fA-F]{6})")
 
 
@@ -34,13 +35,15 @@ class ExportOptions:
         The axis of the file that points up; in paint3d it is z.
     unlit : bool
         Show the colours as they are, without light (glTF).
+    texture : bool or int
+        Bake the colours into a texture (glTF): True, or the pixels of its longer side.
     filaments : int, sequence of str, or None
         Reduce the colours to one of these for each triangle: how many, or their sRGB as hex.
 
     Raises
     ------
     InputError
-        If a value is not possible.
+        If a value is not possible, or two exclude each other.
     """
 
     tolerance: float = 1.0
@@ -48,6 +51,7 @@ class ExportOptions:
     unit: str | None = None
     up_axis: str | None = None
     unlit: bool = False
+    texture: bool | int = False
     filaments: int | Sequence[str] | None = None
 
     def __post_init__(self) -> None:
@@ -56,8 +60,12 @@ class ExportOptions:
             raise UnknownNameError("unit", str(self.unit), UNITS_MM)
         if self.up_axis is not None and self.up_axis not in UP_AXES:
             raise UnknownNameError("up axis", str(self.up_axis), UP_AXES)
+        if not isinstance(self.texture, bool):
+            as_number(self.texture, "texture (pixels)", *TEXTURE_SIZES)
         if self.filaments is not None:
             _check_filaments(self.filaments)
+            if self.texture:
+                raise InputError("texture and filaments exclude each other; expected one of them")
 
     def refuse_others(self, takes: frozenset[str], suffix: str, formats: dict[str, str]) -> None:
         """Refuse wishes that a format cannot fulfil.
@@ -76,7 +84,7 @@ class ExportOptions:
         ExportError
             For the first wish that it does not know.
         """
-        for wish in ("unit", "up_axis", "unlit", "filaments"):
+        for wish in ("unit", "up_axis", "unlit", "texture", "filaments"):
             if getattr(self, wish) not in (None, False) and wish not in takes:
                 raise ExportError(
                     f"{suffix} files cannot have {wish.replace('_', ' ')}; "

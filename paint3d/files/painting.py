@@ -12,6 +12,7 @@ from paint3d.errors import MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.filaments import choose_filaments, choose_for_triangles, split_by_filament
 from paint3d.files.load import UNITS_MM
+from paint3d.files.texture import bake_texture
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Exportable", "Painting", "PlainSurface", "read_painting"]
@@ -53,7 +54,7 @@ class Exportable(Protocol):
 
 
 class Painting(NamedTuple):
-    """Arrays of a painting, names of its material and file, and its filaments if there are any."""
+    """Arrays of a painting, names of its material and file, its texture or filaments if any."""
 
     vertices: NDArray[np.float32]
     faces: NDArray[np.int32]
@@ -61,6 +62,8 @@ class Painting(NamedTuple):
     srgb: NDArray[np.uint8]
     material: str
     title: str = "painting"
+    uv: NDArray[np.float32] | None = None
+    image: NDArray[np.uint8] | None = None
     palette: NDArray[np.uint8] | None = None
     face_filaments: NDArray[np.int32] | None = None
 
@@ -101,6 +104,14 @@ class PlainSurface:
         normals = _smooth_normals(mesh) if mesh.normals is None else mesh.normals
         return mesh.vertices, mesh.faces, normals, self.srgb if srgb is None else srgb
 
+    def detail_arrays(self) -> tuple[NDArray, ...]:
+        """Return the mesh, and the mesh again as what is painted on it."""
+        mesh = self.mesh
+        vertices, faces, normals, srgb = self.export_arrays()
+        sound = mesh.double_areas > 0.0
+        owners = np.arange(np.count_nonzero(sound), dtype=np.int32)
+        return vertices, faces[sound], normals, vertices, faces[sound], owners, srgb
+
 
 def _smooth_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return vertex normals (V, 3), not yet of length 1: the faces' by area."""
@@ -122,6 +133,12 @@ def read_painting(surface: Exportable | TriangleMesh, options: ExportOptions) ->
     if isinstance(surface, TriangleMesh):
         surface = PlainSurface(surface)
     material = str(getattr(surface.material, "name", "painting"))
+    if options.texture:
+        size = None if options.texture is True else int(options.texture)
+        vertices, faces, normals, uv, image = bake_texture(surface, size)
+        white = np.full((len(vertices), 3), 255, np.uint8)
+        painting = _checked((vertices, faces, normals, white), material)
+        return painting._replace(uv=uv, image=image)
     if options.filaments is None:
         return _checked(
             surface.export_arrays(None if options.exact else options.tolerance), material

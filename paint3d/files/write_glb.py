@@ -1,18 +1,28 @@
-"""Binary glTF 2.0 with linear vertex colours and a material that is no metal."""
+"""Binary glTF 2.0 with the colours at the vertices (linear), or in a texture (sRGB)."""
 
 from __future__ import annotations
 
-import json
+import io
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["write_glb"]
+from paint3d.colour.spectra import decode_srgb
+from paint3d.files.glb_container import (
+    INDEX_DATA,
+    VERTEX_DATA,
+    material,
+    vertex_accessor,
+    write_container,
+)
 
-FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
-VERTEX_DATA, INDEX_DATA = 34962, 34963
-UNLIT = "KHR_materials_unlit"
+__all__ = ["write_glb", "write_textured_glb"]
+
+UNSIGNED_SHORT, UNSIGNED_INT = 5123, 5125
+LINEAR, MIPMAPS, CLAMP = 9729, 9987, 33071
+WHITE = [1, 1, 1, 1]
+PNG_COMPRESSION = 6
 
 
 def write_glb(
@@ -29,7 +39,7 @@ def write_glb(
     """Write one mesh with vertex colours.
 
     COLOR_0 is linear by the specification, and 16 bits wide: 8-bit linear codes would keep only
-    183 of the 256 sRGB ones. Without a material of metallic factor 0 viewers would show metal.
+    183 of the 256 sRGB ones.
 
     Parameters
     ----------
@@ -52,69 +62,86 @@ def write_glb(
     OSError
         If the file cannot be written.
     """
-    positions = np.ascontiguousarray(vertices, "<f4")
-    blocks = [positions, np.ascontiguousarray(normals, "<f4"), _linear(srgb), faces.astype("<u4")]
-    sizes = [block.nbytes for block in blocks]
-    starts = np.cumsum([0, *sizes]).tolist()
+    attributes = {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}
+    colours = {"bufferView": 2, "componentType": UNSIGNED_SHORT, "count": len(srgb)}
     document = {
-        "asset": {"version": "2.0", "generator": "paint3d"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": name}],
-        "meshes": [{"name": name, "primitives": [_primitive()]}],
-        "materials": [_material(name, roughness, unlit)],
-        "accessors": _accessors(positions, faces),
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": start, "byteLength": size, "target": target}
-            for start, size, target in zip(
-                starts[:4], sizes, [VERTEX_DATA] * 3 + [INDEX_DATA], strict=True
-            )
+        "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
+        "materials": [material(name, roughness, unlit, baseColorFactor=WHITE)],
+        "accessors": [
+            vertex_accessor(0, vertices, limits=True),
+            vertex_accessor(1, normals),
+            colours | {"type": "VEC4", "normalized": True},
+            _index_accessor(faces),
         ],
-        "buffers": [{"byteLength": starts[4]}],
     }
-    if unlit:
-        document["extensionsUsed"] = [UNLIT]
-    text = json.dumps(document, separators=(",", ":")).encode("utf-8")
-    text += b" " * (-len(text) % 4)
-    with open(path, "wb") as file:
-        for word in (0x46546C67, 2, 28 + len(text) + starts[4], len(text), 0x4E4F534A):
-            file.write(word.to_bytes(4, "little"))
-        file.write(text)
-        for word in (starts[4], 0x004E4942):
-            file.write(word.to_bytes(4, "little"))
-        for block in blocks:
-            file.write(memoryview(block).cast("B"))
+    blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear(srgb), VERTEX_DATA)]
+    write_container(path, document, [*blocks, (faces.astype("<u4"), INDEX_DATA)])
+
+
+def write_textured_glb(
+    path: Path,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32],
+    uv: NDArray[np.float32],
+    image: NDArray[np.uint8],
+    *,
+    name: str = "painting",
+    roughness: float = 0.5,
+    unlit: bool = False,
+) -> None:
+    """Write one mesh with its colours in a texture.
+
+    Parameters
+    ----------
+    path, vertices, faces, normals, name, roughness, unlit
+        As for `write_glb`.
+    uv : (V, 2) float32
+        From the texture's top left, 0 to 1.
+    image : (H, W, 3) uint8
+        sRGB.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    from PIL import Image
+
+    png = io.BytesIO()
+    Image.fromarray(image).save(png, "PNG", compress_level=PNG_COMPRESSION)
+    attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
+    colour = {"baseColorFactor": WHITE, "baseColorTexture": {"index": 0}}
+    document = {
+        "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
+        "materials": [material(name, roughness, unlit, **colour)],
+        "textures": [{"sampler": 0, "source": 0}],
+        "images": [{"bufferView": 4, "mimeType": "image/png"}],
+        "samplers": [{"magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP, "wrapT": CLAMP}],
+        "accessors": [
+            vertex_accessor(0, vertices, limits=True),
+            vertex_accessor(1, normals),
+            vertex_accessor(2, uv),
+            _index_accessor(faces),
+        ],
+    }
+    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, uv)]
+    blocks += [(faces.astype("<u4"), INDEX_DATA), (png.getvalue(), None)]
+    write_container(path, document, blocks)
 
 
 def _linear(srgb: NDArray[np.uint8]) -> NDArray[np.uint16]:
-    """Return linear RGBA, (V, 4) normalised uint16, of sRGB codes (IEC 61966-2-1)."""
-    code = np.arange(256) / 255.0
-    curve = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+    """Return linear RGBA, (V, 4) normalised uint16, of sRGB codes."""
+    curve = decode_srgb(np.arange(256, dtype=np.uint8))
     table = np.floor(65535.0 * curve + 0.5).astype("<u2")
     rgba = np.full((len(srgb), 4), 65535, "<u2")
     rgba[:, :3] = table[srgb]
     return rgba
 
 
-def _primitive() -> dict:
-    attributes = {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}
+def _primitive(attributes: dict[str, int]) -> dict:
     return {"attributes": attributes, "indices": 3, "material": 0, "mode": 4}
 
 
-def _material(name: str, roughness: float, unlit: bool) -> dict:
-    surface = {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": roughness}
-    extensions = {"extensions": {UNLIT: {}}} if unlit else {}
-    return {"name": name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
-
-
-def _accessors(positions: NDArray[np.float32], faces: NDArray[np.int32]) -> list[dict]:
-    n = len(positions)
-    low, high = (limit.astype(float).tolist() for limit in (positions.min(0), positions.max(0)))
-    return [
-        {"bufferView": 0, "componentType": FLOAT, "count": n, "type": "VEC3"}
-        | {"min": low, "max": high},
-        {"bufferView": 1, "componentType": FLOAT, "count": n, "type": "VEC3"},
-        {"bufferView": 2, "componentType": UNSIGNED_SHORT, "count": n, "type": "VEC4"}
-        | {"normalized": True},
-        {"bufferView": 3, "componentType": UNSIGNED_INT, "count": faces.size, "type": "SCALAR"},
-    ]
+def _index_accessor(faces: NDArray[np.int32]) -> dict:
+    return {"bufferView": 3, "componentType": UNSIGNED_INT, "count": faces.size, "type": "SCALAR"}

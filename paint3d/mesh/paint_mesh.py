@@ -201,6 +201,13 @@ class PaintMesh:
         nodes = int(self.arrays.counts[1])
         return self.arrays.node_vertices[:nodes][self.arrays.child[:nodes] < 0]
 
+    def leaf_roots(self) -> NDArray:
+        """(F,) int32: the base face that each of the `leaf_faces` lies in."""
+        if not self.refines:
+            return np.arange(len(self.base_faces), dtype=np.int32)
+        nodes = int(self.arrays.counts[1])
+        return self.arrays.node_root[:nodes][self.arrays.child[:nodes] < 0]
+
     def source_order(self) -> NDArray:
         """(V,) int32: base vertices as the source has them, then added ones as they came."""
         base = np.argsort(self.source_vertices, kind="stable").astype(np.int32)

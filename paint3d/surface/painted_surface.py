@@ -308,6 +308,24 @@ class PaintedSurface:
             ids, faces = coarse_faces(mesh, codes, tolerance, _code_difference)
         return mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]
 
+    def detail_arrays(self) -> tuple[NDArray, ...]:
+        """The object's own triangles, and those painted on it, for a texture.
+
+        Returns
+        -------
+        vertices, faces, normals : (B, 3) float32, (R, 3) int32, (B, 3) float32
+            Of the object: one vertex for each normal, faces without area left out.
+        all_vertices, all_faces : (V, 3) float32, (F, 3) int32
+            Those there are now.
+        owners : (F,) int32
+            The face of the object that each lies in.
+        srgb : (V, 3) uint8
+        """
+        mesh = self.paint_mesh
+        vertices, n = mesh.vertices, mesh.n_base_vertices
+        own = vertices[:n], mesh.base_faces, mesh.normals[:n]
+        return *own, vertices, mesh.leaf_faces(), mesh.leaf_roots(), self.srgb
+
     def _source_arrays(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """The source's own vertices and triangles; normals are not of length 1."""
         source, base = self.source, self.paint_mesh.source_vertices

@@ -1,0 +1,84 @@
+"""The GLB container: a JSON document, then the bytes of its buffer views."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["INDEX_DATA", "VERTEX_DATA", "material", "vertex_accessor", "write_container"]
+
+FLOAT = 5126
+VERTEX_DATA, INDEX_DATA = 34962, 34963
+UNLIT = "KHR_materials_unlit"
+TYPES = {2: "VEC2", 3: "VEC3"}
+
+
+def write_container(
+    path: Path, document: dict, blocks: Sequence[tuple[NDArray | bytes, int | None]]
+) -> None:
+    """Write a scene of one mesh, whose nodes, buffers and views are added to its document.
+
+    Parameters
+    ----------
+    path : Path
+    document : dict
+        With meshes, materials and accessors; accessor k reads buffer view k.
+    blocks : sequence of (array or bytes, target or None)
+        What the buffer views hold, in order, and what the graphics card takes them for.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    name = document["meshes"][0]["name"]
+    views, end = [], 0
+    contents = [memoryview(np.ascontiguousarray(b)).cast("B") if isinstance(b, np.ndarray) else b
+                for b, _ in blocks]  # fmt: skip
+    for content, (_, target) in zip(contents, blocks, strict=True):
+        view = {"buffer": 0, "byteOffset": end, "byteLength": len(content)}
+        views.append(view | ({} if target is None else {"target": target}))
+        end += len(content) + -len(content) % 4
+    document = {
+        "asset": {"version": "2.0", "generator": "paint3d"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": name}],
+        **document,
+        "bufferViews": views,
+        "buffers": [{"byteLength": end}],
+    }
+    if any(UNLIT in one.get("extensions", {}) for one in document["materials"]):
+        document["extensionsUsed"] = [UNLIT]
+    text = json.dumps(document, separators=(",", ":")).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    with open(path, "wb") as file:
+        for word in (0x46546C67, 2, 28 + len(text) + end, len(text), 0x4E4F534A):
+            file.write(word.to_bytes(4, "little"))
+        file.write(text)
+        for word in (end, 0x004E4942):
+            file.write(word.to_bytes(4, "little"))
+        for content in contents:
+            file.write(content)
+            file.write(bytes(-len(content) % 4))
+
+
+def material(name: str, roughness: float, unlit: bool, **surface: object) -> dict:
+    """Return a material that is no metal: without one, viewers would show metal."""
+    surface |= {"metallicFactor": 0, "roughnessFactor": roughness}
+    extensions = {"extensions": {UNLIT: {}}} if unlit else {}
+    return {"name": name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
+
+
+def vertex_accessor(view: int, values: NDArray[np.float32], *, limits: bool = False) -> dict:
+    """Return the accessor of float32 vectors (V, 2) or (V, 3), with their limits if wanted."""
+    accessor = {"bufferView": view, "componentType": FLOAT, "count": len(values)}
+    accessor["type"] = TYPES[values.shape[1]]
+    if limits:
+        for key, limit in (("min", values.min(axis=0)), ("max", values.max(axis=0))):
+            accessor[key] = limit.astype(float).tolist()
+    return accessor
