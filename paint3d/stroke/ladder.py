@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import InputError
+from paint3d.kernels.drag import drag_length
 from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, Tuft, trace_outline
 
 __all__ = ["FootprintLadder", "build_ladder"]
@@ -32,12 +33,15 @@ class FootprintLadder:
         Boundary, counter-clockwise from the tip, mm; the bend points along +x.
     support : (L, 72) float64
         Reach from the centroid in even directions from 0, mm.
+    slack : (L,) float64
+        l(D_s) of the drag law, mm.
     """
 
     descents: NDArray[np.float64]
     centroids: NDArray[np.float64]
     points: NDArray[np.float64]
     support: NDArray[np.float64]
+    slack: NDArray[np.float64]
 
     def descent_at(self, level: NDArray) -> NDArray[np.float64]:
         """D_s (mm) at fractional levels."""
@@ -46,6 +50,10 @@ class FootprintLadder:
     def centroid_at(self, level: NDArray) -> NDArray[np.float64]:
         """Distance of the centroid from P'_m (mm) at fractional levels."""
         return np.interp(level, np.arange(len(self.descents)), self.centroids)
+
+    def slack_at(self, level: NDArray) -> NDArray[np.float64]:
+        """Slack of the drag law (mm) at fractional levels."""
+        return np.interp(level, np.arange(len(self.descents)), self.slack)
 
 
 def build_ladder(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintLadder:
@@ -91,7 +99,10 @@ def _ladder(tuft: Tuft, descents: NDArray) -> FootprintLadder:
     angle = 2.0 * math.pi * np.arange(_SUPPORT_DIRECTIONS) / _SUPPORT_DIRECTIONS
     rays = np.stack([np.cos(angle), np.sin(angle)])
     support = (points @ rays).max(axis=1)
-    return FootprintLadder(np.asarray(descents), np.array(centroids), points, support)
+    slack = [drag_length(float(d), tuft.length, tuft.drag_fraction) for d in descents]
+    return FootprintLadder(
+        np.asarray(descents), np.array(centroids), points, support, np.array(slack)
+    )
 
 
 def _outline(tuft: Tuft, descent: float) -> tuple[NDArray, NDArray] | None:

@@ -32,6 +32,7 @@ from paint3d.stroke.centre_line import (
     outline_field,
     smoothed,
 )
+from paint3d.stroke.dragging import pull
 from paint3d.stroke.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.stroke.ladder import FootprintLadder
 
@@ -71,11 +72,13 @@ class PlanSettings:
         (135) or all aside (90), on either side. None: as covers the outline best.
     holding : float
         Cost of a bend the opposite way, in stroke widths left bare, where a technique is asked for.
+    azimuth : {"commanded", "dragged"}
+        Whether the holder turns the tuft, or the paper: then it trails wherever it is led.
 
     Raises
     ------
     InputError
-        For a technique that is not known.
+        For a technique or azimuth that is not known, or a dragged tuft that shall not trail.
     """
 
     sample_step: float = 3.5 / 1024
@@ -90,11 +93,19 @@ class PlanSettings:
     worth: float = 0.05
     technique: str | None = None
     holding: float = 10.0
+    azimuth: str = "commanded"
 
     def __post_init__(self) -> None:
         if self.technique is not None and self.technique not in TECHNIQUES:
             known = ", ".join(repr(name) for name in TECHNIQUES)
             raise InputError(f"technique is {self.technique!r}; expected one of {known}")
+        if self.azimuth not in ("commanded", "dragged"):
+            raise InputError(f"azimuth is {self.azimuth!r}; expected 'commanded' or 'dragged'")
+        if self.azimuth == "dragged" and self.technique not in (None, "zhongfeng"):
+            raise InputError(
+                f"technique is {self.technique!r} with a dragged tuft, which trails; "
+                "expected 'zhongfeng' or none"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +157,12 @@ def plan_glyph(
     InputError
         If a stroke is too fine for the brush.
     """
-    courses = []
+    courses: list[StrokeCourse] = []
     for k, stroke in enumerate(glyph.strokes):
         outline, median = on_paper(stroke.outline, em_mm), on_paper(stroke.median, em_mm)
         name = f"stroke {k + 1} of {glyph.text}"
-        courses.append(plan_stroke(outline, median, em_mm, ladder, settings, name))
+        start = float(courses[-1].azimuth[-1]) if courses else None
+        courses.append(plan_stroke(outline, median, em_mm, ladder, settings, name, start))
     return courses
 
 
@@ -161,6 +173,7 @@ def plan_stroke(
     ladder: FootprintLadder,
     settings: PlanSettings | None = None,
     name: str = "stroke",
+    start: float | None = None,
 ) -> StrokeCourse:
     """Plan one stroke.
 
@@ -176,6 +189,8 @@ def plan_stroke(
     settings : PlanSettings, optional
     name : str
         What to call the stroke in messages.
+    start : float, optional
+        Where a dragged tuft points when it lands, rad; by default where it will be needed.
 
     Raises
     ------
@@ -188,7 +203,7 @@ def plan_stroke(
     if not field.inside.any():
         raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
     line = centre_line(median, field, settings.sample_step * em_mm)
-    plan = _Plan(field, ladder, settings, em_mm)
+    plan = _Plan(field, ladder, settings, em_mm, start)
     best, bare = plan.follow(line)
     tried = np.zeros_like(bare)
     for _ in range(settings.detours):
@@ -212,6 +227,7 @@ class _Plan:
     ladder: FootprintLadder
     settings: PlanSettings
     em_mm: float
+    start: float | None
 
     def follow(self, line: CentreLine) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
         """Return the course along a line (None: nothing fits), and what it leaves bare."""
@@ -226,10 +242,18 @@ class _Plan:
         if len(touching) < 2:
             return None, self.field.inside
         kept = slice(touching[0], touching[-1] + 1)
-        centre, azimuth, level = centre[kept], azimuth[kept], _calm(level[kept])
+        if self.settings.azimuth == "dragged":
+            start = azimuth[kept][0] if self.start is None else self.start
+            pulled = pull(centre[kept], self.ladder, self.field, margin, start)
+            course = _touched(*pulled, self.ladder)
+        else:
+            course = _course(centre[kept], azimuth[kept], _calm(level[kept]), self.ladder)
         painted = np.zeros(self.field.distance.shape, np.bool_)
-        kernels.cover(self.ladder.points, level, centre, azimuth, *self.field.grid, painted)
-        return _course(centre, azimuth, level, self.ladder), self.field.inside & ~painted
+        kernels.cover(
+            self.ladder.points, course.level, course.centre, course.azimuth, *self.field.grid,
+            painted,
+        )  # fmt: skip
+        return course, self.field.inside & ~painted
 
 
 def _largest_corner(
@@ -276,9 +300,10 @@ def _choose_course(line: CentreLine, plan: _Plan) -> tuple[NDArray, NDArray]:
 
 def _cost_of_bend(ahead: NDArray, settings: PlanSettings) -> NDArray[np.float64]:
     """Cost of bends at angles from the heading (rad), in stroke widths left bare."""
-    if settings.technique is None:
+    technique = "zhongfeng" if settings.azimuth == "dragged" else settings.technique
+    if technique is None:
         return settings.trailing * (0.5 + 0.5 * np.cos(ahead))
-    wanted = TECHNIQUES[settings.technique]
+    wanted = TECHNIQUES[technique]
     off = np.maximum(np.cos(ahead - wanted), np.cos(ahead + wanted))
     return settings.holding * (0.5 - 0.5 * off)
 
@@ -321,12 +346,19 @@ def _calm(level: NDArray, half_window: int = 3) -> NDArray[np.float64]:
 def _course(
     centre: NDArray, azimuth: NDArray, level: NDArray, ladder: FootprintLadder
 ) -> StrokeCourse:
-    """Place the handle behind the footprints, and add the touch before and the lift after."""
-    pick = np.r_[0, np.arange(len(level)), len(level) - 1]
-    centre, azimuth, level = centre[pick], azimuth[pick], level[pick]
-    reach = ladder.centroid_at(level)[:, None]
+    """Place the handle behind the footprints."""
     bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    handle = centre - ladder.centroid_at(level)[:, None] * bend
+    return _touched(handle, azimuth, centre, level, ladder)
+
+
+def _touched(
+    handle: NDArray, azimuth: NDArray, centre: NDArray, level: NDArray, ladder: FootprintLadder
+) -> StrokeCourse:
+    """Add the touch before and the lift after."""
+    pick = np.r_[0, np.arange(len(level)), len(level) - 1]
+    level = level[pick]
     descent = ladder.descent_at(level)
     descent[[0, -1]] = 0.0
     level[[0, -1]] = -1.0
-    return StrokeCourse(centre - reach * bend, azimuth, descent, centre, level)
+    return StrokeCourse(handle[pick], azimuth[pick], descent, centre[pick], level)

@@ -205,8 +205,8 @@ def _join(parts: list[_Part], tempo: Tempo) -> Motion:
         inside = which == k
         curve = CubicSpline(part.time, part.poses, bc_type="clamped")
         poses[inside] = curve(np.minimum(time[inside] - starts[k], part.time[-1]))
-        low, high = part.poses[:, 2].min(), part.poses[:, 2].max()
-        poses[inside, 2] = np.clip(poses[inside, 2], low, high)  # what is lifted never touches
+        if (part.poses[:, 2] >= 0.0).all():  # what is lifted never touches
+            poses[inside, 2] = np.maximum(poses[inside, 2], 0.0)
     poses[np.abs(poses[:, 2]) < _RESTING_MM, 2] = 0.0
     dips = np.array([part.dips for part in parts])[which] & (poses[:, 2] > 0.5 * tempo.dip_mm)
     groups = np.array([part.group for part in parts])[which]
