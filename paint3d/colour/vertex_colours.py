@@ -35,7 +35,7 @@ from paint3d.kernels.reflectance import mixture_colours, single_colours
 __all__ = ["ColourModel", "srgb_codes"]
 
 _LIVE = Path(__file__).parent / "data" / "live_bands.csv"
-_N_CODES, _N_THICKNESSES = 1 << 14, 2048
+_N_CODES, _N_THICKNESSES, _N_SHADES = 1 << 14, 2048, 1 << 15
 _NO_RGB = np.empty((0, 3), np.float32)
 
 
@@ -133,6 +133,9 @@ class ColourModel:
         films = layer_reflectance(pigment.K, pigment.S, coats[:, None], self._ground)
         rgb = linear_rgb_from_reflectance(to_measured(films, *self._gloss))
         self._table = rgb.astype(np.float32)
+        fine = np.linspace(0.0, 1.0, _N_SHADES)
+        between = np.stack([np.interp(fine, y, band) for band in rgb.T], axis=1)
+        self._shades = srgb_from_linear(np.clip(between, 0.0, 1.0))
         self._bare = self.bare_linear_rgb[None]
 
     def srgb(
@@ -180,7 +183,7 @@ class ColourModel:
             raise InputError(f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
         rgb = _NO_RGB if linear_rgb is None else linear_rgb
         if self._table is not None:
-            fixed = (self._table, self._bend, self._bare)
+            fixed = (self._table, self._shades, self._bend, self._bare)
             single_colours(ids, amounts, coverage, *fixed, srgb_codes(), rgb, out)
         else:
             fixed = (self._paints, self._bands, self._bare, np.float32(self._gloss[1]))

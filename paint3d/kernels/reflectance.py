@@ -162,14 +162,18 @@ def _write_block(start, size, vertex_ids, cover, rgb, bare, codes, out_rgb, out_
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def single_colours(vertex_ids, amounts, coverage, table, bend, bare, codes, out_rgb, out_srgb):
+def single_colours(
+    vertex_ids, amounts, coverage, table, shades, bend, bare, codes, out_rgb, out_srgb
+):
     """Colour of vertices with one pigment, from a table over the layer's thickness.
 
     The table's axis is y = X / (X + bend), which maps 0 to infinity onto 0 to 1 and is fine where
     thin paint changes fast; with X = amount/coverage it needs one division. Arguments as in
     `mixture_colours`, but `table` (N, 3) f32 holds linear RGB at y = i/(N - 1), and `bare` its
-    first row. Cost: 15 ns a vertex.
+    first row. `shades` (M, 3) u8 holds the layer's own codes as finely as codes can differ:
+    where paint covers the whole vertex, which is nearly everywhere, it is looked up there.
     """
+    finest = np.float32(shades.shape[0] - 1)
     last = table.shape[0] - 2
     steps = np.float32(table.shape[0] - 1)
     scale = np.float32(codes.size - 1)
@@ -178,9 +182,15 @@ def single_colours(vertex_ids, amounts, coverage, table, bend, bare, codes, out_
         v = vertex_ids[j]
         c, a = coverage[v], amounts[v, 0]
         whole = a + bend * c
-        y = steps * (a / whole) if whole > zero else zero
-        y = y if y < steps else steps
-        y = y if y > zero else zero
+        y = a / whole if whole > zero else zero
+        y = min(max(y, zero), one)
+        if c >= one and out_rgb.size == 0:
+            i = np.int32(y * finest + half)
+            out_srgb[v, 0] = shades[i, 0]
+            out_srgb[v, 1] = shades[i, 1]
+            out_srgb[v, 2] = shades[i, 2]
+            continue
+        y *= steps
         i = min(np.int32(y), last)
         part = y - np.float32(i)
         for h in range(3):
