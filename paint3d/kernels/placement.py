@@ -17,7 +17,7 @@ from paint3d.kernels.contact import find_foot
 from paint3d.kernels.drag import drag_length, drag_step
 from paint3d.kernels.tuft import enclose_tuft, greatest_descent, trace_outline
 
-__all__ = ["OVERPRESSED", "TILT_LIMITED", "place_stamp", "start_sheet"]
+__all__ = ["OVERPRESSED", "TILT_LIMITED", "lean_plane", "place_stamp", "start_sheet"]
 
 TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
 OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
@@ -72,7 +72,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
             foot[axis] + along * values[st.BEND_X + axis] + up * values[st.NORMAL_X + axis]
         )
     values[st.RADIUS] = radius
-    _lean_plane(values, field, room)
+    lean_plane(values, field, room)
     if dragged:
         _set_bend(values, values[st.DRAG_X], values[st.DRAG_X + 1], values[st.DRAG_X + 2])
     else:
@@ -283,7 +283,7 @@ def start_sheet(values, field):
 
 
 @njit(cache=True, nogil=True)
-def _lean_plane(values, field, room):
+def lean_plane(values, field, room):
     """Replace the plane's normal by the mean over the effective patch (Guo 2017, Fig. 7).
 
     Sheets of surface that face away from the brush are left out (the far side of a thin wall), and
