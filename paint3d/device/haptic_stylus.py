@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import struct
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +23,9 @@ __all__ = [
     "MAX_FORCE_N",
     "PRODUCT_ID",
     "VENDOR_ID",
+    "PoseNumbers",
     "decode_force",
+    "decode_numbers",
     "decode_pose",
     "encode_force",
     "encode_pose",
@@ -42,7 +45,7 @@ _FORCE = struct.Struct("<BhhhH")
 _POSE_ID, _FORCE_ID = 1, 2
 _Q14 = 16384.0
 _WORST_LENGTH = 0.05  # a quaternion further from unit length is a broken report
-_MAX_MM = 2000.0
+_FARTHEST = 2_000_000  # um
 _MILLI = 1000.0
 
 
@@ -51,8 +54,21 @@ def is_haptic_stylus(descriptor: bytes) -> bool:
     return bytes(descriptor) == DESCRIPTOR
 
 
-def decode_pose(data: bytes, time_ns: int = 0) -> tuple[StylusReading, int]:
-    """The pose and the sequence number in an input report; padding behind it is passed over.
+class PoseNumbers(NamedTuple):
+    """A pose as plain numbers: what the servo takes, without an array being made.
+
+    `position` in mm and unit `orientation`, w first, in the device's frame.
+    """
+
+    time_ns: int
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+    buttons: int
+    sequence: int
+
+
+def decode_numbers(data: bytes, time_ns: int = 0) -> PoseNumbers:
+    """The pose in an input report; padding behind it is passed over.
 
     Raises
     ------
@@ -65,14 +81,28 @@ def decode_pose(data: bytes, time_ns: int = 0) -> tuple[StylusReading, int]:
             f"expected {_POSE.size}, 01 first"
         )
     _, x, y, z, qw, qx, qy, qz, buttons, _, sequence = _POSE.unpack_from(data)
-    position = np.array([x, y, z], np.float64) / _MILLI
-    if np.abs(position).max() > _MAX_MM:
-        raise DeviceError(f"the stylus is at {position} mm; expected within {_MAX_MM:g}")
-    orientation = np.array([qw, qx, qy, qz], np.float64) / _Q14
-    length = math.sqrt(float(orientation @ orientation))
-    if abs(length - 1.0) > _WORST_LENGTH:
-        raise DeviceError(f"the stylus' quaternion has length {length:.3g}; expected 1")
-    return StylusReading(time_ns, position, orientation / length, None, buttons), sequence
+    if not -_FARTHEST <= min(x, y, z) <= max(x, y, z) <= _FARTHEST:
+        place = f"({x / _MILLI:g}, {y / _MILLI:g}, {z / _MILLI:g})"
+        raise DeviceError(f"the stylus is at {place} mm; expected within {_FARTHEST / _MILLI:g}")
+    length = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
+    if abs(length / _Q14 - 1.0) > _WORST_LENGTH:
+        raise DeviceError(f"the stylus' quaternion has length {length / _Q14:.3g}; expected 1")
+    return PoseNumbers(
+        time_ns,
+        (x / _MILLI, y / _MILLI, z / _MILLI),
+        (qw / length, qx / length, qy / length, qz / length),
+        buttons,
+        sequence,
+    )
+
+
+def decode_pose(data: bytes, time_ns: int = 0) -> tuple[StylusReading, int]:
+    """The reading and the sequence number in an input report; see `decode_numbers`."""
+    pose = decode_numbers(data, time_ns)
+    reading = StylusReading(
+        time_ns, np.array(pose.position), np.array(pose.orientation), None, pose.buttons
+    )
+    return reading, pose.sequence
 
 
 def encode_pose(

@@ -1,0 +1,222 @@
+"""Force feedback for a program: start the servo, tell it where the object is, take its samples."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paint3d.arrays import as_array
+from paint3d.device.force_port import ForcePort, HidForcePort
+from paint3d.device.haptic_stylus import encode_force
+from paint3d.device.hid_link import open_node
+from paint3d.device.stylus_reading import StylusReading
+from paint3d.errors import DeviceError
+from paint3d.haptics import shared_state as board_of
+from paint3d.haptics.realtime import SCHEDULES
+from paint3d.haptics.servo_process import ServoTask, run_servo
+from paint3d.haptics.settings import HapticSettings
+from paint3d.haptics.shared_state import ServoBoard, TreeBlock, percentile_us
+from paint3d.kernels.contact import ContactTree
+from paint3d.pose.calibration import DeviceCalibration
+
+__all__ = ["ForceFeedback", "ServoStatus"]
+
+_START_S = 120.0  # the first start may compile the kernels
+_STOP_S = 2.0
+_STATES = ("starting", "running", "stopped", "failed")
+
+
+@dataclass(frozen=True, slots=True)
+class ServoStatus:
+    """How the servo does.
+
+    Attributes
+    ----------
+    state : {"starting", "running", "stopped", "failed"}
+    schedule : {"fifo", "slice", "plain"}
+    steps, late : int
+        Steps, and how many came more than 2 ms after the one before.
+    period_p50_us, period_p99_us, longest_us : float
+    step_p99_us, worst_step_us : float
+        From the pose's arrival in the servo to the force, without the device's own way.
+    refused : int
+        Reports that could not be read.
+    lost : int
+        Samples that were not taken in time.
+    softening : float
+        Share of the stiffness that is left because the servo is late too often; 1 is all.
+    fault : str
+        Why it failed; empty where it did not.
+    """
+
+    state: str
+    schedule: str
+    steps: int
+    late: int
+    period_p50_us: float
+    period_p99_us: float
+    longest_us: float
+    step_p99_us: float
+    worst_step_us: float
+    refused: int
+    lost: int
+    softening: float
+    fault: str = ""
+
+
+class ForceFeedback:
+    """A servo process for one device and one surface; use it in a ``with`` block.
+
+    `publish` must be called at least five times a second (a window does so with every frame): a
+    program that hangs lets the force fall to zero after 200 ms.
+
+    Parameters
+    ----------
+    port : ForcePort
+    tree : ContactTree
+        Of the surface (`PaintedSurface.contact_tree`); handed over once, since the shape never
+        changes.
+    settings : HapticSettings
+    calibration : DeviceCalibration, optional
+        Where the device stands in the world.
+
+    Raises
+    ------
+    DeviceError
+        If the process does not come up.
+    """
+
+    def __init__(
+        self,
+        port: ForcePort,
+        tree: ContactTree,
+        settings: HapticSettings,
+        calibration: DeviceCalibration | None = None,
+    ) -> None:
+        self.settings = settings
+        self._port = port
+        self._board = ServoBoard()
+        self._board.counters[board_of.SOFTENING_PPM] = 1_000_000
+        block, self._tree_memory = TreeBlock.share(tree)
+        self._object_pose = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        self._lost = 0
+        self._closed = False
+        self.publish()
+        task = ServoTask(
+            port, block, self._board.name, calibration or DeviceCalibration(), os.getpid()
+        )
+        context = multiprocessing.get_context("spawn")
+        self._process = context.Process(target=run_servo, args=(task,), name="servo", daemon=True)
+        self._process.start()
+        try:
+            self._wait_until_up()
+        except BaseException:
+            self.stop()
+            raise
+
+    def __enter__(self) -> ForceFeedback:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def publish(self, object_pose: ArrayLike | None = None) -> None:
+        """Tell the servo where the object is now, and that the program is alive.
+
+        Parameters
+        ----------
+        object_pose : (7,) array_like, optional
+            world_from_object, position in mm and unit quaternion; None: where it was.
+
+        Raises
+        ------
+        DeviceError
+            If the numbers are not finite.
+        """
+        if object_pose is not None:
+            self._object_pose = as_array(object_pose, "object_pose", (7,), error=DeviceError)
+        self._board.publish(time.monotonic_ns(), self._object_pose, self.settings.as_array())
+
+    def take(self) -> list[StylusReading]:
+        """What the stylus did since the last call, in the world's frame (calibrated)."""
+        rows, lost = self._board.take()
+        self._lost += lost
+        times = rows[:, :1].copy().view(np.int64)[:, 0]
+        return [
+            StylusReading(int(t), row[1:4].copy(), row[4:8].copy(), None, int(row[8]))
+            for t, row in zip(times, rows, strict=True)
+        ]
+
+    def take_forces(self) -> np.ndarray:
+        """As `take`, but (N, 5): force x, y, z in N, descent in mm, flags; for displays."""
+        rows, lost = self._board.take()
+        self._lost += lost
+        return rows[:, 9:14].copy()
+
+    def status(self) -> ServoStatus:
+        """How the servo does."""
+        board, counters = self._board, self._board.counters
+        state = _STATES[int(counters[board_of.STATE])]
+        if state in ("starting", "running") and not self._process.is_alive():
+            state = "failed"
+        return ServoStatus(
+            state,
+            SCHEDULES[int(counters[board_of.SCHEDULE])],
+            int(counters[board_of.STEPS]),
+            int(counters[board_of.LATE]),
+            percentile_us(board.periods, 50.0),
+            percentile_us(board.periods, 99.0),
+            counters[board_of.LONGEST_NS] * 1e-3,
+            percentile_us(board.durations, 99.0),
+            counters[board_of.WORST_STEP_NS] * 1e-3,
+            int(counters[board_of.REFUSED]),
+            self._lost,
+            counters[board_of.SOFTENING_PPM] * 1e-6,
+            board.fault(),
+        )
+
+    def is_running(self) -> bool:
+        """Whether the servo runs; where its process was killed, the device is told to rest."""
+        if self._process.is_alive():
+            return True
+        self._quiet()
+        return False
+
+    def stop(self) -> None:
+        """Stop the servo, its last act being no force; nothing happens the second time."""
+        if self._closed:
+            return
+        self._closed = True
+        self._board.counters[board_of.STOP] = 1
+        self._process.join(_STOP_S)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._quiet()
+        self._tree_memory.close()
+        self._tree_memory.unlink()
+        self._board.close()
+
+    def _wait_until_up(self) -> None:
+        end = time.monotonic() + _START_S
+        while self._board.counters[board_of.STATE] == board_of.STARTING:
+            if not self._process.is_alive() or time.monotonic() > end:
+                why = self._board.fault() or f"exit status {self._process.exitcode}"
+                raise DeviceError(f"the servo did not start: {why}")
+            time.sleep(0.01)
+
+    def _quiet(self) -> None:
+        """A servo that was killed could not send its last force: send it from here."""
+        if self._process.exitcode in (0, None) or not isinstance(self._port, HidForcePort):
+            return
+        try:
+            link = open_node(self._port.node)
+        except DeviceError:
+            return
+        link.write(encode_force((0.0, 0.0, 0.0)))
+        link.close()

@@ -1,0 +1,203 @@
+"""The servo's own process: read the pose, find the force, send it, a thousand times a second.
+
+Nothing here waits for the program, and the program waits for nothing here. Whatever ends the loop
+(told to stop, a signal, the device gone, an error, the parent killed) the port sends no force last.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from paint3d.device.force_port import ForcePort
+from paint3d.device.haptic_stylus import PoseNumbers
+from paint3d.errors import DeviceError
+from paint3d.haptics import shared_state as board_of
+from paint3d.haptics.force_model import new_state
+from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, keep_in_memory
+from paint3d.haptics.shared_state import RING_COLUMNS, SNAPSHOT_COLUMNS, ServoBoard, TreeBlock
+from paint3d.kernels import haptic_state as hs
+from paint3d.kernels.haptic_step import servo_step
+from paint3d.pose.calibration import DeviceCalibration
+from paint3d.pose.single_turns import multiply, turn
+
+__all__ = ["ServoTask", "run_servo"]
+
+_LATE_NS = 2_000_000
+_LONGEST_DT_S, _SHORTEST_DT_S = 0.005, 0.0001
+_STEADY = 256  # steps over which lateness is judged
+_HARMLESS, _GRAVE = 0.02, 0.20  # share of late steps at which softening begins and is greatest
+_SOFTEST = 0.3
+_LONG_AGO_S = 1e9
+
+
+@dataclass(frozen=True)
+class ServoTask:
+    """What the process is started with; all of it can be sent to another process."""
+
+    port: ForcePort
+    tree: TreeBlock
+    board: str
+    calibration: DeviceCalibration
+    parent: int
+
+
+class _Servo:
+    """Everything that one step needs, made before the loop begins."""
+
+    def __init__(self, task: ServoTask, tree, board: ServoBoard) -> None:
+        self.tree, self.board, self.parent = tree, board, task.parent
+        calibration = task.calibration
+        self._rotation = tuple(calibration.rotation.tolist())
+        w, x, y, z = self._rotation
+        self._back = (w, -x, -y, -z)
+        self._scale, self._shift = calibration.scale, calibration.shift.tolist()
+        self._state = new_state()
+        self._snapshot = np.zeros(SNAPSHOT_COLUMNS)
+        self._snapshot_ns = self._snapshot[:1].view(np.int64)
+        self._target = self._snapshot[1:8]
+        self._settings = self._snapshot[8 : 8 + hs.N_SETTINGS]
+        self._known = False
+        self._row = np.zeros(RING_COLUMNS)
+        self._row_ns = self._row[:1].view(np.int64)
+        self._pose = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        self._out = np.zeros(3)
+        self._pose_ns = self._last_ns = self._last_pose_ns = self._began_ns = self._worst_ns = 0
+        self._answered: PoseNumbers | None = None
+        self._flags = 0
+        self._recent_late = 0
+        self.stopping = False
+
+    def warm_up(self) -> None:
+        """Compile and load every kernel before the device is opened."""
+        servo_step(
+            self.tree,
+            np.ones(hs.N_SETTINGS),
+            new_state(),
+            self._pose,
+            self._pose,
+            0.001,
+            0.0,
+            0.0,
+            True,
+            self._out,
+        )
+
+    def stopped(self) -> bool:
+        """Whether the loop must end."""
+        gone = os.getppid() != self.parent
+        return self.stopping or gone or self.board.counters[board_of.STOP] != 0
+
+    def refused(self) -> None:
+        """Count a report that could not be read."""
+        self.board.counters[board_of.REFUSED] += 1
+
+    def step(self, pose: PoseNumbers | None, now_ns: int) -> tuple[float, float, float]:
+        """The force, N, in the device's frame."""
+        if pose is not None:
+            self._place(pose)
+        dt = (now_ns - self._last_ns) * 1e-9 if self._last_ns else 0.001
+        self._last_ns = now_ns
+        known = self.board.read_snapshot(self._snapshot) or self._known
+        self._known = known
+        self._flags = servo_step(
+            self.tree,
+            self._settings,
+            self._state,
+            self._target,
+            self._pose,
+            min(max(dt, _SHORTEST_DT_S), _LONGEST_DT_S),
+            (now_ns - self._pose_ns) * 1e-9 if self._pose_ns else _LONG_AGO_S,
+            (now_ns - int(self._snapshot_ns[0])) * 1e-9 if known else _LONG_AGO_S,
+            self.stopped(),
+            self._out,
+        )
+        self._answered, self._began_ns = pose, now_ns
+        return turn(self._back, self._out.tolist())
+
+    def sent(self) -> None:
+        """Keep the books of the last step."""
+        pose = self._answered
+        if pose is None:
+            self._last_pose_ns = 0
+            return
+        spent = time.monotonic_ns() - self._began_ns
+        board = self.board
+        board.note(board.durations, spent)
+        if spent > self._worst_ns:
+            self._worst_ns = spent
+            board.counters[board_of.WORST_STEP_NS] = spent
+        self._note_period(self._began_ns)
+        row = self._row
+        self._row_ns[0] = pose.time_ns
+        row[1:8] = self._pose
+        row[8] = pose.buttons
+        row[9:12] = self._out
+        row[12] = self._state[hs.DESCENT]
+        row[13] = self._flags
+        board.push(row)
+
+    def _place(self, pose: PoseNumbers) -> None:
+        x, y, z = turn(self._rotation, pose.position)
+        scale, shift, out = self._scale, self._shift, self._pose
+        out[0], out[1], out[2] = scale * x + shift[0], scale * y + shift[1], scale * z + shift[2]
+        out[3:] = multiply(self._rotation, pose.orientation)
+        self._pose_ns = pose.time_ns
+
+    def _note_period(self, now_ns: int) -> None:
+        """From pose to pose: a device that pauses is not a servo that is late."""
+        counters = self.board.counters
+        if self._last_pose_ns:
+            period = now_ns - self._last_pose_ns
+            late = period > _LATE_NS
+            self.board.note(self.board.periods, period)
+            counters[board_of.LATE] += late
+            counters[board_of.LONGEST_NS] = max(counters[board_of.LONGEST_NS], period)
+            self._recent_late += late
+        counters[board_of.STEPS] += 1
+        counters[board_of.BEAT_NS] = now_ns
+        self._last_pose_ns = now_ns
+        if counters[board_of.STEPS] % _STEADY == 0:
+            self._soften(self._recent_late / _STEADY)
+            self._recent_late = 0
+
+    def _soften(self, late_share: float) -> None:
+        """A loop that is often late is only stable with a softer spring."""
+        excess = min(1.0, max(0.0, (late_share - _HARMLESS) / (_GRAVE - _HARMLESS)))
+        wanted = 1.0 - (1.0 - _SOFTEST) * excess
+        now = self._state[hs.SOFTENING]
+        self._state[hs.SOFTENING] = min(wanted, now + 0.02) if wanted > now else wanted
+        self.board.counters[board_of.SOFTENING_PPM] = int(1e6 * self._state[hs.SOFTENING])
+
+
+def run_servo(task: ServoTask) -> None:
+    """The process's main function."""
+    end_with_parent()
+    board = ServoBoard(task.board)
+    counters = board.counters
+    counters[board_of.PID] = os.getpid()
+    tree, memory = task.tree.attach()
+    servo = _Servo(task, tree, board)
+
+    def stop(*_: object) -> None:
+        servo.stopping = True
+
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, stop)
+    servo.warm_up()
+    keep_in_memory()
+    counters[board_of.SCHEDULE] = SCHEDULES.index(ask_for_speed())
+    counters[board_of.STATE] = board_of.RUNNING
+    try:
+        task.port.run(servo)
+        counters[board_of.STATE] = board_of.STOPPED
+    except Exception as fault:  # whatever it was, the program must hear of it
+        board.explain(str(fault) if isinstance(fault, DeviceError) else repr(fault))
+        counters[board_of.STATE] = board_of.FAILED
+    finally:
+        del servo.tree, tree
+        memory.close()

@@ -1,0 +1,138 @@
+"""What the force depends on: the brush, what the device can do, what the user allows."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.arrays import as_number
+from paint3d.brush.spec import BrushSpec
+from paint3d.errors import DeviceError
+from paint3d.kernels import haptic_state as hs
+
+__all__ = ["PHANTOM_DESKTOP", "TOUCH", "DeviceLimits", "HapticSettings"]
+
+_LOWEST_TILT = math.radians(30.0)  # where the model of the bent brush ends
+_PATCH = 0.08  # of the tuft's length: the disc over which the surface's normal is averaged
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceLimits:
+    """What a force device can do: greatest force N, greatest stable stiffness N/mm."""
+
+    max_force: float
+    max_stiffness: float
+
+    def __post_init__(self) -> None:
+        as_number(self.max_force, "max_force", 0.0, 100.0, DeviceError)
+        as_number(self.max_stiffness, "max_stiffness", 0.01, 20.0, DeviceError)
+
+
+PHANTOM_DESKTOP = DeviceLimits(7.9, 1.0)
+"""The papers' device, and the one that paint3d's own stylus is modelled on."""
+TOUCH = DeviceLimits(3.3, 0.4)
+
+
+@dataclass(frozen=True, slots=True)
+class HapticSettings:
+    """Settings of the force servo; times in s, forces in N, lengths in mm.
+
+    Parameters
+    ----------
+    length, spring, friction : float
+        Of the brush: tuft length, lambda_c S in N/mm, mu.
+    limits : DeviceLimits
+    user_limit : float
+        Never push harder than this.
+    ramp_s : float
+        A contact fades in over so long, 0.010 to 0.020.
+    slew : float
+        Fastest change of the force, N/s.
+    max_pose_age_s, max_snapshot_age_s : float
+        Older than this, and the force is zero.
+    start_force, rise_s : float
+        At the start the force stays zero until the wanted one is below `start_force`, then rises
+        over `rise_s`.
+    stick : float
+        Stiffness with which friction holds the foot before it slips, N/mm.
+    follow_s : float
+        Time constant with which the servo follows the object between two snapshots.
+
+    Raises
+    ------
+    DeviceError
+        If a value is out of range.
+    """
+
+    length: float
+    spring: float
+    friction: float
+    limits: DeviceLimits = PHANTOM_DESKTOP
+    user_limit: float = 7.9
+    ramp_s: float = 0.015
+    slew: float = 500.0
+    max_pose_age_s: float = 0.005
+    max_snapshot_age_s: float = 0.2
+    start_force: float = 0.2
+    rise_s: float = 2.0
+    stick: float = 0.3
+    follow_s: float = 0.02
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("length", 1.0, 500.0),
+            ("spring", 0.0, 20.0),
+            ("friction", 0.0, 1.0),
+            ("user_limit", 0.0, 100.0),
+            ("ramp_s", 0.010, 0.020),
+            ("slew", 1.0, 5000.0),
+            ("max_pose_age_s", 0.001, 0.005),
+            ("max_snapshot_age_s", 0.01, 0.2),
+            ("start_force", 0.0, 0.2),
+            ("rise_s", 0.1, 60.0),
+            ("stick", 0.0, 20.0),
+            ("follow_s", 0.0005, 0.2),
+        ):
+            as_number(getattr(self, name), name, low, high, DeviceError)
+
+    @classmethod
+    def for_brush(
+        cls, brush: BrushSpec, limits: DeviceLimits = PHANTOM_DESKTOP, **more: float
+    ) -> HapticSettings:
+        """Settings of a brush on a device; the force at pe = 1 is the device's own greatest.
+
+        Guo 2017 divides by the maximum output force of the device at hand, so a weaker device
+        pushes back more softly instead of reaching its limit sooner.
+        """
+        spring = brush.spring * min(1.0, limits.max_force / brush.max_force)
+        return cls(brush.length_mm, spring, brush.friction, limits, **more)
+
+    def with_user_limit(self, newtons: float) -> HapticSettings:
+        """The same with another limit of the user's."""
+        return dataclasses.replace(self, user_limit=newtons)
+
+    @property
+    def limit(self) -> float:
+        """The smaller of the device's and the user's limit, N."""
+        return min(self.limits.max_force, self.user_limit)
+
+    def as_array(self) -> NDArray[np.float64]:
+        """The settings as the kernels take them, (N_SETTINGS,)."""
+        out = np.zeros(hs.N_SETTINGS)
+        out[hs.LENGTH], out[hs.SPRING], out[hs.FRICTION] = self.length, self.spring, self.friction
+        out[hs.LOWEST_SINE] = math.sin(_LOWEST_TILT)
+        out[hs.DEVICE_LIMIT] = self.limits.max_force
+        out[hs.USER_LIMIT] = self.user_limit
+        out[hs.STIFFEST] = self.limits.max_stiffness
+        out[hs.STICK] = self.stick
+        out[hs.RAMP_S], out[hs.SLEW] = self.ramp_s, self.slew
+        out[hs.MAX_POSE_AGE_S] = self.max_pose_age_s
+        out[hs.MAX_SNAPSHOT_AGE_S] = self.max_snapshot_age_s
+        out[hs.START_FORCE], out[hs.RISE_S] = self.start_force, self.rise_s
+        out[hs.FOLLOW_S] = self.follow_s
+        out[hs.PATCH] = _PATCH * self.length
+        return out
