@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.mesh_colours import MeshColours
+
+if TYPE_CHECKING:
+    from paint3d.surface.flow import Flow
 
 __all__ = ["EXPORT_TOLERANCE", "InkField", "PaintedSurface"]
 
@@ -83,6 +86,8 @@ class PaintedSurface:
         self._ground = make_ground(self.material.reflectance)
         self._bare = srgb_from_reflectance(self.material.reflectance)
         self._mesh_colours: MeshColours | None = None
+        self._flow: Flow | None = None
+        self._fresh: list[NDArray] = []
         self._allocate(0)
         if mesh.colours is not None:
             own = mesh.colours[self.paint_mesh.source_vertices]
@@ -171,6 +176,8 @@ class PaintedSurface:
         ids = self.ink.dirty_ids[:count].copy()
         if count and self._colours is not None:
             self._colour(ids)
+            if self._flow is not None:
+                self._fresh.append(ids)
             self.ink.dirty[ids] = 0
             self.ink.n_dirty[0] = 0
         return ids
@@ -197,14 +204,51 @@ class PaintedSurface:
             ground = self._mesh_colours.ground_of(ground)
         return self.dry_layers.ground_under(ground)
 
-    def dry(self, vertex_ids: NDArray | None = None) -> None:
-        """Let the wet paint dry, everywhere or on some vertices (N,) int32: what it shows stays.
+    @property
+    def flow(self) -> Flow:
+        """The water on the surface, from the first time that it is asked for."""
+        if self._flow is None:
+            from paint3d.surface.flow import Flow
+
+            self._flow = Flow(self)
+            self._fresh = [np.flatnonzero(self.coverage > 0.0).astype(np.int32)]
+        return self._flow
+
+    def diffuse(self, seconds: float, step: float | None = None) -> None:
+        """Let time pass: wet ink spreads in what drinks, and dries.
+
+        Parameters
+        ----------
+        seconds : float
+        step : float, optional
+            Longest step, s; by default as long as the motion allows.
+
+        Raises
+        ------
+        InputError
+            If a time is not a finite number of at least 0, or the step is 0.
+        """
+        seconds = as_number(seconds, "seconds", 0.0)
+        if step is not None:
+            step = as_number(step, "step (s)", 1e-6)
+        flow = self.flow
+        fresh = [*self._fresh, self.ink.dirty_ids[: int(self.ink.n_dirty[0])]]
+        fresh, self._fresh = np.concatenate(fresh), []
+        flow.advance(seconds, step, fresh)
+
+    def dry(self) -> None:
+        """Let all wet paint dry at once where it is: what it shows stays.
 
         Paint that comes later glazes over it and does not mix with it. Water is gone.
         """
+        ids = np.flatnonzero(self.coverage > 0.0).astype(np.int32)
+        self.settle(ids)
+        self._flow = None
+        self._fresh = []
+
+    def settle(self, vertex_ids: NDArray) -> None:
+        """Turn the wet paint of some vertices (N,) int32 into a dry layer."""
         ink = self.ink
-        if vertex_ids is None:
-            vertex_ids = np.flatnonzero(ink.coverage[: self.n_vertices] > 0.0).astype(np.int32)
         if not len(vertex_ids) or self._glaze is None:
             return
         self._know_vertices()

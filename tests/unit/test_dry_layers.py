@@ -133,7 +133,7 @@ def test_ink_is_conserved_by_drying():
     target = surface()
     lay(target, "pine soot", 0.7, ids=range(100))
     wet = target.wet_ink()
-    target.dry(np.arange(40, dtype=np.int32))
+    target.settle(np.arange(40, dtype=np.int32))
     assert 0.0 < target.dry_ink() < wet
     assert target.wet_ink() + target.dry_ink() == pytest.approx(wet, rel=1e-6)
     lay(target, "cinnabar", 0.2, ids=range(20))

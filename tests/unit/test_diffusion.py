@@ -1,0 +1,352 @@
+"""Ink in the surface: it spreads and stops, keeps its mass, and does not see the triangles."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.spatial import Delaunay
+
+import paint3d
+from paint3d.errors import InputError, PigmentError
+from paint3d.ink.materials import WET_COAT_MM, Material, load_material
+from paint3d.ink.pigments import load_pigment
+from paint3d.kernels.diffusion import flow_pigment, potentials, solve_water
+from paint3d.kernels.grain import fill_grain
+from paint3d.mesh.flow_graph import graph_of_triangles
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+
+XUAN = load_material("xuan")
+SMOOTH = dataclasses.replace(XUAN, grain=0.0)
+
+
+def grid(size: float, spacing: float) -> TriangleMesh:
+    n = round(size / spacing) + 1
+    x, y = np.meshgrid(*[np.linspace(-size / 2, size / 2, n)] * 2)
+    k = np.arange(n * n).reshape(n, n)
+    a, b, c, d = (part.ravel() for part in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
+    points = np.column_stack([x.ravel(), y.ravel(), np.zeros(n * n)]).astype(np.float32)
+    return TriangleMesh(points, np.vstack([np.c_[a, b, c], np.c_[a, c, d]]).astype(np.int32))
+
+
+def irregular(size: float, spacing: float) -> TriangleMesh:
+    inner = np.random.default_rng(5).uniform(-size / 2, size / 2, (int((size / spacing) ** 2), 2))
+    edge = np.linspace(-size / 2, size / 2, round(size / spacing) + 1)
+    border = np.vstack([np.c_[edge, s + 0 * edge] for s in (-size / 2, size / 2)])
+    flat = np.vstack([inner, border, border[:, ::-1]])
+    flat = np.unique(flat, axis=0)
+    points = np.column_stack([flat, np.zeros(len(flat))]).astype(np.float32)
+    return TriangleMesh(points, Delaunay(flat).simplices.astype(np.int32))
+
+
+def drop(surface, coats, radius=3.0, centre=(0.0, 0.0, 0.0), ink="pine soot"):
+    """Lay a disc of wet ink, its border softened over half a millimetre, of a given volume."""
+    column = surface.column_of(load_pigment(ink))
+    away = np.linalg.norm(surface.paint_mesh.vertices - np.asarray(centre), axis=1)
+    share = np.clip((radius - away) / 0.5 + 0.5, 0, 1).astype(np.float32)
+    ids = np.flatnonzero(share > 0).astype(np.int32)
+    scale = coats * np.pi * radius**2 / (share @ surface.vertex_areas)
+    surface.ink.amounts[ids, column] += np.float32(scale) * share[ids]
+    surface.ink.coverage[ids] = np.maximum(surface.ink.coverage[ids], share[ids])
+    surface.touch(ids)
+    return surface
+
+
+def everything(surface):
+    """Ink of all sorts, wet and dry, on every vertex (V,), coats."""
+    amounts = surface.amounts.sum(axis=1).astype(float)
+    amounts[surface.dry_layers.vertex_ids] += surface.dry_layers.amounts.sum(axis=1)
+    return amounts
+
+
+def spread(surface):
+    """Radius of gyration of the ink, mm, and its mean amount in rings of 1 mm."""
+    away = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1)
+    areas, ink = surface.vertex_areas, everything(surface)
+    mass = ink * areas
+    rings = [
+        mass[(away >= r) & (away < r + 1)].sum() / areas[(away >= r) & (away < r + 1)].sum()
+        for r in range(5)
+    ]
+    return np.sqrt((away**2 @ mass) / mass.sum()), np.array(rings)
+
+
+def spread_disc(mesh, seconds=10.0, step=None, material=SMOOTH, resolution=None):
+    surface = PaintedSurface(mesh, resolution, material)
+    surface.refine_all()
+    drop(surface, 3.0).diffuse(seconds, step)
+    return spread(surface)
+
+
+def test_radius_and_profile_do_not_depend_on_the_triangles():
+    radius, rings = spread_disc(grid(22, 0.4))
+    assert radius > 1.3 * 3.0 / np.sqrt(2.0)
+    for mesh in (irregular(22, 0.4), grid(22, 0.3)):
+        other_radius, other_rings = spread_disc(mesh)
+        assert other_radius == pytest.approx(radius, rel=0.03)
+        np.testing.assert_allclose(other_rings, rings, atol=0.03 * rings[0])
+    lazy = spread_disc(grid(22, 5.5), resolution=0.5)
+    assert lazy[0] == pytest.approx(radius, rel=0.03)
+
+
+def test_radius_does_not_depend_on_the_step():
+    mesh = grid(22, 0.5)
+    radius, rings = spread_disc(mesh)
+    for step in (1.0 / 30.0, 0.5, 1e3):
+        other_radius, other_rings = spread_disc(mesh, step=step)
+        assert other_radius == pytest.approx(radius, rel=0.01)
+        np.testing.assert_allclose(other_rings, rings, atol=0.01 * rings[0])
+
+
+def test_time_may_pass_in_pieces():
+    whole, pieces = (drop(PaintedSurface(grid(16, 0.5), None, SMOOTH), 2.0) for _ in range(2))
+    whole.diffuse(6.0)
+    for _ in range(60):
+        pieces.diffuse(0.1)
+    assert spread(pieces)[0] == pytest.approx(spread(whole)[0], rel=0.01)
+
+
+def test_ink_is_conserved_and_stops_by_itself():
+    surface = drop(PaintedSurface(grid(20, 0.5), None, XUAN), 4.0)
+    drop(surface, 1.0, 2.0, (4.0, 0.0, 0.0), "cinnabar")
+    laid = surface.wet_ink()
+    for seconds in (0.0, 0.5, 20.0, 200.0, 3600.0):
+        surface.diffuse(seconds)
+        assert surface.wet_ink() + surface.dry_ink() == pytest.approx(laid, rel=1e-6)
+        assert surface.amounts.min() >= 0.0
+    assert surface.flow.n_wet == 0
+    assert surface.flow.water == 0.0
+    assert surface.wet_ink() == 0.0
+    steps = surface.flow.steps
+    assert steps < 1000
+    surface.diffuse(1e6)
+    assert surface.flow.steps == steps
+
+
+def test_water_stops_where_the_fibres_hold_it():
+    """Without evaporation the area is volume / (pores x advance), whatever the way there."""
+    still = dataclasses.replace(SMOOTH, drying_mm_s=0.0)
+    surface = drop(PaintedSurface(grid(20, 0.5), None, still), 1.5)
+    volume = surface.wet_ink() * WET_COAT_MM
+    surface.diffuse(3000.0)
+    assert surface.flow.water == pytest.approx(volume, rel=1e-9)
+    ids, depth = surface.flow.depths()
+    held = still.pores_mm * still.advance
+    areas = surface.vertex_areas[ids]
+    assert (np.minimum(depth / held, 1.0) @ areas) == pytest.approx(volume / held, rel=0.12)
+    assert depth.max() < 1.35 * held
+
+
+def test_nothing_moves_in_a_glaze():
+    surface = drop(PaintedSurface(grid(12, 0.5), None, "porcelain"), 2.0)
+    before, laid = surface.amounts.copy(), surface.wet_ink()
+    surface.diffuse(30.0)
+    assert (surface.amounts == before).all()
+    surface.diffuse(2.5 * 2.0 * WET_COAT_MM / surface.material.drying_mm_s)
+    assert surface.dry_ink() == pytest.approx(laid, rel=1e-6)
+    np.testing.assert_allclose(everything(surface), before[:, 0], rtol=1e-6)
+
+
+def test_thick_paint_dries_later():
+    surface = PaintedSurface(grid(12, 0.5), None, "porcelain")
+    drop(surface, 0.5, 1.5, (-3.0, 0.0, 0.0))
+    drop(surface, 2.0, 1.5, (3.0, 0.0, 0.0))
+    surface.diffuse(1.3 * WET_COAT_MM / surface.material.drying_mm_s)
+    left = surface.paint_mesh.vertices[:, 0] < 0
+    middle = np.abs(np.abs(surface.paint_mesh.vertices[:, 0]) - 3.0) < 0.6
+    assert not surface.coverage[left & middle].any()
+    assert surface.coverage[~left & middle].any()
+
+
+def test_rims_dry_darker():
+    surface = drop(PaintedSurface(grid(16, 0.4), None, dataclasses.replace(SMOOTH, passing=1.0)), 2)
+    surface.diffuse(3600.0)
+    away = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1)
+    ink = everything(surface)
+    rings = np.array([ink[(away >= r) & (away < r + 0.5)].mean() for r in np.arange(0, 6, 0.5)])
+    core = rings[:3].mean()
+    assert 1.3 * core < rings.max() < 4.0 * core
+    assert 2.5 < 0.5 * rings.argmax() < 5.0
+
+
+def test_pigment_lags_behind_the_water_where_it_is_held():
+    free = spread_disc(grid(20, 0.5), material=dataclasses.replace(SMOOTH, passing=1.0))[0]
+    held = spread_disc(grid(20, 0.5), material=dataclasses.replace(SMOOTH, passing=0.3))[0]
+    assert held < 0.93 * free
+
+
+def test_grain_makes_the_outline_rough():
+    rough = {}
+    for name, material in (("smooth", SMOOTH), ("grained", XUAN)):
+        surface = drop(PaintedSurface(grid(20, 0.4), None, material), 3.0)
+        surface.diffuse(10.0)
+        ids, depth = surface.flow.depths()
+        points = surface.paint_mesh.vertices[ids[depth > 0]]
+        turn = np.floor((np.arctan2(points[:, 1], points[:, 0]) + np.pi) / (2 * np.pi) * 24)
+        away = np.linalg.norm(points[:, :2], axis=1)
+        reach = np.array([away[turn == k].max() for k in range(24)])
+        rough[name] = reach.std() / reach.mean()
+    assert rough["grained"] > 2.0 * rough["smooth"]
+
+
+def test_wet_meets_wet_and_mixes_but_not_with_the_dry():
+    surface = drop(PaintedSurface(grid(24, 0.5), None, SMOOTH), 2.5, 2.5, (-3.5, 0, 0), "indigo")
+    drop(surface, 2.5, 2.5, (3.5, 0, 0), "gamboge")
+    surface.diffuse(15.0)
+    both = (surface.amounts > 0.01).all(axis=1)
+    assert surface.vertex_areas[both].sum() > 3.0
+    surface.dry()
+    laid = everything(surface).copy()
+    drop(surface, 2.0, 2.0)
+    surface.diffuse(5.0)
+    np.testing.assert_array_equal(surface.dry_layers.amounts.sum(axis=1).min() >= 0, True)
+    assert (everything(surface) >= laid - 1e-4).all()
+
+
+def test_paint_that_comes_later_wets_and_what_is_taken_away_does_not():
+    surface = drop(PaintedSurface(grid(16, 0.5), None, SMOOTH), 1.0)
+    surface.diffuse(1.0)
+    water = surface.flow.water
+    ink = surface.wet_ink()
+    drop(surface, 1.0)
+    surface.diffuse(0.0)
+    added = surface.wet_ink() - ink
+    assert surface.flow.water == pytest.approx(water + WET_COAT_MM * added, rel=1e-6)
+    surface.refresh()
+    half = surface.ink.amounts[: surface.n_vertices] * np.float32(0.5)
+    surface.ink.amounts[: surface.n_vertices] = half
+    surface.touch(np.arange(surface.n_vertices, dtype=np.int32))
+    before = surface.flow.water
+    surface.diffuse(0.0)
+    assert surface.flow.water < 0.75 * before
+    assert surface.wet_ink() == pytest.approx(0.5 * (ink + added), rel=1e-5)
+
+
+def test_plain_water_thins_and_leaves_no_amount():
+    surface = drop(PaintedSurface(grid(20, 0.5), None, SMOOTH), 0.5, 2.0)
+    drop(surface, 4.0, 4.0, ink="water")
+    laid = surface.wet_ink()
+    surface.diffuse(5.0)
+    assert surface.wet_ink() + surface.dry_ink() == pytest.approx(laid, rel=1e-6)
+    assert not surface.amounts[:, 1].any()
+    assert spread(surface)[0] > 1.5 * 2.0 / np.sqrt(2.0)
+
+
+def test_vertices_appear_ahead_of_the_water():
+    surface = PaintedSurface(paint3d.load_mesh("plane"), 0.6, SMOOTH)
+    column = surface.column_of(load_pigment("pine soot"))
+    from paint3d.kernels.diffusion import activate_cells
+
+    fields = surface.paint_mesh.arrays
+    cells = np.flatnonzero((fields.cell_place[:, :2] * fields.numbers[1] < 4).all(axis=1))
+    activate_cells(surface.paint_mesh.arrays, cells.astype(np.int32), 0)
+    n = surface.n_vertices
+    corner = surface.paint_mesh.vertices[0]
+    ids = np.flatnonzero(np.linalg.norm(surface.paint_mesh.vertices - corner, axis=1) < 3)
+    surface.ink.amounts[ids, column] = 6.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids.astype(np.int32))
+    laid = surface.wet_ink()
+    surface.diffuse(10.0)
+    assert surface.n_vertices > n
+    assert surface.wet_ink() + surface.dry_ink() == pytest.approx(laid, rel=1e-6)
+
+
+def test_ink_runs_around_a_crease():
+    n = 21
+    s = np.linspace(-5, 5, n)
+    u, v = np.meshgrid(s, s)
+    points = np.column_stack([u.ravel(), v.ravel(), -np.abs(u.ravel())]).astype(np.float32)
+    mesh = TriangleMesh(points, grid(10, 0.5).faces)
+    surface = drop(PaintedSurface(mesh, None, SMOOTH), 3.0, 2.0, (1.5, 0.0, -1.5))
+    surface.diffuse(10.0)
+    left = surface.paint_mesh.vertices[:, 0] < -0.75
+    assert everything(surface)[left].max() > 0.1
+
+
+def sheared():
+    mesh = grid(10, 0.5)
+    points = mesh.vertices.astype(float).copy()
+    points[:, 0] += 2.5 * points[:, 1]
+    return points, mesh.faces
+
+
+def test_no_weight_is_negative_and_linear_functions_are_at_rest():
+    points, faces = sheared()
+    runs, links, weights = graph_of_triangles(points, faces)
+    assert weights.min() > 0.0
+    start = np.repeat(np.arange(len(points)), np.diff(runs))
+    inside = (np.abs(points[:, 1]) < 3.0) & (np.abs(points[:, 0] - 2.5 * points[:, 1]) < 3.0)
+    for f in (points[:, 0], points[:, 1]):
+        pull = np.bincount(start, weights * (f[links] - f[start]), minlength=len(points))
+        assert np.abs(pull[inside]).max() < 1e-9
+    mirror = {(a, b): w for a, b, w in zip(start, links, weights, strict=True)}
+    assert all(mirror[b, a] == pytest.approx(w) for (a, b), w in mirror.items())
+
+
+@pytest.mark.parametrize("step", [1e-3, 0.1, 10.0, 1e4])
+def test_no_new_extremes_at_any_step(step):
+    points, faces = sheared()
+    runs, links, weights = graph_of_triangles(points, faces)
+    n = len(points)
+    rng = np.random.default_rng(0)
+    area = rng.uniform(0.01, 0.5, n)
+    water = rng.uniform(0.0, 0.1, n) * (rng.uniform(size=n) < 0.3)
+    share = rng.uniform(0.2, 0.7, n)
+    pigment = (share * water)[:, None].copy()
+    residual = rng.uniform(0.1, 0.4, n)
+    strength = 0.06 * 10.0 * (1 - residual) / 3
+    entry = np.where(water > 0, 0.0, 0.02 * strength)
+    volume, mass = water @ area, pigment[:, 0] @ area
+    active = np.flatnonzero(water > 0.06 * residual)
+    nodes, is_active = np.zeros(n, np.int32), np.zeros(n, np.uint8)
+    nodes[: len(active)], is_active[active] = active, 1
+    depth, psi = water.copy(), np.zeros(n)
+    potentials(nodes[: len(active)], depth, 0.06, residual, strength, 10.0, psi)
+    count = solve_water(
+        nodes, len(active), is_active, np.zeros(n, np.uint8), water, area, runs, links, weights,
+        step, 0.06, residual, strength, 10.0, entry, 1e-6, 50, depth, psi, np.zeros(3),
+    )  # fmt: skip
+    reached = nodes[:count]
+    order = reached[psi[reached] > 0]
+    order = order[np.argsort(-psi[order], kind="stable")]
+    flow_pigment(
+        order, reached, count, psi, entry, area, runs, links, weights, step, 1.0,
+        water, pigment, np.zeros(n), np.zeros((n, 1)),
+    )  # fmt: skip
+    assert water.min() >= 0.0
+    assert water @ area == pytest.approx(volume, rel=1e-12)
+    assert pigment[:, 0] @ area == pytest.approx(mass, rel=1e-12)
+    wet = water > 1e-9
+    concentration = pigment[wet, 0] / water[wet]
+    assert concentration.min() > 0.2 - 1e-9
+    assert concentration.max() < 0.7 + 1e-9
+
+
+def test_grain_depends_on_the_place_alone():
+    points = np.random.default_rng(1).uniform(-50, 50, (2000, 3))
+    height, again = np.empty(2000), np.empty(2000)
+    fill_grain(points, 0.8, height)
+    fill_grain(np.ascontiguousarray(points[::-1]), 0.8, again)
+    assert (height == again[::-1]).all()
+    assert 0.0 <= height.min() < 0.2
+    assert 0.8 < height.max() <= 1.0
+    assert height.mean() == pytest.approx(0.5, abs=0.02)
+    near = np.empty(2000)
+    fill_grain(points + 0.01, 0.8, near)
+    assert np.abs(near - height).max() < 0.1
+
+
+@pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), "soon"])
+def test_bad_times_are_named(seconds):
+    with pytest.raises(InputError, match="seconds is"):
+        PaintedSurface(grid(4, 1.0), None).diffuse(seconds)
+
+
+def test_bad_ways_to_drink_are_named():
+    with pytest.raises(InputError, match="step"):
+        PaintedSurface(grid(4, 1.0), None).diffuse(1.0, step=0.0)
+    with pytest.raises(PigmentError, match="residual of x is 1"):
+        Material("x", np.ones(31), 0, 0, 0, 0, residual=1.0)
+    with pytest.raises(PigmentError, match="spread_mm2_s of x"):
+        Material("x", np.ones(31), 0, 0, 0, 0, spread_mm2_s=float("nan"))
