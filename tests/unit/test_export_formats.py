@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,8 +14,6 @@ from paint3d.errors import ExportError, MeshError
 from paint3d.files.atomic import write_atomically
 from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.load import load_mesh
-
-CHECKER = Path(__file__).parents[2] / "../shared/formats/check_export.py"
 
 
 class Painted:
@@ -96,22 +92,6 @@ def test_open3d_reads_the_same_mesh_and_colours(painted, tmp_path, suffix):
     positions, colours = np.asarray(other.vertices), np.asarray(other.vertex_colors) * 255
     np.testing.assert_allclose(positions[corners], painted.vertices[wanted], atol=1e-5)
     np.testing.assert_allclose(colours[corners], painted.srgb[wanted], atol=1e-3)
-
-
-@pytest.mark.skipif(not CHECKER.is_file(), reason="the independent checker is not here")
-@pytest.mark.parametrize(
-    ("suffix", "options"), [("ply", ()), ("obj", ()), ("glb", ("--axis=zup2yup", "--scale=0.001"))]
-)
-def test_the_independent_checker_agrees(painted, tmp_path, suffix, options):
-    pytest.importorskip("open3d", exc_type=ImportError)
-    export(painted, tmp_path / f"a.{suffix}")
-    expected = {"vertices": painted.vertices, "faces": painted.faces}
-    np.savez(tmp_path / "a.npz", **expected, normals=painted.normals, srgb=painted.srgb)
-    command = [sys.executable, CHECKER, tmp_path / f"a.{suffix}", tmp_path / "a.npz", *options]
-    done = subprocess.run(
-        [*command, "--readers", "plain,open3d"], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_glb_meets_the_specification(painted, tmp_path):
