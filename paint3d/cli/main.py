@@ -14,7 +14,8 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from paint3d.cli import bench, demo, devices, export, inks, replay, report, write
+from paint3d.cli import batch, bench, demo, devices, export, inks, replay, report, write
+from paint3d.cli.parsing import Parser, UsageError
 from paint3d.errors import Paint3DError
 
 __all__ = ["main"]
@@ -24,6 +25,7 @@ _COMMANDS = {
     "replay": replay,
     "write": write,
     "export": export,
+    "batch": batch,
     "devices": devices,
     "inks": inks,
     "bench": bench,
@@ -31,17 +33,6 @@ _COMMANDS = {
 }
 _FAILED = 2
 _INTERRUPTED = 130
-
-
-class _UsageError(Exception):
-    """A command line that argparse refused."""
-
-
-class _Parser(argparse.ArgumentParser):
-    """An argument parser that raises instead of printing its usage over several lines."""
-
-    def error(self, message: str) -> None:
-        raise _UsageError(f"{message} (see {self.prog} --help)")
 
 
 class _Version(argparse.Action):
@@ -55,7 +46,7 @@ class _Version(argparse.Action):
 
 
 def _make_parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="paint3d",
         description="Paint calligraphy and brushwork on 3-D objects.",
         allow_abbrev=False,
@@ -96,7 +87,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         _tell_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
         sys.stdout.flush()
-    except (_UsageError, Paint3DError) as error:
+    except (UsageError, Paint3DError) as error:
         return _report_failure(str(error))
     except BrokenPipeError:  # the reader of our output has gone: nobody to tell
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

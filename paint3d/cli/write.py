@@ -17,6 +17,7 @@ from paint3d.cli.options import (
 )
 from paint3d.cli.painting import Wishes, paint, timed, write_report
 from paint3d.cli.progress import ProgressBar
+from paint3d.cli.results import result_suffixes, write_result
 
 if TYPE_CHECKING:
     from paint3d.stroke.writing import Pen, Written
@@ -111,11 +112,10 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
-    from paint3d.files.export import EXPORT_SUFFIXES, export
     from paint3d.files.load import load_mesh
     from paint3d.stroke.recording import save_recording
 
-    check_output_file(options.out, EXPORT_SUFFIXES)
+    check_output_file(options.out, result_suffixes())
     for file, suffixes in ((options.report, (".json",)), (options.recording, _RECORDINGS)):
         if file is not None:
             check_output_file(file, suffixes)
@@ -126,7 +126,9 @@ def run(options: argparse.Namespace) -> None:
         resolution_mm=options.resolution,
         quiet=options.quiet,
     )
-    mesh = load_mesh(options.on, unit=options.unit)
+    mesh = load_mesh(
+        options.on, options.unit, from_points=options.from_points, texture=options.texture
+    )
     seconds: dict[str, float] = {}
     with timed(seconds, "plan"):
         written = _plan(options, mesh)
@@ -134,7 +136,7 @@ def run(options: argparse.Namespace) -> None:
     painting.seconds.update(seconds)
     painting.counts["characters"] = written.characters
     with timed(painting.seconds, "export"):
-        export(painting.surface, options.out)
+        write_result(painting, options.out)
     if options.recording is not None:
         save_recording(written.recording, options.recording)
     if options.report is not None:

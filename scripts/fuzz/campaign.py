@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import gzip
 import mmap
 import os
@@ -114,6 +115,7 @@ class Campaign:
 
     def _work(self, first: int, writing: int) -> None:
         status = 1
+        faulthandler.disable()  # the death is told by the parent
         try:
             resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

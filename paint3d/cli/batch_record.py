@@ -1,0 +1,72 @@
+"""What a batch has finished, so that it can go on after an interruption."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from paint3d.cli.batch_rows import Row, fingerprint
+from paint3d.errors import ExportError
+
+__all__ = ["FinishedRows"]
+
+
+class FinishedRows:
+    """A file of one JSON object a line, appended to when a row is finished.
+
+    Parameters
+    ----------
+    path : Path
+        Made with the first row. Lines that cannot be read, such as one cut short by a crash,
+        are passed over.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._known: dict[str, tuple[int, int]] = {}
+        try:
+            lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        except FileNotFoundError:
+            return
+        except OSError as cause:
+            raise ExportError(f"{path}: cannot read it: {cause.strerror or cause}") from None
+        for line in lines:
+            try:
+                entry = json.loads(line)
+                self._known[str(entry["row"])] = (int(entry["size"]), int(entry["changed_ns"]))
+            except (ValueError, KeyError, TypeError, RecursionError):
+                continue
+
+    def has(self, row: Row) -> bool:
+        """Whether the row was finished as it stands, and its output has not been touched since."""
+        return self._known.get(fingerprint(row), ()) == _state(row.output)
+
+    def add(self, row: Row) -> None:
+        """Note that a row is finished.
+
+        Raises
+        ------
+        ExportError
+            If the file cannot be written.
+        """
+        state = _state(row.output)
+        if state is None:
+            return
+        entry = {"row": fingerprint(row), "output": row.output}
+        entry |= {"size": state[0], "changed_ns": state[1]}
+        try:
+            with open(self.path, "a", encoding="utf-8") as file:
+                file.write(json.dumps(entry) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as cause:
+            raise ExportError(f"{self.path}: cannot write: {cause.strerror or cause}") from None
+
+
+def _state(output: str) -> tuple[int, int] | None:
+    try:
+        found = os.stat(output)
+    except (OSError, ValueError):
+        return None
+    return found.st_size, found.st_mtime_ns

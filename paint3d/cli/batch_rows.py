@@ -1,0 +1,81 @@
+"""One row of a batch: what one would type for it, and running that wherever there is a core."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+from paint3d.cli import replay, write
+from paint3d.cli.parsing import Parser, UsageError
+from paint3d.cli.versions import find_versions
+from paint3d.errors import Paint3DError
+
+__all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row"]
+
+COMMANDS = {"write": write, "replay": replay}
+
+
+class Row(NamedTuple):
+    """A row that can be run: `arguments` is what one would type after ``paint3d``."""
+
+    line: int
+    output: str
+    arguments: tuple[str, ...]
+
+
+class Outcome(NamedTuple):
+    """How a row went: an empty message is success."""
+
+    line: int
+    message: str
+    seconds: float
+    version: str
+
+
+def command_parser(command: str) -> Parser:
+    """Return the parser of ``write`` or ``replay``."""
+    parser = Parser(prog=f"paint3d {command}", allow_abbrev=False)
+    COMMANDS[command].add_arguments(parser)
+    return parser
+
+
+def run_row(row: Row) -> Outcome:
+    """Run a row to its end, here and now; whatever goes wrong is told, never raised."""
+    started = time.perf_counter()
+    try:
+        command, *arguments = row.arguments
+        COMMANDS[command].run(command_parser(command).parse_args(arguments))
+        message = ""
+    except (UsageError, Paint3DError) as cause:
+        message = str(cause)
+    except MemoryError:
+        message = "out of memory"
+    except OSError as cause:
+        message = f"{cause.filename or row.output}: {cause.strerror or cause}"
+    except Exception as cause:  # a fault of ours costs its row, not the batch
+        message = f"unexpected {type(cause).__name__}: {cause}"
+    seconds = time.perf_counter() - started
+    return Outcome(row.line, " ".join(message.split()), seconds, find_versions()["paint3d"])
+
+
+def fingerprint(row: Row) -> str:
+    """Return what a row's result depends on: its words, the files it names, and the version.
+
+    Files are told apart by their size and the time of their last change.
+    """
+    files = []
+    for word in row.arguments:
+        word = word.partition("=")[2] if word.startswith("--") else word
+        path = Path(word)
+        try:
+            if word != row.output and path.exists():
+                known = path.stat()
+                files.append((word, known.st_size, known.st_mtime_ns))
+        except (OSError, ValueError):
+            continue  # a text is seldom a file name
+    what = [row.arguments, files, find_versions()["paint3d"], os.getcwd()]
+    return hashlib.sha256(json.dumps(what).encode()).hexdigest()

@@ -1,0 +1,144 @@
+"""A table of paintings: every row that can be painted is, to the same bytes wherever it is."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HEADER = ("recording", "object", "brush", "ink", "output", "resolution", "text")
+CLUSTER = """
+import sys
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def write_table(tmp_path: Path, recording: Path):
+    """Write a table of rows (brush, ink, output) that replay the recording on the plane."""
+
+    def write(*rows, name: str = "table.csv", **columns: str) -> Path:
+        with open(tmp_path / name, "w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file)
+            table.writerow([*HEADER, *columns])
+            for brush, ink, output in rows:
+                cells = [recording, "plane", brush, ink, tmp_path / output, "0.8", ""]
+                table.writerow([*cells, *columns.values()])
+        return tmp_path / name
+
+    return write
+
+
+ROWS = [("full", "pine soot", "a.ply"), ("slender", "cinnabar", "b.p3d"), ("", "", "c.obj")]
+
+
+def bytes_of(folder: Path) -> dict[str, bytes]:
+    return {name: (folder / name).read_bytes() for _, _, name in ROWS}
+
+
+def test_rows_are_painted_as_alone_and_bad_ones_do_not_stop_them(
+    paint3d, write_table, recording: Path, tmp_path: Path
+) -> None:
+    bad = [("fulll", "", "x.ply"), ("", "no such ink", "y.ply"), ("", "", "z.nothing")]
+    table = write_table(ROWS[0], *bad, ("", "", "a.ply"), *ROWS[1:])
+    done = paint3d("batch", table, "--processes", "2")
+    assert done.returncode == 2
+    lines = done.stderr.splitlines()
+    assert lines[-1] == f"paint3d: error: {table}: 4 of 7 rows failed, in line 3, 4, 5, 6"
+    told = {line.partition(": ")[0]: line for line in lines[:-1]}
+    assert "did you mean 'full'?" in told[f"{table}:3"]
+    assert "unknown ink 'no such ink'" in told[f"{table}:4"]
+    assert "z.nothing: unknown kind of file" in told[f"{table}:5"]
+    assert "is the output of line 2 too" in told[f"{table}:6"]
+    assert "table.csv: 3 painted in " in done.stdout
+    assert not any((tmp_path / name).exists() for _, _, name in bad)
+    made = bytes_of(tmp_path)
+    alone = paint3d("replay", recording, "--on", "plane", "--brush", "full", "--ink", "pine soot",
+                    "--resolution", "0.8", "--out", tmp_path / "alone.ply")  # fmt: skip
+    assert alone.returncode == 0, alone.stderr
+    assert made["a.ply"] == (tmp_path / "alone.ply").read_bytes()
+
+
+def test_an_interrupted_batch_goes_on(paint3d, write_table, tmp_path: Path) -> None:
+    table = write_table(*ROWS)
+    command = [sys.executable, "-m", "paint3d", "batch", table, "--processes", "1"]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert running.stdout is not None
+    first = running.stdout.readline()
+    assert first.startswith(str(tmp_path / "a.ply"))
+    running.send_signal(signal.SIGINT)
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert errors == "paint3d: error: interrupted\n"
+    finished = tmp_path / "table.csv.finished"
+    assert json.loads(finished.read_text().splitlines()[0])["output"] == str(tmp_path / "a.ply")
+    with open(finished, "a", encoding="utf-8") as file:
+        file.write('{"row": "cut sho')
+    before = (tmp_path / "a.ply").stat().st_mtime_ns
+    done = paint3d("batch", table)
+    assert done.returncode == 0, done.stderr
+    assert "1 finished before" in done.stdout or "2 finished before" in done.stdout
+    assert (tmp_path / "a.ply").stat().st_mtime_ns == before
+    assert all((tmp_path / name).exists() for _, _, name in ROWS)
+
+
+def test_a_cluster_paints_the_same_bytes(paint3d, write_table, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    done = paint3d("batch", write_table(*ROWS))
+    assert done.returncode == 0, done.stderr
+    here = bytes_of(tmp_path)
+    script = tmp_path / "cluster.py"
+    script.write_text(CLUSTER)
+    cluster = subprocess.Popen(
+        [sys.executable, "-W", "ignore", script],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    try:
+        assert cluster.stdout is not None
+        address = cluster.stdout.readline().strip()
+        for _, _, name in ROWS:
+            (tmp_path / name).unlink()
+        rows = [*ROWS, ("", "no such ink", "x.ply")]
+        done = paint3d("batch", write_table(*rows), "--scheduler", address)
+        assert done.returncode == 2
+        assert "1 of 4 rows failed, in line 5" in done.stderr
+        assert bytes_of(tmp_path) == here
+    finally:
+        cluster.communicate("", timeout=60)
+
+
+def test_a_process_that_dies_costs_its_row_only(tmp_path: Path) -> None:
+    code = """
+import os, signal, sys
+import paint3d.cli.batch_rows as rows
+import paint3d.cli.batch_workers as workers
+
+def run(row):
+    if row.output == "kill":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if row.output == "exit":
+        os._exit(3)
+    return rows.Outcome(row.line, "", 0.0, "")
+
+workers.run_row = run
+if __name__ == "__main__":
+    table = [rows.Row(k, o, ()) for k, o in enumerate(("a", "kill", "b", "exit", "c"))]
+    for outcome in sorted(workers.run_here(table, 2)):
+        print(outcome.line, outcome.message)
+"""
+    script = tmp_path / "die.py"
+    script.write_text(code)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert lines == [
+        "0 ", "1 its process died (SIGKILL)", "2 ", "3 its process died (exit status 3)", "4 "
+    ]  # fmt: skip
