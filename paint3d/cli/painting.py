@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from paint3d.stroke.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Painting", "Wishes", "paint", "timed", "write_report"]
+__all__ = ["DEFAULT_INK", "Painting", "Wishes", "paint", "timed", "write_report"]
 
 _DEFAULT_BRUSH = "full"
-_DEFAULT_INK = "pine soot"
+DEFAULT_INK = "pine soot"
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
     from paint3d.surface.painted_surface import PaintedSurface
 
     brush = load_brush(wishes.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
-    ink = load_pigment(wishes.ink or _named_in(recording, "ink", _DEFAULT_INK))
+    ink = load_pigment(wishes.ink or _named_in(recording, "ink", DEFAULT_INK))
     material = load_material(wishes.material)
     say_if_compiling(quiet=wishes.quiet)
     seconds: dict[str, float] = {}

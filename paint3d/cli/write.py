@@ -15,7 +15,8 @@ from paint3d.cli.options import (
     parse_length_mm,
     parse_place,
 )
-from paint3d.cli.painting import Wishes, paint, timed, write_report
+from paint3d.cli.outlines import check_is_plane, export_outlines
+from paint3d.cli.painting import DEFAULT_INK, Wishes, paint, timed, write_report
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import result_suffixes, write_result
 
@@ -64,7 +65,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--glyphs", metavar="DIR", type=Path, help="an unpacked npm hanzi-writer-data"
+        "--glyphs",
+        metavar="DIR",
+        type=Path,
+        help="an unpacked npm hanzi-writer-data (default: the lines of the package kanjivg)",
     )
     parser.add_argument(
         "--size",
@@ -88,6 +92,12 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
+    )
+    parser.add_argument(
+        "--azimuth",
+        choices=("commanded", "dragged"),
+        default="commanded",
+        help="who turns the tuft: the handle, or the surface that drags it (default: commanded)",
     )
     parser.add_argument(
         "--technique", choices=_TECHNIQUES, help="how the tip is held (default: as the shape asks)"
@@ -115,7 +125,7 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.files.load import load_mesh
     from paint3d.stroke.recording import save_recording
 
-    check_output_file(options.out, result_suffixes())
+    check_output_file(options.out, (*result_suffixes(), ".svg"))
     for file, suffixes in ((options.report, (".json",)), (options.recording, _RECORDINGS)):
         if file is not None:
             check_output_file(file, suffixes)
@@ -129,14 +139,21 @@ def run(options: argparse.Namespace) -> None:
     mesh = load_mesh(
         options.on, options.unit, from_points=options.from_points, texture=options.texture
     )
+    as_outlines = options.out.name.lower().endswith(".svg")
+    if as_outlines:
+        check_is_plane(mesh)
     seconds: dict[str, float] = {}
     with timed(seconds, "plan"):
         written = _plan(options, mesh)
     painting = paint(mesh, written.recording, wishes)
     painting.seconds.update(seconds)
+    painting.counts["glyphs"] = written.recording.header["glyphs"]
     painting.counts["characters"] = written.characters
     with timed(painting.seconds, "export"):
-        write_result(painting, options.out)
+        if as_outlines:
+            export_outlines(mesh, written.recording, options.out)
+        else:
+            write_result(painting, options.out)
     if options.recording is not None:
         save_recording(written.recording, options.recording)
     if options.report is not None:
@@ -148,13 +165,13 @@ def run(options: argparse.Namespace) -> None:
 def _plan(options: argparse.Namespace, mesh) -> Written:
     """Plan the text, telling the progress."""
     from paint3d.ink.pigments import load_pigment
-    from paint3d.stroke.glyph_sources import open_glyph_folder
+    from paint3d.stroke.glyph_sources import open_glyphs
     from paint3d.stroke.layout import Layout
     from paint3d.stroke.writing import write_text
 
-    source = open_glyph_folder(options.glyphs)
+    source = open_glyphs(options.glyphs)
     layout = Layout(options.layout, options.at, options.around, options.side)
-    header = {"ink": load_pigment(options.ink).name if options.ink else "pine soot"}
+    header = {"ink": load_pigment(options.ink or DEFAULT_INK).name, "glyphs": source.name}
     with ProgressBar("planning", enabled=not options.quiet) as bar:
 
         def tell(character: str, fraction: float) -> None:
@@ -181,7 +198,8 @@ def _pen(options: argparse.Namespace) -> Pen:
     from paint3d.stroke.writing import Pen
 
     brush = load_brush(options.brush or choose_brush(options.size))
-    return Pen(brush, options.size, PlanSettings(technique=options.technique))
+    settings = PlanSettings(technique=options.technique, azimuth=options.azimuth)
+    return Pen(brush, options.size, settings)
 
 
 def _usable_cores() -> int:

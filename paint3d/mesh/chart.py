@@ -26,6 +26,7 @@ _FINEST_STEP = 1e-3
 _LEAST_ADVANCE = 0.6
 """A step that gains less than this share of its length has run into the surface's end."""
 _MOST_NODES = 400
+_INVERSE_NODES = 81
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +134,41 @@ class SurfaceChart:
         root = math.sqrt(0.5)
         x_axis, y_axis = root * (middle - across), root * (middle + across)
         return np.stack([x_axis, y_axis, normals], axis=-1)
+
+    def coordinates(self, points: ArrayLike, most_off: float = 0.5) -> NDArray:
+        """Chart coordinates (N, 2), mm, of points (N, 3) on the surface.
+
+        NaN for points outside the chart, or farther than `most_off` mm from its surface.
+
+        Notes
+        -----
+        The nearest of a grid of nodes, then four Gauss-Newton steps.
+        """
+        from scipy.spatial import cKDTree
+
+        wanted = as_array(points, "points", (None, 3))
+        reach = np.array([self.half_width, self.half_height])
+        lines = [np.linspace(-half, half, _INVERSE_NODES) for half in reach]
+        grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        spacing = float(2.0 * reach.max() / (_INVERSE_NODES - 1))
+        tree = cKDTree(self.points(grid))
+        distance, nearest = tree.query(wanted, distance_upper_bound=1.5 * spacing + most_off)
+        near = np.flatnonzero(np.isfinite(distance))
+        xy = grid[nearest[near]]
+        for _ in range(4):
+            inside = np.clip(xy, -reach, reach)
+            off = wanted[near] - _evaluate(self._points, inside)
+            along = [_evaluate(self._points, inside, dx=1), _evaluate(self._points, inside, dy=1)]
+            slope = np.stack(along, axis=-1)
+            gram = np.einsum("nki,nkj->nij", slope, slope)
+            step = np.linalg.solve(gram, np.einsum("nki,nk->ni", slope, off)[..., None])[..., 0]
+            xy = inside + step
+        inside = np.clip(xy, -reach, reach)
+        left = np.linalg.norm(wanted[near] - _evaluate(self._points, inside), axis=1)
+        out = np.full((len(wanted), 2), np.nan)
+        kept = (left <= most_off) & (np.abs(xy) <= reach * (1.0 + 1e-9)).all(axis=1)
+        out[near[kept]] = inside[kept]
+        return out
 
     def _checked(self, xy: ArrayLike) -> NDArray:
         checked = as_array(xy, "xy", (None, 2))

@@ -8,8 +8,17 @@ from typing import Protocol
 
 from paint3d.errors import InputError
 from paint3d.stroke.glyphs import Glyph, load_glyph
+from paint3d.stroke.kanjivg import find_kanjivg, load_lines
+from paint3d.stroke.stroke_shapes import SOURCE_OF_SHAPES, shape_strokes
 
-__all__ = ["GlyphSource", "HanziWriterFolder", "load_glyphs", "open_glyph_folder"]
+__all__ = [
+    "GlyphSource",
+    "HanziWriterFolder",
+    "KanjiVGLines",
+    "load_glyphs",
+    "open_glyph_folder",
+    "open_glyphs",
+]
 
 _HOW_TO_GET = "get it with: npm pack hanzi-writer-data@2 && tar xf hanzi-writer-data-*.tgz"
 _PROBE = "一"
@@ -56,6 +65,45 @@ class HanziWriterFolder:
     def load(self, text: str) -> Glyph:
         """Read a character's file."""
         return load_glyph(self.folder, text)
+
+
+@dataclass(frozen=True)
+class KanjiVGLines:
+    """Centre lines of the installed package `kanjivg`, with widths by the types of the strokes."""
+
+    folder: Path
+    name: str = "kanjivg"
+    licence: str = (
+        "Stroke lines: KanjiVG (Ulrich Apel, kanjivg.tagaini.net), CC BY-SA 3.0; "
+        + SOURCE_OF_SHAPES
+    )
+
+    def has(self, text: str) -> bool:
+        """Whether there is a file for a character."""
+        return (self.folder / f"{ord(text):05x}.svg").is_file()
+
+    def load(self, text: str) -> Glyph:
+        """Read a character's lines and give them outlines."""
+        return Glyph(text, tuple(shape_strokes(load_lines(self.folder, text), repr(text))))
+
+
+def open_glyphs(folder: Path | str | None) -> GlyphSource:
+    """The glyphs of a folder, or without one those of the installed `kanjivg`.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no glyphs, or none is given and `kanjivg` is not installed.
+    """
+    if folder is not None:
+        return open_glyph_folder(folder)
+    lines = find_kanjivg()
+    if lines is None:
+        raise InputError(
+            "the package kanjivg is not installed (pip install kanjivg); "
+            f"expected it, or a folder of hanzi-writer-data ({_HOW_TO_GET})"
+        )
+    return KanjiVGLines(lines)
 
 
 def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:

@@ -19,6 +19,7 @@ __all__ = ["HandMotion", "join_motions", "lay_motion", "travel"]
 
 _PEAK = 1.875  # of a least-jerk move's speed over its mean
 _PEAK_ACCELERATION = 5.78  # of a least-jerk move: times length over time squared
+_PEAK_JERK, _PEAK_JERK_RISE = 60.0, 384.0  # of the move, and of its rise: length over time cubed
 _MOST_RAISES = 12
 
 
@@ -115,6 +116,7 @@ def _seconds(span: float, arc: float, start: HandMotion, end: HandMotion, tempo:
         tempo.lift_s,
         _PEAK * way / tempo.most_speed,
         math.sqrt(_PEAK_ACCELERATION * way / (0.6 * tempo.most_acceleration)),
+        ((_PEAK_JERK * span + _PEAK_JERK_RISE * arc) / (0.9 * tempo.most_jerk)) ** (1.0 / 3.0),
         _PEAK * turn / tempo.most_turn_rate,
     )
 

@@ -136,6 +136,7 @@ def write_text(
         "brush": pen.brush.name,
         "object": mesh.name,
         "licence": f"{source.licence}. Motion: paint3d.",
+        "azimuth": pen.settings.azimuth,
         **(header or {}),
         "characters": told,
     }

@@ -1,0 +1,58 @@
+"""Strokes on the plane as outlines in an SVG file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from paint3d.errors import ExportError
+
+if TYPE_CHECKING:
+    from paint3d.device.recorded import Recording
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["check_is_plane", "export_outlines"]
+
+_FLAT_MM = 1e-3
+
+
+def check_is_plane(mesh: TriangleMesh) -> None:
+    """Refuse an object that is not the sheet z = 0, facing up.
+
+    Raises
+    ------
+    ExportError
+        If it is another one: outlines of strokes are flat.
+    """
+    low, high = mesh.bounds
+    if max(abs(low[2]), abs(high[2])) > _FLAT_MM or mesh.face_normals[:, 2].min() < 0.99:
+        raise ExportError(f"{mesh.name} is not the plane z = 0; expected it for an .svg of strokes")
+
+
+def export_outlines(mesh: TriangleMesh, recording: Recording, file: Path) -> None:
+    """Write the strokes' outlines in the colour of a full coat of the recording's ink on paper.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written.
+    InputError
+        If the recording leans or lets the surface turn the tuft.
+    """
+    from paint3d.brush.presets import load_brush
+    from paint3d.colour.layers import mixture_reflectance
+    from paint3d.colour.spectra import srgb_from_reflectance
+    from paint3d.files.write_svg import write_svg
+    from paint3d.ink.materials import load_material
+    from paint3d.ink.pigments import load_pigment
+    from paint3d.stroke.zones import stroke_outlines
+
+    header = recording.header
+    ink = load_pigment(str(header["ink"]))
+    paper = load_material("xuan").reflectance
+    red, green, blue = srgb_from_reflectance(mixture_reflectance({ink: 1.0}, 1.0, paper))
+    outlines = stroke_outlines(recording, load_brush(str(header["brush"])))
+    low, high = mesh.bounds
+    title = "".join(str(character["text"]) for character in header["characters"])
+    bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    write_svg(file, outlines, bounds, f"#{red:02x}{green:02x}{blue:02x}", title)

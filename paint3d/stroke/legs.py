@@ -1,0 +1,137 @@
+"""Strokes as legs: a stroke's line is cut at its sharp corners, and each leg has stations.
+
+What a brush does at the beginning and the end of a leg depends on the width, what it does between
+on the length. A leg therefore has a zone at each end, as long as the half width asks, and a body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+__all__ = ["BODY", "ZONE", "Leg", "corners_of", "cut_line", "is_hooked"]
+
+ZONE, BODY = 11, 7
+"""Stations in each end zone and between the two."""
+
+_CORNERS = {
+    "㇕": 1, "㇖": 1, "㇚": 1, "㇇": 1, "㇗": 1, "㇙": 1, "㇛": 1, "㇜": 1,
+    "㇂": 1, "㇁": 1, "㇟": 1, "㇃": 1,
+    "㇆": 2, "㇈": 2, "㇅": 2, "㇊": 2, "㇞": 2, "㇉": 3, "㇋": 3, "㇌": 3, "㇡": 4,
+}  # fmt: skip
+_HOOKED = "㇆㇚㇂㇁㇟㇈㇉㇃㇡"
+_SAMPLES = 96
+_WINDOW = 0.12  # of the length: how far to both sides a corner is looked at
+_HOOK_SHARE = 0.3  # of the length: a hook's corner lies within so much of the end
+_LEAST_LEG = 0.05  # of the length
+_ZONE_WIDTHS, _ZONE_SHARE = 4.0, 0.4
+
+
+def corners_of(kind: str) -> int:
+    """How many sharp corners a stroke of a type has."""
+    return _CORNERS.get(kind[:1], 0)
+
+
+def is_hooked(kind: str) -> bool:
+    """Whether a stroke of a type ends in a hook."""
+    return kind[:1] != "" and kind[:1] in _HOOKED
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A piece of a stroke without sharp corners.
+
+    Attributes
+    ----------
+    points : (N, 2) float64
+        Evenly spaced.
+    """
+
+    points: NDArray[np.float64]
+
+    @property
+    def length(self) -> float:
+        """In the units of the points."""
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
+    def stations(self, half_width: float, before: float, after: float) -> NDArray[np.float64]:
+        """Distances (2 ZONE + BODY,) along the leg; it goes on straight before and after."""
+        zone = min(_ZONE_WIDTHS * half_width, _ZONE_SHARE * self.length)
+        rest = self.length - zone
+        return np.concatenate(
+            [
+                np.linspace(-before, zone, ZONE),
+                np.linspace(zone, rest, BODY + 2)[1:-1],
+                np.linspace(rest, self.length + after, ZONE),
+            ]
+        )
+
+    def at(self, distances: NDArray) -> tuple[NDArray, NDArray]:
+        """Points and unit vectors to the left, (N, 2) each, at distances along the leg."""
+        way = np.linspace(0.0, self.length, len(self.points))
+        inside = np.clip(distances, 0.0, self.length)
+        tangents = np.gradient(self.points, axis=0)
+        tangents = gaussian_filter1d(tangents, 0.04 * len(way), axis=0, mode="nearest")
+        tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-9)
+        point, tangent = (
+            np.stack([np.interp(inside, way, values[:, k]) for k in range(2)], axis=1)
+            for values in (self.points, tangents)
+        )
+        tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
+        point = point + (np.asarray(distances) - inside)[:, None] * tangent
+        return point, np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+
+
+def cut_line(line: NDArray, n_corners: int, hooked: bool = False) -> list[Leg]:
+    """Cut a line (N, 2) at its sharpest corners into legs.
+
+    The last corner of a hooked line is looked for near its end.
+    """
+    points = _resampled(line, _SAMPLES)
+    cuts = [0, *sorted(_sharpest(points, n_corners, hooked)), _SAMPLES - 1]
+    legs = []
+    for first, last in pairwise(cuts):
+        legs.append(Leg(_calmed(_resampled(points[first : last + 1], _SAMPLES))))
+    return legs
+
+
+def _sharpest(points: NDArray, n: int, hooked: bool) -> list[int]:
+    """Indices of the n sharpest corners, a leg apart from each other and from the ends."""
+    window = int(_WINDOW * _SAMPLES)
+    margin = max(2, int(_LEAST_LEG * _SAMPLES))
+    turning = np.zeros(_SAMPLES)
+    for k in range(margin, _SAMPLES - margin):
+        reach = min(window, k, _SAMPLES - 1 - k)
+        back, onward = points[k] - points[k - reach], points[k + reach] - points[k]
+        cross = back[0] * onward[1] - back[1] * onward[0]
+        turning[k] = abs(np.arctan2(cross, back @ onward))
+    chosen: list[int] = []
+    if hooked and n:
+        tail = int((1.0 - _HOOK_SHARE) * _SAMPLES)
+        chosen.append(tail + int(np.argmax(turning[tail:])))
+    for k in np.argsort(-turning, kind="stable"):
+        if len(chosen) == n or turning[k] == 0.0:
+            break
+        if all(abs(k - other) > margin for other in chosen):
+            chosen.append(int(k))
+    return chosen
+
+
+def _resampled(line: NDArray, n: int) -> NDArray[np.float64]:
+    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    at = np.linspace(0.0, way[-1], n)
+    return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
+
+
+def _calmed(points: NDArray) -> NDArray[np.float64]:
+    """Smooth a leg; its ends stay."""
+    sigma = 0.05 * len(points)
+    chord = np.linspace(points[0], points[-1], len(points))
+    reach = len(points) - 1
+    off = points - chord
+    padded = np.concatenate([-off[reach:0:-1], off, -off[-2 : -reach - 2 : -1]])
+    return chord + gaussian_filter1d(padded, sigma, axis=0)[reach : reach + len(points)]
