@@ -21,6 +21,7 @@ BENCHMARKS: dict[str, tuple[str, str]] = {
     "memory": ("processes.measure_memory", "memory of a painting on 4 million vertices"),
     "import": ("processes.measure_import", "starting, in a new process"),
     "colours": ("colouring.measure", "vertex colours a second"),
+    "files": ("files.measure", "exporting a million triangles in every format"),
 }
 """Name: (where its function is, what it measures)."""
 

@@ -49,6 +49,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_parse_filaments,
         help="reduce to so many colours, or to the nearest of these, as #rrggbb,#rrggbb",
     )
+    parser.add_argument(
+        "--packed-normals",
+        action="store_true",
+        help=".p3d.txt: seven numbers a vertex, as the paper prints them, instead of nine",
+    )
     add_quiet_option(parser)
 
 
@@ -82,6 +87,7 @@ def run(options: argparse.Namespace) -> None:
             unlit=options.unlit,
             texture=options.texture,
             filaments=options.filaments,
+            packed_normals=options.packed_normals,
         )
     if not options.quiet:
         sys.stdout.write(f"{options.file}\n")

@@ -49,6 +49,7 @@ def export(
     unlit: bool = False,
     texture: bool | int = False,
     filaments: int | Sequence[str] | None = None,
+    packed_normals: bool = False,
 ) -> None:
     """Write a painting to `path`; the suffix chooses the format.
 
@@ -81,6 +82,8 @@ def export(
     filaments : int or sequence of str, optional
         Reduce the colours to so many, or to the nearest of these (sRGB as hex), one for each
         triangle.
+    packed_normals : bool
+        .p3d.txt: write the paper's seven numbers a vertex, one of them for the normal.
 
     Raises
     ------
@@ -95,7 +98,9 @@ def export(
     if suffix == SESSION_SUFFIX:
         _save(surface, path)
         return
-    options = ExportOptions(tolerance, exact, unit, up_axis, unlit, texture, filaments)
+    options = ExportOptions(
+        tolerance, exact, unit, up_axis, unlit, texture, filaments, packed_normals
+    )
     form = FORMATS[suffix]
     options.refuse_others(form.takes, suffix, _formats_by_wish())
     unit = options.unit or form.unit
@@ -185,7 +190,8 @@ def _write_wrl(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    write_records(path, painting.vertices, painting.normals, painting.srgb)
+    arrays = painting.vertices, painting.normals, painting.srgb
+    write_records(path, *arrays, packed=options.packed_normals)
 
 
 def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
@@ -220,7 +226,7 @@ FORMATS: dict[str, Format] = {
     ".3mf": Format(_write_3mf),
     ".usdz": Format(_write_usdz, "m", "y"),
     ".wrl": Format(_write_wrl, "m", "y"),
-    ".p3d.txt": Format(_write_records, takes=frozenset()),
+    ".p3d.txt": Format(_write_records, takes=frozenset({"packed_normals"})),
     ".html": Format(_write_html, takes=frozenset({"filaments"})),
     ".png": Format(_write_png, takes=frozenset({"filaments"})),
 }

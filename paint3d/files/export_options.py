@@ -39,6 +39,8 @@ class ExportOptions:
         Bake the colours into a texture (glTF): True, or the pixels of its longer side.
     filaments : int, sequence of str, or None
         Reduce the colours to one of these for each triangle: how many, or their sRGB as hex.
+    packed_normals : bool
+        Write the paper's seven numbers a vertex, with one for the normal, instead of nine.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class ExportOptions:
     unlit: bool = False
     texture: bool | int = False
     filaments: int | Sequence[str] | None = None
+    packed_normals: bool = False
 
     def __post_init__(self) -> None:
         as_number(self.tolerance, "tolerance (dE00)", low=0.0)
@@ -84,7 +87,7 @@ class ExportOptions:
         ExportError
             For the first wish that it does not know.
         """
-        for wish in ("unit", "up_axis", "unlit", "texture", "filaments"):
+        for wish in ("unit", "up_axis", "unlit", "texture", "filaments", "packed_normals"):
             if getattr(self, wish) not in (None, False) and wish not in takes:
                 raise ExportError(
                     f"{suffix} files cannot have {wish.replace('_', ' ')}; "

@@ -13,6 +13,7 @@ import paint3d
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.files.export import FORMATS, export
 from paint3d.files.load import load_mesh
+from paint3d.files.records import read_records
 from paint3d.ink.pigments import load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -207,12 +208,22 @@ def test_wishes_that_cannot_be(tmp_path, options, error, message):
 
 
 def test_every_format_says_no_to_what_it_cannot_do(tmp_path):
-    wishes = {"unit": "cm", "up_axis": "y", "unlit": True, "filaments": 2}
+    wishes = {"unit": "cm", "up_axis": "y", "unlit": True, "texture": 64, "filaments": 2}
+    wishes["packed_normals"] = True
     for suffix, form in FORMATS.items():
         for wish, value in wishes.items():
             if wish not in form.takes:
                 with pytest.raises(ExportError, match=wish.replace("_", " ")):
                     export(box(), tmp_path / f"a{suffix}", **{wish: value})
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_records_in_both_readings_of_the_paper(tmp_path, packed):
+    export(box(), tmp_path / "a.p3d.txt", packed_normals=packed)
+    back = read_records(tmp_path / "a.p3d.txt")
+    np.testing.assert_allclose(back.vertices, box().vertices)
+    np.testing.assert_array_equal(back.srgb, box().colours)
+    assert (tmp_path / "a.p3d.txt").read_text().splitlines()[2].count(",") == (6 if packed else 8)
 
 
 def test_a_material_without_name_is_a_painting(tmp_path):
