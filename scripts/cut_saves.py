@@ -45,7 +45,7 @@ def make_session(coats: float) -> Session:
     for k in (3, 5):
         surface.ink.amounts[k, column], surface.ink.coverage[k] = coats, 0.5
         surface.touch(np.array([k], np.int32))
-    surface.dry(np.array([3], np.int32))
+    surface.settle(np.array([3], np.int32))
     n = 4
     recording = Recording(np.arange(n), np.zeros((n, 3)), np.tile([1.0, 0, 0, 0], (n, 1)))
     return Session(surface, (recording,), {"coats": coats})

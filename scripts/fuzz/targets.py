@@ -224,7 +224,7 @@ def _session_seeds() -> list[tuple[str, bytes]]:
     ids = np.arange(6, dtype=np.int32)
     surface.ink.amounts[ids, column], surface.ink.coverage[ids] = 0.5, 0.75
     surface.touch(ids)
-    surface.dry(ids[:3])
+    surface.settle(ids[:3])
     session = Session(surface, (_recording(),), {"brush": "full"})
     return [_written(".p3d", partial(save_session, session))]
 
