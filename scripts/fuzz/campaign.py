@@ -33,7 +33,8 @@ def make_case(
     suffix, content = chance.choice(seeds)
     others = [other for _, other in seeds]
     if suffix.endswith(".gz") and chance.random() < 0.5:
-        return suffix, gzip.compress(target.damage(gzip.decompress(content), chance, others), 1)
+        plain = target.damage(gzip.decompress(content), chance, others)
+        return suffix, gzip.compress(plain, 1, mtime=0)
     return suffix, target.damage(content, chance, others)
 
 

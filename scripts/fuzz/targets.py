@@ -87,7 +87,7 @@ def _recording_seeds() -> list[tuple[str, bytes]]:
     table = b"0.00 10 20 0.1\n0.01 11 20.5 0.2\n0.02 12 21 0.3\n"
     named = b"timestamp,spline_x,spline_y,pressure,altitude,azimuth,stroke_id\n"
     named += b"0,1,2,0.5,1.2,0.3,1\n8,2,3,0.6,1.2,0.3,1\n16,9,9,0.5,1.1,0.2,2\n"
-    return [*saved, (".txt", table), (".csv", named), (".jsonl.gz", gzip.compress(saved[0][1]))]
+    return [*saved, (".txt", table), (".csv", named), (".jsonl.gz", gzip.compress(saved[0][1], mtime=0))]
 
 
 def _inkml_seeds() -> list[tuple[str, bytes]]:
