@@ -20,6 +20,7 @@ BENCHMARKS: dict[str, tuple[str, str]] = {
     "kernel": ("gathering.measure", "gather, project, deposit against SciPy and NumPy"),
     "memory": ("processes.measure_memory", "memory of a painting on 4 million vertices"),
     "import": ("processes.measure_import", "starting, in a new process"),
+    "haptics": ("haptics.measure", "the force servo's beat and round trip beside a busy program"),
     "colours": ("colouring.measure", "vertex colours a second"),
     "files": ("files.measure", "exporting a million triangles in every format"),
 }

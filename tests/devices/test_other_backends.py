@@ -1,0 +1,294 @@
+"""Backends that call us and backends that are asked, against stand-ins; pointers and tablets."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import math
+import shutil
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from websockets.sync.server import serve
+
+from paint3d.device.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
+from paint3d.device.inverse3_port import Inverse3Port
+from paint3d.device.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
+from paint3d.device.pointer import PointerEvent, PointerSettings, PointerState, point
+from paint3d.device.stylus_reading import BARREL, DIP, ERASER
+from paint3d.device.tablet import TabletEvent, tablet_reading
+from paint3d.errors import DeviceError
+from paint3d.frames import rotate
+
+STAND_IN = Path(__file__).with_name("openhaptics_stand_in.c")
+MS = 1_000_000
+
+
+class Loop:
+    """Takes poses, gives a force, and stops after so many."""
+
+    def __init__(self, last: int, force=(0.1, 0.2, 0.3), fault: Exception | None = None) -> None:
+        self.last, self.force, self.fault = last, force, fault
+        self.poses: list = []
+        self.silences = self.n_sent = self.n_refused = 0
+
+    def step(self, pose, now_ns):
+        if pose is None:
+            self.silences += 1
+            return (0.0, 0.0, 0.0)
+        self.poses.append(pose)
+        if self.fault is not None and len(self.poses) == self.last:
+            raise self.fault
+        return self.force
+
+    def sent(self) -> None:
+        self.n_sent += 1
+
+    def refused(self) -> None:
+        self.n_refused += 1
+
+    def stopped(self) -> bool:
+        return self.fault is None and len(self.poses) >= self.last
+
+
+# -- OpenHaptics ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def library(tmp_path) -> Path:
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler for the library that stands in")
+    out = tmp_path / "libHD.so"
+    subprocess.run(
+        [compiler, "-shared", "-fPIC", "-O1", "-o", out, STAND_IN, "-lpthread"], check=True
+    )
+    return out
+
+
+def told(library: Path) -> tuple[ctypes.CDLL, np.ndarray]:
+    lib = ctypes.CDLL(str(library))
+    n = ctypes.c_int.in_dll(lib, "calls").value
+    table = ((ctypes.c_double * 3) * 100000).in_dll(lib, "forces")
+    return lib, np.array([list(table[i]) for i in range(n)])
+
+
+def number(lib: ctypes.CDLL, name: str) -> int:
+    return ctypes.c_int.in_dll(lib, name).value
+
+
+def test_openhaptics_calls_and_is_answered(library) -> None:
+    loop = Loop(100)
+    OpenHapticsPort(library=str(library)).run(loop)
+    lib, forces = told(library)
+    assert len(loop.poses) == 100
+    assert loop.n_sent == 100
+    assert np.allclose(forces[:100], [0.1, 0.2, 0.3])
+    assert not forces[-1].any()  # the last thing that it is told
+    pose = loop.poses[60]
+    assert np.allclose(pose.position, [5.0, 6.0, -3.0])
+    assert pose.buttons == BARREL
+    turned = rotate(np.array(pose.orientation), np.eye(3))
+    assert np.allclose(turned, [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-12)
+    assert (number(lib, "force_enabled"), number(lib, "disabled")) == (0, 1)
+    assert number(lib, "frames_without_begin") == 0
+
+
+def test_openhaptics_axes_become_ours() -> None:
+    turned = rotate(np.array(WORLD_FROM_OPENHAPTICS), np.eye(3))
+    assert np.allclose(turned, [[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # up is z, towards us is -y
+
+
+def test_openhaptics_never_pushes_beyond_the_device(library) -> None:
+    OpenHapticsPort(library=str(library)).run(Loop(5, (3.0, 3.0, 3.0)))
+    _, forces = told(library)
+    assert np.linalg.norm(forces, axis=1).max() == pytest.approx(3.3)
+
+
+@pytest.mark.parametrize("fault", [ValueError("broken"), DeviceError("broken")])
+def test_a_fault_in_the_servo_ends_openhaptics_in_no_force(library, fault) -> None:
+    with pytest.raises(DeviceError, match="broken"):
+        OpenHapticsPort(library=str(library)).run(Loop(20, fault=fault))
+    lib, forces = told(library)
+    assert len(forces) == 20
+    assert not forces[-1].any()
+    assert number(lib, "force_enabled") == 0
+
+
+def test_a_force_that_is_not_finite_is_never_handed_over(library) -> None:
+    with pytest.raises(DeviceError, match="not finite"):
+        OpenHapticsPort(library=str(library)).run(Loop(20, (math.nan, 0.0, 0.0)))
+    assert np.isfinite(told(library)[1]).all()
+
+
+def test_an_error_of_the_library_is_told(library) -> None:
+    ctypes.c_int.in_dll(ctypes.CDLL(str(library)), "fail_at").value = 30
+    with pytest.raises(DeviceError, match="0x302"):
+        OpenHapticsPort(library=str(library)).run(Loop(1000))
+
+
+def test_no_openhaptics_device_and_no_library(library) -> None:
+    ctypes.c_int.in_dll(ctypes.CDLL(str(library)), "refuse").value = 1
+    with pytest.raises(DeviceError, match="cannot open"):
+        OpenHapticsPort(library=str(library)).run(Loop(1))
+    with pytest.raises(DeviceError, match="comes with the maker's driver"):
+        OpenHapticsPort(library="libNoSuchHD.so").run(Loop(1))
+
+
+# -- Haply Inverse3 ---------------------------------------------------------------------------
+
+
+class Service:
+    """Stands in for the Inverse3 service: a state, and one more for every force."""
+
+    def __init__(self, broken_at: int = -1, silent_at: int = -1, closes_at: int = -1) -> None:
+        self.broken_at, self.silent_at, self.closes_at = broken_at, silent_at, closes_at
+        self.messages: list[dict] = []
+        self.server = serve(self.talk, "127.0.0.1", 0)
+        self.uri = f"ws://127.0.0.1:{self.server.socket.getsockname()[1]}"
+        self.thread = threading.Thread(target=self.server.serve_forever, daemon=True)
+        self.thread.start()
+
+    def talk(self, socket) -> None:
+        socket.send(self.state(0))
+        for message in socket:
+            self.messages.append(json.loads(message))
+            n = len(self.messages)
+            if n == self.closes_at:
+                return
+            if n == self.silent_at:
+                time.sleep(0.05)
+            socket.send("{" if n == self.broken_at else self.state(n))
+
+    def state(self, n: int) -> str:
+        place = {"x": 0.001 * n, "y": 0.02, "z": 0.1}
+        grip = {"orientation": {"w": 1.0, "x": 0, "y": 0, "z": 0}, "buttons": {"b": n > 10}}
+        return json.dumps(
+            {
+                "inverse3": [{"device_id": "0A", "state": {"cursor_position": place}}],
+                "wireless_verse_grip": [{"device_id": "1B", "state": grip}],
+            }
+        )
+
+    def forces(self) -> np.ndarray:
+        sent = [m["inverse3"][0] for m in self.messages]
+        assert {s["device_id"] for s in sent} == {"0A"}
+        values = [s["commands"]["set_cursor_force"]["values"] for s in sent]
+        return np.array([[v["x"], v["y"], v["z"]] for v in values])
+
+    def close(self) -> None:
+        self.server.shutdown()
+        self.thread.join()
+
+
+def run_inverse3(loop: Loop, **more) -> Service:
+    service = Service(**more)
+    try:
+        Inverse3Port(service.uri).run(loop)
+        end = time.monotonic() + 2.0
+        while len(service.messages) < loop.n_sent + 1 and time.monotonic() < end:
+            time.sleep(0.01)
+    finally:
+        service.close()
+    return service
+
+
+def test_the_inverse3_is_asked_and_answered() -> None:
+    loop = Loop(40)
+    service = run_inverse3(loop)
+    forces = service.forces()
+    assert np.allclose(forces[:39], [0.1, 0.2, 0.3])
+    assert not forces[-1].any()
+    assert np.allclose(loop.poses[20].position, [20.0, 20.0, 100.0])
+    assert (loop.poses[5].buttons, loop.poses[20].buttons) == (0, DIP)
+
+
+def test_an_inverse3_that_pauses_or_stammers() -> None:
+    loop = Loop(40)
+    service = run_inverse3(loop, broken_at=10, silent_at=20)
+    assert loop.n_refused == 1
+    assert loop.silences > 1
+    assert not service.forces()[11].any() or not service.forces()[10].any()
+
+
+def test_an_inverse3_service_that_goes_or_was_never_there() -> None:
+    with pytest.raises(DeviceError, match="has gone or does not run"):
+        run_inverse3(Loop(1000), closes_at=15)
+    with pytest.raises(DeviceError, match="does not run"):
+        Inverse3Port("ws://127.0.0.1:9").run(Loop(1))
+
+
+def test_a_force_beyond_the_inverse3_is_never_sent() -> None:
+    with pytest.raises(DeviceError, match="at most"):
+        run_inverse3(Loop(5, (INVERSE3_LIMIT + 0.1, 0.0, 0.0)))
+
+
+# -- mouse and keyboard, tablets --------------------------------------------------------------
+
+
+def follow(events, **more):
+    state, readings = PointerState(**more), []
+    for event in events:
+        state, reading = point(PointerSettings(), state, event)
+        readings.append(reading)
+    return state, readings
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(5, 200), st.floats(0.1, 2.0))
+def test_keys_press_in_time_not_in_events(n, seconds) -> None:
+    times = np.linspace(0, seconds * 1e9, n).astype(int)
+    events = [PointerEvent(int(t), 0, 0, harder=t > 0) for t in times]
+    state, _ = follow(events, force=1.0)
+    assert state.force == pytest.approx(min(7.9, 1.0 + 3.0 * seconds), abs=1e-6)
+
+
+def test_force_stays_within_the_device_of_the_papers() -> None:
+    up = [PointerEvent(i * 10**9, 0, 0, harder=True) for i in range(9)]
+    assert follow(up)[0].force == 7.9
+    assert follow([PointerEvent(0, 0, 0, wheel=-99.0)])[0].force == 0.0
+    assert follow([PointerEvent(0, 0, 0, wheel=2.0)], force=1.0)[0].force == 1.5
+
+
+def test_the_tuft_trails_behind_the_pointer() -> None:
+    events = [PointerEvent(i * MS, 0.5 * i, 0.2 * i, down=True) for i in range(100)]
+    _, readings = follow(events, force=3.95)
+    bend = rotate(readings[-1].orientation, np.array([1.0, 0, 0]))
+    way = np.array([0.5, 0.2, 0]) / np.hypot(0.5, 0.2)
+    assert bend @ way < -0.999  # zhongfeng: the tip in the middle, behind the brush
+    assert readings[-1].pressure == pytest.approx(0.5)
+    assert follow([PointerEvent(0, 1, 2)])[1][0].pressure == 0.0
+
+
+def test_a_modifier_sets_the_bend_and_holds_the_brush() -> None:
+    events = [PointerEvent(0, 0, 0), PointerEvent(MS, 0, 9.0, bending=True)]
+    _, readings = follow(events)
+    assert readings[1].position.tolist() == [0, 0, 0]
+    assert np.allclose(rotate(readings[1].orientation, np.array([1.0, 0, 0])), [0, 1, 0])
+    with pytest.raises(DeviceError, match="pointer event"):
+        follow([PointerEvent(0, math.nan, 0)])
+
+
+def test_a_tablet_event_is_a_reading() -> None:
+    said = tablet_reading(
+        TabletEvent(5, 100, 150, 0.5, x_tilt=30, second=True, eraser=True), 0.25, 200
+    )
+    assert np.allclose(said.position, [25.0, 12.5, 0.0])
+    assert (said.pressure, said.buttons, said.time_ns) == (0.5, DIP | ERASER, 5)
+    assert rotate(said.orientation, np.array([0, 0, 1.0]))[0] == pytest.approx(0.5)
+    near = tablet_reading(TabletEvent(0, 0, 0, y_tilt=20), 1.0, 1.0)
+    assert rotate(near.orientation, np.array([0, 0, 1.0]))[1] < 0.0  # leans towards the user
+    right = tablet_reading(TabletEvent(0, 0, 0, rotation=90), 1.0, 1.0)
+    assert np.allclose(rotate(right.orientation, np.array([1.0, 0, 0])), [0, 1, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize("wrong", [{"pressure": 1.2}, {"x": math.inf}, {"x_tilt": math.nan}])
+def test_tablet_events_that_cannot_be_are_refused(wrong) -> None:
+    with pytest.raises(DeviceError, match="tablet event"):
+        tablet_reading(TabletEvent(**{"time_ns": 0, "x": 0.0, "y": 0.0, **wrong}), 1.0, 100.0)
