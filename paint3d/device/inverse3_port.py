@@ -64,17 +64,27 @@ class Inverse3Port:
                 service.send(encode_force(device_id, _NOTHING))
 
     def _next(self, service, loop: ForceLoop) -> tuple[float, float, float]:
-        """The force after the next state, or after a silence."""
-        try:
-            message = service.recv(timeout=_SILENCE_S)
-            return loop.step(
-                _numbers(decode_state(message, time.monotonic_ns())), time.monotonic_ns()
-            )
-        except TimeoutError:
-            return loop.step(None, time.monotonic_ns())
-        except DeviceError:
-            loop.refused()
-            return loop.step(None, time.monotonic_ns())
+        """The force after the newest state, or after a silence.
+
+        A silence is answered too, with what is then no force; its own answer comes on top of the
+        late one, so all that wait are taken, or the hand would be felt ever later.
+        """
+        force, timeout = None, _SILENCE_S
+        while True:
+            try:
+                message = service.recv(timeout=timeout)
+            except TimeoutError:
+                break
+            timeout = 0.0
+            try:
+                pose = _numbers(decode_state(message, time.monotonic_ns()))
+            except DeviceError:
+                loop.refused()
+                continue
+            if force is not None:
+                loop.sent()
+            force = loop.step(pose, time.monotonic_ns())
+        return loop.step(None, time.monotonic_ns()) if force is None else force
 
 
 def _numbers(state: Inverse3State) -> PoseNumbers:

@@ -9,12 +9,14 @@ import shutil
 import subprocess
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
 from paint3d.device.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
@@ -156,6 +158,10 @@ class Service:
         self.thread.start()
 
     def talk(self, socket) -> None:
+        with suppress(ConnectionClosed):
+            self.answer(socket)
+
+    def answer(self, socket) -> None:
         socket.send(self.state(0))
         for message in socket:
             self.messages.append(json.loads(message))
@@ -191,9 +197,10 @@ def run_inverse3(loop: Loop, **more) -> Service:
     service = Service(**more)
     try:
         Inverse3Port(service.uri).run(loop)
-        end = time.monotonic() + 2.0
-        while len(service.messages) < loop.n_sent + 1 and time.monotonic() < end:
+        end = time.monotonic() + 5.0
+        while (not service.messages or service.forces()[-1].any()) and time.monotonic() < end:
             time.sleep(0.01)
+        time.sleep(0.05)
     finally:
         service.close()
     return service
@@ -203,18 +210,24 @@ def test_the_inverse3_is_asked_and_answered() -> None:
     loop = Loop(40)
     service = run_inverse3(loop)
     forces = service.forces()
-    assert np.allclose(forces[:39], [0.1, 0.2, 0.3])
+    pushing = forces[forces.any(axis=1)]  # on a slow machine there are silences in between
+    assert np.allclose(pushing, [0.1, 0.2, 0.3])
+    assert len(pushing) >= 30
     assert not forces[-1].any()
     assert np.allclose(loop.poses[20].position, [20.0, 20.0, 100.0])
     assert (loop.poses[5].buttons, loop.poses[20].buttons) == (0, DIP)
 
 
 def test_an_inverse3_that_pauses_or_stammers() -> None:
-    loop = Loop(40)
+    loop = Loop(60)
     service = run_inverse3(loop, broken_at=10, silent_at=20)
     assert loop.n_refused == 1
     assert loop.silences > 1
-    assert not service.forces()[11].any() or not service.forces()[10].any()
+    forces = service.forces()
+    assert not forces[20:23].any()  # while it was silent
+    assert forces[30:].any()
+    place = np.array([pose.position[0] for pose in loop.poses])
+    assert (np.diff(place) > 0).all()  # nothing twice, nothing out of order
 
 
 def test_an_inverse3_service_that_goes_or_was_never_there() -> None:
