@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.errors import ExportError
+
 __all__ = ["INDEX_DATA", "VERTEX_DATA", "material", "vertex_accessor", "write_container"]
 
 FLOAT = 5126
+LARGEST = (1 << 32) - 1
 VERTEX_DATA, INDEX_DATA = 34962, 34963
 UNLIT = "KHR_materials_unlit"
 TYPES = {2: "VEC2", 3: "VEC3"}
@@ -32,6 +35,8 @@ def write_container(
 
     Raises
     ------
+    ExportError
+        If the file would be larger than the format can say.
     OSError
         If the file cannot be written.
     """
@@ -56,6 +61,8 @@ def write_container(
         document["extensionsUsed"] = [UNLIT]
     text = json.dumps(document, separators=(",", ":")).encode("utf-8")
     text += b" " * (-len(text) % 4)
+    if 28 + len(text) + end > LARGEST:
+        raise ExportError(f"a binary glTF holds 4 GiB at most; this one would have {end:,} bytes")
     with open(path, "wb") as file:
         for word in (0x46546C67, 2, 28 + len(text) + end, len(text), 0x4E4F534A):
             file.write(word.to_bytes(4, "little"))

@@ -13,7 +13,7 @@ from paint3d.files.export_options import ExportOptions
 from paint3d.files.filaments import choose_filaments, choose_for_triangles, split_by_filament
 from paint3d.files.load import UNITS_MM
 from paint3d.files.texture import bake_texture
-from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
 
 __all__ = ["Exportable", "Painting", "PlainSurface", "read_painting"]
 
@@ -168,10 +168,19 @@ def _in_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:
 
 def _checked(arrays: tuple[NDArray, NDArray, NDArray, NDArray], material: str) -> Painting:
     vertices = as_array(arrays[0], "vertices", (None, 3), np.float32, MeshError)
+    faces = as_array(arrays[1], "faces", (None, 3), np.int32, MeshError)
     shape = (len(vertices), 3)
+    if len(faces) == 0:
+        raise MeshError("there are no faces; expected at least one triangle")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        bad = faces.min() if faces.min() < 0 else faces.max()
+        raise MeshError(f"a face refers to vertex {bad}; expected 0 to {len(vertices) - 1}")
+    farthest = np.abs(vertices).max()
+    if farthest > MAX_COORDINATE_MM:
+        raise MeshError(f"a coordinate is {farthest:g} mm; expected {MAX_COORDINATE_MM:g} at most")
     return Painting(
         vertices,
-        as_array(arrays[1], "faces", (None, 3), np.int32, MeshError),
+        faces,
         _unit(as_array(arrays[2], "normals", shape, np.float32, MeshError)),
         _codes(arrays[3], shape),
         material,

@@ -85,7 +85,8 @@ def write_3mf(
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=FASTEST) as archive:
         archive.writestr(_entry("[Content_Types].xml"), CONTENT_TYPES)
         archive.writestr(_entry("_rels/.rels"), RELATIONS)
-        with archive.open(_entry("3D/3dmodel.model"), "w", force_zip64=True) as file:
+        # by its name alone it gets the archive's compression, and the fixed date all the same
+        with archive.open("3D/3dmodel.model", "w", force_zip64=True) as file:
             file.writelines(parts)
 
 

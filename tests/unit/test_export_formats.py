@@ -11,6 +11,7 @@ import pyvista
 import trimesh
 
 from paint3d.errors import ExportError, MeshError
+from paint3d.files import glb_container
 from paint3d.files.atomic import write_atomically
 from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.load import load_mesh
@@ -146,6 +147,34 @@ def test_bad_arrays_leave_the_old_file_alone(painted, tmp_path):
     with pytest.raises(MeshError, match="normals has shape"):
         export(painted, path)
     assert path.read_text() == "old"
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (np.zeros((3, 3)), np.zeros((0, 3)), "there are no faces"),
+        (np.zeros((3, 3)), [[0, 1, 3]], "refers to vertex 3; expected 0 to 2"),
+        (np.zeros((3, 3)), [[0, 1, -1]], "refers to vertex -1; expected 0 to 2"),
+        (np.full((3, 3), 1e20), [[0, 1, 2]], "a coordinate is 1e.20 mm"),
+        (np.full((3, 3), np.nan), [[0, 1, 2]], "expected a finite number"),
+    ],
+)
+@pytest.mark.parametrize("suffix", [".ply", ".3mf", ".html"])
+def test_arrays_that_make_no_object(tmp_path, suffix, vertices, faces, message):
+    bad = SimpleNamespace(
+        material=None,
+        export_arrays=lambda tolerance: (vertices, faces, vertices * 0 + 1, np.zeros((3, 3), "u1")),
+    )
+    with pytest.raises(MeshError, match=message):
+        export(bad, tmp_path / f"a{suffix}")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_glb_too_large_for_its_header_is_refused(painted, tmp_path, monkeypatch):
+    monkeypatch.setattr(glb_container, "LARGEST", 10_000)
+    with pytest.raises(ExportError, match="holds 4 GiB at most"):
+        export(painted, tmp_path / "a.glb")
+    assert os.listdir(tmp_path) == []
 
 
 def test_a_failed_write_leaves_nothing_behind(tmp_path):
