@@ -1,13 +1,15 @@
-"""Writing a character and comparing what was painted with its copybook.
+"""Writing characters and comparing what was painted with their copybook.
 
-The way is the user's: glyph, plan, times, a recording of the handle, a painter that replays that
-recording alone. The score is taken from the painted surface.
+The way is the user's: glyph, plan, em square on the object, the recording of the handle, and a
+painter that replays that recording alone. The score is taken from the painted surface, in the
+surface's own coordinates around the character.
 """
 
 from __future__ import annotations
 
+import functools
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -17,42 +19,64 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
-from paint3d.frames import quaternions_from_matrices
-from paint3d.kernels.tuft import Tuft
-from paint3d.mesh.solids import make_plane
+from paint3d.files.load import load_mesh
+from paint3d.mesh.chart import SurfaceChart, make_chart
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.unrolling import unroll
+from paint3d.stroke.brush_choice import choose_brush
 from paint3d.stroke.engine import Painter
-from paint3d.stroke.glyphs import Glyph, load_glyph
+from paint3d.stroke.glyph_sources import open_glyph_folder
+from paint3d.stroke.glyphs import Glyph
+from paint3d.stroke.hand_motion import HandMotion, lay_motion
 from paint3d.stroke.ladder import build_ladder
-from paint3d.stroke.likeness import Likeness, compare, copybook_mask, painted_mask
+from paint3d.stroke.layout import Layout, lay_out
+from paint3d.stroke.likeness import MARGIN, PIXELS, Likeness, compare, copybook_mask, painted_mask
 from paint3d.stroke.planning import PlanSettings, on_paper, plan_glyph
 from paint3d.stroke.timing import Motion, time_courses
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Copy", "Hand", "copy_on_plane", "draw_sample", "flat_recording"]
+__all__ = ["Copy", "Desk", "copy_character", "draw_sample", "picture"]
 
-WIDEST = 0.2
-"""Width of the brush's deepest footprint, ems."""
+_WIDEST = 0.2  # ems: the ladder's last footprint
+_REACH = 0.15  # ems that the chart goes beyond the em square: there the handle may stand
+_MISSING, _BEYOND, _SHARED = (0, 60, 255), (255, 0, 0), (200, 200, 200)
 
 
 @dataclass(frozen=True)
-class Hand:
-    """What a character is written with.
+class Desk:
+    """What is written on, with what, how large.
 
     Attributes
     ----------
-    brush : str
-        Preset.
+    glyphs : path
+        An unpacked `hanzi-writer-data`.
     em_mm : float
         Side of the em square, mm.
+    on : str
+        An object's name or file.
     resolution_mm : float
         Of the painted surface, mm.
-    azimuth : {"commanded", "dragged"}
+    brush : str, optional
+        Preset; by default the one for the size.
+    settings : PlanSettings
+        Its azimuth is also the painter's.
+    layout : Layout
+        Where on the object.
     """
 
-    brush: str
-    em_mm: float
-    resolution_mm: float
-    azimuth: str = "commanded"
+    glyphs: Path | str
+    em_mm: float = 100.0
+    on: str = "plane"
+    resolution_mm: float = 0.2
+    brush: str | None = None
+    settings: PlanSettings = field(default_factory=PlanSettings)
+    layout: Layout = field(default_factory=Layout)
+
+    @property
+    def brush_name(self) -> str:
+        """The preset that is written with."""
+        return self.brush or choose_brush(self.em_mm)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,17 +86,19 @@ class Copy:
     Attributes
     ----------
     text : str
+    n_strokes : int
     likeness : Likeness
     seconds : float
-        Processor time of the planning, s.
+        Processor time of planning and timing its strokes, s.
     fastest : tuple of float
-        Greatest speed (mm/s), acceleration (mm/s2), jerk (mm/s3) of the root, and turn rate
-        (rad/s) of the holder, by differences of the recording.
+        Greatest speed (mm/s), acceleration (mm/s2) and jerk (mm/s3) of the root, and turn rate
+        (rad/s) of the pen, by differences of the recording.
     painted, wanted : (576, 576) bool
         The two rasters.
     """
 
     text: str
+    n_strokes: int
     likeness: Likeness
     seconds: float
     fastest: tuple[float, float, float, float]
@@ -98,64 +124,105 @@ def draw_sample(glyphs: Path | str, n: int, seed: int, also: str = "") -> list[s
     """
     names = (file.stem for file in Path(glyphs).glob("*.json"))
     known = sorted(name for name in names if len(name) == 1)
-    if len(known) < n:
+    if not 0 <= n <= len(known):
         raise InputError(f"{glyphs} has {len(known)} characters; expected at least {n}")
     order = np.random.default_rng(seed).permutation(len(known))[:n]
     drawn = [known[i] for i in order]
-    return drawn + [text for text in also if text not in drawn]
+    return drawn + [text for text in dict.fromkeys(also) if text not in drawn]
 
 
-def flat_recording(motion: Motion, tuft: Tuft, corner: NDArray, brush: str) -> Recording:
-    """The recording of a motion over the plane z = 0, an em square's corner (2,) at `corner`."""
-    n = len(motion.time_s)
-    cosine, sine, zero = np.cos(motion.azimuth), np.sin(motion.azimuth), np.zeros(n)
-    x = np.stack([cosine, sine, zero], axis=1)
-    y = np.stack([-sine, cosine, zero], axis=1)
-    z = np.tile([0.0, 0.0, 1.0], (n, 1))
-    return Recording(
-        np.round(motion.time_s * 1e9).astype(np.int64),
-        np.column_stack([motion.handle + corner, tuft.length + motion.height]),
-        quaternions_from_matrices(np.stack([x, y, z], axis=-1)),
-        np.maximum(0.0, -motion.height) / tuft.full_press,
-        motion.buttons,
-        header={"brush": brush},
-    )
+def copy_character(desk: Desk, text: str) -> Copy:
+    """Write one character, from the plan to the paint, and compare it with its outlines.
 
-
-def copy_on_plane(
-    glyphs: Path | str, text: str, hand: Hand, settings: PlanSettings | None = None
-) -> Copy:
-    """Write one character on the plane, from the plan to the paint, and compare it."""
-    glyph = load_glyph(glyphs, text)
-    tuft = build_tuft(load_brush(hand.brush))
-    ladder = build_ladder(tuft, WIDEST * hand.em_mm)
+    Raises
+    ------
+    Paint3DError
+        If the character is unknown or cannot be written there.
+    """
+    glyph = open_glyph_folder(desk.glyphs).load(text)
+    mesh, chart = _place(desk.on, desk.em_mm, desk.layout)
+    tuft = build_tuft(load_brush(desk.brush_name))
+    ladder = build_ladder(tuft, _WIDEST * desk.em_mm)
     started = time.process_time()
-    courses = plan_glyph(glyph, hand.em_mm, ladder, settings)
+    courses = plan_glyph(glyph, desk.em_mm, ladder, desk.settings)
+    motion = time_courses([courses], desk.em_mm)
     seconds = time.process_time() - started
-    motion = time_courses([courses], hand.em_mm)
-    corner = np.full(2, -0.5 * hand.em_mm)
-    recording = flat_recording(motion, tuft, corner, hand.brush)
-    surface = PaintedSurface(make_plane(), hand.resolution_mm)
-    Painter(surface, hand.brush, azimuth=hand.azimuth).replay(recording)
-    points = surface.paint_mesh.vertices[:, :2].astype(np.float64) - corner
-    painted = painted_mask(points, surface.coverage, surface.paint_mesh.leaf_faces(), hand.em_mm)
-    wanted = wanted_mask(glyph, hand.em_mm)
+    recording = _recorded(motion, lay_motion(motion, chart, desk.em_mm, tuft), desk)
+    surface = PaintedSurface(mesh, desk.resolution_mm)
+    Painter(surface, desk.brush_name, azimuth=desk.settings.azimuth).replay(recording)
+    painted, wanted = _painted(surface, chart, desk.em_mm), _wanted(glyph, desk.em_mm)
     likeness = compare(painted, wanted)
-    return Copy(text, likeness, seconds, fastest(recording), painted, wanted)
+    return Copy(text, len(glyph.strokes), likeness, seconds, _fastest(recording), painted, wanted)
 
 
-def wanted_mask(glyph: Glyph, em_mm: float) -> NDArray[np.bool_]:
-    """The copybook's pixels of a glyph."""
+def picture(copies: list[Copy], columns: int = 5) -> NDArray[np.uint8]:
+    """Copies side by side (H, W, 3), row by row: grey is right, blue missing, red beyond.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
+    if not copies:
+        raise InputError("there are no copies to show; expected at least one")
+    side = PIXELS + 2 * MARGIN
+    rows = -(-len(copies) // columns)
+    canvas = np.full((rows * side, min(columns, len(copies)) * side, 3), 255, np.uint8)
+    for k, copy in enumerate(copies):
+        tile = np.full((side, side, 3), 255, np.uint8)
+        tile[copy.painted & copy.wanted] = _SHARED
+        tile[copy.wanted & ~copy.painted] = _MISSING
+        tile[copy.painted & ~copy.wanted] = _BEYOND
+        row, column = divmod(k, columns)
+        top, left = row * side, column * side
+        canvas[top : top + side, left : left + side] = tile[::-1]
+    return canvas
+
+
+def _wanted(glyph: Glyph, em_mm: float) -> NDArray[np.bool_]:
     return copybook_mask([on_paper(stroke.outline, em_mm) for stroke in glyph.strokes], em_mm)
 
 
-def fastest(recording: Recording) -> tuple[float, float, float, float]:
-    """Greatest speed, acceleration, jerk and turn rate in a recording; mm, rad, s."""
-    step = np.diff(recording.time_ns).mean() * 1e-9
+def _recorded(motion: Motion, hand: HandMotion, desk: Desk) -> Recording:
+    """All that the painter gets to know."""
+    return Recording(
+        np.round(motion.time_s * 1e9).astype(np.int64),
+        hand.position,
+        hand.orientation,
+        np.minimum(hand.pressure, 1.0),
+        hand.buttons,
+        header={"brush": desk.brush_name, "azimuth": desk.settings.azimuth},
+    )
+
+
+def _painted(surface: PaintedSurface, chart: SurfaceChart, em_mm: float) -> NDArray[np.bool_]:
+    """The raster of the painting in the chart around the character's em square."""
+    coverage, faces = surface.coverage, surface.paint_mesh.leaf_faces()
+    faces = faces[(coverage[faces] > 0.0).any(axis=1)]
+    used = np.unique(faces)
+    points = np.full((len(coverage), 2), np.nan)
+    points[used] = unroll(chart, surface.paint_mesh.vertices[used].astype(np.float64))
+    return painted_mask(points + 0.5 * em_mm, coverage, faces, em_mm)
+
+
+@functools.lru_cache(maxsize=4)
+def _place(on: str, em_mm: float, layout: Layout) -> tuple[TriangleMesh, SurfaceChart]:
+    """The object, and the chart around the em square of a single character, whichever it is."""
+    mesh = load_mesh(on)
+    closest = ClosestPoints(mesh)
+    frame = lay_out(closest, "一", em_mm, layout)[0].square.chart.frame
+    half = (0.5 + _REACH) * em_mm
+    return mesh, make_chart(closest, frame, half, half, em_mm / 40.0)
+
+
+def _fastest(recording: Recording) -> tuple[float, float, float, float]:
+    """Greatest speed, acceleration, jerk and turn rate of a recording; mm, rad, s."""
+    step = float(np.diff(recording.time_ns).mean()) * 1e-9
     rates, values = [], recording.position
     for _ in range(3):
         values = np.diff(values, axis=0) / step
         rates.append(float(np.linalg.norm(values, axis=1).max()))
     q = recording.orientation
-    same = np.minimum(1.0, np.abs(np.sum(q[1:] * q[:-1], axis=1)))
-    return rates[0], rates[1], rates[2], float((2.0 * np.arccos(same)).max() / step)
+    apart = np.linalg.norm(q[1:] - q[:-1], axis=1)
+    turned = np.minimum(apart, np.linalg.norm(q[1:] + q[:-1], axis=1))
+    return rates[0], rates[1], rates[2], float(4.0 * np.arcsin(0.5 * turned.max()) / step)

@@ -25,7 +25,8 @@ _FINEST_CURVE = 0.003  # of the em: finer curves are rounded
 _REFERENCE_RADIUS = 0.25  # of the em: curves this wide are travelled at cruising speed
 _BROADEST = 1.4  # of cruising speed: what wide curves allow
 _CARE = 0.5  # power of what a sample lacks that time is stretched by in one round
-_ROUNDS = 25  # of stretching
+_AIM = 1.1  # by which time is stretched too much, to be done sooner
+_ROUNDS = 12  # of stretching
 _EASE_S = 0.02  # s to both sides over which speed is evened out
 _AROUND_S = 0.012  # s to both sides that are stretched with a sample
 _HEADROOM = 0.96  # of each limit is made use of
@@ -89,7 +90,8 @@ def stretched(
         if excess.max() <= 1.0:
             return time, poses
         around = max(1, round(_AROUND_S * limits.rate_hz * _PHASES))
-        wide = maximum_filter1d(np.maximum(excess, 1.0) ** _CARE, 2 * around + 1, mode="nearest")
+        lacking = np.maximum(_AIM * excess, 1.0) ** _CARE
+        wide = maximum_filter1d(lacking, 2 * around + 1, mode="nearest")
         wide = gaussian_filter1d(wide, around, mode="nearest")
         spans = spans * np.interp(0.5 * (time[1:] + time[:-1]), at, wide)
     time = np.r_[0.0, np.cumsum(spans)]
