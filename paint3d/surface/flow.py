@@ -8,6 +8,7 @@ comes, is taken up by a brush or dries by command between two calls is noticed a
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,6 +60,15 @@ class Flow:
         """Vertices (C,) int32 of the patch and the depth of water on each (C,), mm."""
         patch = self._patch
         return patch.vertices, patch.water[patch.node_of]
+
+    def keep(self) -> dict[str, NDArray]:
+        """What `restore` takes: the patch, vertex by vertex, and the pace (1,), s."""
+        return {**self._patch.keep(), "pace": np.array([self._pace])}
+
+    def restore(self, kept: Mapping[str, NDArray]) -> None:
+        """Go on where another flow, on the same surface with the same ink, was kept."""
+        self._patch.restore(kept)
+        self._pace = float(kept["pace"][0])
 
     def advance(self, seconds: float, step: float | None, fresh: NDArray) -> None:
         """Let time pass; `fresh` (N,) int32 are vertices whose ink may have changed since."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -213,6 +214,21 @@ class PaintedSurface:
             self._flow = Flow(self)
             self._fresh = [np.flatnonzero(self.coverage > 0.0).astype(np.int32)]
         return self._flow
+
+    def keep_flow(self) -> dict[str, NDArray] | None:
+        """What `restore_flow` takes, or None where no water has ever moved.
+
+        Besides what `Flow.keep` says, fresh (N,) int32: vertices whose ink came since.
+        """
+        if self._flow is None:
+            return None
+        fresh = [*self._fresh, self.ink.dirty_ids[: int(self.ink.n_dirty[0])]]
+        return {**self._flow.keep(), "fresh": np.unique(np.concatenate(fresh))}
+
+    def restore_flow(self, kept: Mapping[str, NDArray]) -> None:
+        """Let the water go on as on the surface that it was kept from."""
+        self.flow.restore(kept)
+        self._fresh = [kept["fresh"]]
 
     def diffuse(self, seconds: float, step: float | None = None) -> None:
         """Let time pass: wet ink spreads in what drinks, and dries.

@@ -24,11 +24,16 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["STATE_VERSION", "restore_surface", "surface_state"]
 
-STATE_VERSION = 1
+STATE_VERSION = 2
 _MOST_PIGMENTS = 256
+_VERTICES = ("vertices", "order", "fresh")  # of a flow: numbers of vertices
+_DEEPEST_MM = 1e3
+_LONGEST_PACE = 3600.0  # s
 
 State = dict[str, object]
-_UPGRADES: dict[int, Callable[[State], State]] = {}
+_UPGRADES: dict[int, Callable[[State], State]] = {
+    1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
+}
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
 
@@ -43,6 +48,11 @@ def surface_state(surface: PaintedSurface) -> State:
         vertices with wet ink (`mesh.refinement_log.saved_ids`); amounts (T, P) and coverage (T,)
         float32; dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and
         dried_amounts (D, P) float32; load and off_surface (P,) float64.
+
+        flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
+        that it may reach: flow_vertices (C,) int32, flow_rim (C,) uint8, flow_water, flow_speed,
+        flow_inside and flow_soaked (C,), flow_pigment (C, P) float64, flow_written (C, P)
+        float32; flow_order (A,) and flow_fresh (N,) int32 vertices; flow_pace (1,) float64.
     """
     mesh, ink, dry = surface.paint_mesh, surface.ink, surface.dry_layers
     n = mesh.n_vertices
@@ -63,7 +73,17 @@ def surface_state(surface: PaintedSurface) -> State:
         "dried_amounts": dry.amounts.copy(),
         "load": ink.load.copy(),
         "off_surface": ink.off_surface.copy(),
+        **_kept_flow(surface, ids),
     }
+
+
+def _kept_flow(surface: PaintedSurface, ids: NDArray) -> State:
+    kept = surface.keep_flow()
+    if kept is None:
+        return {"flows": False}
+    for name in _VERTICES:
+        kept[name] = ids[kept[name]]
+    return {"flows": True, **{f"flow_{name}": array for name, array in kept.items()}}
 
 
 def restore_surface(mesh: TriangleMesh, state: Mapping[str, object]) -> PaintedSurface:
@@ -135,6 +155,30 @@ def _put_ink(surface: PaintedSurface, state: State) -> None:
         raise SessionError("there is ink without pigments")
     surface.dry_layers.restore(surface.paint_mesh.capacity, dry, spectra, amounts)
     surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
+    if state["flows"]:
+        _put_water(surface, state, now)
+
+
+def _put_water(surface: PaintedSurface, state: State, now: NDArray) -> None:
+    kept = {}
+    for name in _VERTICES:
+        kept[name] = now[_vertices(state, f"flow_{name}", len(now))]
+    if not np.isin(kept["order"], kept["vertices"]).all():
+        raise SessionError("flow_order holds vertices that are not among flow_vertices")
+    shape = (len(kept["vertices"]),)
+    for name, most in (("water", _DEEPEST_MM), ("inside", _DEEPEST_MM), ("soaked", 1.0)):
+        kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most)
+    kept["rim"] = np.asarray(state["flow_rim"])
+    if kept["rim"].dtype != np.uint8 or kept["rim"].shape != shape:
+        raise SessionError(f"flow_rim is {kept['rim'].dtype} {kept['rim'].shape}")
+    kept["speed"] = as_array(state["flow_speed"], "flow_speed", shape, np.float64, SessionError)
+    shape = (*shape, len(surface.pigments))
+    kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
+    kept["written"] = _amounts(state, "flow_written", shape, np.float32)
+    kept["pace"] = _amounts(state, "flow_pace", (1,), np.float64, _LONGEST_PACE)
+    if not kept["pace"][0] > 0.0:
+        raise SessionError("flow_pace is 0; expected a time")
+    surface.restore_flow(kept)
 
 
 def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:

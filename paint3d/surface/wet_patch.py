@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,7 @@ __all__ = ["WetPatch"]
 _GRAIN_MM = 1.2  # bumps of the paper that ink runs around
 _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
 _GRAIN_OF_WAYS = 2.0  # of the conductance
+_KEPT = ("water", "speed", "inside", "soaked", "pigment")
 _RINGS = 1  # pieces of surface ahead of the water; doubled whenever it is too few
 
 
@@ -73,6 +75,36 @@ class WetPatch:
         self._written = np.zeros((0, pigments), np.float32)
         self._share = np.empty(0)
 
+    def keep(self) -> dict[str, NDArray]:
+        """What `restore` takes, vertex by vertex."""
+        self._know_pigments()
+        node = self.node_of
+        _, first = np.unique(node, return_index=True)
+        kept = {name: getattr(self, name)[node] for name in _KEPT}
+        return kept | {
+            "vertices": self.vertices,
+            "rim": np.zeros(0, np.uint8) if self.graph is None else self.graph.rim[node],
+            "written": self._written,
+            "order": self.vertices[first[self.order]],
+        }
+
+    def restore(self, kept: Mapping[str, NDArray]) -> None:
+        """Take over what another patch kept, on the same vertices of the same surface."""
+        mesh = self._surface.paint_mesh
+        fields, n = mesh.arrays, mesh.n_vertices
+        sheets = np.zeros(mesh.n_sheets, bool)
+        sheets[fields.vertex_sheet[kept["vertices"][kept["rim"] == 0]]] = True
+        in_patch = sheets[fields.vertex_sheet[:n]]
+        self._take_over(build_flow_graph(fields, mesh.leaf_faces(), mesh.vertex_areas, in_patch))
+        place = self._places(kept["vertices"])
+        here = place >= 0
+        for name in _KEPT:
+            getattr(self, name)[self.node_of[place[here]]] = kept[name][here]
+        self._written[place[here]] = kept["written"][here]
+        order = self._places(kept["order"])
+        self.order = self.node_of[order[order >= 0]].astype(np.int32)
+        self._find_grain()
+
     def is_wet(self) -> bool:
         """Whether there is any water left."""
         return bool((self.water > 0.0).any())
@@ -88,10 +120,7 @@ class WetPatch:
     def take_up(self, fresh: NDArray) -> bool:
         """Follow what happened to the ink of some vertices (N,); whether there is new water."""
         surface = self._surface
-        missing = len(surface.pigments) - self.pigment.shape[1]
-        if missing:
-            self.pigment = np.pad(self.pigment, ((0, 0), (0, missing)))
-            self._written = np.pad(self._written, ((0, 0), (0, missing)))
+        self._know_pigments()
         place = self._places(fresh)
         wet = surface.ink.amounts[fresh].any(axis=1)
         outside = (place < 0) | (wet & self._on_rim(place))
@@ -122,6 +151,12 @@ class WetPatch:
         self.changed[node] = True
         self.water[self.pigment.sum(axis=1) + self.water <= 0.0] = 0.0
         return bool((came > 0.0).any())
+
+    def _know_pigments(self) -> None:
+        missing = len(self._surface.pigments) - self.pigment.shape[1]
+        if missing:
+            self.pigment = np.pad(self.pigment, ((0, 0), (0, missing)))
+            self._written = np.pad(self._written, ((0, 0), (0, missing)))
 
     def _drop_water(self, at: NDArray) -> None:
         """Plain water has become depth: it is no longer an amount."""

@@ -87,7 +87,12 @@ def _recording_seeds() -> list[tuple[str, bytes]]:
     table = b"0.00 10 20 0.1\n0.01 11 20.5 0.2\n0.02 12 21 0.3\n"
     named = b"timestamp,spline_x,spline_y,pressure,altitude,azimuth,stroke_id\n"
     named += b"0,1,2,0.5,1.2,0.3,1\n8,2,3,0.6,1.2,0.3,1\n16,9,9,0.5,1.1,0.2,2\n"
-    return [*saved, (".txt", table), (".csv", named), (".jsonl.gz", gzip.compress(saved[0][1], mtime=0))]
+    return [
+        *saved,
+        (".txt", table),
+        (".csv", named),
+        (".jsonl.gz", gzip.compress(saved[0][1], mtime=0)),
+    ]
 
 
 def _inkml_seeds() -> list[tuple[str, bytes]]:
@@ -218,13 +223,14 @@ def _session_seeds() -> list[tuple[str, bytes]]:
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.surface.painted_surface import PaintedSurface
 
-    surface = PaintedSurface(TriangleMesh(CORNERS, FACES), resolution=4.0)
+    surface = PaintedSurface(TriangleMesh(CORNERS, FACES), 4.0, "xuan")
     surface.refine_all()
     column = surface.column_of(load_pigment("pine soot"))
     ids = np.arange(6, dtype=np.int32)
     surface.ink.amounts[ids, column], surface.ink.coverage[ids] = 0.5, 0.75
     surface.touch(ids)
     surface.settle(ids[:3])
+    surface.diffuse(0.05)
     session = Session(surface, (_recording(),), {"brush": "full"})
     return [_written(".p3d", partial(save_session, session))]
 
@@ -234,6 +240,8 @@ def _check_session(suffix: str, content: bytes) -> None:
 
     surface = load_session(_file(suffix, content)).surface
     assert surface.srgb.shape == (surface.n_vertices, 3)
+    surface.diffuse(0.01)
+    assert np.isfinite(surface.amounts).all()
 
 
 def _journal_seeds() -> list[tuple[str, bytes]]:

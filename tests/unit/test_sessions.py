@@ -97,6 +97,24 @@ def test_painting_goes_on_where_it_was_saved(tmp_path):
     same(surface, again)
 
 
+@pytest.mark.parametrize("paint_between", [False, True])
+def test_water_goes_on_where_it_was_saved(tmp_path, paint_between):
+    surface = PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8, "xuan")
+    Painter(surface, "full", "pine soot").replay(stroke())
+    surface.diffuse(0.5)
+    if paint_between:
+        Painter(surface, "full", "cinnabar").replay(stroke(-20.0))
+    save_session(Session(surface), tmp_path / "a.p3d")
+    again = load_session(tmp_path / "a.p3d").surface
+    assert again.flow.water == surface.flow.water > 0.0
+    save_session(Session(again), tmp_path / "b.p3d")
+    assert (tmp_path / "b.p3d").read_bytes() == (tmp_path / "a.p3d").read_bytes()
+    for one in (surface, again):
+        one.diffuse(2.0)
+    same(surface, again)
+    assert again.flow.water == surface.flow.water
+
+
 def test_the_numbers_kept_do_not_depend_on_the_lattice(monkeypatch):
     surface = painted(creased_mesh())
     state = surface_state(surface)
@@ -145,12 +163,12 @@ def test_older_versions_are_taken_step_by_step(tmp_path, monkeypatch):
         return parts
 
     def halved(state):
-        return {**state, "version": 2, "load": 0.5 * state["load"]}
+        return {**state, "version": 3, "load": 0.5 * state["load"]}
 
     monkeypatch.setattr(sessions, "VERSION", 2)
     monkeypatch.setitem(sessions.UPGRADES, 1, renamed)
-    monkeypatch.setattr(states, "STATE_VERSION", 2)
-    monkeypatch.setitem(states._UPGRADES, 1, halved)
+    monkeypatch.setattr(states, "STATE_VERSION", 3)
+    monkeypatch.setitem(states._UPGRADES, 2, halved)
     opened = load_session(path)
     assert opened.settings == {"renamed": 1}
     assert opened.surface.ink.load.tolist() == (0.5 * surface.ink.load).tolist()
@@ -207,6 +225,7 @@ BAD = {
     "rows": ({"surface/coverage": np.zeros(3, np.float32)}, "coverage has shape"),
     "much": ({"surface/load": np.array([-1.0, 0, 0])}, "load holds -1 to"),
     "nan": ({"surface/load": np.array([np.nan, 0, 0])}, "expected a finite number"),
+    "flow": ({"surface": {"flows": True}}, "incomplete near 'flow_vertices'"),
     "time": ({"recordings/0/time_ns": np.zeros(8, np.int64)}, "expected more than 0"),
     "magic": ({"mesh/faces": b"words"}, "'mesh/faces.npy' is no array"),
     "short": ({"mesh/faces": b""}, "is no array"),
