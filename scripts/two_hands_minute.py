@@ -183,6 +183,7 @@ def simulate(seconds: float, resolution: float | None = 0.8) -> Outcome:
 
 def live(seconds: float, resolution: float | None = 0.8) -> Outcome:
     """The same by the clock: servo, stylus and mouse on their own, 60 frames a second."""
+    simulate(0.4)  # what is loaded on first use would hang the program, and the force with it
     n = round(1000 * seconds)
     surface, painter = _prepare(resolution)
     settings = HapticSettings.for_brush(load_brush("full"))

@@ -265,6 +265,85 @@ def test_what_may_not_be_opened_names_node_and_rule(plugged, more, rule) -> None
     assert said[2] == "mouse"
 
 
+# -- force ------------------------------------------------------------------------------------
+
+FEEL = """
+import json, os, signal, sys, time
+from paint3d.brush.presets import load_brush
+from paint3d.device.force_port import HidForcePort
+from paint3d.device.hid_nodes import list_nodes
+from paint3d.haptics.servo import ForceFeedback
+from paint3d.haptics.settings import HapticSettings
+from paint3d.mesh.solids import make_plane
+from paint3d.surface.painted_surface import PaintedSurface
+
+def main():
+    tree = PaintedSurface(make_plane(), resolution=None).contact_tree
+    settings = HapticSettings.for_brush(load_brush("full"), rise_s=0.1)
+    (node,) = list_nodes()
+    with ForceFeedback(HidForcePort(node), tree, settings) as feedback:
+        end, readings = time.monotonic() + LASTS, []
+        while time.monotonic() < end and feedback.is_running():
+            feedback.publish()
+            readings += feedback.take()
+            if WANTED and len(readings) > 600:
+                os.kill(feedback._process.pid, signal.SIGKILL)
+                feedback._process.join()
+            time.sleep(0.01)
+        readings += feedback.take()
+        status = feedback.status()
+    print(json.dumps({"n": len(readings), "state": status.state, "fault": status.fault,
+                      "refused": status.refused, "softening": float(status.softening)}))
+
+if __name__ == "__main__":
+    main()
+"""
+LIFTED = ["<BiiihhhhBBH", 1, 0, 0, 60000, 16384, 0, 0, 0, 0, 0, "i16"]
+PRESSED = ["<BiiihhhhBBH", 1, 0, 0, 29000, 16384, 0, 0, 0, 0, 0, "i16"]
+
+
+def forces(written: list[bytes]) -> np.ndarray:
+    return np.array([haptic_stylus.decode_force(report)[0] for report in written])
+
+
+def feel(plugged, tmp_path, script: list, lasts: float, kill: bool = False):
+    """Run the servo on a virtual HID stylus; it must lie in a file, as its process is spawned."""
+    program = tmp_path / "feel.py"
+    program.write_text(FEEL.replace("LASTS", str(lasts)).replace("WANTED", str(kill)))
+    code = f"import runpy, sys; sys.argv = [{str(program)!r}]; runpy.run_path({str(program)!r}, "
+    code += "run_name='__main__')"
+    return plugged([stylus(script)], code, timeout=120.0)
+
+
+def test_the_hid_stylus_pushes_back(plugged, tmp_path) -> None:
+    script = [ramp(50, 1000.0, LIFTED), ramp(700, 1000.0, PRESSED)]
+    outcome = feel(plugged, tmp_path, script, 3.0)
+    felt = forces(outcome.written[0])
+    assert (outcome.said["n"], outcome.said["refused"]) == (750, 0)
+    assert outcome.said["state"] == "running"
+    assert 0.25 * 2.708 < felt[:, 2].max() <= 2.7086
+    assert np.abs(felt[:, :2]).max() == 0.0
+    assert not felt[-1].any()
+
+
+def test_the_hid_stylus_is_unplugged_while_it_pushes(plugged, tmp_path) -> None:
+    script = [ramp(50, 1000.0, LIFTED), ramp(300, 1000.0, PRESSED), [0.0, "unplug", None]]
+    outcome = feel(plugged, tmp_path, script, 10.0)
+    assert outcome.said["state"] == "failed"
+    assert "has gone" in outcome.said["fault"]
+    assert outcome.said["n"] == 350  # what was drawn before stays
+    assert forces(outcome.written[0])[:, 2].max() > 0.5
+
+
+def test_a_servo_that_is_killed_is_spoken_for(plugged, tmp_path) -> None:
+    script = [ramp(50, 1000.0, LIFTED), ramp(1500, 1000.0, PRESSED)]
+    outcome = feel(plugged, tmp_path, script, 10.0, kill=True)
+    felt = forces(outcome.written[0])
+    assert outcome.said["state"] == "failed"
+    assert felt[:, 2].max() > 0.5
+    assert not felt[-1].any()  # the program told the device to rest
+
+
 # -- the command ------------------------------------------------------------------------------
 
 
