@@ -39,7 +39,7 @@ _WIDEST = 0.2  # ems: the ladder's last footprint
 _NODES_PER_EM = 24.0
 _STEPS_PER_EM = 64.0
 _FINEST_MM = 0.25
-_DECIMALS = {"position": 4, "orientation": 7, "pressure": 7}  # 0.1 um: keeps files short
+_DECIMALS = {"position": 6, "orientation": 7, "pressure": 7}  # 1 nm: keeps the jerk unrounded
 _FEW = 3  # characters that are not worth starting processes for
 
 
