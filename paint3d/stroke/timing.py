@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from paint3d.arrays import as_number
 from paint3d.errors import InputError
 from paint3d.stroke.laying import DIP
 from paint3d.stroke.pace import Limits, travel
@@ -23,6 +24,14 @@ from paint3d.stroke.planning import StrokeCourse
 __all__ = ["Motion", "Tempo", "time_courses"]
 
 _LIFT_POSES = 301
+_NO_HAND = {
+    "rate_hz": 1e4,
+    "most_speed": 1e3,
+    "most_acceleration": 2e4,
+    "most_jerk": 6e5,
+    "most_turn_rate": 30.0,
+    "cruise": 100.0,
+}
 _RESTING_MM = 1e-9  # from the surface: rounding, where the tip only touches
 _PAUSE = 3.0  # samples of rest between two parts, whose jerks would add up
 
@@ -45,6 +54,11 @@ class Tempo:
         Shortest time and height of the way between two strokes.
     dip_s, dip_mm : float
         How long the brush stays in the ink, and how high it rises on its way.
+
+    Raises
+    ------
+    InputError
+        For limits that no hand reaches: over 1 m/s, 20 m/s2, 600 m/s3, or a rate over 10 kHz.
     """
 
     rate_hz: float = 250.0
@@ -57,6 +71,10 @@ class Tempo:
     lift_mm: float = 2.5
     dip_s: float = 0.8
     dip_mm: float = 20.0
+
+    def __post_init__(self) -> None:
+        for name, most in _NO_HAND.items():
+            as_number(getattr(self, name), name, 1e-3, most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,10 +190,10 @@ def _unhurried(poses: NDArray, least_s: float, tempo: Tempo) -> tuple[NDArray, N
     ):
         values = np.diff(values, axis=0) / step
         fastest = float(np.linalg.norm(values[:, :3], axis=1).max())
-        seconds = max(seconds, (1.03 * fastest / most) ** (1.0 / order))
+        seconds = max(seconds, (1.06 * fastest / most) ** (1.0 / order))
         if order == 1:
             turning = float(np.abs(values[:, 3]).max())
-            seconds = max(seconds, 1.03 * turning / tempo.most_turn_rate)
+            seconds = max(seconds, 1.06 * turning / tempo.most_turn_rate)
     return np.linspace(0.0, seconds, len(poses)), poses
 
 

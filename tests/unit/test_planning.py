@@ -257,6 +257,15 @@ def test_slow_hand_takes_longer():
     assert slow.time_s[-1] > 1.3 * time_courses([[example(0.0)]], EM).time_s[-1]
 
 
+@pytest.mark.parametrize(
+    ("limit", "value"),
+    [("most_speed", 1001.0), ("most_acceleration", 2.1e4), ("most_jerk", 7e5), ("rate_hz", 0.0)],
+)
+def test_limits_that_no_hand_reaches_are_refused(limit, value):
+    with pytest.raises(InputError, match=limit):
+        Tempo(**{limit: value})
+
+
 def test_nothing_to_write_is_refused():
     with pytest.raises(InputError, match="no stroke"):
         time_courses([], EM)
