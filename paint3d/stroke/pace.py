@@ -29,7 +29,7 @@ _AIM = 1.1  # by which time is stretched too much, to be done sooner
 _ROUNDS = 12  # of stretching
 _EASE_S = 0.02  # s to both sides over which speed is evened out
 _AROUND_S = 0.012  # s to both sides that are stretched with a sample
-_HEADROOM = 0.94  # of each limit is made use of
+_HEADROOM = 0.92  # of each limit is made use of
 _PHASES = 2  # by which samples may fall earlier or later
 _REST = 6  # samples of rest looked at before and after
 
