@@ -31,6 +31,7 @@ SOURCE = (
     "KaitiM; Arphic Public License), by the stroke types of KanjiVG (CC BY-SA 3.0)."
 )
 SHIPPED = Path(__file__).parents[1] / "paint3d/stroke/data/stroke_shapes.json"
+HOOK = 0.3  # of a stroke's length, at most
 FEWEST = 12  # strokes of a type
 MOST = 150
 FARTHEST = 130.0  # units between the ends of a stroke in both sources
@@ -67,7 +68,11 @@ def gather(folder: Path) -> dict[str, list[dict]]:
     for text in (names[k] for k in order):
         if not (lines_folder / f"{ord(text):05x}.svg").is_file():
             continue
-        glyph, lines = source.load(text), load_lines(lines_folder, text)
+        lines = load_lines(lines_folder, text)
+        kinds = {kind for line in lines for kind in (line.kind, line.kind[:1]) if kind}
+        if all(len(seen[kind]) >= MOST for kind in kinds):
+            continue
+        glyph = source.load(text)
         if not same_character(glyph, lines):
             continue
         for stroke, line in zip(glyph.strokes, lines, strict=True):
@@ -100,7 +105,7 @@ def measure(stroke: GlyphStroke, kind: str, n_strokes: int) -> dict | None:
     polygon = Polygon(stroke.outline).buffer(0.0)
     prepare(polygon)
     n_corners = corners_of(kind)
-    legs = cut_line(stroke.median, n_corners, is_hooked(kind))
+    legs = cut_line(stroke.median, n_corners, HOOK if is_hooked(kind) else 0.0)
     if len(legs) != n_corners + 1:
         return None
     half = body_half_width(polygon, legs)

@@ -35,6 +35,7 @@ class BaseSurface:
     radial: NDArray  # (3 R,) int32
     areas: NDArray  # (R,) float64, mm2
     source_vertices: NDArray  # (B,) int32
+    source_faces: NDArray  # (R,) int64
 
     def longest_edges(self) -> NDArray:
         """(R,) float64: the longest edge of every triangle, mm."""
@@ -95,6 +96,7 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
         radial=radial,
         areas=0.5 * doubled,
         source_vertices=source,
+        source_faces=keep,
     )
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.arrays import as_array
+from paint3d.mesh.base_surface import make_base_surface
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["ClosestPoints", "Found", "RayHits", "vertex_normals"]
+__all__ = ["ClosestPoints", "Found", "RayHits"]
 
 
 class Found(NamedTuple):
@@ -23,7 +24,7 @@ class Found(NamedTuple):
     barycentric: NDArray
     """(N, 3) float64, weights of the face's corners."""
     normals: NDArray
-    """(N, 3) float64, unit; the vertices' normals interpolated."""
+    """(N, 3) float64, unit; interpolated where the surface is smooth, not across its edges."""
 
 
 class RayHits(NamedTuple):
@@ -39,26 +40,12 @@ class RayHits(NamedTuple):
     """(N, 3) float64, mm; NaN where nothing is hit."""
 
 
-def vertex_normals(mesh: TriangleMesh) -> NDArray:
-    """Unit normals (V, 3) of the vertices, weighted by the faces' angles.
-
-    Vertices at the same place share one normal, so seams of a mesh do not show. The cost is
-    one pass over the faces and one sort of the vertices.
-    """
-    _, same = np.unique(mesh.vertices, axis=0, return_inverse=True)
-    same = same.reshape(-1)
-    corners = mesh.vertices[mesh.faces].astype(np.float64)
-    onward = np.roll(corners, -1, axis=1) - corners
-    back = np.roll(corners, 1, axis=1) - corners
-    area = np.linalg.norm(np.cross(onward, back), axis=2)
-    angle = np.arctan2(area, np.sum(onward * back, axis=2))
-    weighted = (angle[..., None] * mesh.face_normals[:, None, :]).reshape(-1, 3)
-    place = same[mesh.faces].reshape(-1)
-    n = int(same.max()) + 1
-    total = np.stack([np.bincount(place, weighted[:, k], n) for k in range(3)], axis=1)
-    length = np.linalg.norm(total, axis=1)
-    length[length == 0.0] = 1.0
-    return (total / length[:, None])[same]
+def _corner_normals(mesh: TriangleMesh) -> NDArray:
+    """Normals (F, 3, 3) at the corners of faces, those that are painted with; edges stay edges."""
+    base = make_base_surface(mesh)
+    normals = np.repeat(mesh.face_normals[:, None, :].astype(np.float64), 3, axis=1)
+    normals[base.source_faces] = base.normals[base.faces]
+    return normals
 
 
 class ClosestPoints:
@@ -78,7 +65,7 @@ class ClosestPoints:
         import open3d as o3d
 
         self.mesh = mesh
-        self._normals = vertex_normals(mesh)
+        self._normals = _corner_normals(mesh)
         self._tensor = o3d.core.Tensor
         self._scene = o3d.t.geometry.RaycastingScene()
         self._scene.add_triangles(
@@ -110,7 +97,7 @@ class ClosestPoints:
         weights = np.column_stack([1.0 - uvs.sum(axis=1), uvs])
         ids = self.mesh.faces[faces]
         corners = self.mesh.vertices[ids].astype(np.float64)
-        normals = np.einsum("nk,nkd->nd", weights, self._normals[ids])
+        normals = np.einsum("nk,nkd->nd", weights, self._normals[faces])
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         flat = length[:, 0] < 1e-12
         normals[flat] = self.mesh.face_normals[faces[flat]]

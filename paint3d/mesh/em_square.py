@@ -140,7 +140,10 @@ def lay_square(
     limits = limits or SquareLimits()
     half = (0.5 + limits.margin) * em_mm
     spacing = em_mm / _NODES
-    chart = make_chart(surface, frame, half, half, spacing, max(spacing, _FINEST_MM))
+    try:
+        chart = make_chart(surface, frame, half, half, spacing, max(spacing, _FINEST_MM))
+    except MeshError:
+        raise _no_place(surface, frame, em_mm, "the surface ends within it") from None
     line = np.linspace(-0.5 * em_mm, 0.5 * em_mm, _PROBES + 1)
     xy = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1).reshape(-1, 2)
     shape = (_PROBES + 1, _PROBES + 1, 3)
@@ -149,9 +152,13 @@ def lay_square(
     )
     fault = square.fault(limits)
     if fault is not None:
-        x, y, z = frame.origin
-        raise MeshError(
-            f"{surface.mesh.name}: no place for an em of {em_mm:g} mm around "
-            f"({x:.1f}, {y:.1f}, {z:.1f}): {fault}"
-        )
+        raise _no_place(surface, frame, em_mm, fault)
     return square
+
+
+def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: str) -> MeshError:
+    x, y, z = frame.origin
+    return MeshError(
+        f"{surface.mesh.name}: no place for an em of {em_mm:g} mm around "
+        f"({x:.1f}, {y:.1f}, {z:.1f}): {why}"
+    )

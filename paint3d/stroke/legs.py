@@ -26,7 +26,6 @@ _CORNERS = {
 _HOOKED = "㇆㇚㇂㇁㇟㇈㇉㇃㇡"
 _SAMPLES = 96
 _WINDOW = 0.12  # of the length: how far to both sides a corner is looked at
-_HOOK_SHARE = 0.3  # of the length: a hook's corner lies within so much of the end
 _LEAST_LEG = 0.05  # of the length
 _ZONE_WIDTHS, _ZONE_SHARE = 4.0, 0.4
 
@@ -86,20 +85,20 @@ class Leg:
         return point, np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
 
 
-def cut_line(line: NDArray, n_corners: int, hooked: bool = False) -> list[Leg]:
+def cut_line(line: NDArray, n_corners: int, hook: float = 0.0) -> list[Leg]:
     """Cut a line (N, 2) at its sharpest corners into legs.
 
-    The last corner of a hooked line is looked for near its end.
+    One of the corners of a line that ends in a hook lies within the share `hook` of its end.
     """
     points = _resampled(line, _SAMPLES)
-    cuts = [0, *sorted(_sharpest(points, n_corners, hooked)), _SAMPLES - 1]
+    cuts = [0, *sorted(_sharpest(points, n_corners, hook)), _SAMPLES - 1]
     legs = []
     for first, last in pairwise(cuts):
         legs.append(Leg(_calmed(_resampled(points[first : last + 1], _SAMPLES))))
     return legs
 
 
-def _sharpest(points: NDArray, n: int, hooked: bool) -> list[int]:
+def _sharpest(points: NDArray, n: int, hook: float) -> list[int]:
     """Indices of the n sharpest corners, a leg apart from each other and from the ends."""
     window = int(_WINDOW * _SAMPLES)
     margin = max(2, int(_LEAST_LEG * _SAMPLES))
@@ -110,8 +109,8 @@ def _sharpest(points: NDArray, n: int, hooked: bool) -> list[int]:
         cross = back[0] * onward[1] - back[1] * onward[0]
         turning[k] = abs(np.arctan2(cross, back @ onward))
     chosen: list[int] = []
-    if hooked and n:
-        tail = int((1.0 - _HOOK_SHARE) * _SAMPLES)
+    if hook > 0.0 and n:
+        tail = int((1.0 - hook) * _SAMPLES)
         chosen.append(tail + int(np.argmax(turning[tail:])))
     for k in np.argsort(-turning, kind="stable"):
         if len(chosen) == n or turning[k] == 0.0:

@@ -27,6 +27,7 @@ __all__ = ["SOURCE_OF_SHAPES", "shape_strokes"]
 SOURCE_OF_SHAPES = "widths learned from hanzi-writer-data (Arphic Public License)"
 
 _LIKE = {"㇅": "㇈", "㇊": "㇈", "㇌": "㇋", "㇡": "㇉", "一": "㇐", "㇞": "㇉"}
+_HOOK = 0.16  # of the length: hooks of centre lines are small
 _FINE = 160  # sections along a leg
 _ROUNDING = 1.5  # units: the radius that corners of an outline are rounded with
 _STEADY, _STRAYS = 0.8, math.radians(14.0)  # where a leg's last heading is read; a bend from there
@@ -59,7 +60,7 @@ def shape_strokes(lines: Sequence[LineStroke], name: str = "glyph") -> list[Glyp
 
 def _shaped(stroke: LineStroke, n_strokes: int, name: str) -> GlyphStroke:
     kind, shape = _shape_of(stroke)
-    legs = cut_line(stroke.line, len(shape["legs"]) - 1, is_hooked(kind))
+    legs = cut_line(stroke.line, len(shape["legs"]) - 1, _HOOK if is_hooked(kind) else 0.0)
     if len(legs) != len(shape["legs"]):
         kind, shape = _plain(stroke.line)
         legs = cut_line(stroke.line, 0)

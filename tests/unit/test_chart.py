@@ -6,7 +6,7 @@ import pytest
 from paint3d.errors import InputError, MeshError, RecordingError
 from paint3d.frames import matrices_from_quaternions
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest import ClosestPoints, vertex_normals
+from paint3d.mesh.closest import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.stroke.laying import centred, lay
@@ -98,12 +98,16 @@ def test_rays_hit_or_say_so(plane):
     assert np.isnan(hits.points[1]).all()
 
 
-def test_vertex_normals_ignore_seams():
-    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1], [1, 0, 0]]
-    mesh = TriangleMesh(np.array(corners, np.float32), np.array([[0, 1, 2], [3, 4, 5]], np.int32))
-    normals = vertex_normals(mesh)
-    assert normals[0] == pytest.approx(normals[3])
-    assert normals[0] == pytest.approx([0, np.sqrt(0.5), np.sqrt(0.5)])
+@pytest.mark.parametrize(("fold", "smooth"), [(0.4, True), (1.5, False)])
+def test_normals_ignore_seams_but_not_edges(fold, smooth):
+    """Two triangles with vertices of their own meet along x; one is folded up."""
+    up = [0, -np.cos(fold), np.sin(fold)]
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], up, [1, 0, 0]]
+    faces = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
+    surface = ClosestPoints(TriangleMesh(np.array(corners, np.float32), faces))
+    normal = surface.find(np.array([[0.5, 1e-6, 0.0]])).normals[0]
+    lean = 0.5 * fold if smooth else 0.0
+    assert normal == pytest.approx([0, np.sin(lean), np.cos(lean)], abs=0.02)
 
 
 def test_a_plane_is_its_own_chart(plane):

@@ -172,6 +172,19 @@ def test_an_empty_text_is_refused(text):
         lay_out(body("plane"), text, 20.0)
 
 
+def test_a_box_is_written_on_up_to_its_edges():
+    corners = np.array([[x, y, z] for x in (0, 30) for y in (0, 30) for z in (0, 90)], float)
+    sides = [(0, 4, 5, 1), (4, 6, 7, 5), (6, 2, 3, 7), (2, 0, 1, 3), (1, 5, 7, 3), (0, 2, 6, 4)]
+    faces = [f for a, b, c, d in sides for f in ((a, b, c), (a, c, d))]
+    mesh = TriangleMesh(corners.astype(np.float32), np.array(faces, np.int32), name="box")
+    box = ClosestPoints(mesh)
+    placed = lay_out(box, "永和九", 27.0)
+    assert [c.square.chart.frame.normal.round(6).tolist() for c in placed] == [[0, -1, 0]] * 3
+    assert placed[0].square.sides() == pytest.approx(27.0, abs=1e-3)
+    with pytest.raises(MeshError, match="the surface ends within it"):
+        lay_out(box, "永", 29.0)
+
+
 def test_an_unknown_order_is_refused():
     with pytest.raises(InputError, match="expected one of columns, row"):
         lay_out(body("plane"), "永", 20.0, Layout("spiral"))
