@@ -39,6 +39,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 __all__ = ["Copy", "Desk", "copy_character", "draw_sample", "picture"]
 
 _WIDEST = 0.2  # ems: the ladder's last footprint
+_NODES_PER_EM = 24.0  # finer, and the chart would follow the mesh's facets
 _REACH = 0.15  # ems that the chart goes beyond the em square: there the handle may stand
 _MISSING, _BEYOND, _SHARED = (0, 60, 255), (255, 0, 0), (200, 200, 200)
 
@@ -212,7 +213,7 @@ def _place(on: str, em_mm: float, layout: Layout) -> tuple[TriangleMesh, Surface
     closest = ClosestPoints(mesh)
     frame = lay_out(closest, "一", em_mm, layout)[0].square.chart.frame
     half = (0.5 + _REACH) * em_mm
-    return mesh, make_chart(closest, frame, half, half, em_mm / 40.0)
+    return mesh, make_chart(closest, frame, half, half, em_mm / _NODES_PER_EM)
 
 
 def _fastest(recording: Recording) -> tuple[float, float, float, float]:

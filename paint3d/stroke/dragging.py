@@ -21,7 +21,7 @@ from paint3d.stroke.ladder import FootprintLadder
 
 __all__ = ["Pulled", "pull"]
 
-_ROUNDS = 4  # of fitting footprints and pulling them along: the slack depends on the footprint
+_ROUNDS = 3  # of fitting footprints and pulling them along: the slack depends on the footprint
 _SETTLING = 6.0  # slacks of way in which the light tip turns into the direction it is pulled
 _SHORTEST = 0.15  # of the slack: how near the centre's line may lead the contact
 _REVERSAL = 2.4  # rad of turn within the slack: the brush rises to its tip to turn over
