@@ -3,36 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from paint3d.kernels import stamp as st
-from paint3d.kernels.deposit import sweep_deposit
-from paint3d.kernels.placement import lean_plane, place_stamp
+from paint3d.kernels.standing import deposit_standing, place_standing
 from paint3d.projection.room import make_room
 from paint3d.stroke.engine import Painter
 
 __all__ = ["StandingStamps"]
-
-
-@njit(cache=True, nogil=True)
-def _place(poses, tuft, tree, field, counters, room, stamp, values, half_widths, lines):
-    for i in range(poses.shape[0]):
-        stamp.values[:] = 0.0
-        place_stamp(poses[i], False, stamp, stamp, tuft, tree, field, counters, room)
-        values[i] = stamp.values
-        half_widths[i] = stamp.half_widths
-        lines[i] = stamp.lines
-
-
-@njit(cache=True, nogil=True)
-def _deposit(values, half_widths, lines, tuft, field, ink, counters, room, before, after):
-    for i in range(values.shape[0]):
-        after.values[:] = values[i]
-        after.half_widths[:] = half_widths[i]
-        after.lines[:] = lines[i]
-        lean_plane(after.values, field, room)
-        sweep_deposit(before, after, tuft, field, ink, counters, room)
 
 
 class StandingStamps:
@@ -58,7 +36,7 @@ class StandingStamps:
         self._stamps = tuple(np.zeros((n, *array.shape), array.dtype) for array in st.make_stamp())
         self.counters = np.zeros(8, np.int64)
         field = surface.paint_mesh.arrays
-        _place(
+        place_standing(
             poses, painter.tuft, surface.contact_tree, field, self.counters, self._room,
             self._after, *self._stamps,
         )  # fmt: skip
@@ -66,7 +44,7 @@ class StandingStamps:
     def __call__(self) -> None:
         """Leave every stamp once."""
         surface = self._painter.surface
-        _deposit(
+        deposit_standing(
             *self._stamps, self._painter.tuft, surface.paint_mesh.arrays, surface.ink,
             self.counters, self._room, self._before, self._after,
         )  # fmt: skip
