@@ -17,6 +17,7 @@ __all__ = [
     "parse_length_mm",
     "parse_place",
     "parse_resolution_mm",
+    "parse_seconds",
 ]
 
 UNITS = ("mm", "cm", "m", "in")
@@ -32,6 +33,17 @@ def parse_length_mm(text: str) -> float:
     if not (math.isfinite(length) and length > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a length; expected a number above 0, mm")
     return length
+
+
+def parse_seconds(text: str) -> float:
+    """A time in seconds from the command line, 0 or more."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not (math.isfinite(seconds) and seconds >= 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time; expected seconds, 0 or more")
+    return seconds
 
 
 def parse_resolution_mm(text: str) -> float:

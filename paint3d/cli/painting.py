@@ -29,13 +29,17 @@ DEFAULT_INK = "pine soot"
 
 @dataclass(frozen=True)
 class Wishes:
-    """What the user asked for; brush and ink None stand for the recording's own."""
+    """What the user asked for; brush and ink None stand for the recording's own.
+
+    With `spread_s` the ink spreads and dries while it is painted, and so many seconds more.
+    """
 
     brush: str | None = None
     ink: str | None = None
     material: str = "porcelain"
     resolution_mm: float = 0.4
     quiet: bool = False
+    spread_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,9 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
         timed(seconds, "paint"),
         ProgressBar("painting", enabled=not wishes.quiet) as progress,
     ):
-        painter.replay(recording, progress=progress)
+        painter.replay(recording, progress=progress, wet=wishes.spread_s is not None)
+        if wishes.spread_s is not None:
+            surface.diffuse(wishes.spread_s)
     settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}
     return Painting(surface, painter.report(), seconds, (recording,), settings)
 

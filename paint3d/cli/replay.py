@@ -12,6 +12,7 @@ from paint3d.cli.options import (
     check_output_file,
     parse_length_mm,
     parse_place,
+    parse_seconds,
 )
 from paint3d.cli.pads import lay_on
 from paint3d.cli.painting import Wishes, paint, timed, write_report
@@ -48,6 +49,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how wide to lay a pad's recording (default: as it was drawn)",
     )
     parser.add_argument(
+        "--spread",
+        metavar="S",
+        type=parse_seconds,
+        help="let the ink spread and dry while it is painted, and S seconds more",
+    )
+    parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
     )
     add_quiet_option(parser)
@@ -78,6 +85,7 @@ def run(options: argparse.Namespace) -> None:
         material=options.material,
         resolution_mm=options.resolution,
         quiet=options.quiet,
+        spread_s=options.spread,
     )
     painting = paint(mesh, recording, wishes)
     with timed(painting.seconds, "export"):

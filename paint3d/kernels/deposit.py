@@ -6,7 +6,9 @@ from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.gathering import VISITED, gather
+from paint3d.kernels.pickup import PICKUP, contact_level, take_up_ink, thin_contact
 from paint3d.kernels.transfer import ink_released, landing_share, leave_ink, weighed_area
+from paint3d.kernels.tuft_load import leave_from_stations
 
 __all__ = ["PAINTED", "VISITED", "sweep_deposit"]
 
@@ -33,14 +35,35 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
     if area < width * width and found == 0:
         released = 0.0  # a touch finer than the vertices leaves nothing yet
     landing = released * landing_share(area, width, weighed, found)
+    level = contact_level(before, after, ink)
+    if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
+        found = thin_contact(level, room.found, room.share, room.cover, found, field)
+        whole = weighed
+        weighed = weighed_area(field.area_units, field.numbers[3], room.found, room.share, found)
+        released *= weighed / whole
+        landing *= weighed / whole
     if weighed <= 0.0:
         landing = 0.0
-    if total > 0.0:
+    room.part[:] = 0.0
+    room.taken[:] = 0.0
+    if ink.habit[PICKUP] > 0.0:
+        take_up_ink(
+            before, after, released, room.found, room.share, found, field.area_units,
+            field.numbers[3], ink, room.taken,
+        )  # fmt: skip
+    if ink.stations.shape[0] > 1:
+        leave_from_stations(
+            before, after, released, landing, weighed, room.found, room.share, found,
+            field.area_units, field.numbers[3], field, ink, room.taken,
+        )  # fmt: skip
+    elif total > 0.0:
         for p in range(ink.load.shape[0]):
             part = ink.load[p] / total
             ink.off_surface[p] += part * (released - landing)
             room.part[p] = part * landing / weighed if weighed > 0.0 else 0.0
             ink.load[p] -= part * released
+    if ink.habit[PICKUP] > 0.0 and ink.stations.shape[0] <= 1:
+        ink.load[:] += room.taken
     leave_ink(
         room.found, room.share, room.cover, found, room.part,
         ink.amounts, ink.coverage, ink.dirty, ink.dirty_ids, ink.n_dirty,

@@ -54,6 +54,7 @@ class Room(NamedTuple):
     share: NDArray  # (cap + 1,) float32
     cover: NDArray  # (cap + 1,) float32
     part: NDArray  # (P,)
+    taken: NDArray  # (P,)
 
 
 def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
@@ -106,4 +107,5 @@ def _per_vertex(mesh: PaintMesh, n_pigments: int) -> dict[str, NDArray]:
         "share": np.zeros(room, np.float32),
         "cover": np.zeros(room, np.float32),
         "part": np.zeros(n_pigments),
+        "taken": np.zeros(n_pigments),
     }

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paint3d.arrays import as_number
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
@@ -23,6 +24,8 @@ from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.kernels import placement, stroke
 from paint3d.kernels.deposit import PAINTED, VISITED
+from paint3d.kernels.pickup import CAPACITY, PICKUP, REACH
+from paint3d.kernels.tuft_load import level_stations
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
@@ -34,6 +37,8 @@ from paint3d.surface.painted_surface import PaintedSurface
 __all__ = ["Painter"]
 
 _CHUNK = 2000  # samples between two calls of `progress`
+_STATIONS = 12  # pieces of a tuft that is loaded differently along its length
+_WET_RATE = 30.0  # Hz
 _LOOKAHEAD = 2  # samples that must be known beyond an interval before it is painted
 
 
@@ -44,10 +49,13 @@ class Painter:
     ----------
     surface : PaintedSurface
     brush : str or BrushSpec
-    ink : str or Pigment
-        What the brush is dipped in.
+    ink : str, Pigment or mapping
+        What the brush is dipped in; see `dip`.
     azimuth : {"commanded", "dragged"}
         Whether the pose's roll turns the tuft, or the surface pulls it.
+    pickup : float
+        Share of the wet ink under the brush that it takes back per mm of travel at full pressure
+        (0.05 is a thirsty brush); 0: it stays clean.
 
     Raises
     ------
@@ -59,8 +67,9 @@ class Painter:
         self,
         surface: PaintedSurface,
         brush: str | BrushSpec = "full",
-        ink: str | Pigment = "pine soot",
+        ink: str | Pigment | Mapping = "pine soot",
         azimuth: str = "commanded",
+        pickup: float = 0.0,
     ) -> None:
         if azimuth not in ("commanded", "dragged"):
             raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
@@ -77,24 +86,102 @@ class Painter:
         self._origin_ns = 0
         self._n_samples = 0
         self._dip_down = False
+        surface.ink.habit[PICKUP] = as_number(pickup, "pickup (1/mm)", 0.0)
         self.dip(ink)
 
     # -- the brush --------------------------------------------------------------------------
 
-    def dip(self, ink: str | Pigment | None = None) -> None:
-        """Rinse the brush and load it fully with `ink` (None: the same again)."""
+    def dip(self, ink: str | Pigment | Mapping | None = None, reach: float | None = None) -> None:
+        """Rinse the brush and load it fully with `ink` (None: the same again).
+
+        Parameters
+        ----------
+        ink : str, Pigment or mapping, optional
+            An ink, or parts of several that are stirred: ``{"pine soot": 0.2, "water": 0.8}``.
+        reach : float, optional
+            Dip only so much of the tuft's length, from the tip, 0 to 1; the rest keeps what it
+            holds: first the belly in light ink, then the tip in dark.
+
+        Raises
+        ------
+        InputError
+            If a part is not a number above 0, or the reach is not between 0 and 1.
+        """
+        parts = self._mixture(self._dipped if ink is None else ink)
+        if reach is not None:
+            self._dip_tip(parts, as_number(reach, "reach", 0.0, 1.0))
+        else:
+            self._hold(parts * self.tuft.load)
         if ink is not None:
-            self.ink = load_pigment(ink) if isinstance(ink, str) else ink
-        column = self.surface.column_of(self.ink)
-        load = self.surface.ink.load
-        self.loaded += float(self.tuft.load - load.sum())
-        load[:] = 0.0
-        load[column] = self.tuft.load
+            self._dipped = ink
+            self.ink = self.surface.main_pigment(parts)
         self._room = self._make_room()
 
+    def rinse(self) -> None:
+        """Wash the brush out and shake it dry: it holds nothing."""
+        self._hold(np.zeros(len(self.surface.pigments)))
+
+    def wipe(self, share: float = 0.5) -> None:
+        """Wipe a share of what the brush holds off, 0 to 1; what stays is what it was.
+
+        Raises
+        ------
+        InputError
+            If the share is not between 0 and 1.
+        """
+        share = as_number(share, "share", 0.0, 1.0)
+        ink = self.surface.ink
+        if len(ink.stations) > 1:
+            self._hold_along(ink.stations * (1.0 - share))
+        else:
+            self._hold(ink.load * (1.0 - share))
+
+    def _mixture(self, ink: str | Pigment | Mapping) -> NDArray:
+        """(P,) parts of the pigments on the surface, of sum 1."""
+        stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
+        if not stirred:
+            raise InputError("the brush is dipped in nothing; expected an ink")
+        columns, weights = [], []
+        for name, weight in stirred.items():
+            pigment = load_pigment(name) if isinstance(name, str) else name
+            columns.append(self.surface.column_of(pigment))
+            weights.append(as_number(weight, f"part of {pigment.name}", 1e-9))
+        parts = np.zeros(len(self.surface.pigments))
+        np.add.at(parts, columns, np.array(weights) / sum(weights))
+        return parts
+
+    def _hold(self, load: NDArray) -> None:
+        """Let the brush hold `load` (P,), alike all along the tuft."""
+        surface = self.surface
+        self.loaded += surface.lasting(load - surface.ink.load)
+        surface.ink.load[:] = load
+        surface.ink.habit[CAPACITY] = self.tuft.load
+        surface.ink = surface.ink._replace(stations=np.zeros((1, len(load))))
+
+    def _hold_along(self, stations: NDArray) -> None:
+        """Let the brush hold `stations` (N, P) along the tuft, tip first."""
+        surface = self.surface
+        stations = np.ascontiguousarray(stations)
+        level_stations(stations)
+        load = stations.sum(axis=0)
+        self.loaded += surface.lasting(load - surface.ink.load)
+        surface.ink.load[:] = load
+        surface.ink.habit[CAPACITY] = self.tuft.load
+        surface.ink.habit[REACH] = self.brush.length_mm / len(stations)
+        surface.ink = surface.ink._replace(stations=stations)
+
+    def _dip_tip(self, parts: NDArray, reach: float) -> None:
+        held = self.surface.ink.stations
+        if len(held) == 1:
+            held = np.repeat(self.surface.ink.load[None] / _STATIONS, _STATIONS, axis=0)
+        middle = (np.arange(len(held)) + 0.5) / len(held)
+        dipped = middle < reach
+        held = np.where(dipped[:, None], parts * self.tuft.load / len(held), held)
+        self._hold_along(held)
+
     def in_brush(self) -> float:
-        """Ink in the brush, coats x mm2."""
-        return float(self.surface.ink.load.sum())
+        """Pigment in the brush, coats x mm2."""
+        return self.surface.lasting(self.surface.ink.load)
 
     def contact(
         self, position: ArrayLike, orientation: ArrayLike, pressure: float | None = None
@@ -112,6 +199,7 @@ class Painter:
         recording: Recording,
         progress: Callable[[float], None] | None = None,
         frame_rate: float | None = None,
+        wet: bool = False,
     ) -> None:
         """Paint a whole recording.
 
@@ -123,7 +211,12 @@ class Painter:
         frame_rate : float, optional
             Bring the colours up to date this often, Hz of the recording's own time, as a live
             view would; the painting is the same without.
+        wet : bool
+            Let the ink spread and dry meanwhile, in the recording's own time, by frames of
+            1/30 s or as `frame_rate` says (`PaintedSurface.diffuse`). Otherwise no time passes.
         """
+        if wet and frame_rate is None:
+            frame_rate = _WET_RATE
         started = time.perf_counter()
         path = brush_poses(recording)
         self.finish()
@@ -131,8 +224,13 @@ class Painter:
         stops = _dips(path.buttons)
         samples = _samples(path)
         self.seconds["poses"] += time.perf_counter() - started
+        before = float(path.time_s[0])
         for last in _frame_ends(path.time_s, frame_rate):
             self._paint(samples, int(last), stops)
+            if wet:
+                now = float(path.time_s[last])
+                self.surface.diffuse(now - before)
+                before = now
             if frame_rate is not None:
                 self._refresh()
             if progress is not None:

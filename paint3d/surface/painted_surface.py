@@ -43,6 +43,8 @@ class InkField(NamedTuple):
     n_dirty: NDArray  # (1,) int64, how many
     load: NDArray  # (P,) float64, ink in the brush, coats x mm2
     off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
+    stations: NDArray  # (N, P) float64, the load along the tuft, tip first; N = 1: alike all over
+    habit: NDArray  # (4,) float64, see `kernels.pickup`
 
 
 class PaintedSurface:
@@ -108,6 +110,8 @@ class PaintedSurface:
             n_dirty=np.zeros(1, np.int64),
             load=np.zeros(n_pigments),
             off_surface=np.zeros(n_pigments),
+            stations=np.zeros((1, n_pigments)),
+            habit=np.array([0.0, self.material.grain, 0.0, 1.0]),
         )
 
     def make_room(self, extra: int | None = None) -> None:
@@ -135,6 +139,7 @@ class PaintedSurface:
         new.dirty_ids[:count] = old.dirty_ids[:count]
         for name in ("n_dirty", "load", "off_surface"):
             getattr(new, name)[:] = getattr(old, name)
+        self.ink = new._replace(stations=old.stations, habit=old.habit)
         self.dry_layers.fit(self.paint_mesh.capacity, len(self.pigments))
         if self._mesh_colours is not None:
             self._mesh_colours.fit(self.paint_mesh.capacity)
@@ -164,6 +169,7 @@ class PaintedSurface:
             amounts=amounts,
             load=np.append(old.load, 0.0),
             off_surface=np.append(old.off_surface, 0.0),
+            stations=np.pad(old.stations, ((0, 0), (0, 1))),
         )
         self.dry_layers.fit(self.paint_mesh.capacity, count)
         self._colours = ColourModel(self.pigments, self.material.reflectance, path="live")
@@ -405,6 +411,11 @@ class PaintedSurface:
         """Pigment that has dried on the surface, coats x mm2."""
         areas = self.paint_mesh.vertex_areas[self.dry_layers.vertex_ids]
         return float(areas @ self.dry_layers.amounts.sum(axis=1, dtype=np.float64))
+
+    def main_pigment(self, parts: NDArray) -> Pigment:
+        """The pigment that most of a mixture (P,) is, not counting water unless it is alone."""
+        inked = parts * self._lasting
+        return self.pigments[int(np.argmax(inked if inked.any() else parts))]
 
     def lasting(self, per_pigment: NDArray) -> float:
         """Sum of a quantity (P,) over the pigments, without water."""

@@ -1,0 +1,253 @@
+#!/usr/bin/env python
+"""Draw the gallery's pictures of ink: what spreads, what mixes, what glazes.
+
+Usage: python scripts/gallery/ink.py [NAME ...] [--out FOLDER]
+
+flowers        ink flowers and a branch on a vase wrapped in xuan, tip dark and belly light
+wet_in_wet     drops into wet washes, on xuan, and the same on paint that has dried
+feathering     the same strokes on raw xuan, on bisque and on glaze, a minute later
+vermilion      four characters in cinnabar on a bowl of dried soot
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import paint3d
+from paint3d.brush.presets import load_brush
+from paint3d.device.recorded import Recording
+from paint3d.files.load import load_mesh
+from paint3d.frames import quaternions_from_matrices
+from paint3d.ink.pigments import load_pigment
+from paint3d.mesh.chart import SurfaceChart, make_chart
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.placement import place
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.stroke.engine import Painter
+from paint3d.stroke.recording import load_recording
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.picture import Gloss, render_picture
+
+OUT = Path(__file__).parents[2] / "docs/gallery"
+DEMO = Path(paint3d.__file__).parent / "stroke/data/demo.jsonl.gz"
+RATE = 250.0  # Hz
+SPEED = 60.0  # mm/s
+
+
+def stroke(
+    chart: SurfaceChart,
+    xy: NDArray,
+    press: NDArray,
+    lie: NDArray | None = None,
+    brush: str = "full",
+) -> Recording:
+    """A stroke through points (N, 2) of a chart, mm, with pressures (N,) and bends (N,), rad.
+
+    Without `lie` the tuft trails behind its way.
+    """
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(xy, axis=0), axis=1))])
+    n = max(8, int(way[-1] / SPEED * RATE))
+    at = np.linspace(0.0, way[-1], n)
+    x, y, p = (np.interp(at, way, values) for values in (*xy.T, press))
+    heading = np.arctan2(np.gradient(y), np.gradient(x)) + np.pi
+    bend = heading if lie is None else np.interp(at, way, lie)
+    places = np.column_stack([x, y])
+    points, normals = chart.points(places), chart.normals(places)
+    turned = places + 0.5 * np.column_stack([np.cos(bend), np.sin(bend)])
+    along = chart.points(turned) - points
+    return _held(points, normals, along, p, load_brush(brush))
+
+
+def _held(points, normals, along, press, spec) -> Recording:
+    """An upright brush on surface points, bent along directions (N, 3)."""
+    z = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    x = along - np.sum(along * z, axis=1, keepdims=True) * z
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    height = spec.length_mm - press * spec.full_press_mm
+    frames = np.stack([x, np.cross(z, x), z], axis=2)
+    time_ns = (np.arange(len(points)) * (1e9 / RATE)).round().astype(np.int64)
+    place_of_pen = points + height[:, None] * z
+    return Recording(time_ns, place_of_pen, quaternions_from_matrices(frames), press)
+
+
+def draw(surface: PaintedSurface, path: Path, size=(1400, 1050), view=None, gloss=None) -> None:
+    """Write a picture of the surface as it is."""
+    gloss = gloss or Gloss.of(surface.material.name)
+    arrays = surface.export_arrays(tolerance=0.5)
+    render_picture(*arrays, path, size=size, view=view, gloss=gloss)
+
+
+def petal(chart, painter, centre, turn, length, width=0.4) -> None:
+    """One petal: the brush laid down across it, tip outwards, and drawn to the heart."""
+    out = np.array([np.cos(turn), np.sin(turn)])
+    ends = centre + out * np.array([[length], [0.25 * length]])
+    way = np.linspace(ends[0], ends[1], 12)
+    press = width * np.sin(np.pi * np.linspace(0.12, 0.95, 12)) ** 0.7
+    painter.replay(stroke(chart, way, press, np.full(12, turn)))
+
+
+def flower(chart, painter, centre, size, turn) -> None:
+    """Five petals in light ink with a red tip, then stamens."""
+    for k in range(5):
+        painter.dip({"carmine": 0.12, "water": 0.88})
+        painter.dip({"carmine": 0.75, "water": 0.25}, reach=0.25)
+        petal(chart, painter, np.asarray(centre), turn + k * 2 * np.pi / 5, size)
+
+
+def line(chart, painter, points, press) -> None:
+    """A branch: a stroke through points."""
+    painter.replay(stroke(chart, np.asarray(points, float), np.asarray(press, float)))
+
+
+def flowers(folder: Path) -> None:
+    """Plum blossom on a vase wrapped in xuan."""
+    mesh = load_mesh("vase")
+    mesh = TriangleMesh(mesh.vertices * np.float32(0.5), mesh.faces, name="vase")
+    surface = PaintedSurface(mesh, 0.5, "xuan")
+    chart = make_chart(ClosestPoints(mesh), place(ClosestPoints(mesh), (0.5, 0.56)), 52.0, 88.0)
+    painter = Painter(surface, "full", {"pine soot": 0.35, "water": 0.65})
+    painter.dip("pine soot", reach=0.3)
+    line(chart, painter, [(-40, -80), (-26, -44), (-20, -16), (2, 14), (8, 44)],
+         [0.10, 0.26, 0.2, 0.16, 0.05])  # fmt: skip
+    painter.dip("pine soot", reach=0.5)
+    line(chart, painter, [(-20, -16), (-28, 10), (-22, 40), (-28, 62)], [0.16, 0.12, 0.09, 0.03])
+    line(chart, painter, [(2, 14), (24, 26), (36, 50)], [0.12, 0.09, 0.03])
+    surface.diffuse(4.0)
+    for centre, size, turn in (
+        ((14, 44), 15, 0.3), ((-24, 46), 13, 1.1), ((-8, 8), 15, 0.7), ((32, 20), 12, 0.1),
+        ((-34, -22), 13, 0.5), ((4, 74), 10, 0.9),
+    ):  # fmt: skip
+        flower(chart, painter, centre, size, turn)
+        surface.diffuse(1.5)
+    surface.diffuse(8.0)
+    surface.dry()
+    stamens = Painter(surface, "full", "pine soot")
+    for centre in ((14, 44), (-24, 46), (-8, 8), (32, 20), (-34, -22), (4, 74)):
+        for k in range(7):
+            out = np.array([np.cos(k * 0.9), np.sin(k * 0.9)])
+            way = np.asarray(centre) + out * np.linspace(0.8, 5.2, 5)[:, None]
+            stamens.replay(stroke(chart, way, np.array([0.012, 0.008, 0.006, 0.012, 0.02])))
+    draw(surface, folder / "ink_flowers.png", (1100, 1400))
+
+
+def sheet(width: float, height: float, spacing: float = 4.0) -> TriangleMesh:
+    """A flat sheet facing +z."""
+    x, y = (np.arange(-s / 2, s / 2 + spacing / 2, spacing) for s in (width, height))
+    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    k = np.arange(len(grid)).reshape(len(y), len(x))
+    a, b, c, d = (q.ravel() for q in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
+    points = np.column_stack([grid, np.zeros(len(grid))])
+    return TriangleMesh(points, np.vstack([np.c_[a, b, c], np.c_[a, c, d]]), name="sheet")
+
+
+def sheet_chart(mesh: TriangleMesh) -> SurfaceChart:
+    """All of a flat sheet but its border."""
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    closest = ClosestPoints(mesh)
+    half = 0.49 * (high - low)
+    return make_chart(closest, place(closest, (0.5, 0.5)), half[0], half[1], spacing=10.0)
+
+
+def drop(surface: PaintedSurface, centre, radius: float, ink: dict[str, float]) -> None:
+    """Let a drop fall: so many coats of each ink on a disc (mm), its border soft."""
+    mesh = surface.paint_mesh
+    away = np.linalg.norm(mesh.vertices[:, :2] - np.asarray(centre), axis=1)
+    share = np.clip((radius - away) / 0.5 + 0.5, 0, 1).astype(np.float32)
+    ids = np.flatnonzero(share > 0).astype(np.int32)
+    for name, coats in ink.items():
+        column = surface.column_of(load_pigment(name))
+        surface.ink.amounts[ids, column] += np.float32(coats) * share[ids]
+    surface.ink.coverage[ids] = np.maximum(surface.ink.coverage[ids], share[ids])
+    surface.touch(ids)
+
+
+def wet_in_wet(folder: Path) -> None:
+    """Washes of indigo and gamboge with drops: left while wet, right when dry."""
+    mesh = sheet(150.0, 70.0)
+    surface = PaintedSurface(mesh, 0.5, "xuan")
+    surface.refine_all()
+    for x, dries in ((-37.0, False), (37.0, True)):
+        drop(surface, (x - 11, 2), 17.0, {"indigo": 0.12, "water": 1.1})
+        drop(surface, (x + 13, -4), 15.0, {"gamboge": 0.12, "water": 1.1})
+        if dries:
+            surface.diffuse(2.0)
+            surface.dry()
+        drop(surface, (x - 14, 6), 3.5, {"pine soot": 1.2, "water": 2.0})
+        drop(surface, (x + 1, 0), 3.0, {"carmine": 0.8, "water": 2.0})
+        drop(surface, (x + 16, -8), 3.0, {"water": 5.0})
+        surface.diffuse(6.0)
+        surface.dry()
+    draw(surface, folder / "wet_in_wet.png", (1500, 760))
+
+
+def feathering(folder: Path) -> None:
+    """The same two strokes on xuan, bisque and glaze, a minute after."""
+    pictures = []
+    for name in ("xuan", "bisque", "porcelain"):
+        mesh = sheet(64.0, 92.0)
+        surface, chart = PaintedSurface(mesh, 0.35, name), sheet_chart(mesh)
+        painter = Painter(surface, "full", "pine soot")
+        line(chart, painter, [(-20, 26), (-4, 29), (18, 27)], [0.3, 0.16, 0.34])
+        painter.dip({"pine soot": 0.25, "water": 0.75})
+        line(chart, painter, [(-19, 2), (0, 5), (19, 2)], [0.2, 0.42, 0.2])
+        painter.wipe(0.93)
+        line(chart, painter, [(-20, -24), (2, -20), (21, -25)], [0.32, 0.3, 0.26])
+        surface.diffuse(60.0)
+        surface.dry()
+        path = folder / f"feathering_{name}.png"
+        draw(surface, path, (620, 880))
+        pictures.append(path)
+    join(pictures, folder / "feathering.png")
+
+
+def join(paths: list[Path], out: Path) -> None:
+    """Put pictures side by side in one, and remove them."""
+    from PIL import Image
+
+    images = [Image.open(path).convert("RGB") for path in paths]
+    whole = Image.new("RGB", (sum(i.width for i in images), images[0].height))
+    x = 0
+    for image in images:
+        whole.paste(image, (x, 0))
+        x += image.width
+    whole.save(out, optimize=True)
+    for path in paths:
+        path.unlink()
+
+
+def vermilion(folder: Path) -> None:
+    """The shipped recording in cinnabar, on a bowl that was coated with soot and dried."""
+    surface = PaintedSurface(load_mesh("bowl"), 0.4, "bisque")
+    column = surface.column_of(load_pigment("pine soot"))
+    surface.refine_all()
+    n = surface.n_vertices
+    surface.ink.amounts[:n, column] = 0.9
+    surface.ink.coverage[:n] = 1.0
+    surface.dry()
+    recording = load_recording(DEMO)
+    brush = recording.header.get("brush", "full")
+    painter = Painter(surface, brush, "cinnabar", azimuth=recording.header["azimuth"])
+    painter.replay(recording)
+    draw(surface, folder / "vermilion.png")
+
+
+SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion)}
+
+
+def main() -> None:
+    """Run as the module's first lines say."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", metavar="NAME", nargs="*", default=list(SCENES), choices=SCENES)
+    parser.add_argument("--out", type=Path, default=OUT)
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    for name in options.names:
+        SCENES[name](options.out)
+
+
+if __name__ == "__main__":
+    main()
