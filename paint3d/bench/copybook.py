@@ -22,18 +22,19 @@ from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import SurfaceChart, make_chart
 from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.em_square import EmSquare
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.unrolling import unroll
 from paint3d.stroke.brush_choice import choose_brush
 from paint3d.stroke.engine import Painter
 from paint3d.stroke.glyph_sources import open_glyph_folder
 from paint3d.stroke.glyphs import Glyph
-from paint3d.stroke.hand_motion import HandMotion, lay_motion
+from paint3d.stroke.hand_motion import HandMotion, lay_motion, root_stretch
 from paint3d.stroke.ladder import build_ladder
 from paint3d.stroke.layout import Layout, lay_out
 from paint3d.stroke.likeness import MARGIN, PIXELS, Likeness, compare, copybook_mask, painted_mask
 from paint3d.stroke.planning import PlanSettings, on_paper, plan_glyph
-from paint3d.stroke.timing import Motion, time_courses
+from paint3d.stroke.timing import Motion, Tempo, time_courses
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Copy", "Desk", "copy_character", "draw_sample", "picture"]
@@ -141,12 +142,13 @@ def copy_character(desk: Desk, text: str) -> Copy:
         If the character is unknown or cannot be written there.
     """
     glyph = open_glyph_folder(desk.glyphs).load(text)
-    mesh, chart = _place(desk.on, desk.em_mm, desk.layout)
+    mesh, chart, square = _place(desk.on, desk.em_mm, desk.layout)
     tuft = build_tuft(load_brush(desk.brush_name))
     ladder = build_ladder(tuft, _WIDEST * desk.em_mm)
     started = time.process_time()
     courses = plan_glyph(glyph, desk.em_mm, ladder, desk.settings)
-    motion = time_courses([courses], desk.em_mm)
+    tempo = Tempo().slower(root_stretch(square.points, square.normals, tuft))
+    motion = time_courses([courses], desk.em_mm, tempo)
     seconds = time.process_time() - started
     recording = _recorded(motion, lay_motion(motion, chart, desk.em_mm, tuft), desk)
     surface = PaintedSurface(mesh, desk.resolution_mm)
@@ -207,13 +209,14 @@ def _painted(surface: PaintedSurface, chart: SurfaceChart, em_mm: float) -> NDAr
 
 
 @functools.lru_cache(maxsize=4)
-def _place(on: str, em_mm: float, layout: Layout) -> tuple[TriangleMesh, SurfaceChart]:
-    """The object, and the chart around the em square of a single character, whichever it is."""
+def _place(on: str, em_mm: float, layout: Layout) -> tuple[TriangleMesh, SurfaceChart, EmSquare]:
+    """The object, and the chart and em square of a single character, whichever it is."""
     mesh = load_mesh(on)
     closest = ClosestPoints(mesh)
-    frame = lay_out(closest, "一", em_mm, layout)[0].square.chart.frame
+    square = lay_out(closest, "一", em_mm, layout)[0].square
     half = (0.5 + _REACH) * em_mm
-    return mesh, make_chart(closest, frame, half, half, em_mm / _NODES_PER_EM)
+    chart = make_chart(closest, square.chart.frame, half, half, em_mm / _NODES_PER_EM)
+    return mesh, chart, square
 
 
 def _fastest(recording: Recording) -> tuple[float, float, float, float]:

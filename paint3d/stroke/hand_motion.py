@@ -15,7 +15,7 @@ from paint3d.mesh.chart import SurfaceChart
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.stroke.timing import Motion, Tempo
 
-__all__ = ["HandMotion", "join_motions", "lay_motion", "travel"]
+__all__ = ["HandMotion", "join_motions", "lay_motion", "root_stretch", "travel"]
 
 _PEAK = 1.875  # of a least-jerk move's speed over its mean
 _PEAK_ACCELERATION = 5.78  # of a least-jerk move: times length over time squared
@@ -75,6 +75,29 @@ def lay_motion(motion: Motion, chart: SurfaceChart, em_mm: float, tuft: Tuft) ->
         np.maximum(0.0, -motion.height) / tuft.full_press,
         motion.buttons,
     )
+
+
+def root_stretch(points: NDArray, normals: NDArray, tuft: Tuft) -> float:
+    """How much longer than the foot's way the root's is, at most, over a grid of a surface.
+
+    Parameters
+    ----------
+    points, normals : (K, K, 3) float64
+        Places on the surface, and its outward unit normals there.
+    tuft : Tuft
+
+    Returns
+    -------
+    float
+        1 or more: over a hollow the root's way is the shorter one.
+    """
+    roots = points + tuft.length * normals
+    most = 1.0
+    for axis in range(2):
+        ways = np.linalg.norm(np.diff(points, axis=axis), axis=2)
+        root_ways = np.linalg.norm(np.diff(roots, axis=axis), axis=2)
+        most = max(most, float((root_ways / ways).max()))
+    return most
 
 
 def travel(

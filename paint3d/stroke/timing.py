@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,24 @@ class Tempo:
     def __post_init__(self) -> None:
         for name, most in _NO_HAND.items():
             as_number(getattr(self, name), name, 1e-3, most)
+
+    def slower(self, factor: float) -> Tempo:
+        """The tempo whose limits of the root leave room for ways longer by a factor, 1 or more.
+
+        Over a bulge the root goes a longer way than the foot, for which a motion is planned.
+
+        Raises
+        ------
+        InputError
+            If the factor is less than 1.
+        """
+        room = as_number(factor, "factor", 1.0)
+        return replace(
+            self,
+            most_speed=self.most_speed / room,
+            most_acceleration=self.most_acceleration / room,
+            most_jerk=self.most_jerk / room,
+        )
 
 
 @dataclass(frozen=True, eq=False)

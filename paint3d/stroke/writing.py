@@ -9,7 +9,7 @@ import multiprocessing
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,13 @@ from paint3d.mesh.closest import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.stroke.glyph_sources import GlyphSource, load_glyphs
 from paint3d.stroke.glyphs import Glyph
-from paint3d.stroke.hand_motion import HandMotion, join_motions, lay_motion, travel
+from paint3d.stroke.hand_motion import (
+    HandMotion,
+    join_motions,
+    lay_motion,
+    root_stretch,
+    travel,
+)
 from paint3d.stroke.ladder import FootprintLadder, build_ladder
 from paint3d.stroke.layout import Layout, PlacedCharacter, lay_out
 from paint3d.stroke.planning import PlanSettings, plan_glyph
@@ -40,6 +46,7 @@ _NODES_PER_EM = 24.0
 _STEPS_PER_EM = 64.0
 _FINEST_MM = 0.25
 _DECIMALS = {"position": 6, "orientation": 7, "pressure": 7}  # 1 nm: keeps the jerk unrounded
+_MOST_STRETCH = 2.0
 _FEW = 3  # characters that are not worth starting processes for
 
 
@@ -122,6 +129,7 @@ def write_text(
     placed = lay_out(surface, text, pen.em_mm, layout)
     tuft = build_tuft(pen.brush)
     ladder = build_ladder(tuft, _WIDEST * pen.em_mm)
+    pen = replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
     motions: dict[str, Motion] = {}
     with closing(_plan_all(glyphs, ladder, pen, processes)) as plans:
         for k, motion in enumerate(plans):
@@ -184,6 +192,12 @@ def _planned(glyph: Glyph, ladder: FootprintLadder, pen: Pen) -> Motion:
 
 
 # -- laying -------------------------------------------------------------------------------------
+
+
+def _root_stretch(placed: list[PlacedCharacter], tuft: Tuft) -> float:
+    """How much longer the root's ways are than those that are planned; rough spots count as 2."""
+    squares = [character.square for character in placed]
+    return min(_MOST_STRETCH, max(root_stretch(s.points, s.normals, tuft) for s in squares))
 
 
 def _laid(

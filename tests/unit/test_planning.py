@@ -12,6 +12,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.errors import InputError
 from paint3d.kernels import planning as kernels
 from paint3d.stroke.glyphs import Glyph, GlyphStroke
+from paint3d.stroke.hand_motion import root_stretch
 from paint3d.stroke.ladder import build_ladder
 from paint3d.stroke.planning import PlanSettings, on_paper, plan_glyph, plan_stroke
 from paint3d.stroke.timing import Tempo, time_courses
@@ -264,6 +265,25 @@ def test_slow_hand_takes_longer():
 def test_limits_that_no_hand_reaches_are_refused(limit, value):
     with pytest.raises(InputError, match=limit):
         Tempo(**{limit: value})
+
+
+def test_tempo_leaves_room_for_a_root_that_goes_farther():
+    tempo = Tempo().slower(1.25)
+    assert (tempo.most_speed, tempo.most_acceleration, tempo.most_jerk) == (96.0, 800.0, 8000.0)
+    assert tempo.most_turn_rate == Tempo().most_turn_rate
+    with pytest.raises(InputError, match="factor"):
+        Tempo().slower(0.9)
+
+
+@pytest.mark.parametrize(("radius", "stretch"), [(75.0, 97.0 / 75.0), (-75.0, 1.0)])
+def test_root_goes_farther_over_a_ball_and_no_farther_in_a_hollow(radius, stretch):
+    angle = np.linspace(-0.2, 0.2, 9)
+    u, v = np.meshgrid(np.tan(angle), np.tan(angle), indexing="ij")
+    normals = np.stack([u, v, np.ones_like(u)], axis=-1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    tuft = build_tuft(load_brush("xiaokai"))
+    assert tuft.length == 22.0
+    assert root_stretch(radius * normals, normals, tuft) == pytest.approx(stretch)
 
 
 def test_nothing_to_write_is_refused():
