@@ -6,6 +6,7 @@ import ctypes
 import json
 import math
 import shutil
+import socket
 import subprocess
 import threading
 import time
@@ -19,6 +20,8 @@ from hypothesis import strategies as st
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
+from paint3d.device.force_port import SocketForcePort
+from paint3d.device.haptic_stylus import decode_force, encode_pose
 from paint3d.device.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
 from paint3d.device.inverse3_port import Inverse3Port
 from paint3d.device.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
@@ -141,6 +144,32 @@ def test_no_openhaptics_device_and_no_library(library) -> None:
         OpenHapticsPort(library=str(library)).run(Loop(1))
     with pytest.raises(DeviceError, match="comes with the maker's driver"):
         OpenHapticsPort(library="libNoSuchHD.so").run(Loop(1))
+
+
+# -- reports over a cable --------------------------------------------------------------------
+
+
+class Restless(Loop):
+    """Pushes in silences too, so that only the port itself can end in no force."""
+
+    def step(self, pose, now_ns):
+        super().step(pose, now_ns)
+        return self.force
+
+
+def test_a_fault_in_the_servo_ends_in_no_force() -> None:
+    cable, plug = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    fault = threading.Timer(0.05, lambda: cable.send(encode_pose([0, 0, 0], [1, 0, 0, 0])))
+    fault.start()
+    loop = Restless(1, fault=ValueError("broken"))
+    with pytest.raises(ValueError, match="broken"):
+        SocketForcePort(plug).run(loop)
+    felt = []
+    while report := cable.recv(64):
+        felt.append(decode_force(report)[0])
+    cable.close()
+    assert felt[0] == (0.1, 0.2, 0.3)
+    assert felt[-1] == (0.0, 0.0, 0.0)
 
 
 # -- Haply Inverse3 ---------------------------------------------------------------------------

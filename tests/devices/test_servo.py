@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.bench.registry import run_benchmark
 from paint3d.brush.presets import load_brush
 from paint3d.device.force_port import SocketForcePort
 from paint3d.device.haptic_stylus import decode_force, encode_pose
@@ -355,3 +356,15 @@ def test_percentiles_of_a_histogram() -> None:
     assert percentile_us(bins, 50.0) == 110.0
     assert percentile_us(bins, 99.0) == 510.0
     assert np.isnan(percentile_us(bins * 0, 99.0))
+
+
+# -- the benchmark ----------------------------------------------------------------------------
+
+
+def test_the_benchmark_measures() -> None:
+    result = run_benchmark("haptics", share=0.03)
+    found = {check.name: check.value for check in result.checks}
+    assert found["samples lost"] == 0.0
+    assert 0.5 < found["strongest force"] <= 7.9
+    assert found["pose to force and back, p99"] > 0.0
+    assert result.rows[1][1] == pytest.approx(1000.0, rel=0.2)  # its period is a millisecond
