@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -62,10 +63,11 @@ def seen_from_above(surface: PaintedSurface, box: tuple[float, ...], width: int)
 
 
 def straight(angle: float, y: float, pressure: float) -> NDArray:
-    """Rows of x, y, azimuth and pressure: a stroke to the right, bent at an angle to it."""
-    t = np.linspace(0.0, 1.0, 160)
-    press = pressure * np.minimum(1.0, 6.0 * np.minimum(t, 1.0 - t))
-    return np.stack([60.0 * (t - 0.5), y + 0.0 * t, angle + 0.0 * t, press], axis=1)
+    """Rows of x, y, azimuth and pressure: pressed, drawn to the right, lifted where it ends."""
+    t = np.linspace(0.0, 1.0, 240)
+    x = 48.0 * (np.clip((t - 0.2) / 0.6, 0.0, 1.0) - 0.5)
+    press = pressure * np.clip(6.0 * np.minimum(t, 1.0 - t), 0.0, 1.0)
+    return np.stack([x, y + 0.0 * t, angle + 0.0 * t, press], axis=1)
 
 
 def draw_techniques(file: Path, glyphs: Path) -> None:
@@ -73,7 +75,7 @@ def draw_techniques(file: Path, glyphs: Path) -> None:
     tuft = build_tuft(load_brush("slender"))
     strips = []
     for name, angle in TECHNIQUES.items():
-        rows = straight(angle, 0.0, 4.0 / 7.9)
+        rows = straight(angle, -11.0 * math.sin(angle), 4.0 / 7.9)
         half = 0.5 * rows[:, 2]
         turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
         root = np.column_stack([rows[:, :2], tuft.length - rows[:, 3] * tuft.full_press])
@@ -82,8 +84,8 @@ def draw_techniques(file: Path, glyphs: Path) -> None:
         recording = Recording(time_ns, root, turn, rows[:, 3], header=header)
         stroke = seen_from_above(painted(recording, "plane", 0.25, "xuan"), (-42, -12, 42, 12), 560)
         surface = written("永", "plane", 60.0, glyphs, Layout(), technique=name)
-        character = seen_from_above(surface, (-33, -33, 33, 33), 330)
-        strips.append(stacked([titled(stroke, name), character.resize((330, 330))]))
+        character = seen_from_above(surface, (-56, -33, 56, 33), 560)
+        strips.append(stacked([titled(stroke, name), character]))
     beside(strips).save(file)
 
 
