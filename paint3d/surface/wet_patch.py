@@ -205,9 +205,10 @@ class WetPatch:
 
     def _places(self, ids: NDArray) -> NDArray:
         """(N,) place of vertices among those of the patch, -1 for others."""
-        if not len(self._place):
-            return np.full(len(ids), -1, np.int32)
-        return self._place[ids] - 1
+        known = ids < len(self._place)  # the mesh may have grown since
+        place = np.full(len(ids), -1, np.int32)
+        place[known] = self._place[ids[known]] - 1
+        return place
 
     def _on_rim(self, place: NDArray) -> NDArray:
         if self.graph is None or not len(self.vertices):

@@ -252,6 +252,20 @@ def test_vertices_appear_ahead_of_the_water():
     assert surface.wet_ink() + surface.dry_ink() == pytest.approx(laid, rel=1e-6)
 
 
+def test_the_mesh_may_grow_between_two_calls():
+    surface = drop(PaintedSurface(paint3d.load_mesh("plane"), 4.0, SMOOTH), 2.0, 12.0)
+    surface.diffuse(0.1)
+    surface.make_room(3 * surface.paint_mesh.capacity)
+    surface.refine_all()
+    new = np.array([surface.n_vertices - 1], np.int32)
+    surface.ink.amounts[new, 0] = 1.0
+    surface.ink.coverage[new] = 1.0
+    surface.touch(new)
+    laid = surface.wet_ink() + surface.dry_ink()
+    surface.diffuse(0.1)
+    assert surface.wet_ink() + surface.dry_ink() == pytest.approx(laid, rel=1e-6)
+
+
 def test_ink_runs_around_a_crease():
     n = 21
     s = np.linspace(-5, 5, n)
