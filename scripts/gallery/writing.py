@@ -140,7 +140,7 @@ def draw_poem(file: Path, glyphs: Path) -> None:
 
 def draw_poem_on_paper(file: Path, glyphs: Path) -> None:
     """The same poem on paper, from centre lines."""
-    surface = written(POEM, "plane", 36.0, None, Layout(gap=0.2))
+    surface = written(POEM.replace("絕", "絶"), "plane", 36.0, None, Layout(gap=0.2))
     seen_from_above(surface, (-90, -95, 90, 95), 760).save(file)
 
 
