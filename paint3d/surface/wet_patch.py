@@ -130,9 +130,11 @@ class WetPatch:
         seen = np.zeros(len(self.vertices), bool)
         seen[place[place >= 0]] = True
         at = np.flatnonzero(seen)
-        if not len(at):
-            return False
         now = surface.ink.amounts[self.vertices[at]]
+        differs = (now != self._written[at]).any(axis=1)  # most are what was handed back
+        if not differs.any():
+            return False
+        at, now = at[differs], now[differs]
         change = (now - self._written[at]).astype(np.float64)
         node, share = self.node_of[at], self._share[at]
         came = np.maximum(change, 0.0).sum(axis=1)

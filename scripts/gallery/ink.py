@@ -93,8 +93,8 @@ def petal(chart, painter, centre, turn, length, width=0.4) -> None:
 def flower(chart, painter, centre, size, turn) -> None:
     """Five petals in light ink with a red tip, then stamens."""
     for k in range(5):
-        painter.dip({"carmine": 0.12, "water": 0.88})
-        painter.dip({"carmine": 0.75, "water": 0.25}, reach=0.25)
+        painter.dip({"carmine": 0.015, "water": 0.985})
+        painter.dip({"carmine": 0.3, "water": 0.7}, reach=0.2)
         petal(chart, painter, np.asarray(centre), turn + k * 2 * np.pi / 5, size)
 
 
@@ -117,11 +117,12 @@ def flowers(folder: Path) -> None:
     line(chart, painter, [(-20, -16), (-28, 10), (-22, 40), (-28, 62)], [0.16, 0.12, 0.09, 0.03])
     line(chart, painter, [(2, 14), (24, 26), (36, 50)], [0.12, 0.09, 0.03])
     surface.diffuse(4.0)
+    surface.dry()
     for centre, size, turn in (
         ((14, 44), 15, 0.3), ((-24, 46), 13, 1.1), ((-8, 8), 15, 0.7), ((32, 20), 12, 0.1),
         ((-34, -22), 13, 0.5), ((4, 74), 10, 0.9),
     ):  # fmt: skip
-        flower(chart, painter, centre, size, turn)
+        flower(chart, painter, centre, 0.8 * size, turn)
         surface.diffuse(1.5)
     surface.diffuse(8.0)
     surface.dry()
