@@ -22,6 +22,7 @@ __all__ = ["Campaign", "make_case", "try_case"]
 
 MEMORY = 2 << 30
 SECONDS = 20
+HANGS = (signal.SIGPROF, signal.SIGALRM)
 MOST_BUGS = 50
 
 
@@ -109,7 +110,7 @@ class Campaign:
         at = self._number(0)
         if os.WIFSIGNALED(status):
             number = os.WTERMSIG(status)
-            how = "a hang" if number == signal.SIGALRM else signal.Signals(number).name
+            how = "a hang" if number in HANGS else signal.Signals(number).name
             self.bugs[at] = f"the reader died of {how}"
             at += 1
         return at
@@ -120,7 +121,8 @@ class Campaign:
         try:
             resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-            signal.signal(signal.SIGALRM, signal.SIG_DFL)
+            for number in HANGS:
+                signal.signal(number, signal.SIG_DFL)
             for number, accepted, what in self._cases(first):
                 if accepted:
                     self._number(8, self._number(8) + 1)
@@ -134,7 +136,8 @@ class Campaign:
     def _cases(self, first: int) -> Iterator[tuple[int, bool, str]]:
         for number in range(first, self.last):
             self._number(0, number)
-            signal.alarm(SECONDS)
+            signal.setitimer(signal.ITIMER_PROF, SECONDS)  # its own time: the machine may be busy
+            signal.alarm(10 * SECONDS)
             suffix, content = make_case(self.target, self.seeds, self.name, number)
             yield number, *try_case(self.target, suffix, content)
             if time.monotonic() > self._ends:
