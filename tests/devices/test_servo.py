@@ -243,10 +243,11 @@ def test_the_program_is_killed_and_the_force_is_zero(device, tmp_path, number) -
         device.press(20, LIFTED)
         assert device.press(300)[2] > 0.7
         parent.send_signal(number)
-        waited = device.until_quiet(keep_sending=True)
+        device.until_quiet(keep_sending=True)
         if number == signal.SIGKILL:
-            assert waited < 0.15  # at once: well before the snapshot is too old
-            assert not is_alive(servo)
+            assert not is_alive(servo)  # it went with its parent, not because of an old snapshot
+        else:
+            assert is_alive(servo, patience=0.1)
     finally:
         parent.kill()
         parent.wait()
