@@ -58,8 +58,8 @@ class Device:
             raise AssertionError("no force came")
         try:
             data = self.cable.recv(64)
-        except ConnectionResetError:
-            return None
+        except ConnectionResetError:  # told once; what was sent before is still to be read
+            data = self.cable.recv(64)
         return np.array(decode_force(data)[0]) if data else None
 
     def press(self, milliseconds: int, position=PRESSED, orientation=UPRIGHT):
