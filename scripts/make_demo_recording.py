@@ -15,12 +15,12 @@ import gzip
 import json
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.device.recorded import Recording
 from paint3d.errors import Paint3DError
@@ -31,23 +31,18 @@ from paint3d.frames import (
     rotate,
     slerp,
 )
-from paint3d.kernels.tuft import Tuft
-from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, frame_at, make_chart
+from paint3d.mesh.chart import SurfaceFrame
 from paint3d.mesh.closest import ClosestPoints
+from paint3d.stroke.brush_choice import choose_brush
 from paint3d.stroke.formats_jsonl import write_jsonl
-from paint3d.stroke.glyphs import load_glyph
-from paint3d.stroke.ladder import build_ladder
-from paint3d.stroke.planning import plan_glyph
-from paint3d.stroke.timing import Motion, time_courses
+from paint3d.stroke.glyph_sources import open_glyphs
+from paint3d.stroke.layout import Layout, lay_out
+from paint3d.stroke.writing import Pen, write_text
 
 TEXT = "漫步人生"
-OBJECT, BRUSH, INK = "bowl", "xiaokai", "pine soot"
-EM_MM = 12.5
-PITCH = 0.93  # ems from one character to the next
-TOP_MM = (
-    7.5  # from the rim to the first em square: nearer, the lip tilts the plane of the footprint
-)
-WIDEST = 0.2  # ems: the ladder's last footprint
+OBJECT, INK = "bowl", "pine soot"
+EM_MM = 13.5
+LAYOUT = Layout(at=(0.5, 0.55))  # high enough to keep clear of the foot
 LICENCE = (
     "Stroke shapes: hanzi-writer-data 2.0.1 (Make Me a Hanzi), derived from Arphic PL KaitiM; "
     "Arphic Public License. Motion: paint3d, MIT."
@@ -56,7 +51,7 @@ WRITING_PLACE = np.array([0.0, 0.0, 110.0])  # world, mm: where the tip meets th
 LEAN = math.radians(25.0)  # of the writing place towards the writer
 SWAY = math.radians(4.0), 11.0  # turn of the bowl about its axis while writing: rad, s
 NOD = math.radians(2.5), 8.3  # and towards the writer
-LOOK = math.radians(12.0)  # turn of the bowl while the brush is dipped
+LOOK = math.radians(12.0)  # turn of the bowl on the way to the next character
 DRIFT_MM, DRIFT_S = 1.5, 13.0
 DECIMALS = {"position": 4, "orientation": 6, "pressure": 6}
 
@@ -79,124 +74,65 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def make_recording(glyphs: Path) -> Recording:
-    """Plan the text, lay it on the bowl and let both hands move."""
-    tuft = build_tuft(load_brush(BRUSH))
-    ladder = build_ladder(tuft, WIDEST * EM_MM)
-    courses = [plan_glyph(load_glyph(glyphs, character), EM_MM, ladder) for character in TEXT]
-    motion = time_courses(courses, EM_MM)
-    charts = column_of_charts(motion)
-    share = dip_shares(motion)
-    position, orientation = lay(motion, charts, share, tuft)
-    place, object_orientation = hold(motion, charts, share)
-    drift = 2.0 * np.pi * motion.time_s[:, None] / DRIFT_S + np.array([0.0, 1.0, 2.0])
+    """Write the text down the bowl with the right hand, and let the left hand hold the bowl."""
+    mesh = load_mesh(OBJECT)
+    pen = Pen(load_brush(choose_brush(EM_MM)), EM_MM)
+    header = {
+        "devices": {"right": "planned, 250 Hz", "left": "planned, 250 Hz"},
+        "ink": INK,
+        "licence": LICENCE,
+    }
+    right = write_text(mesh, TEXT, open_glyphs(glyphs), pen, LAYOUT, header=header).recording
+    placed = lay_out(ClosestPoints(mesh), TEXT, EM_MM, LAYOUT)
+    frames = [character.square.chart.frame for character in placed]
+    time_s = 1e-9 * right.time_ns
+    place, turned = hold(time_s, character_shares(right, len(frames)), frames)
+    drift = 2.0 * np.pi * time_s[:, None] / DRIFT_S + np.array([0.0, 1.0, 2.0])
     anchor = WRITING_PLACE + DRIFT_MM * np.sin(drift)
-    object_position = anchor - rotate(object_orientation, place)
-    return Recording(
-        np.round(motion.time_s * 1e9).astype(np.int64),
-        object_position + rotate(object_orientation, position),
-        multiply_quaternions(object_orientation, orientation),
-        np.maximum(0.0, -motion.height) / tuft.full_press,
-        motion.buttons,
-        object_position,
-        object_orientation,
-        header=header(charts),
+    held = anchor - rotate(turned, place)
+    return replace(
+        right,
+        position=held + rotate(turned, right.position),
+        orientation=multiply_quaternions(turned, right.orientation),
+        object_position=held,
+        object_orientation=turned,
     )
 
 
-def header(charts: list[SurfaceChart]) -> dict[str, object]:
-    """What the recording says about itself; frames as in the report of `paint3d write`."""
-    characters = []
-    for character, chart in zip(TEXT, charts, strict=True):
-        corner = chart.points([[-0.5 * EM_MM, -0.5 * EM_MM]])[0]
-        frame = {
-            "origin": corner.round(4).tolist(),
-            "x_axis": chart.frame.x_axis.round(6).tolist(),
-            "y_axis": chart.frame.y_axis.round(6).tolist(),
-            "em_mm": EM_MM,
-        }
-        characters.append({"text": character, "frame": frame})
-    return {
-        "devices": {"right": "planned, 250 Hz", "left": "planned, 250 Hz"},
-        "brush": BRUSH,
-        "ink": INK,
-        "object": OBJECT,
-        "licence": LICENCE,
-        "characters": characters,
-    }
-
-
-def column_of_charts(motion: Motion) -> list[SurfaceChart]:
-    """One chart around the middle of each character's em square, down the bowl's front."""
-    surface = ClosestPoints(load_mesh(OBJECT))
-    low, high = surface.mesh.bounds
-    middle = frame_at(surface, (0.0, low[1], 0.6 * high[2]), (0.0, 0.0, 1.0))
-    rim = surface_run(surface, middle, float(high[2]))
-    offsets = rim - TOP_MM - EM_MM * (0.5 + PITCH * np.arange(len(TEXT)))
-    line = make_chart(surface, middle, 1.0, float(np.abs(offsets).max()) + 1.0, spacing=0.5)
-    centres = line.points(np.column_stack([np.zeros(len(TEXT)), offsets]))
-    charts = []
-    for k, centre in enumerate(centres):
-        frame = frame_at(surface, centre, (0.0, 0.0, 1.0))
-        near = dip_shares(motion)[:, k] > 0.0
-        far = np.abs(motion.handle[near] - 0.5 * EM_MM).max(axis=0)
-        reach = np.maximum(far, 0.5 * EM_MM) + 0.5
-        charts.append(make_chart(surface, frame, *reach, spacing=0.5))
-    return charts
-
-
-def surface_run(surface: ClosestPoints, frame: SurfaceFrame, top: float) -> float:
-    """Length of the way (mm) up the wall from a frame to the rim, `top` mm high."""
-    chart = make_chart(surface, frame, 1.0, 1.2 * (top - frame.origin[2]), spacing=0.25)
-    ys = np.linspace(0.0, chart.half_height, 2000)
-    heights = chart.points(np.column_stack([np.zeros_like(ys), ys]))[:, 2]
-    return float(ys[np.argmax(heights)])
-
-
-def dip_shares(motion: Motion) -> NDArray[np.float64]:
-    """How much of every sample (N, characters) belongs to each character: blends in the dips."""
-    n = int(motion.group.max()) + 1
-    shares = (motion.group[:, None] == np.arange(n)).astype(np.float64)
-    for k in range(1, n):
-        inside = np.flatnonzero((motion.group == k) & (motion.buttons != 0))
-        t = np.linspace(0.0, 1.0, len(inside))
-        rise = t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
-        shares[inside, k], shares[inside, k - 1] = rise, 1.0 - rise
+def character_shares(recording: Recording, n: int) -> NDArray[np.float64]:
+    """How much of every sample (N, n) belongs to each character: blends on the ways between."""
+    down = recording.pressure > 0.0
+    dipped = np.append(False, np.diff((recording.buttons != 0).astype(int)) == 1)
+    dipped[0] = recording.buttons[0] != 0
+    group = np.cumsum(dipped) - 1
+    if group.max() != n - 1:
+        raise ValueError(f"the brush is dipped {group.max() + 1} times; expected {n}")
+    shares = np.zeros((len(down), n))
+    begins = 0
+    for k in range(n):
+        written = np.flatnonzero(down & (group == k))
+        if k > 0:
+            t = np.linspace(0.0, 1.0, written[0] - begins)
+            rise = t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
+            shares[begins : written[0], k] = rise
+            shares[begins : written[0], k - 1] = 1.0 - rise
+        last = written[-1] + 1 if k < n - 1 else len(down)
+        shares[written[0] if k > 0 else 0 : last, k] = 1.0
+        begins = last
     return shares
 
 
-def lay(
-    motion: Motion, charts: list[SurfaceChart], shares: NDArray, tuft: Tuft
-) -> tuple[NDArray, NDArray]:
-    """Return the root's positions and object_from_pen quaternions on the bowl."""
-    position = np.zeros((len(motion.time_s), 3))
-    orientation = np.tile([1.0, 0.0, 0.0, 0.0], (len(motion.time_s), 1))
-    bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
-    root = tuft.length + motion.height
-    for k, chart in enumerate(charts):
-        here = np.flatnonzero(shares[:, k] > 0.0)
-        xy = motion.handle[here] - 0.5 * EM_MM
-        frames = chart.tangents(xy)
-        x = np.einsum("nij,nj->ni", frames[:, :, :2], bend[here])
-        z = frames[:, :, 2]
-        turned = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1))
-        share = shares[here, k]
-        position[here] += share[:, None] * (chart.points(xy) + root[here, None] * z)
-        orientation[here] = slerp(orientation[here], turned, share)
-    return position, orientation
-
-
-def hold(motion: Motion, charts: list[SurfaceChart], shares: NDArray) -> tuple[NDArray, NDArray]:
+def hold(time_s: NDArray, shares: NDArray, frames: list[SurfaceFrame]) -> tuple[NDArray, NDArray]:
     """Return the written place in the object (N, 3) and the bowl's world_from_object (N, 4)."""
-    place = shares @ np.array([chart.frame.origin for chart in charts])
-    held = np.array([comfortable(chart.frame) for chart in charts])
-    orientation = held[motion.group]
-    for k in range(1, len(charts)):
-        dip = (motion.group == k) & (shares[:, k - 1] > 0.0)
-        orientation[dip] = slerp(
-            np.tile(held[k - 1], (dip.sum(), 1)), orientation[dip], shares[dip, k]
-        )
-    away = 1.0 - (shares**2).sum(axis=1)  # 0 while writing, 1/2 in the middle of a dip
-    t = 2.0 * np.pi * motion.time_s
+    place = shares @ np.array([frame.origin for frame in frames])
+    held = np.array([comfortable(frame) for frame in frames])
+    orientation = held[np.argmax(shares, axis=1)]
+    for k in range(1, len(frames)):
+        way = (shares[:, k] > 0.0) & (shares[:, k - 1] > 0.0)
+        both = np.ones((way.sum(), 1))
+        orientation[way] = slerp(both * held[k - 1], both * held[k], shares[way, k])
+    away = 1.0 - (shares**2).sum(axis=1)  # 0 while writing, 1/2 in the middle of a way
+    t = 2.0 * np.pi * time_s
     about_axis = SWAY[0] * np.sin(t / SWAY[1]) + 2.0 * LOOK * away
     nod = NOD[0] * np.sin(t / NOD[1] + 1.0)
     turned = multiply_quaternions(orientation, turns(about_axis, 2))

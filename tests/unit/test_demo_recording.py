@@ -34,7 +34,7 @@ def test_header_says_what_and_whose():
     assert [c["text"] for c in header["characters"]] == list("漫步人生")
     assert "Arphic Public License" in header["licence"]
     assert (FILE.parent / "LICENCE.md").read_text(encoding="utf-8").count("Arphic") >= 3
-    assert (header["brush"], header["object"], header["space"]) == ("xiaokai", "bowl", "world")
+    assert (header["brush"], header["object"], header["space"]) == ("xiaobaiyun", "bowl", "world")
 
 
 def test_it_takes_a_hand_s_time_and_little_room():
@@ -58,7 +58,7 @@ def test_brush_is_dipped_once_a_character_and_only_lifted():
 
 def test_root_stands_over_the_bowl_as_the_pressure_says():
     """Root height is LE - D_s, and the upright holder follows the normal, on the outside."""
-    tuft = build_tuft(load_brush("xiaokai"))
+    tuft = build_tuft(load_brush(recording().header["brush"]))
     _, down = strokes()
     at = np.flatnonzero(down)[::20]
     up = matrices_from_quaternions(path().orientation[at])[:, :, 2]
