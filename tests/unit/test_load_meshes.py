@@ -19,6 +19,7 @@ from PIL import Image
 
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files import isolation
+from paint3d.files.export import export
 from paint3d.files.handover import make_memory_file, receive, send
 from paint3d.files.load import load_mesh
 from paint3d.files.reading import Wanted, read_surface
@@ -73,8 +74,7 @@ def test_units(tmp_path, unit, factor):
 
 def test_gltf_is_in_metres_with_y_up_unless_told_otherwise(tmp_path):
     plane = make_plane()
-    codes = np.zeros((plane.n_vertices, 3), np.uint8)
-    write_glb(tmp_path / "a.glb", plane.vertices, plane.faces, plane.normals, codes)
+    export(plane, tmp_path / "a.glb")
     mesh = load_mesh(tmp_path / "a.glb")
     np.testing.assert_allclose(mesh.vertices, plane.vertices, atol=1e-4)
     np.testing.assert_allclose(mesh.normals, plane.normals, atol=1e-6)
