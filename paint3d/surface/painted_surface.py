@@ -197,12 +197,17 @@ class PaintedSurface:
 
     def _colour(self, ids: NDArray) -> None:
         ink = self.ink
-        own = np.full(len(ids), self._mesh_colours is not None) | self.dry_layers.has_row(ids)
-        if not own.all():
-            self._colours.srgb(ink.amounts, ink.coverage, self._srgb, ids[~own])
-        if own.any():
-            ground = self.ground()
-            self._glaze.srgb(ink.amounts, ink.coverage, ground, self._srgb, ids[own])
+        if self._mesh_colours is not None:
+            plain, own = ids[:0], ids
+        elif self.dry_layers.count:
+            dried = self.dry_layers.has_row(ids)
+            plain, own = ids[~dried], ids[dried]
+        else:
+            plain, own = ids, ids[:0]
+        if len(plain):
+            self._colours.srgb(ink.amounts, ink.coverage, self._srgb, plain)
+        if len(own):
+            self._glaze.srgb(ink.amounts, ink.coverage, self.ground(), self._srgb, own)
 
     def ground(self) -> Ground:
         """What lies below the wet paint: dried layers, the mesh's own colours, the material."""
