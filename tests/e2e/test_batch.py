@@ -73,7 +73,11 @@ def test_an_interrupted_batch_goes_on(paint3d, write_table, tmp_path: Path) -> N
     more = [("", "", f"more_{k}.ply") for k in range(12)]  # time for the signal to arrive
     table = write_table(*ROWS, *more)
     command = [sys.executable, "-m", "paint3d", "batch", table, "--processes", "1"]
-    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    running = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        # a shell's background jobs, as tests may be, ignore what they are to obey here
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
     assert running.stdout is not None
     first = running.stdout.readline()
     assert first.startswith(str(tmp_path / "a.ply"))
