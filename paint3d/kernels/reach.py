@@ -21,6 +21,7 @@ OUTSIDE, EDGE, INSIDE = 0, 1, 2  # where a disc lies to the footprints of a swee
 MIXED = 3  # a run in a cell with several sheets, some of which may not belong to the patch
 DISC_ROWS = 6  # float32 rows that discs are judged in: x, y, radius, and three to work in
 _STEEPEST = 4.0  # tangent of the angle at which a vertex faces away
+_END_ZONE = 0.0625  # of its length: how far an outline's end reaches
 _COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
 
 
@@ -39,9 +40,10 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
     turn : (4,) float64
         From the plane to the stamp's own coordinates.
     stamp, widths : arrays of the stamp
-    rises : (3,) float64
+    rises : (4,) float64
         How far beyond a stamp's edge the edge gets on its way, mm: anywhere, and near the tip;
-        and how near that is. A disc must be farther away by that to lie outside.
+        and how near that is; and half the soft edge. A disc must be farther away by the first
+        two to lie outside.
     fates : (N,) uint8
         Filled.
     """
@@ -55,6 +57,12 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
     nothing, top = np.float32(0.0), np.float32(st.PROFILE_CELLS)
     rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
     end = length - np.float32(rises[2])
+    # beyond a blunt end, the distance to the line of its last step is less than the way there
+    least = np.float32(rises[3] + rises[0])
+    steepest = max(widths[1], widths[st.PROFILE_CELLS - 1]) * st.PROFILE_CELLS
+    slope = steepest / (stamp[st.TIP] - stamp[st.HEEL])
+    blunt = np.float32(np.sqrt(1.0 + slope * slope) - 1.0) * least
+    zone = length * np.float32(_END_ZONE) + blunt
     for k in range(n):
         along[k] = c * (xs[k] - ox) + s * (ys[k] - oy) - heel
         low[k] = min(max((along[k] - radii[k]) * per_step, nothing), top)
@@ -71,6 +79,8 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
         within = (along[k] - r >= nothing) & (along[k] + r <= length)
         inside = within & (min(low[k], high[k]) >= side + r)
         out = r + (rise_at_end if along[k] + r > end else rise)
+        at_end = (along[k] - r < zone) | (along[k] + r > length - zone)
+        out += blunt if at_end else nothing
         outside = (along[k] + out < nothing) | (along[k] - out > length) | (side - out > most)
         fates[k] = np.uint8(0) if outside else (np.uint8(2) if inside else np.uint8(1))
 
@@ -83,7 +93,7 @@ def _judge_sweep(n, discs, frame, before, widths_before, after, widths, where):
     brush that comes or goes, nothing is inside: it is covered for a part of the time.
     """
     now, then = where[0], where[1]
-    rises = frame[sw.RISES : sw.RISES + 3]
+    rises = frame[sw.RISES : sw.RISES + 4]
     turn_now = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
     turn_then = frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
     if frame[sw.AFTER] > 0.0:

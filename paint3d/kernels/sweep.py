@@ -26,7 +26,7 @@ _PART_WIDTH = 0.25  # of the soft edge, the shortest
 ORIGIN, NORMAL, BEND, CROSS, SPHERE = 0, 3, 6, 9, 12
 RADIUS2, BOX, BOX_BEFORE, SCALE, AFTER, BEFORE = 15, 16, 20, 24, 25, 28
 TURN_AFTER, PARTS, RISE, END_RISE, END, RISES = 31, 35, 36, 37, 38, 39
-FRAME_SIZE = 42  # numbers in it
+FRAME_SIZE = 43  # numbers in it
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
@@ -111,6 +111,7 @@ def fill_between(before, after, frame, between):
     frame[END_RISE] = 0.0
     frame[END] = 0.0
     frame[RISES : RISES + 3] = 0.0
+    frame[RISES + 3] = 0.5 / frame[SCALE]
     a = before.values
     b = after.values
     if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
