@@ -23,6 +23,7 @@ range, at any step.
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from paint3d.kernels.refine import activate_cell
@@ -36,7 +37,8 @@ __all__ = [
     "solve_water",
 ]
 
-_NEWTON = 12
+_NEWTON = 40
+_NEAR = 1e-4  # of the saturation; convergence is quadratic: the next step would be below 1e-7
 _OVER = 1.5  # over-relaxation of the sweeps, which all go one way: to and fro it would not help
 _CHECK = 2  # sweeps between two looks at the residual
 
@@ -63,7 +65,7 @@ def potentials(nodes, depth, capacity, residual, strength, film, psi):
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _depth_at(right, factor, guess, capacity, residual, strength, film, entry):
-    """The depth T with T + factor max(psi(T), entry) = right: by Newton, kept in its bracket."""
+    """The depth T with T + factor max(psi(T), entry) = right: by Newton."""
     low = capacity * residual
     if entry > 0.0:
         depth = right - factor * entry
@@ -74,22 +76,18 @@ def _depth_at(right, factor, guess, capacity, residual, strength, film, entry):
     at_capacity = capacity + factor * strength
     if right >= at_capacity:
         return capacity + (right - at_capacity) / (1.0 + factor * film)
-    least, high = low, min(right, capacity)
-    width = capacity - low
-    depth = guess if low < guess < high else high
+    # s + cube s^3 = wanted is convex: after its first step Newton comes down on the root
+    inverse = 1.0 / (capacity - low)
+    cube = factor * strength * inverse
+    wanted = (right - low) * inverse
+    s = (guess - low) * inverse if low < guess < capacity else min(wanted, 1.0)
     for _ in range(_NEWTON):
-        s = (depth - low) / width
-        error = depth + factor * strength * s * s * s - right
-        if error > 0.0:
-            high = depth
-        else:
-            least = depth
-        step = error / (1.0 + 3.0 * factor * strength * s * s / width)
-        trial = depth - step
-        depth = trial if least <= trial <= high else 0.5 * (least + high)
-        if abs(step) < 1e-7 * capacity:
+        square = cube * s * s
+        step = (s + square * s - wanted) / (1.0 + 3.0 * square)
+        s -= step
+        if abs(step) < _NEAR:
             break
-    return depth
+    return low + s * (capacity - low)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -103,8 +101,44 @@ def _drop(psi_i, entry_i, psi_j, entry_j):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _all_wet(active, n_active, runs, links, entry):
+    """(N,) u8: 1 for active nodes that are wet as all their neighbours: no entry stops anything."""
+    free = np.zeros(entry.shape[0], np.uint8)
+    for n in range(n_active):
+        i = active[n]
+        barrier = entry[i]
+        for e in range(runs[i], runs[i + 1]):
+            barrier = max(barrier, entry[links[e]])
+        free[i] = barrier == 0.0
+    return free
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _inflow(i, free, psi, entry, runs, links, weights, totals):
+    """Sum of weights times potentials of what node i exchanges water with, and of the weights."""
+    inflow = 0.0
+    if free[i]:
+        for e in range(runs[i], runs[i + 1]):
+            inflow += weights[e] * psi[links[e]]
+        return inflow, totals[i]
+    total = 0.0
+    own = psi[i]
+    own_entry = max(own, entry[i])
+    for e in range(runs[i], runs[i + 1]):
+        other = psi[links[e]]
+        other_entry = max(other, entry[links[e]])
+        if other > own_entry:
+            inflow += weights[e] * other
+            total += weights[e]
+        elif own >= other_entry:
+            inflow += weights[e] * other_entry
+            total += weights[e]
+    return inflow, total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_water(
-    active, n_active, is_active, rim, before, area, runs, links, weights, step, capacity,
+    active, n_active, is_active, rim, before, area, runs, links, weights, totals, step, capacity,
     residual, strength, film, entry, tolerance, most_sweeps, depth, psi, stats,
 ):  # fmt: skip
     """Solve the implicit step by over-relaxed Gauss-Seidel sweeps.
@@ -125,6 +159,8 @@ def solve_water(
         mm2.
     runs, links, weights : (N + 1,) i64, (L,) i32, (L,) f64
         Neighbours of every node and the weights of the edges to them, all >= 0; 0 to the rim.
+    totals : (N,) f64
+        Sum of the weights of every node.
     step : f64
         s.
     capacity, film : f64
@@ -145,34 +181,21 @@ def solve_water(
         Active nodes now.
     """
     stats[2] = 0.0
+    free = _all_wet(active, n_active, runs, links, entry)
     sweep = 0
     left = 0.0
     while sweep < most_sweeps:
         count = n_active
         for n in range(count):
             i = active[n]
-            inflow = 0.0
-            total = 0.0
-            own = psi[i]
-            own_entry = max(own, entry[i])
-            barrier = entry[i]
-            for e in range(runs[i], runs[i + 1]):
-                other = psi[links[e]]
-                other_entry = max(other, entry[links[e]])
-                barrier = max(barrier, entry[links[e]])
-                if other > own_entry:
-                    inflow += weights[e] * other
-                    total += weights[e]
-                elif own >= other_entry:
-                    inflow += weights[e] * other_entry
-                    total += weights[e]
+            inflow, total = _inflow(i, free, psi, entry, runs, links, weights, totals)
             share = step / area[i]
             d = _depth_at(
                 before[i] + share * inflow, share * total, depth[i], capacity,
                 residual[i], strength[i], film, entry[i],
             )  # fmt: skip
             low = capacity * residual[i]
-            if d > low and depth[i] > low and barrier == 0.0:
+            if d > low and depth[i] > low and free[i]:
                 d = max(low, depth[i] + _OVER * (d - depth[i]))
             p = potential(d, capacity, residual[i], strength[i], film)
             depth[i] = d

@@ -122,9 +122,9 @@ class Flow:
         graph = p.graph
         links = (graph.runs, graph.links, p.weights)
         count = solve_water(
-            nodes, len(active), is_active, graph.rim, p.water, p.area, *links, seconds,
-            pores, p.residual, p.strength, film, p.entry, _TOLERANCE * pores, _MOST_SWEEPS, depth,
-            psi, stats,
+            nodes, len(active), is_active, graph.rim, p.water, p.area, *links, p.totals,
+            seconds, pores, p.residual, p.strength, film, p.entry, _TOLERANCE * pores, _MOST_SWEEPS,
+            depth, psi, stats,
         )  # fmt: skip
         if stats[2] > 0.0:
             return -1.0

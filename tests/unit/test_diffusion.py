@@ -319,7 +319,8 @@ def test_no_new_extremes_at_any_step(step):
     potentials(nodes[: len(active)], depth, 0.06, residual, strength, 10.0, psi)
     count = solve_water(
         nodes, len(active), is_active, np.zeros(n, np.uint8), water, area, runs, links, weights,
-        step, 0.06, residual, strength, 10.0, entry, 1e-6, 50, depth, psi, np.zeros(3),
+        np.add.reduceat(weights, runs[:-1]), step, 0.06, residual, strength, 10.0, entry, 1e-6, 50,
+        depth, psi, np.zeros(3),
     )  # fmt: skip
     reached = nodes[:count]
     order = reached[psi[reached] > 0]
