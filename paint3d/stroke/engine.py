@@ -49,27 +49,30 @@ class Painter:
     ----------
     surface : PaintedSurface
     brush : str or BrushSpec
-    ink : str, Pigment or mapping
-        What the brush is dipped in; see `dip`.
+    ink : str, Pigment, mapping or None
+        What the brush is dipped in; see `dip`. None: it holds what the surface says that it held,
+        as after opening a session.
     azimuth : {"commanded", "dragged"}
         Whether the pose's roll turns the tuft, or the surface pulls it.
-    pickup : float
+    pickup : float, optional
         Share of the wet ink under the brush that it takes back per mm of travel at full pressure
-        (0.05 is a thirsty brush); 0: it stays clean.
+        (0.05 is a thirsty brush); 0: it stays clean. None: as before, 0 on a new surface.
 
     Raises
     ------
     UnknownNameError
         For a brush or an ink that is not known.
+    InputError
+        For no ink where the surface has never seen one.
     """
 
     def __init__(
         self,
         surface: PaintedSurface,
         brush: str | BrushSpec = "full",
-        ink: str | Pigment | Mapping = "pine soot",
+        ink: str | Pigment | Mapping | None = "pine soot",
         azimuth: str = "commanded",
-        pickup: float = 0.0,
+        pickup: float | None = None,
     ) -> None:
         if azimuth not in ("commanded", "dragged"):
             raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
@@ -86,8 +89,12 @@ class Painter:
         self._origin_ns = 0
         self._n_samples = 0
         self._dip_down = False
-        surface.ink.habit[PICKUP] = as_number(pickup, "pickup (1/mm)", 0.0)
-        self.dip(ink)
+        if pickup is not None:
+            surface.ink.habit[PICKUP] = as_number(pickup, "pickup (1/mm)", 0.0)
+        if ink is None:
+            self._take_up()
+        else:
+            self.dip(ink)
 
     # -- the brush --------------------------------------------------------------------------
 
@@ -116,6 +123,19 @@ class Painter:
             self._dipped = ink
             self.ink = self.surface.main_pigment(parts)
         self._room = self._make_room()
+
+    def _take_up(self) -> None:
+        """Take the brush as it lies there: with what it holds, or dry."""
+        surface = self.surface
+        if not surface.pigments:
+            raise InputError("ink is None and this surface has never seen any; expected an ink")
+        held = surface.ink.load
+        parts = held / held.sum() if held.any() else np.eye(len(held))[-1]
+        self._dipped = {p: w for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-9}
+        self.ink = surface.main_pigment(parts)
+        self._room = self._make_room()
+        accounts = self.ledger()
+        self.loaded = sum(accounts.values()) - accounts["loaded"]
 
     def rinse(self) -> None:
         """Wash the brush out and shake it dry: it holds nothing."""

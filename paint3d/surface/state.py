@@ -18,14 +18,17 @@ from paint3d.colour.spectra import N_BANDS
 from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.ink.materials import Material, load_materials
 from paint3d.ink.pigments import WATER, Pigment, load_palette
+from paint3d.kernels.pickup import CAPACITY, PICKUP, REACH
 from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["STATE_VERSION", "restore_surface", "surface_state"]
 
-STATE_VERSION = 2
+STATE_VERSION = 3
+_MOST_STATIONS = 256
 _MOST_PIGMENTS = 256
+_HABIT = (PICKUP, CAPACITY, REACH)
 _VERTICES = ("vertices", "order", "fresh")  # of a flow: numbers of vertices
 _DEEPEST_MM = 1e3
 _LONGEST_PACE = 3600.0  # s
@@ -33,6 +36,7 @@ _LONGEST_PACE = 3600.0  # s
 State = dict[str, object]
 _UPGRADES: dict[int, Callable[[State], State]] = {
     1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
+    2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
 }
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
@@ -47,7 +51,9 @@ def surface_state(surface: PaintedSurface) -> State:
         arrays: splits (n,) int32, the refinement log; touched (T,) int32, numbers of the
         vertices with wet ink (`mesh.refinement_log.saved_ids`); amounts (T, P) and coverage (T,)
         float32; dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and
-        dried_amounts (D, P) float32; load and off_surface (P,) float64.
+        dried_amounts (D, P) float32; load and off_surface (P,) float64; stations (N, P)
+        float64, the load along the tuft, N = 1: alike all along; habit (3,) float64, pick-up
+        (1/mm), capacity (coats x mm2) and reach (mm) of `kernels.pickup`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
         that it may reach: flow_vertices (C,) int32, flow_rim (C,) uint8, flow_water, flow_speed,
@@ -73,8 +79,15 @@ def surface_state(surface: PaintedSurface) -> State:
         "dried_amounts": dry.amounts.copy(),
         "load": ink.load.copy(),
         "off_surface": ink.off_surface.copy(),
+        "stations": ink.stations.copy(),
+        "habit": ink.habit[list(_HABIT)],
         **_kept_flow(surface, ids),
     }
+
+
+def _alike(n_pigments: int) -> State:
+    """A brush that holds its load alike all along, as every brush once did."""
+    return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(_HABIT))}
 
 
 def _kept_flow(surface: PaintedSurface, ids: NDArray) -> State:
@@ -101,8 +114,8 @@ def restore_surface(mesh: TriangleMesh, state: Mapping[str, object]) -> PaintedS
     SessionError
         If the state is newer than this program, incomplete, or not that of this mesh.
     """
-    state = _upgraded(dict(state))
     try:
+        state = _upgraded(dict(state))
         material = _known(Material, state["material"], load_materials())
         surface = PaintedSurface(mesh, state["resolution"], material)
         palette = {**load_palette(), WATER.name: WATER}
@@ -146,6 +159,7 @@ def _put_ink(surface: PaintedSurface, state: State) -> None:
     ink.coverage[wet] = _amounts(state, "coverage", (len(wet),), np.float32, 1.0)
     for name in ("load", "off_surface"):
         getattr(ink, name)[:] = _amounts(state, name, (count,), np.float64)
+    _put_brush(surface, state)
     dry = now[_vertices(state, "dried", n)]
     spectra = np.asarray(state["dried_spectra"])
     if spectra.dtype != np.uint16 or spectra.shape != (len(dry), N_BANDS):
@@ -157,6 +171,19 @@ def _put_ink(surface: PaintedSurface, state: State) -> None:
     surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
     if state["flows"]:
         _put_water(surface, state, now)
+
+
+def _put_brush(surface: PaintedSurface, state: State) -> None:
+    """Let the brush hold along its tuft what it held."""
+    ink = surface.ink
+    n = len(np.atleast_1d(state["stations"]))
+    if not 1 <= n <= _MOST_STATIONS:
+        raise SessionError(f"the brush has {n} stations; expected 1 to {_MOST_STATIONS}")
+    stations = _amounts(state, "stations", (n, len(ink.load)), np.float64)
+    if n > 1 and not np.allclose(stations.sum(axis=0), ink.load, rtol=1e-6, atol=1e-9):
+        raise SessionError("stations and load differ in what the brush holds")
+    ink.habit[list(_HABIT)] = _amounts(state, "habit", (len(_HABIT),), np.float64)
+    surface.ink = ink._replace(stations=stations.copy())
 
 
 def _put_water(surface: PaintedSurface, state: State, now: NDArray) -> None:

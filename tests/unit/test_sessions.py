@@ -14,7 +14,7 @@ import pytest
 
 import paint3d
 from paint3d.device.recorded import Recording
-from paint3d.errors import ExportError, SessionError
+from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files import session as sessions
 from paint3d.files.session import Session, load_session, save_session
 from paint3d.ink.pigments import WATER
@@ -97,6 +97,42 @@ def test_painting_goes_on_where_it_was_saved(tmp_path):
     same(surface, again)
 
 
+def loaded_brush(painter):
+    """What a brush looks like half way: dipped twice, with a stroke behind it."""
+    painter.dip({"pine soot": 0.3, "water": 0.7})
+    painter.dip("cinnabar", reach=0.25)
+    painter.replay(stroke())
+
+
+def rinsed_brush(painter):
+    painter.dip("cinnabar")
+    painter.rinse()
+
+
+@pytest.mark.parametrize("habit", [loaded_brush, rinsed_brush])
+def test_the_brush_lies_there_as_it_was_left(tmp_path, habit):
+    surface = PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8, "xuan")
+    first = Painter(surface, "full", "indigo", pickup=0.05)
+    habit(first)
+    save_session(Session(surface), tmp_path / "a.p3d")
+    again = load_session(tmp_path / "a.p3d").surface
+    assert again.ink.habit.tolist() == surface.ink.habit.tolist()
+    second = Painter(again, "full", ink=None)
+    accounts = second.ledger()
+    assert accounts["loaded"] == pytest.approx(
+        sum(accounts[name] for name in ("in_brush", "wet", "dry", "off_surface")), abs=1e-12
+    )
+    for painter in (first, second):
+        painter.replay(stroke(-20.0))
+    same(surface, again)
+    assert again.ink.stations.tolist() == surface.ink.stations.tolist()
+
+
+def test_a_brush_that_never_saw_ink_has_none_to_take_up():
+    with pytest.raises(InputError, match="never seen any; expected an ink"):
+        Painter(PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8), ink=None)
+
+
 @pytest.mark.parametrize("paint_between", [False, True])
 def test_water_goes_on_where_it_was_saved(tmp_path, paint_between):
     surface = PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8, "xuan")
@@ -163,12 +199,12 @@ def test_older_versions_are_taken_step_by_step(tmp_path, monkeypatch):
         return parts
 
     def halved(state):
-        return {**state, "version": 3, "load": 0.5 * state["load"]}
+        return {**state, "version": 4, "load": 0.5 * state["load"]}
 
     monkeypatch.setattr(sessions, "VERSION", 2)
     monkeypatch.setitem(sessions.UPGRADES, 1, renamed)
-    monkeypatch.setattr(states, "STATE_VERSION", 3)
-    monkeypatch.setitem(states._UPGRADES, 2, halved)
+    monkeypatch.setattr(states, "STATE_VERSION", 4)
+    monkeypatch.setitem(states._UPGRADES, 3, halved)
     opened = load_session(path)
     assert opened.settings == {"renamed": 1}
     assert opened.surface.ink.load.tolist() == (0.5 * surface.ink.load).tolist()
@@ -224,6 +260,10 @@ BAD = {
     "twice": ({"surface/dried": i32(5, 5)}, "dried holds a vertex twice"),
     "rows": ({"surface/coverage": np.zeros(3, np.float32)}, "coverage has shape"),
     "much": ({"surface/load": np.array([-1.0, 0, 0])}, "load holds -1 to"),
+    "tuft": ({"surface/stations": np.zeros((4, 3))}, "stations and load differ"),
+    "long tuft": ({"surface/stations": np.zeros((999, 3))}, "the brush has 999 stations"),
+    "no tuft": ({"surface/stations": np.zeros((0, 3))}, "the brush has 0 stations"),
+    "habit": ({"surface/habit": np.array([0.0, -1.0, 0.0])}, "habit holds -1 to"),
     "nan": ({"surface/load": np.array([np.nan, 0, 0])}, "expected a finite number"),
     "flow": ({"surface": {"flows": True}}, "incomplete near 'flow_vertices'"),
     "time": ({"recordings/0/time_ns": np.zeros(8, np.int64)}, "expected more than 0"),
