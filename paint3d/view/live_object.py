@@ -1,0 +1,92 @@
+"""What the renderer is sent of a painted object: geometry and lit colours, patch by patch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.live_light import BakedLight, LiveLight
+from paint3d.view.live_patches import FACES, LivePatches
+
+__all__ = ["LiveObject", "PatchUpload"]
+
+
+@dataclass(frozen=True, eq=False)
+class PatchUpload:
+    """One patch's new arrays.
+
+    Attributes
+    ----------
+    patch : int
+    colours : (K, 3) uint8
+    points, normals : (K, 3) float32, or None where only colours have changed
+    faces : (L, 3) int32, or None likewise
+    """
+
+    patch: int
+    colours: NDArray
+    points: NDArray | None = None
+    normals: NDArray | None = None
+    faces: NDArray | None = None
+
+    @property
+    def n_bytes(self) -> int:
+        """What travels to the renderer."""
+        parts = (self.colours, self.points, self.normals, self.faces)
+        return sum(part.nbytes for part in parts if part is not None)
+
+
+class LiveObject:
+    """A surface, followed while it is painted.
+
+    `uploads` reads the surface, so it must run where nothing paints meanwhile; what it returns
+    belongs to the caller.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    faces : int
+        Triangles in a patch, about.
+    """
+
+    def __init__(self, surface: PaintedSurface, faces: int = FACES) -> None:
+        self.surface = surface
+        self.patches = LivePatches(surface.paint_mesh, faces)
+        self.light = LiveLight(surface.paint_mesh)
+        low, high = surface.source.vertices.min(axis=0), surface.source.vertices.max(axis=0)
+        self.centre = 0.5 * (low + high).astype(np.float64)
+        self.radius = 0.5 * float(np.linalg.norm(high - low))
+        self._all = True
+
+    def relight(self, baked: BakedLight) -> None:
+        """Use baked light; the next `uploads` brings every colour."""
+        self.light.take(baked.light)
+        self._all = True
+
+    def uploads(self, vertex_ids: NDArray) -> list[PatchUpload]:
+        """What has changed since the last call.
+
+        Parameters
+        ----------
+        vertex_ids : (N,) int32
+            Vertices whose colours have changed; `PaintedSurface.refresh` returns them.
+        """
+        surface = self.surface
+        srgb = surface.srgb  # up to date: brings new vertices of a coloured mesh their colours
+        if self._all:
+            vertex_ids = np.arange(surface.n_vertices, dtype=np.int32)
+            self._all = False
+        field = surface.paint_mesh.arrays
+        found = []
+        for change in self.patches.changes(vertex_ids):
+            ids = change.vertex_ids
+            points = normals = None
+            if change.faces is not None:
+                points = np.stack([field.px[ids], field.py[ids], field.pz[ids]], axis=1)
+                normals = np.stack([field.nx[ids], field.ny[ids], field.nz[ids]], axis=1)
+            colours = self.light.colours(ids, srgb)
+            found.append(PatchUpload(change.patch, colours, points, normals, change.faces))
+        return found

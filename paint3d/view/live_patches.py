@@ -1,0 +1,180 @@
+"""An object in patches, so that a renderer is sent what has changed and no more.
+
+VTK uploads whole arrays: on one array of a million vertices every touch of the brush would cost a
+million colours. Here the cells of the paint mesh, which lie along a space-filling curve, are cut
+into runs of about `FACES` triangles when painted all over; each run is a patch with its own arrays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.kernels.patches import Entries, add_faces, mark_holders, mark_split, place_faces
+from paint3d.mesh.paint_mesh import PaintMesh
+
+__all__ = ["FACES", "LivePatches", "PatchChange"]
+
+FACES = 6000
+_FACE_AREA = 0.18  # of a refined triangle over the square of the longest edge wanted; measured
+_MOST_PATCHES = 400  # each costs the renderer some tens of microseconds a frame
+_GROWTH = 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class PatchChange:
+    """A patch that is to be drawn anew.
+
+    Attributes
+    ----------
+    patch : int
+    vertex_ids : (K,) int32
+        Its vertices on the object; the list only ever grows at its end.
+    faces : (L, 3) int32 or None
+        Its triangles with numbers into `vertex_ids`; None where only colours have changed.
+    """
+
+    patch: int
+    vertex_ids: NDArray
+    faces: NDArray | None
+
+
+class LivePatches:
+    """The patches of one paint mesh, followed while it is refined.
+
+    Parameters
+    ----------
+    mesh : PaintMesh
+    faces : int
+        Triangles in a patch, about.
+
+    Notes
+    -----
+    Not for use while another thread refines the mesh. Cost: 0.1 us a triangle at the start and
+    for each that refinement makes, and 1 ms per million triangles in every `changes` that follows
+    a refinement.
+    """
+
+    def __init__(self, mesh: PaintMesh, faces: int = FACES) -> None:
+        self.mesh = mesh
+        self._cell_patch = _cut(mesh, faces)
+        self.n_patches = int(self._cell_patch[-1]) + 1
+        self._ids = [np.empty(0, np.int32) for _ in range(self.n_patches)]
+        self._leaves = [np.empty(0, np.int32) for _ in range(self.n_patches)]
+        self._face_patch = np.empty(0, np.int32)
+        self._n_faces = 0
+        none = np.empty(0, np.int32)
+        self._entries = Entries(none, none, none, none, np.zeros(1, np.int64))
+
+    def vertex_ids(self, patch: int) -> NDArray:
+        """(K,) int32: the vertices of one patch."""
+        return self._ids[patch]
+
+    def changes(self, vertex_ids: NDArray) -> list[PatchChange]:
+        """What to draw anew after these vertices' colours have changed and the mesh was refined.
+
+        Parameters
+        ----------
+        vertex_ids : (N,) int32
+            Vertices with new colours; those that are new since the last call need not be named.
+
+        Returns
+        -------
+        list of PatchChange
+            By patch. The first call returns the whole object.
+        """
+        rebuilt = self._rebuild()
+        marks = np.zeros(self.n_patches, np.uint8)
+        if len(vertex_ids):
+            mark_holders(np.ascontiguousarray(vertex_ids, np.int32), self._entries, marks)
+        marks[list(rebuilt)] = 1
+        return [
+            PatchChange(int(p), self._ids[p], rebuilt.get(int(p))) for p in np.flatnonzero(marks)
+        ]
+
+    # -- refinement -------------------------------------------------------------------------
+
+    def _rebuild(self) -> dict[int, NDArray]:
+        """Take in the triangles that are new; return the faces of the patches they change."""
+        faces, child = self._all_faces()
+        before, n = self._n_faces, len(faces)
+        if n == before:
+            return {}
+        field = self.mesh.arrays
+        self._face_patch = _grown(self._face_patch, before, n)
+        place_faces(field, faces, before, self._cell_patch, self._face_patch)
+        marks = np.zeros(self.n_patches, np.uint8)
+        fresh = np.arange(before, n, dtype=np.int32)
+        if child is not None:
+            mark_split(child, before, self._face_patch, marks)
+            fresh = fresh[child[before:n] < 0]
+        fresh, starts = self._by_patch(fresh)
+        marks[np.diff(starts) > 0] = 1
+        self._n_faces = n
+        return {
+            int(p): self._refit(int(p), faces, child, fresh[starts[p] : starts[p + 1]])
+            for p in np.flatnonzero(marks)
+        }
+
+    def _all_faces(self) -> tuple[NDArray, NDArray | None]:
+        """Triangles there ever were (F, 3), and their first children (None: nothing refines)."""
+        mesh = self.mesh
+        if not mesh.refines:
+            return mesh.base_faces, None
+        n = int(mesh.arrays.counts[1])
+        return mesh.arrays.node_vertices[:n], mesh.arrays.child[:n]
+
+    def _by_patch(self, faces: NDArray) -> tuple[NDArray, NDArray]:
+        """Sort faces (N,) by patch; return them and where each patch's run begins (P + 1,)."""
+        patches = self._face_patch[faces]
+        counts = np.bincount(patches, minlength=self.n_patches)
+        order = np.argsort(patches, kind="stable")
+        return faces[order], np.concatenate([[0], np.cumsum(counts)])
+
+    def _refit(self, patch: int, faces: NDArray, child: NDArray | None, fresh: NDArray) -> NDArray:
+        """Give a patch its present triangles, and return them with the patch's own numbers."""
+        kept = self._leaves[patch]
+        if child is not None:
+            kept = kept[child[kept] < 0]
+        chosen = np.concatenate([kept, fresh])
+        self._make_room(3 * len(chosen))
+        local, new_ids = np.empty((len(chosen), 3), np.int32), np.empty(3 * len(chosen), np.int32)
+        held = self._ids[patch]
+        n_new = add_faces(faces, chosen, patch, len(held), self._entries, local, new_ids)
+        if n_new:
+            self._ids[patch] = np.concatenate([held, new_ids[:n_new]])
+        self._leaves[patch] = chosen
+        return local
+
+    def _make_room(self, extra: int) -> None:
+        """Let the entries hold `extra` more, and every vertex there is room for."""
+        old, count = self._entries, int(self._entries.count[0])
+        head = old.head
+        if len(head) < self.mesh.n_vertices:
+            head = np.full(self.mesh.capacity, -1, np.int32)
+            head[: len(old.head)] = old.head
+        columns = [old.patch, old.place, old.following]
+        if len(old.patch) < count + extra:
+            columns = [_grown(column, count, count + extra) for column in columns]
+        self._entries = Entries(head, *columns, old.count)
+
+
+def _cut(mesh: PaintMesh, faces: int) -> NDArray:
+    """(C,) int32: the patch of each cell; runs of cells of about the same area."""
+    field = mesh.arrays
+    areas = np.bincount(field.sheet_cell, field.sheet_area, minlength=mesh.n_cells)
+    total = float(areas.sum())
+    target = max(_FACE_AREA * mesh.resolution**2 * faces, total / _MOST_PATCHES, 1e-30)
+    run = np.floor((np.cumsum(areas) - 0.5 * areas) / target).astype(np.int64)
+    return np.unique(run, return_inverse=True)[1].astype(np.int32)
+
+
+def _grown(array: NDArray, used: int, room: int) -> NDArray:
+    """An array with space for `room`, and more, whose first `used` entries are kept."""
+    if len(array) >= room:
+        return array
+    grown = np.empty(int(room * _GROWTH) + 64, array.dtype)
+    grown[:used] = array[:used]
+    return grown

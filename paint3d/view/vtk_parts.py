@@ -1,0 +1,123 @@
+"""Small pieces of VTK that the live view is built from: meshes, textures, lights."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["DrawnMesh", "camera_light", "make_texture", "quiet_vtk"]
+
+
+def quiet_vtk() -> None:
+    """Keep VTK from telling the terminal how it looks for a screen."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+
+
+class DrawnMesh:
+    """Triangles on screen, whose arrays can be replaced.
+
+    Attributes
+    ----------
+    actor : vtkActor
+        To set how it looks.
+    """
+
+    def __init__(self) -> None:
+        from vtkmodules.vtkCommonDataModel import vtkPolyData
+        from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+        self._data = vtkPolyData()
+        self._mapper = vtkPolyDataMapper()
+        self._mapper.SetInputData(self._data)
+        self._mapper.SetColorModeToDirectScalars()
+        self._mapper.SetStatic(1)
+        self._colours: NDArray | None = None
+        self._vtk_colours = None
+        self.actor = vtkActor()
+        self.actor.SetMapper(self._mapper)
+        self.actor.PickableOff()
+
+    def set_shape(self, points: NDArray, faces: NDArray, normals: NDArray | None = None) -> None:
+        """Replace the triangles: points (K, 3) float32, faces (L, 3) int32, normals (K, 3)."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkCellArray
+
+        place = vtkPoints()
+        place.SetData(numpy_to_vtk(np.ascontiguousarray(points, np.float32), deep=True))
+        cells = vtkCellArray()
+        corners = np.ascontiguousarray(faces, np.int32).ravel()
+        cells.SetData(3, numpy_to_vtk(corners, deep=True))
+        self._data.SetPoints(place)
+        self._data.SetPolys(cells)
+        if normals is not None:
+            array = numpy_to_vtk(np.ascontiguousarray(normals, np.float32), deep=True)
+            self._data.GetPointData().SetNormals(array)
+
+    def set_line(self, points: NDArray, *, closed: bool) -> None:
+        """Replace everything by one line through the points (K, 3)."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkCellArray
+
+        place, line, n = vtkPoints(), vtkCellArray(), len(points)
+        place.SetData(numpy_to_vtk(np.ascontiguousarray(points, np.float32), deep=True))
+        line.InsertNextCell(n + closed)
+        for k in range(n + closed):
+            line.InsertCellPoint(k % n)
+        self._data.SetPoints(place)
+        self._data.SetLines(line)
+
+    def set_colours(self, colours: NDArray) -> None:
+        """Replace the colours (K, 3) or (K, 4) uint8 of the points."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+
+        if self._colours is not None and self._colours.shape == colours.shape:
+            self._colours[:] = colours
+            self._vtk_colours.Modified()
+            return
+        self._colours = np.array(colours, np.uint8, order="C")
+        self._vtk_colours = numpy_to_vtk(self._colours, deep=False)
+        self._data.GetPointData().SetScalars(self._vtk_colours)
+
+    def set_texture(self, pixels: NDArray, corners: NDArray) -> None:
+        """Paste (H, W, 4) uint8 pixels, first row at v = 0; corners (K, 2) are the points' u, v."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+
+        array = numpy_to_vtk(np.ascontiguousarray(corners, np.float32), deep=True)
+        self._data.GetPointData().SetTCoords(array)
+        self.actor.SetTexture(make_texture(pixels))
+
+
+def make_texture(pixels: NDArray):
+    """A smooth texture of (H, W, C) uint8 pixels, first row at the bottom."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkRenderingCore import vtkTexture
+
+    height, width, channels = pixels.shape
+    image = vtkImageData()
+    image.SetDimensions(width, height, 1)
+    flat = np.ascontiguousarray(pixels).reshape(-1, channels)
+    image.GetPointData().SetScalars(numpy_to_vtk(flat, deep=True))
+    texture = vtkTexture()
+    texture.SetInputData(image)
+    texture.SetColorModeToDirectScalars()
+    texture.InterpolateOn()
+    texture.SetWrap(vtkTexture.ClampToEdge)
+    return texture
+
+
+def camera_light(position: tuple[float, float, float], intensity: float, colour=(1.0, 1.0, 1.0)):
+    """A parallel light that moves with the camera; x right, y up, z from the object to the eye."""
+    from vtkmodules.vtkRenderingCore import vtkLight
+
+    light = vtkLight()
+    light.SetLightTypeToCameraLight()
+    light.SetPosition(*position)
+    light.SetFocalPoint(0.0, 0.0, 0.0)
+    light.SetIntensity(intensity)
+    light.SetColor(*colour)
+    return light

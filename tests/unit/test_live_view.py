@@ -1,0 +1,127 @@
+"""The live view: patches hold the whole object, and only what changed travels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import paint3d
+from paint3d.kernels.refine import activate_cell
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.camera import View, fit_camera
+from paint3d.view.live_object import LiveObject
+from paint3d.view.live_patches import LivePatches
+from paint3d.view.live_scene import DARK, LiveScene
+from paint3d.view.studio import Gloss
+
+NONE = np.empty(0, np.int32)
+
+
+@pytest.fixture
+def surface() -> PaintedSurface:
+    return PaintedSurface(paint3d.load_mesh("plane"), 1.0)
+
+
+def canonical(faces: NDArray) -> NDArray:
+    """Faces as sorted rows, each beginning with its smallest corner."""
+    turned = np.take_along_axis(
+        faces, (np.argmin(faces, axis=1)[:, None] + np.arange(3)) % 3, axis=1
+    )
+    return turned[np.lexsort(turned.T[::-1])]
+
+
+def test_patches_hold_every_triangle_once_while_it_is_refined(surface: PaintedSurface) -> None:
+    mesh = surface.paint_mesh
+    patches = LivePatches(mesh, faces=500)
+    drawn: dict[int, NDArray] = {}
+    for cell in (None, 3, 400, 401, 7):
+        if cell is not None:
+            activate_cell(mesh.arrays, cell)
+        for change in patches.changes(NONE):
+            drawn[change.patch] = change.vertex_ids[change.faces]
+        together = np.concatenate(list(drawn.values()))
+        assert np.array_equal(canonical(together), canonical(mesh.leaf_faces()))
+
+
+def test_a_vertex_touches_only_the_patches_that_hold_it(surface: PaintedSurface) -> None:
+    surface.refine_all()
+    patches = LivePatches(surface.paint_mesh, faces=500)
+    everything = patches.changes(NONE)
+    assert len(everything) == patches.n_patches > 20
+    for vertex in (0, 57, surface.n_vertices - 1):
+        found = patches.changes(np.array([vertex], np.int32))
+        holding = [c.patch for c in everything if vertex in c.vertex_ids]
+        assert [c.patch for c in found] == holding
+        assert all(c.faces is None for c in found)
+    assert patches.changes(NONE) == []
+
+
+def test_refining_rebuilds_only_where_cells_split(surface: PaintedSurface) -> None:
+    patches = LivePatches(surface.paint_mesh, faces=500)
+    patches.changes(NONE)
+    activate_cell(surface.paint_mesh.arrays, 200)
+    rebuilt = patches.changes(NONE)
+    assert 0 < len(rebuilt) < 0.5 * patches.n_patches
+    assert patches.changes(NONE) == []
+
+
+def test_upload_is_proportional_to_what_is_dirty(surface: PaintedSurface) -> None:
+    surface.refine_all()
+    shown = LiveObject(surface, faces=500)
+    first = sum(upload.n_bytes for upload in shown.uploads(NONE))
+    order = np.argsort(surface.paint_mesh.vertices[:, 0]).astype(np.int32)
+    sizes = [
+        sum(upload.n_bytes for upload in shown.uploads(order[: len(order) // part]))
+        for part in (40, 4, 1)
+    ]
+    assert sizes[0] < 0.12 * sizes[2]
+    assert sizes[1] < 0.40 * sizes[2]
+    assert sizes[2] < 0.15 * first  # colours alone
+    assert shown.uploads(NONE) == []
+
+
+def test_new_vertices_are_lit_between_their_neighbours(surface: PaintedSurface) -> None:
+    shown = LiveObject(surface)
+    shown.uploads(NONE)
+    n = surface.n_vertices
+    light = np.linspace(0.2, 0.8, n)[:, None].repeat(3, axis=1)
+    shown.light.take(light)
+    activate_cell(surface.paint_mesh.arrays, 10)
+    ids = np.arange(n, surface.n_vertices, dtype=np.int32)
+    got = shown.light.colours(ids, np.full((surface.n_vertices, 3), 255, np.uint8))
+    known = shown.light.colours(np.arange(n, dtype=np.int32), np.full((n, 3), 255, np.uint8))
+    parents = surface.paint_mesh.arrays.parents[n]
+    low, high = np.sort(known[parents[parents < n]][:, 0])[[0, -1]]
+    assert low <= got[0, 0] <= high
+
+
+def test_the_picture_shows_paint_where_it_was_laid(surface: PaintedSurface) -> None:
+    shown = LiveObject(surface)
+    scene = LiveScene((160, 120), DARK)
+    scene.clear(shown.centre, shown.radius, Gloss.of("xuan"))
+    scene.apply(shown.uploads(NONE))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0, 0, 1), (0, 1, 0)), 160 / 120))
+    before = scene.draw()
+    painter = paint3d.Painter(surface)
+    column = surface.column_of(painter.ink)
+    x = surface.paint_mesh.vertices[:, 0]
+    ids = np.flatnonzero(x < -20.0).astype(np.int32)
+    surface.ink.amounts[ids, column] = 1.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    scene.apply(shown.uploads(surface.refresh()))
+    after = scene.draw()
+    darker = after[..., :3].mean(axis=2) < before[..., :3].mean(axis=2) - 60.0
+    assert darker[60, 45]
+    assert not darker[60, 115]
+    fine = scene.draw(fine=True)
+    assert fine.shape == (120, 160, 4)
+    assert np.abs(fine.astype(int) - after).mean() < 4.0
+    baked = shown.light.bake()
+    shown.relight(baked)
+    scene.set_ground(baked)
+    scene.apply(shown.uploads(NONE))
+    assert np.isfinite(baked.light).all()
+    assert scene.draw()[60, 115, 0] > scene.draw()[5, 5, 0]  # the lit sheet before the dark
+    scene.close()
