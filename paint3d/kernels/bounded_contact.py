@@ -26,7 +26,6 @@ _TOLERANCE = 1e-4  # mm, tangential residual at which the foot counts as found
 _ITERATIONS = 8
 _WARM = 0.15  # of the reach: a root that has moved farther is looked for afresh
 _POOR = 0.1  # of the distance: a residual above it is no foot
-_SAMPLES = 6  # of the patch over which the normal is averaged
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -176,11 +175,12 @@ def _settle(tree, x, y, z, ux, uy, uz, triangle, gain, work, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def mean_normal(tree, foot, ux, uy, uz, bx, by, bz, patch, guess, work, normal):
+def mean_normal(tree, foot, ux, uy, uz, bx, by, bz, patch, guess, near, work, normal):
     """The mean normal of the surface around the foot, a disc of radius `patch`.
 
     Places where the surface has ended or bent away count less and less, so that the mean does not
-    jump at a rim. (bx, by, bz) is any direction that turns with the pen.
+    jump at a rim. (bx, by, bz) is any direction that turns with the pen. `near` (S,) keeps the
+    triangles found, plus 1, from step to step: from there on, the next search is short.
     """
     for axis in range(3):
         normal[axis] = foot[3 + axis]
@@ -198,13 +198,17 @@ def mean_normal(tree, foot, ux, uy, uz, bx, by, bz, patch, guess, work, normal):
     fy = foot[5] * ex - foot[3] * ez
     fz = foot[3] * ey - foot[4] * ex
     there = np.empty(6)
-    for i in range(_SAMPLES):
-        c = patch * np.cos(2.0 * np.pi * i / _SAMPLES)
-        s = patch * np.sin(2.0 * np.pi * i / _SAMPLES)
+    n_samples = near.shape[0]
+    for i in range(n_samples):
+        c = patch * np.cos(2.0 * np.pi * i / n_samples)
+        s = patch * np.sin(2.0 * np.pi * i / n_samples)
         x = foot[0] + c * ex + s * fx
         y = foot[1] + c * ey + s * fy
         z = foot[2] + c * ez + s * fz
-        if nearest_within(tree, x, y, z, ux, uy, uz, patch, guess, work, there) < 0:
+        begin = np.int64(near[i]) - 1 if near[i] > 0.0 else guess
+        found = nearest_within(tree, x, y, z, ux, uy, uz, patch, begin, work, there)
+        near[i] = found + 1
+        if found < 0:
             continue
         d2 = (x - there[0]) ** 2 + (y - there[1]) ** 2 + (z - there[2]) ** 2
         weight = (1.0 - d2 / (patch * patch)) ** 2

@@ -16,8 +16,10 @@ from paint3d.kernels.haptic_state import (
     LAST_X,
     LENGTH,
     LOWEST_SINE,
+    NEAR,
     NORMAL_X,
     PATCH,
+    PATCH_SAMPLES,
     PROXY_X,
     SOFTENING,
     SPRING,
@@ -72,7 +74,8 @@ def push_back(tree, settings, state, x, y, z, q, work, force):
     if triangle < 0:
         return False
     normal = np.empty(3)
-    mean_normal(tree, foot, ux, uy, uz, bx, by, bz, settings[PATCH], triangle, work, normal)
+    near = state[NEAR : NEAR + PATCH_SAMPLES]
+    mean_normal(tree, foot, ux, uy, uz, bx, by, bz, settings[PATCH], triangle, near, work, normal)
     sine = ux * normal[0] + uy * normal[1] + uz * normal[2]
     sine = min(1.0, max(settings[LOWEST_SINE], sine))
     height = 0.0

@@ -6,6 +6,8 @@ Vectors take three places, quaternions (w first) four. "Object" means the painte
 
 from __future__ import annotations
 
+PATCH_SAMPLES = 6  # places around the foot at which the normal is averaged
+
 # -- settings: see paint3d.haptics.settings ----------------------------------------------------
 LENGTH, SPRING, FRICTION, LOWEST_SINE = 0, 1, 2, 3  # mm, N/mm, 1, 1
 DEVICE_LIMIT, USER_LIMIT, STIFFEST, STICK = 4, 5, 6, 7  # N, N, N/mm, N/mm
@@ -29,7 +31,8 @@ SOFTENING = 45  # share of the stiffness that the servo's steadiness allows
 SPENT = 46  # tree nodes of the last step
 WANTED = 47  # size of the force before anything was made safe, N
 CREDIT = 48  # N mm that turning or curvature put into the spring since the last step
-N_STATE = 49
+NEAR = 49  # of every sample of the patch the triangle that it found last, plus 1
+N_STATE = NEAR + PATCH_SAMPLES
 
 # -- flags of a step --------------------------------------------------------------------------
 NOT_FINITE, CLAMPED, SLEWED, TAMED = 1, 2, 4, 8

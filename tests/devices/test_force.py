@@ -15,7 +15,7 @@ from paint3d.frames import multiply_quaternions, quaternions_from_matrices, rota
 from paint3d.haptics.force_model import ForceModel, flag_names
 from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits, HapticSettings
 from paint3d.kernels import haptic_state as hs
-from paint3d.kernels.bounded_contact import find_foot_within, nearest_within
+from paint3d.kernels.bounded_contact import find_foot_within, mean_normal, nearest_within
 from paint3d.kernels.contact import closest_point, find_foot
 from paint3d.mesh.solids import make_bowl, make_plane, make_sphere
 from paint3d.surface.painted_surface import PaintedSurface
@@ -375,6 +375,24 @@ def test_the_foot_is_that_of_painting(trees) -> None:
         find_foot_within(tree, *place, 0.0, 0.0, 1.0, 35.0, near, work, mine)
         find_foot(tree, *place, 0.0, 0.0, 1.0, 35.0, theirs, far)
         assert np.abs(mine - theirs).max() < 2e-3
+
+
+def test_where_the_patch_was_found_last_makes_its_search_shorter_and_nothing_else(trees) -> None:
+    tree, foot, warm = trees["bowl"], np.zeros(6), np.zeros(5)
+    kept, spent = np.zeros(hs.PATCH_SAMPLES), np.zeros(2)
+    for i in range(400):
+        lean = np.array([math.sin(0.01 * i), 0.0, 2.0]) / math.hypot(math.sin(0.01 * i), 2.0)
+        place = (30.0 * math.cos(0.02 * i), 30.0 * math.sin(0.03 * i), 38.0)
+        triangle = find_foot_within(tree, *place, *lean, 35.0, warm, np.array([10_000]), foot)
+        assert triangle >= 0
+        normals = []
+        for k, near in enumerate((np.zeros(hs.PATCH_SAMPLES), kept)):
+            work, normal = np.array([10_000]), np.zeros(3)
+            mean_normal(tree, foot, *lean, 1.0, 0.0, 0.0, 5.0, triangle, near, work, normal)
+            spent[k] += 10_000 - work[0]
+            normals.append(normal)
+        assert np.abs(normals[0] - normals[1]).max() < 1e-12
+    assert spent[1] < 0.9 * spent[0]
 
 
 def test_the_search_ends_with_its_budget(trees) -> None:
