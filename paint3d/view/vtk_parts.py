@@ -82,6 +82,12 @@ class DrawnMesh:
         self._vtk_colours = numpy_to_vtk(self._colours, deep=False)
         self._data.GetPointData().SetScalars(self._vtk_colours)
 
+    def draw_before(self) -> None:
+        """Let it win over what lies in the same depth: it is painted on a surface."""
+        self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        self._mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
+        self._mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -4.0)
+
     def set_texture(self, pixels: NDArray, corners: NDArray) -> None:
         """Paste (H, W, 4) uint8 pixels, first row at v = 0; corners (K, 2) are the points' u, v."""
         from vtkmodules.util.numpy_support import numpy_to_vtk

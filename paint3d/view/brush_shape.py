@@ -1,0 +1,213 @@
+"""The form of a brush: its tuft as the model bends it, its handle, and its outline on the surface.
+
+Points are in the frame of the bend plane until they are placed: `along` from the root's foot to the
+tip, `up` along the plane's normal, `side` across (`kernels.tuft`). The sections are the papers'
+(Guo 2017, Eqs. 2, 3, 6): ellipses about the bent spine, wide across and thin in the bend plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.kernels.tuft import (
+    OUTLINE_CAPACITY,
+    SCRATCH_SIZE,
+    Tuft,
+    bend_angles,
+    trace_outline,
+)
+from paint3d.projection.contact import Contact
+
+__all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "tuft_rings"]
+
+AROUND = 44  # points around a section of the tuft, and of the handle
+_PER_SEGMENT = 6  # sections to a straight segment of the spine
+_HAIR_RELIEF = 0.05  # of the radius: how far hairs stand out of a section
+_LIFT = 0.12  # mm that the lowest hairs are drawn above the surface, not to flicker with it
+_HANDLE = (  # distance up the handle over the tuft's length, radius over the root's, material
+    (-0.04, 1.00, 0), (-0.02, 1.10, 0), (0.10, 1.14, 0), (0.32, 1.02, 0), (0.34, 0.93, 0),
+    (0.36, 0.86, 1), (0.60, 0.80, 1), (1.60, 0.77, 1), (1.62, 0.80, 2), (1.65, 0.81, 2),
+    (1.68, 0.77, 1), (3.00, 0.73, 1), (3.02, 0.76, 2), (3.05, 0.76, 2), (3.08, 0.72, 1),
+    (4.60, 0.68, 1), (4.62, 0.72, 0), (4.86, 0.70, 0), (4.92, 0.55, 0), (4.95, 0.02, 0),
+)  # fmt: skip
+_PARTS = np.array([[44, 30, 24], [196, 158, 104], [150, 108, 62]], np.float64)  # horn, bamboo, node
+
+
+@dataclass(frozen=True, eq=False)
+class BrushStand:
+    """How a brush stands somewhere: touching the surface, above it, or far from it.
+
+    Attributes
+    ----------
+    root : (3,) float64
+        mm; where the tuft meets the ferrule.
+    axes : (3, 3) float64
+        Rows: along, side and up of the bend plane.
+    origin : (3,) float64
+        Where along and up are counted from, mm.
+    descent, tilt, pressure : float
+        mm, rad, 0 to 1.
+    handle : (3,) float64
+        Unit, up the handle.
+    """
+
+    root: NDArray
+    axes: NDArray
+    origin: NDArray
+    descent: float
+    tilt: float
+    pressure: float
+    handle: NDArray
+
+    @classmethod
+    def of(cls, tuft: Tuft, root: NDArray, axes: NDArray, contact: Contact | None) -> BrushStand:
+        """Return how the brush of a pose stands.
+
+        Parameters
+        ----------
+        tuft : Tuft
+        root : (3,)
+            The pose's position, mm.
+        axes : (3, 3)
+            Columns x, y, z of the pose: z is up the handle, x is the commanded bend.
+        contact : Contact or None
+            Of that pose.
+        """
+        x, y, z = np.asarray(axes, np.float64).T
+        if contact is None or contact.area <= 0.0:
+            frame = np.stack([x, -y, z])
+            return cls(root, frame, root - tuft.length * z, 0.0, 0.5 * np.pi, 0.0, z)
+        side = np.cross(contact.normal, contact.bend)
+        frame = np.stack([contact.bend, side, contact.normal])
+        tilt = contact.tilt
+        handle = np.array([-np.cos(tilt), 0.0, np.sin(tilt)]) @ frame
+        height = _spine(tuft, contact.descent, tilt)[1][-1]
+        stand = contact.origin + height * contact.normal
+        return cls(stand, frame, contact.origin, contact.descent, tilt, contact.pressure, handle)
+
+    @property
+    def touches(self) -> bool:
+        """Whether the tuft is bent by the surface."""
+        return self.descent > 0.0
+
+    def place(self, points: NDArray) -> NDArray:
+        """Points (..., 3), along, side and up, in the object's frame (mm)."""
+        return self.origin + points @ self.axes
+
+    def outline(self, tuft: Tuft) -> NDArray:
+        """(N, 3) mm: the footprint's outline in the plane, all around; empty where none."""
+        reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
+        scratch = np.empty(SCRATCH_SIZE)
+        n = trace_outline(tuft, self.descent, self.tilt, self.pressure, scratch, reach, half)
+        sides = np.concatenate([half[:n], -half[:n][::-1]])
+        along = np.concatenate([reach[:n], reach[:n][::-1]])
+        return self.place(np.stack([along, sides, np.zeros(2 * n)], axis=1))
+
+
+def _spine(tuft: Tuft, descent: float, tilt: float) -> tuple[NDArray, ...]:
+    """Along, up, angle (R,) and arc length from the tip of the bent spine, tip first."""
+    angles = np.empty(SCRATCH_SIZE)
+    bend_angles(tuft, descent, tilt, angles)
+    m = len(tuft.segment_lengths)
+    beta = angles[: m + 1]
+    joints = np.concatenate([beta[:1], 0.5 * (beta[:-1] + beta[1:])])
+    arcs = np.concatenate([[0.0], np.cumsum(tuft.segment_lengths)])
+    steps = np.arange(m * _PER_SEGMENT + 1) / (m * _PER_SEGMENT)
+    arc = np.interp(m * steps**1.5, np.arange(m + 1), arcs)  # crowded at the tip, which is round
+    angle = np.interp(arc, arcs, joints)
+    middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(arc)
+    run = np.concatenate([[0.0], np.cumsum(step * np.cos(middle))])
+    up = np.concatenate([[0.0], np.cumsum(step * np.sin(middle))])
+    along = float(tuft.segment_lengths @ np.cos(beta[:m])) - run
+    return along - along[-1], up, angle, arc
+
+
+def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
+    """The surface of the tuft, hair by hair.
+
+    Returns
+    -------
+    points : (R, AROUND, 3) float64
+        mm, the tip's ring first; a ring on the surface is flattened by it.
+    arc : (R,) float64
+        How far up the tuft each ring is, 0 to 1.
+    """
+    along, up, angle, arc = _spine(tuft, stand.descent, stand.tilt)
+    if not stand.touches:
+        along, up, angle = np.zeros_like(arc), arc, np.full_like(arc, 0.5 * np.pi)
+    radius = 0.5 * tuft.diameters[-1] * (arc / tuft.length) ** tuft.taper
+    fade = np.clip((tuft.length - arc) / tuft.segment_lengths[-1], 0.0, 1.0)
+    spread = 1.0 + tuft.spread * stand.pressure * fade
+    turn = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    relief = 1.0 + _HAIR_RELIEF * (_hair_noise() - 0.5) * np.sqrt(np.maximum(0.0, fade))[:, None]
+    minor = (radius / spread)[:, None] * np.cos(turn) * relief
+    major = (radius * spread)[:, None] * np.sin(turn) * relief
+    points = np.stack(
+        [
+            along[:, None] + minor * np.sin(angle)[:, None],
+            major,
+            up[:, None] + minor * np.cos(angle)[:, None],
+        ],
+        axis=2,
+    )
+    if stand.touches:
+        points[..., 2] = np.maximum(points[..., 2], _LIFT)
+    return stand.place(points), arc / tuft.length
+
+
+def _hair_noise() -> NDArray:
+    """(AROUND,) in [0, 1]: which hairs stand out, always the same."""
+    return np.random.default_rng(5).random(AROUND)
+
+
+def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
+    """The ferrule and the handle.
+
+    Returns
+    -------
+    points : (R, AROUND, 3) float64, mm
+    colours : (R, AROUND, 3) float64
+        sRGB, 0 to 255.
+    """
+    profile = np.array(_HANDLE)
+    length = min(max(tuft.length, 22.0), 46.0)  # a small brush's handle is no toy
+    thick = 0.5 * max(tuft.diameters[-1], 0.14 * length)
+    ahead = np.array([1.0, 0.0, 0.0]) if abs(stand.handle[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    x = np.cross(stand.handle, ahead)
+    x /= np.linalg.norm(x)
+    y = np.cross(stand.handle, x)
+    turn = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    circle = np.cos(turn)[:, None] * x + np.sin(turn)[:, None] * y
+    slim = np.where(profile[:, 0] < 0.35, 0.5 * tuft.diameters[-1], thick)
+    radius = profile[:, 1] * slim
+    centre = stand.root + (profile[:, 0] * length)[:, None] * stand.handle
+    points = centre[:, None, :] + radius[:, None, None] * circle[None]
+    colours = np.repeat(_PARTS[profile[:, 2].astype(int)][:, None], AROUND, axis=1)
+    grain = 1.0 + 0.06 * (_hair_noise() - 0.5)
+    return points, colours * grain[None, :, None]
+
+
+def grid_faces(rows: int, columns: int = AROUND) -> NDArray:
+    """(L, 3) int32: triangles between rings, which close around."""
+    ring = np.arange(columns)
+    after = (ring + 1) % columns
+    below = columns * np.arange(rows - 1)[:, None]
+    a, b = below + ring, below + after
+    c, d = a + columns, b + columns
+    faces = np.stack([np.stack([a, b, d], axis=-1), np.stack([a, d, c], axis=-1)], axis=2)
+    return faces.reshape(-1, 3).astype(np.int32)
+
+
+def grid_normals(points: NDArray) -> NDArray:
+    """(R, AROUND, 3) float32: unit normals of rings of points, outward."""
+    around = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
+    upward = np.gradient(points, axis=0)
+    normals = np.cross(around, upward)
+    length = np.linalg.norm(normals, axis=2, keepdims=True)
+    out = points - points.mean(axis=1, keepdims=True)
+    normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])
+    flip = np.sign((normals * out).sum(axis=(1, 2)))
+    return (normals * np.where(flip < 0, -1.0, 1.0)[:, None, None]).astype(np.float32)

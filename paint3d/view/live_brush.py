@@ -1,0 +1,205 @@
+"""The brush in the live scene: tuft, ink, handle, shadow and footprint."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.kernels.contact import ContactTree
+from paint3d.kernels.drape import drape_points
+from paint3d.kernels.tuft import Tuft
+from paint3d.view.brush_shape import (
+    AROUND,
+    BrushStand,
+    grid_faces,
+    grid_normals,
+    handle_rings,
+    tuft_rings,
+)
+from paint3d.view.live_scene import LiveScene
+from paint3d.view.vtk_parts import DrawnMesh
+
+__all__ = ["HAIR_COLOURS", "LiveBrush"]
+
+HAIR_COLOURS = {"goat": (232, 224, 204), "weasel": (164, 106, 58), "mixed": (205, 172, 124)}
+_SHADOW_FALL = np.array([0.45, 0.40, -0.80])  # studio axes: away from the key light
+_SHADOW_LIFT = 0.10  # mm above the surface
+_OUTLINE_LIFT = 0.16
+_DARKEST = 96  # of 255, the shadow where the brush touches
+_SHADOW_REACH = 220.0  # mm
+_SOFT = np.array([-1.6, -0.9, 0.0, 0.9, 1.6])  # radii across the shadow
+_SOFT_SHARE = np.array([0.0, 0.75, 1.0, 0.75, 0.0])
+_OUTLINE = (198, 60, 40, 235)  # seal red
+_HOVER = (60, 60, 60, 200)
+
+
+class LiveBrush:
+    """The figure of one brush in a scene; hidden until it is shown somewhere.
+
+    Parameters
+    ----------
+    scene : LiveScene
+    tuft : Tuft
+    hair : str
+        What its hairs are: a key of `HAIR_COLOURS`.
+    """
+
+    def __init__(self, scene: LiveScene, tuft: Tuft, hair: str = "mixed") -> None:
+        self._tuft = tuft
+        self._hair = np.array(HAIR_COLOURS.get(hair, HAIR_COLOURS["mixed"]), np.float64)
+        self._parts = {name: DrawnMesh() for name in ("tuft", "handle", "shadow", "outline")}
+        self._scene = scene
+        for name, part in self._parts.items():
+            _look(part, name)
+            scene.add(part)
+        self.hide()
+
+    def remove(self) -> None:
+        """Take it out of the scene."""
+        for part in self._parts.values():
+            self._scene.remove(part)
+
+    def hide(self) -> None:
+        """Show nothing of it."""
+        for part in self._parts.values():
+            part.actor.VisibilityOff()
+
+    def show(
+        self,
+        stand: BrushStand,
+        tree: ContactTree,
+        up: NDArray,
+        ink: tuple[int, int, int] | None,
+        fill: float,
+    ) -> None:
+        """Draw it as it stands.
+
+        Parameters
+        ----------
+        stand : BrushStand
+        tree : ContactTree
+            Of the surface that it throws its shadow on.
+        up : (3, 3)
+            Rows: the studio's axes in the object's frame.
+        ink : (3,) of 0 to 255, or None
+            sRGB of what it holds.
+        fill : float
+            How full it is, 0 to 1.
+        """
+        rings, arc = tuft_rings(self._tuft, stand)
+        self._draw("tuft", rings, self._tuft_colours(arc, ink, fill))
+        wet = 0.15 + 0.55 * min(1.0, 2.0 * fill) if ink is not None else 0.08
+        self._parts["tuft"].actor.GetProperty().SetSpecular(wet)
+        points, colours = handle_rings(self._tuft, stand)
+        self._draw("handle", points, colours)
+        self._draw_shadow(stand, rings, points, tree, up)
+        self._draw_outline(stand, tree)
+
+    def _draw(self, name: str, rings: NDArray, colours: NDArray) -> None:
+        part = self._parts[name]
+        faces = grid_faces(len(rings))
+        part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
+        part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
+        part.actor.VisibilityOn()
+
+    def _tuft_colours(self, arc: NDArray, ink: tuple | None, fill: float) -> NDArray:
+        """(R, AROUND, 3): hair, darker at the root, with the ink as high as the tuft is full."""
+        hairs = 0.86 + 0.28 * np.random.default_rng(11).random(AROUND)
+        shade = 0.72 + 0.28 * np.clip((1.0 - arc) / 0.25, 0.0, 1.0)
+        colours = self._hair[None, None] * hairs[None, :, None] * shade[:, None, None]
+        if ink is None or fill <= 0.0:
+            return colours
+        height = 0.30 + 0.55 * np.sqrt(min(fill, 1.0))
+        ragged = height + 0.07 * (hairs - 1.0) / 0.14
+        share = np.clip((ragged[None] - arc[:, None]) / 0.10, 0.0, 1.0)
+        share *= 0.45 + 0.55 * min(1.0, 3.0 * fill)
+        inked = np.asarray(ink, np.float64) * (0.9 + 0.2 * (hairs - 0.86))[None, :, None]
+        return colours + share[..., None] * (inked - colours)
+
+    # -- on the surface ---------------------------------------------------------------------
+
+    def _draw_shadow(
+        self, stand: BrushStand, tuft: NDArray, handle: NDArray, tree: ContactTree, up: NDArray
+    ) -> None:
+        part = self._parts["shadow"]
+        fall = _SHADOW_FALL @ up
+        fall /= np.linalg.norm(fall)
+        rings = np.concatenate([tuft[::6], handle[5:17:1]])
+        centre = rings.mean(axis=1)
+        across = np.cross(
+            stand.handle, fall
+        )  # one for all rings, or the strip folds where it bends
+        across /= max(float(np.linalg.norm(across)), 1e-9)
+        reach = np.abs((rings - centre[:, None]) @ across).max(axis=1)
+        strip = centre[:, None] + (reach[:, None] * _SOFT)[..., None] * across
+        found, landed = _drape(tree, strip.reshape(-1, 3), fall, _SHADOW_REACH)
+        landed = landed.reshape(len(rings), len(_SOFT))
+        if not landed.any():
+            part.actor.VisibilityOff()
+            return
+        height = np.linalg.norm(found[:, :3] - strip.reshape(-1, 3), axis=1).reshape(landed.shape)
+        faint = 1.0 / (1.0 + height / 28.0)
+        alpha = _DARKEST * _SOFT_SHARE * faint * landed
+        colours = np.zeros((landed.size, 4), np.uint8)
+        colours[:, 3] = alpha.reshape(-1)
+        whole = _whole_faces(landed)
+        if len(whole) == 0:
+            part.actor.VisibilityOff()
+            return
+        part.set_shape(found[:, :3] + _SHADOW_LIFT * found[:, 3:], whole)
+        part.set_colours(colours)
+        part.actor.VisibilityOn()
+
+    def _draw_outline(self, stand: BrushStand, tree: ContactTree) -> None:
+        part = self._parts["outline"]
+        line = stand.outline(self._tuft) if stand.touches else self._landing(stand)
+        fall = -stand.axes[2] if stand.touches else -stand.handle
+        found, landed = _drape(tree, line + (0.0 if len(line) == 0 else 0.5) * -fall, fall, 140.0)
+        if len(line) < 3 or not landed.all():
+            part.actor.VisibilityOff()
+            return
+        part.set_line(found[:, :3] + _OUTLINE_LIFT * found[:, 3:], closed=True)
+        colour = _OUTLINE if stand.touches else _HOVER
+        part.set_colours(np.tile(np.uint8(colour), (len(line), 1)))
+        part.actor.VisibilityOn()
+
+    def _landing(self, stand: BrushStand) -> NDArray:
+        """(N, 3): the ring around the straight tip that tells where it would come down."""
+        turn = 2.0 * np.pi * np.arange(36) / 36
+        radius = 0.22 * self._tuft.diameters[-1]
+        ring = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(36)], axis=1)
+        return stand.place(ring)
+
+
+def _drape(
+    tree: ContactTree, points: NDArray, direction: NDArray, reach: float
+) -> tuple[NDArray, NDArray]:
+    out, landed = np.zeros((len(points), 6)), np.zeros(len(points), np.uint8)
+    if len(points):
+        drape_points(tree, np.ascontiguousarray(points, np.float64), direction, reach, out, landed)
+    return out, landed.astype(bool)
+
+
+def _whole_faces(landed: NDArray) -> NDArray:
+    """(L, 3) int32: triangles of a strip (R, C) all of whose corners have landed."""
+    rows, columns = landed.shape
+    number = np.arange(rows * columns).reshape(rows, columns)
+    a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
+    c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
+    faces = np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+    return faces[landed.ravel()[faces].all(axis=1)].astype(np.int32)
+
+
+def _look(part: DrawnMesh, name: str) -> None:
+    look = part.actor.GetProperty()
+    look.SetInterpolationToPhong()
+    if name in ("shadow", "outline"):
+        look.LightingOff()
+        look.SetLineWidth(2.0)
+        part.actor.ForceTranslucentOn()
+        part.draw_before()
+        return
+    look.SetAmbient(0.38)
+    look.SetDiffuse(0.72)
+    look.SetSpecular(0.15 if name == "tuft" else 0.22)
+    look.SetSpecularPower(24.0)

@@ -1,0 +1,110 @@
+"""The figure of the brush: as the model bends it, on the surface, with its ink."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import paint3d
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.presets import load_brush
+from paint3d.kernels.drape import drape_points
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.brush_shape import BrushStand, grid_faces, handle_rings, tuft_rings
+from paint3d.view.camera import View, fit_camera
+from paint3d.view.live_brush import LiveBrush
+from paint3d.view.live_scene import LiveScene
+from paint3d.view.studio import Gloss
+
+UPRIGHT = np.eye(3)
+TUFT = build_tuft(load_brush("full"))
+
+
+@pytest.fixture(scope="module")
+def painter() -> Painter:
+    return Painter(PaintedSurface(paint3d.load_mesh("plane"), None), "full")
+
+
+def stand_at(painter: Painter, height: float, pressure: float | None) -> BrushStand:
+    root = np.array([0.0, 0.0, height])
+    contact = painter.contact(root, (1.0, 0.0, 0.0, 0.0), pressure)
+    return BrushStand.of(painter.tuft, root, UPRIGHT, contact)
+
+
+@given(pressure=st.floats(0.05, 1.0))
+@settings(max_examples=12, deadline=None)
+def test_a_pressed_tuft_lies_on_the_plane_as_long_as_it_is(pressure: float) -> None:
+    axes = np.eye(3)
+    descent = pressure * TUFT.full_press
+    stand = BrushStand(np.zeros(3), axes, np.zeros(3), descent, 0.5 * np.pi, pressure, axes[2])
+    rings, arc = tuft_rings(TUFT, stand)
+    assert rings[..., 2].min() >= 0.0
+    spine = rings.mean(axis=1)
+    length = np.linalg.norm(np.diff(spine, axis=0), axis=1).sum()
+    assert 0.75 * TUFT.length < length < 1.1 * TUFT.length
+    assert np.all(np.diff(arc) > 0.0)
+    spread = np.ptp(rings[len(rings) // 2, :, 1])
+    free = np.interp(arc[len(rings) // 2] * TUFT.length, [0, TUFT.length], [0, 1]) ** TUFT.taper
+    assert spread > 1.02 * free * TUFT.diameters[-1]  # pressing spreads the hairs
+
+
+def test_above_the_surface_the_tuft_is_straight_and_below_the_root(painter: Painter) -> None:
+    stand = stand_at(painter, 50.0, None)
+    assert not stand.touches
+    rings, _ = tuft_rings(painter.tuft, stand)
+    np.testing.assert_allclose(rings[0].mean(axis=0), [0, 0, 50.0 - painter.tuft.length], atol=1e-9)
+    assert np.abs(rings.mean(axis=1)[:, :2]).max() < 0.1
+    handle, colours = handle_rings(painter.tuft, stand)
+    assert handle[-1, 0, 2] > handle[0, 0, 2] + 100.0
+    assert 0.0 <= colours.min() <= colours.max() <= 255.0
+
+
+def test_the_outline_is_the_footprint(painter: Painter) -> None:
+    contact = painter.contact((0, 0, 20.0), (1, 0, 0, 0), 0.5)
+    outline = stand_at(painter, 20.0, 0.5).outline(painter.tuft)
+    assert np.ptp(outline @ contact.bend) == pytest.approx(contact.length, rel=1e-6)
+    across = np.cross(contact.normal, contact.bend)
+    assert np.ptp(outline @ across) == pytest.approx(contact.width, rel=0.03)
+
+
+def test_points_fall_onto_the_surface_or_past_it(painter: Painter) -> None:
+    tree = painter.surface.contact_tree
+    points = np.array([[10.0, 5.0, 40.0], [500.0, 0.0, 40.0], [0.0, 0.0, 400.0]])
+    out, landed = np.zeros((3, 6)), np.zeros(3, np.uint8)
+    slant = np.array([0.6, 0.0, -0.8])
+    drape_points(tree, points, slant, 200.0, out, landed)
+    assert landed.tolist() == [1, 0, 0]
+    np.testing.assert_allclose(out[0, :3], [40.0, 5.0, 0.0], atol=0.05)
+    np.testing.assert_allclose(out[0, 3:], [0, 0, 1], atol=1e-6)
+
+
+def test_rings_are_joined_all_around() -> None:
+    faces = grid_faces(3, 4)
+    assert len(faces) == 16
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    counts = np.unique(edges, axis=0, return_counts=True)[1]
+    assert sorted(set(counts)) == [1, 2]
+    assert (counts == 1).sum() == 8  # open at the two ends only
+
+
+def test_the_brush_is_seen_with_its_ink_and_hides(painter: Painter) -> None:
+    scene = LiveScene((200, 160))
+    surface = painter.surface
+    scene.clear(np.zeros(3), 140.0, Gloss.of("xuan"))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0, -1, 0.4)), 1.25))
+    empty = scene.draw()
+    brush = LiveBrush(scene, painter.tuft, "goat")
+    assert np.array_equal(scene.draw(), empty)
+    stand = stand_at(painter, 20.0, 0.6)
+    brush.show(stand, surface.contact_tree, np.eye(3), (200, 20, 20), 1.0)
+    seen = scene.draw()[..., :3].astype(int)
+    changed = np.abs(seen - empty[..., :3]).sum(axis=2) > 20
+    assert 200 < changed.sum() < 0.5 * changed.size
+    assert (changed & (seen[..., 0] > seen[..., 2] + 60)).sum() > 20  # the red ink
+    brush.hide()
+    assert np.array_equal(scene.draw(), empty)
+    brush.remove()
+    scene.close()
