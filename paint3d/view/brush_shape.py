@@ -26,6 +26,7 @@ __all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings",
 AROUND = 44  # points around a section of the tuft, and of the handle
 _PER_SEGMENT = 6  # sections to a straight segment of the spine
 _HAIR_RELIEF = 0.05  # of the radius: how far hairs stand out of a section
+_GATHERED = 0.38  # of the length from the root, over which the spread fades
 _LIFT = 0.12  # mm that the lowest hairs are drawn above the surface, not to flicker with it
 _HANDLE = (  # distance up the handle over the tuft's length, radius over the root's, material
     (-0.04, 1.00, 0), (-0.02, 1.10, 0), (0.10, 1.14, 0), (0.32, 1.02, 0), (0.34, 0.93, 0),
@@ -139,7 +140,9 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
     if not stand.touches:
         along, up, angle = np.zeros_like(arc), arc, np.full_like(arc, 0.5 * np.pi)
     radius = 0.5 * tuft.diameters[-1] * (arc / tuft.length) ** tuft.taper
-    fade = np.clip((tuft.length - arc) / tuft.segment_lengths[-1], 0.0, 1.0)
+    # In the model all but the last segment spread alike; what does not touch is drawn gathered.
+    fade = np.clip((1.0 - arc / tuft.length) / _GATHERED, 0.0, 1.0)
+    fade = fade * fade * (3.0 - 2.0 * fade)
     spread = 1.0 + tuft.spread * stand.pressure * fade
     turn = 2.0 * np.pi * np.arange(AROUND) / AROUND
     relief = 1.0 + _HAIR_RELIEF * (_hair_noise() - 0.5) * np.sqrt(np.maximum(0.0, fade))[:, None]

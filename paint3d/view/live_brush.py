@@ -23,8 +23,12 @@ __all__ = ["HAIR_COLOURS", "LiveBrush"]
 
 HAIR_COLOURS = {"goat": (232, 224, 204), "weasel": (164, 106, 58), "mixed": (205, 172, 124)}
 _SHADOW_FALL = np.array([0.45, 0.40, -0.80])  # studio axes: away from the key light
+_GRAZING = 0.45  # cosine of incidence from which the shadow fades
 _SHADOW_LIFT = 0.10  # mm above the surface
 _OUTLINE_LIFT = 0.16
+_HAIR_LIFT = 0.12
+_LYING = 0.45  # of the tuft's length above the surface: from there the root's plane holds
+_ABOVE = 0.6  # of the tuft's length: from where its feet are looked for
 _DARKEST = 96  # of 255, the shadow where the brush touches
 _SHADOW_REACH = 220.0  # mm
 _SOFT = np.array([-1.6, -0.9, 0.0, 0.9, 1.6])  # radii across the shadow
@@ -87,6 +91,8 @@ class LiveBrush:
             How full it is, 0 to 1.
         """
         rings, arc = tuft_rings(self._tuft, stand)
+        if stand.touches:  # the model's plane is flat, what the hairs lie on need not be
+            rings = self._laid(rings, stand, tree)
         self._draw("tuft", rings, self._tuft_colours(arc, ink, fill))
         wet = 0.15 + 0.55 * min(1.0, 2.0 * fill) if ink is not None else 0.08
         self._parts["tuft"].actor.GetProperty().SetSpecular(wet)
@@ -101,6 +107,21 @@ class LiveBrush:
         part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
         part.actor.VisibilityOn()
+
+    def _laid(self, rings: NDArray, stand: BrushStand, tree: ContactTree) -> NDArray:
+        """Rings moved up or down with the surface under each, and kept above it."""
+        normal, length = stand.axes[2], self._tuft.length
+        centres = rings.mean(axis=1)
+        height = (centres - stand.origin) @ normal
+        feet = centres - height[:, None] * normal
+        found, landed = _drape(tree, feet + _ABOVE * length * normal, -normal, 2.0 * length)
+        share = np.clip(1.0 - height / (_LYING * length), 0.0, 1.0) * landed
+        rise = share * ((found[:, :3] - feet) @ normal)
+        moved = rings + rise[:, None, None] * normal
+        ground = found[:, 3:]
+        over = np.einsum("rkc,rc->rk", moved - found[:, None, :3], ground)
+        lift = np.maximum(0.0, _HAIR_LIFT - over) * (share > 0.0)[:, None]
+        return moved + lift[..., None] * ground[:, None]
 
     def _tuft_colours(self, arc: NDArray, ink: tuple | None, fill: float) -> NDArray:
         """(R, AROUND, 3): hair, darker at the root, with the ink as high as the tuft is full."""
@@ -134,19 +155,19 @@ class LiveBrush:
         strip = centre[:, None] + (reach[:, None] * _SOFT)[..., None] * across
         found, landed = _drape(tree, strip.reshape(-1, 3), fall, _SHADOW_REACH)
         landed = landed.reshape(len(rings), len(_SOFT))
-        if not landed.any():
+        whole_rows = np.logical_and.accumulate(landed.all(axis=1))  # in one piece from the tip on
+        landed = landed & whole_rows[:, None]
+        if whole_rows.sum() < 2:
             part.actor.VisibilityOff()
             return
         height = np.linalg.norm(found[:, :3] - strip.reshape(-1, 3), axis=1).reshape(landed.shape)
         faint = 1.0 / (1.0 + height / 28.0)
-        alpha = _DARKEST * _SOFT_SHARE * faint * landed
+        steep = np.clip(-(found[:, 3:] @ fall) / _GRAZING, 0.0, 1.0).reshape(landed.shape)
+        alpha = _DARKEST * _SOFT_SHARE * faint * steep**2 * landed
         colours = np.zeros((landed.size, 4), np.uint8)
         colours[:, 3] = alpha.reshape(-1)
-        whole = _whole_faces(landed)
-        if len(whole) == 0:
-            part.actor.VisibilityOff()
-            return
-        part.set_shape(found[:, :3] + _SHADOW_LIFT * found[:, 3:], whole)
+        lifted = found[:, :3] + _SHADOW_LIFT * found[:, 3:]
+        part.set_shape(lifted, _whole_faces(landed))
         part.set_colours(colours)
         part.actor.VisibilityOn()
 
@@ -154,7 +175,8 @@ class LiveBrush:
         part = self._parts["outline"]
         line = stand.outline(self._tuft) if stand.touches else self._landing(stand)
         fall = -stand.axes[2] if stand.touches else -stand.handle
-        found, landed = _drape(tree, line + (0.0 if len(line) == 0 else 0.5) * -fall, fall, 140.0)
+        above = _ABOVE * self._tuft.length if stand.touches else 0.0
+        found, landed = _drape(tree, line - above * fall, fall, 140.0 + above)
         if len(line) < 3 or not landed.all():
             part.actor.VisibilityOff()
             return
