@@ -156,6 +156,35 @@ class Painter:
         else:
             self._hold(ink.load * (1.0 - share))
 
+    def change_brush(self, brush: str | BrushSpec) -> None:
+        """Take another brush into the hand, loaded fully with the same ink.
+
+        Raises
+        ------
+        UnknownNameError, BrushError
+            For a brush that is not known, or cannot be bent.
+        """
+        brush = load_brush(brush) if isinstance(brush, str) else brush
+        self.tuft = build_tuft(brush)
+        self.brush = brush
+        self.dip()
+
+    @property
+    def dipped(self) -> str | Pigment | Mapping:
+        """What the brush was dipped in last."""
+        return self._dipped
+
+    def keep(self) -> dict[str, object]:
+        """What `restore` takes: all that is remembered between strokes, apart from the surface."""
+        names = ("brush", "tuft", "loaded", "ink", "_dipped")
+        return {name: getattr(self, name) for name in names}
+
+    def restore(self, kept: Mapping[str, object]) -> None:
+        """Be as when it was kept; the surface is brought back by `surface.undo`."""
+        for name, value in kept.items():
+            setattr(self, name, value)
+        self._room = self._make_room()
+
     def _mixture(self, ink: str | Pigment | Mapping) -> NDArray:
         """(P,) parts of the pigments on the surface, of sum 1."""
         stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
@@ -273,6 +302,11 @@ class Painter:
         self._held = []
         self._begin()
 
+    def abandon(self) -> None:
+        """Forget what still waits, and lift the brush; what was painted stays."""
+        self._held = []
+        self._begin()
+
     def _begin(self) -> None:
         self._progress.at[:] = 0
         self._progress.before.values[:] = 0.0
@@ -305,7 +339,10 @@ class Painter:
     def _run(self, samples: stroke.Samples, last: int) -> None:
         started = time.perf_counter()
         surface = self.surface
-        if len(self._room.found) != surface.paint_mesh.capacity + 1:
+        room = self._room  # the surface may have grown, or another brush brought a pigment
+        if len(room.found) != surface.paint_mesh.capacity + 1 or len(room.part) != len(
+            surface.pigments
+        ):
             self._room = self._make_room()
         while True:
             state = stroke.paint_samples(

@@ -3,9 +3,14 @@
 A row holds the reflectance that the vertex shows, 31 bands of 16 bits, which is the whole of what
 later paint can see of all the layers below it, and the amounts that dried, for the accounts: 62
 bytes and 4 a pigment. Besides, the surface has 4 bytes a vertex once anything has dried.
+
+For undo, rows are kept as they were before paint dried on them (`mark`), and can be exchanged with
+what they were at another time (`exchange`).
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +18,19 @@ from numpy.typing import NDArray
 from paint3d.colour.glazing import Ground
 from paint3d.colour.spectra import N_BANDS
 
-__all__ = ["DryLayers"]
+__all__ = ["DryLayers", "DryRows"]
 
 _FIRST_ROWS = 1024
+
+
+class DryRows(NamedTuple):
+    """Rows as they are at another time (K: rows, P: pigments)."""
+
+    count: int  # how many rows there are then
+    rows: NDArray  # (K,) int32 rows that differ
+    vertex_ids: NDArray  # (K,) int32
+    spectra: NDArray  # (K, 31) uint16
+    amounts: NDArray  # (K, P) float32
 
 
 class DryLayers:
@@ -33,6 +48,8 @@ class DryLayers:
         self._ids = np.empty(0, np.int32)
         self._spectra = np.empty((0, N_BANDS), np.uint16)
         self._amounts = np.zeros((0, n_pigments), np.float32)
+        self._marked: int | None = None
+        self._before: list[DryRows] = []
 
     @property
     def vertex_ids(self) -> NDArray:
@@ -62,26 +79,21 @@ class DryLayers:
     def fit(self, capacity: int, n_pigments: int) -> None:
         """Know vertices up to `capacity`, if anything has dried, and so many pigments."""
         if self.count and len(self._slots) < capacity:
-            slots = np.full(capacity, -1, np.int32)
-            slots[: len(self._slots)] = self._slots
-            self._slots = slots
+            self._slots = _padded(self._slots, capacity)
         missing = n_pigments - self._amounts.shape[1]
         if missing > 0:
             self._amounts = np.pad(self._amounts, ((0, 0), (0, missing)))
 
     def reserve_rows(self, vertex_ids: NDArray, capacity: int) -> NDArray:
         """(N,) int32 rows of `spectra` for some distinct vertices; `settle` makes them theirs."""
-        if not len(self._slots):
-            self._slots = np.full(capacity, -1, np.int32)
+        if len(self._slots) < capacity:
+            self._slots = _padded(self._slots, capacity)
         rows = self._slots[vertex_ids]
         fresh = rows < 0
+        if self._marked is not None:
+            self._keep_before(rows[~fresh])
         rows[fresh] = self.count + np.arange(np.count_nonzero(fresh), dtype=np.int32)
-        wanted = self.count + np.count_nonzero(fresh)
-        if wanted > len(self._ids):
-            room = max(_FIRST_ROWS, wanted + wanted // 2)
-            self._ids = _grown(self._ids, self.count, room)
-            self._spectra = _grown(self._spectra, self.count, room)
-            self._amounts = _grown(self._amounts, self.count, room)
+        self._reserve(self.count + np.count_nonzero(fresh))
         return rows
 
     def settle(self, vertex_ids: NDArray, rows: NDArray, amounts: NDArray) -> None:
@@ -90,6 +102,54 @@ class DryLayers:
         self._ids[rows] = vertex_ids
         self._amounts[rows] += amounts
         self.count = max(self.count, int(rows.max()) + 1)
+
+    # -- for undo ---------------------------------------------------------------------------
+
+    def mark(self) -> None:
+        """From now on, rows are kept as they are now before anything dries on them."""
+        self._marked = self.count
+        self._before = []
+
+    def since_mark(self) -> DryRows:
+        """The rows as they were at the mark."""
+        kept = [*self._before, self._rows(np.empty(0, np.int32), self._marked)]
+        rows = np.concatenate([k.rows for k in kept])
+        rows, first = np.unique(rows, return_index=True)  # the first time is the one before
+        columns = [np.concatenate([_wide(k[i], self) for k in kept])[first] for i in (2, 3, 4)]
+        return DryRows(self._marked, rows, *columns)
+
+    def exchange(self, then: DryRows, capacity: int) -> DryRows:
+        """Make the rows what they were then; return what they were until now."""
+        shared = then.rows[then.rows < self.count]
+        leaving = np.arange(then.count, self.count, dtype=np.int32)
+        now = self._rows(np.concatenate([shared, leaving]), self.count)
+        self._slots[self._ids[leaving]] = -1
+        self._amounts[leaving] = 0.0
+        if then.count:
+            self._slots = _padded(self._slots, capacity)
+            self._reserve(then.count)
+        self._ids[then.rows] = then.vertex_ids
+        self._spectra[then.rows] = then.spectra
+        self._amounts[then.rows] = _wide(then.amounts, self)
+        self._slots[then.vertex_ids] = then.rows
+        self.count = then.count
+        return now
+
+    def _keep_before(self, rows: NDArray) -> None:
+        old = rows[rows < self._marked]
+        if len(old):
+            self._before.append(self._rows(old, self._marked))
+
+    def _rows(self, rows: NDArray, count: int) -> DryRows:
+        columns = (self._ids, self._spectra, self._amounts)
+        return DryRows(count, rows, *(column[rows] for column in columns))
+
+    def _reserve(self, wanted: int) -> None:
+        if wanted > len(self._ids):
+            room = max(_FIRST_ROWS, wanted + wanted // 2)
+            self._ids = _grown(self._ids, self.count, room)
+            self._spectra = _grown(self._spectra, self.count, room)
+            self._amounts = _grown(self._amounts, self.count, room)
 
     def restore(
         self, capacity: int, vertex_ids: NDArray, spectra: NDArray, amounts: NDArray
@@ -107,3 +167,17 @@ def _grown(array: NDArray, used: int, room: int) -> NDArray:
     grown = np.zeros((room, *array.shape[1:]), array.dtype)
     grown[:used] = array[:used]
     return grown
+
+
+def _padded(slots: NDArray, capacity: int) -> NDArray:
+    """Slots for so many vertices; -1 for those that nothing has dried on."""
+    if len(slots) >= capacity:
+        return slots
+    return np.pad(slots, (0, capacity - len(slots)), constant_values=-1)
+
+
+def _wide(array: NDArray, layers: DryLayers) -> NDArray:
+    """Amounts (K, p) with a column for every pigment that is known by now; other arrays as is."""
+    if array.dtype != np.float32:
+        return array
+    return np.pad(array, ((0, 0), (0, layers._amounts.shape[1] - array.shape[1])))

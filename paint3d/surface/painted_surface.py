@@ -91,6 +91,7 @@ class PaintedSurface:
         self._mesh_colours: MeshColours | None = None
         self._flow: Flow | None = None
         self._fresh: list[NDArray] = []
+        self._changed: list[NDArray] | None = None
         self._allocate(0)
         if mesh.colours is not None:
             own = mesh.colours[self.paint_mesh.source_vertices]
@@ -185,9 +186,23 @@ class PaintedSurface:
             self._colour(ids)
             if self._flow is not None:
                 self._fresh.append(ids)
+            if self._changed is not None:
+                self._changed.append(ids)
             self.ink.dirty[ids] = 0
             self.ink.n_dirty[0] = 0
         return ids
+
+    def take_changed(self) -> NDArray:
+        """(N,) int32 vertices whose ink may have changed since the last call; all at the first.
+
+        Whoever asks once is expected to ask again: what changes is remembered from then on.
+        """
+        dirty = self.ink.dirty_ids[: int(self.ink.n_dirty[0])]
+        if self._changed is None:
+            self._changed = []
+            return np.flatnonzero(self.ink.amounts.any(axis=1) | (self.ink.coverage > 0.0))
+        changed, self._changed = np.unique(np.concatenate([*self._changed, dirty])), []
+        return changed.astype(np.int32)
 
     def _know_vertices(self) -> None:
         """Give vertices that have appeared on a mesh with colours theirs."""
@@ -241,6 +256,10 @@ class PaintedSurface:
         self.flow.restore(kept)
         self._fresh = [kept["fresh"]]
 
+    def drop_flow(self) -> None:
+        """Let there be no water in motion."""
+        self._flow, self._fresh = None, []
+
     def diffuse(self, seconds: float, step: float | None = None) -> None:
         """Let time pass: wet ink spreads in what drinks, and dries.
 
@@ -270,8 +289,7 @@ class PaintedSurface:
         """
         ids = np.flatnonzero(self.coverage > 0.0).astype(np.int32)
         self.settle(ids)
-        self._flow = None
-        self._fresh = []
+        self.drop_flow()
 
     def settle(self, vertex_ids: NDArray) -> None:
         """Turn the wet paint of some vertices (N,) int32 into a dry layer."""
@@ -312,6 +330,11 @@ class PaintedSurface:
         return self._srgb[: self.n_vertices]
 
     @property
+    def codes(self) -> NDArray:
+        """(cap, 3) uint8 sRGB as `refresh` last left it; rows of vertices to come are bare."""
+        return self._srgb
+
+    @property
     def coverage(self) -> NDArray:
         """(V,) float32: share of each vertex's own area that is under wet paint, 0 to 1."""
         return self.ink.coverage[: self.n_vertices]
@@ -327,6 +350,13 @@ class PaintedSurface:
     def amounts(self) -> NDArray:
         """(V, P) float32: wet ink at each vertex, full coats times the covered share."""
         return self.ink.amounts[: self.n_vertices]
+
+    def dried_amounts(self, vertex_id: int) -> NDArray:
+        """(P,) float64: dry ink at one vertex, coats times the covered share."""
+        row = np.flatnonzero(self.dry_layers.vertex_ids == vertex_id)
+        if not len(row):
+            return np.zeros(len(self.pigments))
+        return self.dry_layers.amounts[row[0]].astype(np.float64)
 
     @property
     def vertex_areas(self) -> NDArray:

@@ -194,6 +194,7 @@ class WetPatch:
         self.soaked[nodes] = 0.0
         self.entry[nodes] = self._dry_entry[nodes]
         self._surface.settle(ids[painted])
+        self._surface.touch(ids[~painted])
         self._surface.ink.amounts[ids] = 0.0
         self._written[at] = 0.0
 

@@ -1,0 +1,407 @@
+"""A painting in the studio: the object, the brush, its strokes, and the way back.
+
+No window, no thread and no clock: whoever calls says when. `paint3d.app.model.easel` runs one of
+these in a thread of its own.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.app.model.stroke_log import Stroke, StrokeLog
+from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.device.recorded import Recording
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import ExportError, InputError
+from paint3d.files.export import check_export_path, export
+from paint3d.files.load import load_mesh
+from paint3d.files.session import Session, is_session_path, load_session, save_session
+from paint3d.ink.materials import Material
+from paint3d.ink.pigments import Pigment
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.undo import UndoHistory
+
+__all__ = ["Document"]
+
+Ink = str | Pigment | Mapping
+_BRUSH, _INKS = "full", ("pine soot", "cinnabar")
+
+
+class Document:
+    """One painting, with everything that can be done to it.
+
+    Make it with `Document.new` or `Document.open`.
+
+    Attributes
+    ----------
+    surface : PaintedSurface
+    painter : Painter
+    path : Path or None
+        The session's file, once there is one.
+    unit : str
+        Of lengths as they are shown: "mm", "cm", "m" or "in".
+    inks : list of two inks
+        The one the brush is dipped in, and the one that `swap_inks` takes.
+    settings : dict
+        Anything else that is to be kept with the painting, as JSON holds it.
+    modified : bool
+        Whether something changed since it was saved.
+    """
+
+    def __init__(
+        self,
+        surface: PaintedSurface,
+        painter: Painter,
+        path: Path | None = None,
+        recordings: Sequence[Recording] = (),
+        settings: Mapping[str, object] | None = None,
+        unit: str = "mm",
+    ) -> None:
+        self.surface = surface
+        self.painter = painter
+        self.path = path
+        self.unit = unit
+        self.settings = dict(settings or {})
+        self.inks: list[Ink] = [painter.dipped, _INKS[1]]
+        self.modified = False
+        self._recordings = tuple(recordings)
+        self._log = StrokeLog()
+        self._undo = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+        self._pending: list[NDArray] = []
+        self._dipped = True
+
+    # -- opening and saving -----------------------------------------------------------------
+
+    @classmethod
+    def new(
+        cls,
+        mesh: str | os.PathLike[str] | TriangleMesh,
+        resolution: float | None = 0.4,
+        material: str | Material = "porcelain",
+        *,
+        unit: str | None = None,
+        brush: str | BrushSpec = _BRUSH,
+        ink: Ink = _INKS[0],
+    ) -> Document:
+        """Start a painting on a mesh, its file, or a built-in object.
+
+        Raises
+        ------
+        MeshError, InputError
+            If the mesh, the resolution or the material cannot be used.
+        """
+        if not isinstance(mesh, TriangleMesh):
+            mesh = load_mesh(mesh, unit)
+        surface = PaintedSurface(mesh, resolution, material)
+        return cls(surface, Painter(surface, brush, ink), unit=unit or "mm")
+
+    @classmethod
+    def open(
+        cls,
+        path: str | os.PathLike[str],
+        resolution: float | None = 0.4,
+        material: str | Material = "porcelain",
+        *,
+        unit: str | None = None,
+    ) -> Document:
+        """Open a saved session (.p3d) to go on with, or a mesh to start on.
+
+        Resolution, material and unit are for meshes; a session has its own.
+
+        Raises
+        ------
+        SessionError, MeshError
+            If the file cannot be used.
+        """
+        if not is_session_path(path):
+            return cls.new(path, resolution, material, unit=unit)
+        session = load_session(path)
+        surface, settings = session.surface, dict(session.settings)
+        brush = _brush_of(settings.get("brush"))
+        ink = None if surface.pigments else _ink_named(settings.get("ink"))
+        painter = Painter(surface, brush, ink)
+        return cls(surface, painter, Path(path), session.recordings, settings)
+
+    def save(self, path: str | os.PathLike[str] | None = None) -> None:
+        """Save everything to a session, by default to the one it came from.
+
+        Raises
+        ------
+        ExportError
+            If there is no path, or the file cannot be written.
+        """
+        path = self.path if path is None else Path(path)
+        if path is None:
+            raise ExportError("this painting has no file yet; expected where to save it")
+        if not is_session_path(path):
+            raise ExportError(f"{path}: a painting is saved as .p3d; other formats are exported")
+        self._gather()
+        save_session(self._session(), path)
+        self.path, self.modified = path, False
+
+    def _session(self) -> Session:
+        settings = {**self.settings, "brush": asdict(self.painter.brush)}
+        settings["ink"] = self.painter.ink.name
+        recordings = (*self._recordings, *(s.recording() for s in self._log.strokes))
+        return Session(self.surface, recordings, settings)
+
+    def export(self, path: str | os.PathLike[str], **options: object) -> None:
+        """Write the painting in the format that the suffix names; see `paint3d.export`.
+
+        Raises
+        ------
+        ExportError, InputError
+            If the suffix, an option or the file is no good.
+        """
+        check_export_path(path)
+        self._gather()
+        if is_session_path(path):
+            save_session(self._session(), path)
+        else:
+            export(self.surface, path, **options)
+
+    # -- brush and ink ----------------------------------------------------------------------
+
+    def set_brush(self, brush: str | BrushSpec | Mapping) -> None:
+        """Take another brush, dipped in the same ink.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on, or there is no such brush.
+        """
+        self._refuse_in_stroke("another brush")
+        self.painter.change_brush(BrushSpec(**brush) if isinstance(brush, Mapping) else brush)
+
+    def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
+        """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is."""
+        self.painter.dip(ink, reach)
+        self._dipped = True
+        if ink is not None:
+            self.inks[0] = ink
+
+    def rinse(self) -> None:
+        """Wash the brush out."""
+        self.painter.rinse()
+
+    def wipe(self, share: float = 0.5) -> None:
+        """Wipe a share of the ink off the brush, 0 to 1."""
+        self.painter.wipe(share)
+
+    def swap_inks(self) -> None:
+        """Dip the brush in the other ink."""
+        self._refuse_in_stroke("another ink")
+        self.inks.reverse()
+        self.dip(self.inks[0])
+
+    def pick_colour(self, vertex_id: int) -> dict[str, float] | None:
+        """Dip the brush in what is on a vertex, as it is mixed there; what that is.
+
+        Returns
+        -------
+        dict or None
+            Parts of the inks by name, of sum 1; None where there is no paint, and nothing is
+            done.
+
+        Raises
+        ------
+        InputError
+            If there is no such vertex.
+        """
+        surface = self.surface
+        if not 0 <= vertex_id < surface.n_vertices:
+            raise InputError(f"vertex {vertex_id}; expected 0 to {surface.n_vertices - 1}")
+        parts = surface.amounts[vertex_id].astype(np.float64)
+        if not parts.any():
+            parts = surface.dried_amounts(vertex_id)
+        if not parts.any():
+            return None
+        parts /= parts.sum()
+        found = {p: float(w) for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-3}
+        self.dip(found)
+        return {pigment.name: part for pigment, part in found.items()}
+
+    # -- strokes ----------------------------------------------------------------------------
+
+    @property
+    def in_stroke(self) -> bool:
+        """Whether a stroke is going on."""
+        return self._log.current is not None
+
+    @property
+    def strokes(self) -> Sequence[Stroke]:
+        """What was painted here and is there, in order."""
+        return self._log.strokes
+
+    def begin_stroke(self) -> None:
+        """Start a stroke: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If one is going on.
+        """
+        self._refuse_in_stroke("a stroke")
+        painter = self.painter
+        stroke = self._log.begin(painter.brush, painter.dipped, "", self._dipped)
+        self._dipped = False
+        self._undo.begin(stroke)
+
+    def feed(self, samples: Sequence[DeviceSample]) -> None:
+        """Paint samples of both hands, in the order of time; the last two wait for more.
+
+        Raises
+        ------
+        InputError
+            If no stroke was begun, or the samples cannot follow those before.
+        """
+        if not self.in_stroke:
+            raise InputError("samples came without a stroke; expected begin_stroke first")
+        if not samples:
+            return
+        self._log.append(samples)
+        self.painter.advance(samples)
+        self.modified = True
+
+    def end_stroke(self) -> None:
+        """Paint what still waits, and lift the brush."""
+        if not self.in_stroke:
+            return
+        self.painter.finish()
+        stroke = self._log.end()
+        if stroke is None:
+            self._note(self._undo.revert())
+
+    def cancel_stroke(self) -> None:
+        """Take the stroke that is going on back, as if it had never begun."""
+        if not self.in_stroke:
+            return
+        self.painter.abandon()
+        self._log.cancel()
+        self._note(self._undo.revert())
+
+    def _refuse_in_stroke(self, what: str) -> None:
+        if self.in_stroke:
+            raise InputError(f"{what} was asked for during a stroke; expected its end first")
+
+    # -- time -------------------------------------------------------------------------------
+
+    def let_time_pass(self, seconds: float) -> None:
+        """Let wet ink spread and dry; see `PaintedSurface.diffuse`."""
+        self.surface.diffuse(seconds)
+
+    def dry(self) -> None:
+        """Let all wet paint dry at once: a step that can be undone."""
+        self._refuse_in_stroke("drying")
+        self._undo.begin("dry")
+        self.surface.dry()
+        self.modified = True
+
+    # -- the way back -----------------------------------------------------------------------
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self._undo.done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is something to do again."""
+        return bool(self._undo.undone)
+
+    def undo(self) -> NDArray:
+        """Take back the last step; the brush stays the one that was chosen last.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+        """
+        self.end_stroke()
+        chosen = self.painter.brush, self.painter.dipped
+        touched = self._undo.undo()
+        if (self.painter.brush, self.painter.dipped) != chosen:
+            self.painter.change_brush(chosen[0])
+            self.painter.dip(chosen[1])
+        return self._stepped(touched)
+
+    def redo(self) -> NDArray:
+        """Do again what was undone last; returns as `undo`."""
+        self.end_stroke()
+        return self._stepped(self._undo.redo())
+
+    def _stepped(self, touched: NDArray) -> NDArray:
+        self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
+        self.modified = True
+        self._note(touched)
+        return touched
+
+    def replay_history(self, upto: int) -> NDArray:
+        """Show the painting as it was after so many strokes of this sitting, by undo and redo.
+
+        Parameters
+        ----------
+        upto : int
+            0 to as many as there are, with those that were undone.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError
+            If there are not so many.
+        """
+        undone = sum(isinstance(label, Stroke) for label in self._undo.undone)
+        most = len(self.strokes) + undone
+        if not 0 <= upto <= most:
+            raise InputError(f"stroke {upto} of the history; expected 0 to {most}")
+        touched = [np.empty(0, np.int32)]
+        while len(self.strokes) > upto:
+            touched.append(self.undo())
+        while len(self.strokes) < upto:
+            touched.append(self.redo())
+        return np.unique(np.concatenate(touched)).astype(np.int32)
+
+    def recording(self) -> Recording | None:
+        """The strokes as one recording in the object's frame, with dips; None if there are none."""
+        return self._log.recording(self.surface.source.name)
+
+    # -- what is shown ----------------------------------------------------------------------
+
+    def refresh(self) -> NDArray:
+        """Bring the colours up to date; (N,) int32 vertices that changed since the last call."""
+        self._gather()
+        pending, self._pending = self._pending, []
+        if len(pending) == 1:
+            return pending[0]
+        return np.unique(np.concatenate([np.empty(0, np.int32), *pending])).astype(np.int32)
+
+    def _gather(self) -> None:
+        """Remember what a refresh finds, whoever asks for colours."""
+        self._note(self.surface.refresh())
+
+    def _note(self, vertex_ids: NDArray) -> None:
+        if len(vertex_ids):
+            self._pending.append(vertex_ids)
+
+
+def _brush_of(saved: object) -> BrushSpec:
+    if isinstance(saved, Mapping):
+        return BrushSpec(**saved)
+    return load_brush(saved if isinstance(saved, str) else _BRUSH)
+
+
+def _ink_named(saved: object) -> str:
+    return saved if isinstance(saved, str) else _INKS[0]

@@ -1,0 +1,176 @@
+"""The strokes of a sitting: what was done, with what, when, and how long it took."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from paint3d.brush.spec import BrushSpec
+from paint3d.device.recorded import Recording
+from paint3d.device.sample import DeviceSample
+from paint3d.ink.pigments import Pigment
+from paint3d.stroke.laying import DIP
+
+__all__ = ["Stroke", "StrokeLog", "recording_of"]
+
+_PAUSE_NS = 200_000_000  # between two strokes that are joined to one recording
+_LANDING_NS = 1_000_000
+
+
+@dataclass(eq=False)
+class Stroke:
+    """One stroke.
+
+    Attributes
+    ----------
+    time_s : float
+        When it began, s since 1970.
+    brush : BrushSpec
+    ink : dict
+        Parts of the inks that the brush was dipped in last, by name.
+    layer : str
+        Name of the layer.
+    dipped : bool
+        Whether the brush was dipped since the stroke before.
+    samples : list of DeviceSample
+    tags : dict
+        What else is known, as JSON holds it: character, participant, device set ...
+    """
+
+    time_s: float
+    brush: BrushSpec
+    ink: dict[str, float]
+    layer: str
+    dipped: bool = True
+    samples: list[DeviceSample] = field(default_factory=list)
+    tags: dict[str, object] = field(default_factory=dict)
+
+    @property
+    def duration_s(self) -> float:
+        """From the first sample to the last, s."""
+        if not self.samples:
+            return 0.0
+        return (self.samples[-1].time_ns - self.samples[0].time_ns) * 1e-9
+
+    def header(self) -> dict[str, object]:
+        """What a recording's header says of it."""
+        return {
+            "brush": self.brush.name,
+            "ink": max(self.ink, key=self.ink.get) if self.ink else None,
+            "parts": dict(self.ink),
+            "layer": self.layer,
+            "time_s": self.time_s,
+            **self.tags,
+        }
+
+    def recording(self) -> Recording:
+        """The stroke by itself."""
+        return recording_of(self.samples, self.header())
+
+
+class StrokeLog:
+    """Strokes that are there, and the one that is going on.
+
+    Attributes
+    ----------
+    strokes : list of Stroke
+    current : Stroke or None
+    tags : dict
+        Given to every stroke that begins from now on.
+    """
+
+    def __init__(self) -> None:
+        self.strokes: list[Stroke] = []
+        self.current: Stroke | None = None
+        self.tags: dict[str, object] = {}
+
+    def begin(
+        self, brush: BrushSpec, ink: str | Pigment | Mapping, layer: str, dipped: bool
+    ) -> Stroke:
+        """Start a stroke."""
+        self.current = Stroke(time.time(), brush, _parts(ink), layer, dipped, tags=dict(self.tags))
+        return self.current
+
+    def append(self, samples: Sequence[DeviceSample]) -> None:
+        """Add to the stroke that is going on."""
+        self.current.samples.extend(samples)
+
+    def end(self) -> Stroke | None:
+        """End it; None if it had no sample, and it is forgotten."""
+        stroke, self.current = self.current, None
+        if stroke is None or not stroke.samples:
+            return None
+        self.strokes.append(stroke)
+        return stroke
+
+    def cancel(self) -> None:
+        """Forget the stroke that is going on."""
+        self.current = None
+
+    def follow(self, strokes: Sequence[Stroke]) -> None:
+        """Have these strokes, after undo or redo."""
+        self.strokes = list(strokes)
+
+    def recording(self, object_name: str) -> Recording | None:
+        """All strokes one after the other; dips are on their lifted samples."""
+        if not self.strokes:
+            return None
+        samples: list[DeviceSample] = []
+        for stroke in self.strokes:
+            samples += _after(samples, stroke)
+        return recording_of(samples, {**self.strokes[0].header(), "object": object_name})
+
+
+def _after(before: Sequence[DeviceSample], stroke: Stroke) -> list[DeviceSample]:
+    """A stroke's samples, later than those before, dipped and with lifted ends."""
+    first = stroke.samples[0].time_ns
+    shift = 0
+    if before:
+        shift = max(0, before[-1].time_ns + _PAUSE_NS - first)
+    moved = [_with(s, time_ns=s.time_ns + shift) for s in stroke.samples]
+    if moved[0].pressure is None:
+        return moved
+    first, last = moved[0], moved[-1]
+    if first.pressure > 0.0:
+        moved.insert(0, _with(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
+    if last.pressure > 0.0:
+        moved.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
+    if stroke.dipped:
+        dip = _with(moved[0], time_ns=moved[0].time_ns - _LANDING_NS, buttons=DIP)
+        moved.insert(0, dip)
+    return moved
+
+
+def _with(sample: DeviceSample, **changes: object) -> DeviceSample:
+    names = DeviceSample.__dataclass_fields__
+    return DeviceSample(**{name: changes.get(name, getattr(sample, name)) for name in names})
+
+
+def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) -> Recording:
+    """Samples as a recording.
+
+    Raises
+    ------
+    RecordingError
+        If there are none, time does not increase, or only some have a pressure.
+    """
+    pressures = [s.pressure for s in samples]
+    return Recording(
+        time_ns=np.array([s.time_ns for s in samples], np.int64),
+        position=np.array([s.position for s in samples]).reshape(-1, 3),
+        orientation=np.array([s.orientation for s in samples]).reshape(-1, 4),
+        pressure=None if None in pressures else np.array(pressures),
+        buttons=np.array([s.buttons for s in samples], np.int32),
+        object_position=np.array([s.object_position for s in samples]).reshape(-1, 3),
+        object_orientation=np.array([s.object_orientation for s in samples]).reshape(-1, 4),
+        header=dict(header),
+    )
+
+
+def _parts(ink: str | Pigment | Mapping) -> dict[str, float]:
+    stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
+    total = sum(stirred.values())
+    return {k if isinstance(k, str) else k.name: w / total for k, w in stirred.items()}

@@ -1,0 +1,181 @@
+"""What changed on a surface between two moments, to the bit, and the way there and back.
+
+Painting writes into the surface's arrays inside kernels, which cannot know what will be undone. So
+`DeltaRecorder` keeps a second copy of the wet ink as it was, fills it only where there was paint,
+and compares the vertices that are known to have been touched. Exchanging a delta with the surface
+gives the delta that leads back: undo and redo are the same step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.surface.dry_layers import DryRows
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["BrushLoad", "DeltaRecorder", "SurfaceDelta"]
+
+
+@dataclass(frozen=True, eq=False)
+class BrushLoad:
+    """The ink in the brush, and what ran off the surface; see `InkField`."""
+
+    load: NDArray
+    off_surface: NDArray
+    stations: NDArray
+    habit: NDArray
+
+    @classmethod
+    def of(cls, surface: PaintedSurface) -> BrushLoad:
+        """What the surface's brush holds now."""
+        ink = surface.ink
+        return cls(*(getattr(ink, name).copy() for name in cls.__annotations__))
+
+    def put(self, surface: PaintedSurface) -> None:
+        """Let the surface's brush hold this; pigments that came since get nothing."""
+        ink, count = surface.ink, len(surface.pigments)
+        for name in ("load", "off_surface"):
+            getattr(ink, name)[:] = np.pad(getattr(self, name), (0, count - len(self.load)))
+        ink.habit[:] = self.habit
+        missing = count - self.stations.shape[1]
+        surface.ink = ink._replace(stations=np.pad(self.stations, ((0, 0), (0, missing))))
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceDelta:
+    """What some vertices, the brush and the water are at another moment.
+
+    Attributes
+    ----------
+    vertex_ids : (N,) int32
+    amounts : (N, P) float32
+    coverage : (N,) float32
+    dry : DryRows
+    brush : BrushLoad
+    flow : mapping or None
+        As `PaintedSurface.keep_flow` gives it.
+    """
+
+    vertex_ids: NDArray
+    amounts: NDArray
+    coverage: NDArray
+    dry: DryRows
+    brush: BrushLoad
+    flow: Mapping[str, NDArray] | None
+
+    @property
+    def n_bytes(self) -> int:
+        """Memory that it takes, without the brush."""
+        arrays = [self.vertex_ids, self.amounts, self.coverage, *self.dry[1:]]
+        return sum(array.nbytes for array in [*arrays, *(self.flow or {}).values()])
+
+    def exchange(self, surface: PaintedSurface) -> tuple[SurfaceDelta, NDArray]:
+        """Bring the surface there.
+
+        Returns
+        -------
+        SurfaceDelta
+            The way back.
+        vertex_ids : (M,) int32
+            Vertices whose colours may have changed.
+        """
+        ink, ids, dry = surface.ink, self.vertex_ids, surface.dry_layers
+        kept = surface.keep_flow()
+        back = ink.amounts[ids], ink.coverage[ids], BrushLoad.of(surface)
+        missing = len(surface.pigments) - self.amounts.shape[1]
+        ink.amounts[ids] = np.pad(self.amounts, ((0, 0), (0, missing)))
+        ink.coverage[ids] = self.coverage
+        gone = dry.vertex_ids[self.dry.count :].copy()
+        rows = dry.exchange(self.dry, surface.paint_mesh.capacity)
+        self.brush.put(surface)
+        touched = np.unique(np.concatenate([ids, gone, rows.vertex_ids, self.dry.vertex_ids]))
+        touched = touched.astype(np.int32)
+        surface.touch(touched)
+        self._move_water(surface)
+        return SurfaceDelta(ids, back[0], back[1], rows, back[2], kept), touched
+
+    def _move_water(self, surface: PaintedSurface) -> None:
+        surface.drop_flow()
+        if self.flow is not None:
+            surface.restore_flow(_wider(self.flow, len(surface.pigments)))
+
+
+def _wider(flow: Mapping[str, NDArray], n_pigments: int) -> dict[str, NDArray]:
+    """The water as it was kept, with columns for pigments that came since."""
+    wide = dict(flow)
+    for name in ("pigment", "written"):
+        missing = n_pigments - flow[name].shape[1]
+        wide[name] = np.pad(flow[name], ((0, 0), (0, missing)))
+    return wide
+
+
+class DeltaRecorder:
+    """Remembers a surface as it was at a moment, and says what changed since.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    """
+
+    def __init__(self, surface: PaintedSurface) -> None:
+        self._surface = surface
+        self._amounts = np.zeros((0, 0), np.float32)
+        self._coverage = np.zeros(0, np.float32)
+        surface.take_changed()
+        self.restart()
+
+    def restart(self) -> None:
+        """Take the surface as it is now, whatever it was."""
+        ink = self._surface.ink
+        self._amounts = np.zeros_like(ink.amounts)
+        self._coverage = np.zeros_like(ink.coverage)
+        painted = np.flatnonzero((ink.coverage > 0.0) | ink.amounts.any(axis=1))
+        self._surface.take_changed()
+        self._follow(painted)
+
+    def accept(self, vertex_ids: NDArray) -> None:
+        """Take what was brought to these vertices (N,) as what there is."""
+        self._surface.take_changed()
+        self._fit()
+        self._follow(vertex_ids)
+
+    def take(self) -> SurfaceDelta:
+        """The way back to where this was last asked; from now on it is the way back to here."""
+        surface = self._surface
+        ids = surface.take_changed()
+        self._fit()
+        amounts, coverage = self._amounts[ids], self._coverage[ids]
+        ink = surface.ink
+        differs = (amounts != ink.amounts[ids]).any(axis=1) | (coverage != ink.coverage[ids])
+        at = np.flatnonzero(differs)
+        delta = SurfaceDelta(
+            ids[at],
+            amounts[at],
+            coverage[at],
+            surface.dry_layers.since_mark(),
+            self._brush,
+            self._flow,
+        )
+        self._follow(ids[at])
+        return delta
+
+    def _follow(self, ids: NDArray) -> None:
+        surface = self._surface
+        self._amounts[ids] = surface.ink.amounts[ids]
+        self._coverage[ids] = surface.ink.coverage[ids]
+        surface.dry_layers.mark()
+        self._brush = BrushLoad.of(surface)
+        self._flow = surface.keep_flow()
+
+    def _fit(self) -> None:
+        """Follow a surface that has grown, or knows more pigments."""
+        ink = self._surface.ink
+        capacity, count = ink.amounts.shape
+        more, wider = capacity - len(self._coverage), count - self._amounts.shape[1]
+        if more or wider:
+            self._amounts = np.pad(self._amounts, ((0, more), (0, wider)))
+            self._coverage = np.pad(self._coverage, (0, more))

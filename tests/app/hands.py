@@ -1,0 +1,36 @@
+"""Strokes of a simulated hand over the built-in plane, for the tests of the studio's model."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.app.model.document import Document
+from paint3d.device.sample import DeviceSample
+
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def sample(time_ns, x, y, pressure=0.5, height=35.0):
+    at = np.array([x, y, height])
+    return DeviceSample(time_ns, at, UPRIGHT, pressure, 0, np.zeros(3), UPRIGHT)
+
+
+def line(start, end, n=20, pressure=0.5, t0=1_000_000):
+    """Samples of a straight stroke from (x, y) to (x, y), mm, in even steps of 5 ms.
+
+    The brush comes down at the first and is lifted at the last.
+    """
+    xy = np.linspace(start, end, n)
+    pressures = np.full(n, pressure)
+    pressures[[0, -1]] = 0.0
+    return [sample(t0 + 5_000_000 * i, *xy[i], float(pressures[i])) for i in range(n)]
+
+
+def small_plane(resolution=1.5, **options):
+    return Document.new("plane", resolution, **options)
+
+
+def paint(document, start, end, **options):
+    document.begin_stroke()
+    document.feed(line(start, end, **options))
+    document.end_stroke()

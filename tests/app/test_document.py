@@ -1,0 +1,152 @@
+"""A painting in the studio: strokes, the way back, files."""
+
+import numpy as np
+import pytest
+
+from paint3d.app.model.document import Document
+from paint3d.errors import ExportError, InputError, SessionError
+from tests.app.hands import line, paint, small_plane
+
+
+def test_a_stroke_paints_and_is_remembered():
+    document = small_plane()
+    paint(document, (-20, 0), (20, 0))
+    ids = document.refresh()
+    assert len(ids) > 20
+    assert document.surface.codes[ids].min() < 100
+    assert not len(document.refresh())
+    (stroke,) = document.strokes
+    assert stroke.duration_s == pytest.approx(0.095)
+    assert (stroke.brush.name, stroke.ink) == ("full", {"pine soot": 1.0})
+    assert len(stroke.samples) == 20
+
+
+def test_colours_asked_for_elsewhere_are_still_told(tmp_path):
+    document = small_plane()
+    paint(document, (-20, 0), (20, 0))
+    assert document.surface.codes.min() > 200
+    document.export(tmp_path / "plane.ply")
+    assert len(document.refresh()) > 20
+
+
+def test_samples_need_a_stroke():
+    document = small_plane()
+    with pytest.raises(InputError, match="begin_stroke"):
+        document.feed(line((0, 0), (1, 0)))
+    document.begin_stroke()
+    for action in (document.begin_stroke, document.swap_inks, document.dry):
+        with pytest.raises(InputError, match="during a stroke"):
+            action()
+
+
+def test_a_stroke_without_samples_is_no_step():
+    document = small_plane()
+    document.begin_stroke()
+    document.end_stroke()
+    assert not document.can_undo
+    assert not document.strokes
+
+
+def test_a_cancelled_stroke_has_never_been():
+    document = small_plane()
+    ledger = document.painter.ledger()
+    document.begin_stroke()
+    document.feed(line((-20, 0), (20, 0)))
+    document.cancel_stroke()
+    assert document.painter.ledger() == ledger
+    assert not document.surface.painted.any()
+    assert not document.can_undo
+    assert not document.can_redo
+
+
+def test_undo_keeps_the_brush_that_was_chosen_last():
+    document = small_plane()
+    paint(document, (-20, 0), (20, 0))
+    document.swap_inks()
+    document.set_brush("xiaobaiyun")
+    document.undo()
+    assert not document.surface.painted.any()
+    assert document.painter.dipped == "cinnabar"
+    assert document.painter.brush.name == "xiaobaiyun"
+    accounts = document.painter.ledger()
+    assert accounts["loaded"] == pytest.approx(accounts["in_brush"])
+    document.redo()
+    accounts = document.painter.ledger()
+    assert accounts["loaded"] == pytest.approx(sum(accounts.values()) - accounts["loaded"])
+
+
+def test_the_history_goes_to_any_stroke():
+    document = small_plane()
+    seen = [document.surface.srgb[: document.surface.paint_mesh.n_base_vertices].copy()]
+    for y in (-20, 0, 20):
+        paint(document, (-20, y), (20, y))
+        seen.append(document.surface.srgb.copy())
+    for upto in (1, 3, 0, 2):
+        document.replay_history(upto)
+        assert len(document.strokes) == upto
+        n = len(seen[upto])
+        np.testing.assert_array_equal(document.surface.srgb[:n], seen[upto])
+    with pytest.raises(InputError, match="expected 0 to 3"):
+        document.replay_history(4)
+
+
+def test_x_swaps_inks():
+    document = small_plane()
+    document.swap_inks()
+    assert document.painter.ink.name == "cinnabar"
+    document.swap_inks()
+    assert document.painter.ink.name == "pine soot"
+
+
+def test_a_colour_is_picked_wet_or_dry():
+    document = small_plane(ink={"pine soot": 0.25, "cinnabar": 0.75})
+    paint(document, (-20, 0), (20, 0))
+    vertex = int(np.argmax(document.surface.coverage))
+    for _ in range(2):
+        document.dip("pine soot")
+        found = document.pick_colour(vertex)
+        assert found == pytest.approx({"pine soot": 0.25, "cinnabar": 0.75}, abs=1e-6)
+        document.dry()
+    bare = int(np.argmin(document.surface.painted))
+    assert document.pick_colour(bare) is None
+    with pytest.raises(InputError, match="vertex"):
+        document.pick_colour(10**7)
+
+
+def test_strokes_become_a_recording_that_paints_the_same():
+    document = small_plane()
+    paint(document, (-20, -10), (20, -10))
+    document.dip()
+    paint(document, (-20, 10), (20, 10))
+    recording = document.recording()
+    again = small_plane()
+    again.painter.replay(recording)
+    np.testing.assert_allclose(again.surface.amounts, document.surface.amounts, atol=1e-5)
+    assert again.painter.ledger() == pytest.approx(document.painter.ledger(), rel=1e-6, abs=1e-3)
+
+
+def test_saving_needs_a_name_and_keeps_everything(tmp_path):
+    document = small_plane()
+    with pytest.raises(ExportError, match="no file yet"):
+        document.save()
+    with pytest.raises(ExportError, match=r"\.p3d"):
+        document.save(tmp_path / "a.glb")
+    document.set_brush("xiaobaiyun")
+    paint(document, (-20, 0), (20, 0))
+    assert document.modified
+    document.save(tmp_path / "a.p3d")
+    assert not document.modified
+    again = Document.open(tmp_path / "a.p3d")
+    assert again.painter.brush == document.painter.brush
+    assert again.painter.in_brush() == document.painter.in_brush()
+    paint(document, (-20, 30), (20, 30))
+    paint(again, (-20, 30), (20, 30))
+    np.testing.assert_array_equal(
+        np.sort(again.surface.amounts, axis=0), np.sort(document.surface.amounts, axis=0)
+    )
+
+
+def test_what_cannot_be_opened_is_told(tmp_path):
+    (tmp_path / "bad.p3d").write_bytes(b"no session")
+    with pytest.raises(SessionError, match=r"bad\.p3d"):
+        Document.open(tmp_path / "bad.p3d")

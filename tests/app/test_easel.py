@@ -1,0 +1,121 @@
+"""The painting thread: all samples, in order, and nobody waits."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from paint3d.app.model.easel import Easel
+from paint3d.errors import InputError
+from tests.app.hands import line, paint, small_plane
+
+
+@pytest.fixture
+def easel():
+    easel = Easel(small_plane())
+    yield easel
+    easel.stop()
+
+
+def frames_until_still(easel):
+    """All frames until what was asked for is done and shown."""
+    easel.post(lambda document: None).result(timeout=60)
+    frames, quiet = [], 0
+    while quiet < 3:
+        frame = easel.take_frame()
+        quiet = quiet + 1 if frame is None else 0
+        frames += [] if frame is None else [frame]
+        time.sleep(0.02)
+    return frames
+
+
+def test_every_sample_is_painted_as_without_a_thread(easel):
+    samples = line((-30, 0), (30, 0), n=300)
+    easel.post("begin_stroke")
+    for k in range(0, 300, 7):
+        easel.feed(samples[k : k + 7])
+    easel.post("end_stroke")
+    frames = frames_until_still(easel)
+    alone = small_plane()
+    paint(alone, (-30, 0), (30, 0), n=300)
+    with easel.paused() as document:
+        np.testing.assert_array_equal(document.surface.amounts, alone.surface.amounts)
+        shown = document.surface.srgb
+    seen = np.full((frames[-1].n_vertices, 3), alone.surface.codes[0], np.uint8)
+    for frame in frames:
+        if frame.growth is not None:
+            seen[frame.growth.first_vertex :][: len(frame.growth.srgb)] = frame.growth.srgb
+        seen[frame.vertex_ids] = frame.srgb
+    np.testing.assert_array_equal(seen, shown)
+
+
+def test_growth_tells_all_triangles(easel):
+    with easel.paused() as document:
+        mesh = document.surface.paint_mesh
+        faces = {root: [tuple(face)] for root, face in enumerate(mesh.base_faces.tolist())}
+    easel.post("begin_stroke")
+    easel.feed(line((-30, 0), (30, 0), n=100))
+    easel.post("end_stroke")
+    for frame in frames_until_still(easel):
+        if frame.growth is None:
+            continue
+        for root in frame.growth.roots.tolist():
+            faces[root] = []
+        for face, root in zip(
+            frame.growth.faces.tolist(), frame.growth.face_roots.tolist(), strict=True
+        ):
+            faces[root].append(tuple(face))
+    with easel.paused() as document:
+        leaves = {tuple(face) for face in document.surface.paint_mesh.leaf_faces().tolist()}
+    assert {face for group in faces.values() for face in group} == leaves
+
+
+def test_a_fault_is_an_event_and_painting_goes_on(easel):
+    asked = easel.post("feed", line((0, 0), (1, 0)))
+    with pytest.raises(InputError):
+        asked.result(timeout=60)
+    easel.feed(line((0, 0), (1, 0)))
+    with pytest.raises(AttributeError):
+        easel.post("no_such_thing").result(timeout=60)
+    kinds = [(event.kind, event.doing) for event in easel.take_events()]
+    assert kinds[:2] == [("error", "feed"), ("error", "painting")]
+    assert kinds[2][0] == "internal"
+    easel.post("begin_stroke")
+    easel.feed(line((0, 0), (20, 0)))
+    easel.post("end_stroke").result(timeout=60)
+    assert not easel.take_events()
+    assert len(frames_until_still(easel)[-1].vertex_ids) + 1
+
+
+def test_nobody_waits_while_it_paints(easel):
+    started, release = threading.Event(), threading.Event()
+
+    def hold(document):
+        started.set()
+        release.wait(60)
+
+    easel.post(hold)
+    assert started.wait(60)
+    easel.take_frame()
+    easel.feed(line((0, 0), (20, 0)))
+    waiting = easel.post("rinse")
+    assert easel.take_frame() is None
+    assert easel.queue_length == 2
+    release.set()
+    waiting.result(timeout=60)
+
+
+def test_the_brush_is_shown_before_it_touches(easel):
+    easel.hover(line((5, 6), (6, 6))[0])
+    frame = frames_until_still(easel)[-1]
+    assert frame.brush.load == 1.0
+    assert not frame.brush.painting
+    np.testing.assert_allclose(frame.brush.contact.foot, [5, 6, 0], atol=1e-3)
+    assert frame.brush.srgb.max() < 60
+
+
+def test_a_stopped_easel_takes_nothing(easel):
+    easel.stop()
+    with pytest.raises(RuntimeError, match="stopped"):
+        easel.post("undo")

@@ -1,0 +1,158 @@
+"""Undo and redo, to the bit, whatever happened between: the property of the way back."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.files.load import load_mesh
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.undo import UndoHistory
+from tests.app.hands import line
+
+ACTIONS = st.sampled_from(
+    ["stroke", "stroke", "time", "long time", "dry", "dip", "tip", "wipe", "look"]
+)
+PLACES = st.tuples(*[st.floats(-25, 25) for _ in range(4)])
+
+
+def wide(array, columns):
+    return np.pad(array, ((0, 0), (0, columns - array.shape[1])))
+
+
+def state(surface, painter, n, columns):
+    """Everything of the first n vertices, with so many pigments."""
+    dry, ink = surface.dry_layers, surface.ink
+    depth = np.zeros(n)
+    kept = surface.keep_flow()
+    if kept is not None:
+        ids = kept["vertices"]
+        depth[ids[ids < n]] = kept["water"][ids < n]
+    return {
+        "amounts": wide(surface.amounts[:n], columns),
+        "coverage": surface.coverage[:n].copy(),
+        "dried": dry.vertex_ids.copy(),
+        "spectra": dry.spectra.copy(),
+        "dried_amounts": wide(dry.amounts, columns),
+        "load": np.pad(ink.load, (0, columns - len(ink.load))),
+        "off": np.pad(ink.off_surface, (0, columns - len(ink.off_surface))),
+        "stations": wide(ink.stations, columns),
+        "habit": ink.habit.copy(),
+        "loaded": np.array(painter.loaded),
+        "srgb": surface.srgb[:n].copy(),
+        "water": depth,
+    }
+
+
+def act(surface, painter, action, place):
+    if action == "stroke":
+        painter.advance(line(place[:2], place[2:], n=12))
+        painter.finish()
+    elif action == "time":
+        surface.diffuse(0.2)
+    elif action == "long time":
+        surface.diffuse(40.0)
+    elif action == "dry":
+        surface.dry()
+    elif action == "dip":
+        painter.dip("cinnabar")
+    elif action == "tip":
+        painter.dip({"pine soot": 1.0, "water": 3.0}, 0.4)
+    elif action == "wipe":
+        painter.wipe(0.3)
+    else:
+        surface.refresh()
+
+
+@settings(deadline=None, max_examples=6)
+@given(
+    steps=st.lists(st.lists(st.tuples(ACTIONS, PLACES), min_size=1, max_size=4), max_size=5),
+    budget=st.sampled_from([0, 1 << 30]),
+)
+def test_undo_and_redo_lead_back_to_the_bit(steps, budget):
+    surface = PaintedSurface(load_mesh("plane"), 1.5, "xuan")
+    painter = Painter(surface, pickup=0.03)
+    for name in ("cinnabar", "water", "pine soot"):
+        painter.dip(name)
+    history = UndoHistory(surface, budget, painter.keep, painter.restore)
+    n, columns = surface.n_vertices, len(surface.pigments)
+    sizes, seen = [n], [state(surface, painter, n, columns)]
+    for step in steps:
+        history.begin("step")
+        for action, place in step:
+            act(surface, painter, action, place)
+        sizes.append(surface.n_vertices)
+        seen.append(state(surface, painter, surface.n_vertices, columns))
+    if budget == 0 and len(steps) > 2:
+        assert history.n_spilled
+    back = [*range(len(steps) - 1, -1, -1)]
+    for k in [*back, *range(1, len(steps) + 1), *back]:
+        history.undo() if len(history.done) > k else history.redo()
+        now = state(surface, painter, sizes[k], columns)
+        for name, then in seen[k].items():
+            np.testing.assert_array_equal(now[name], then, err_msg=name)
+        accounts = painter.ledger()
+        gone = accounts.pop("loaded") - sum(accounts.values())
+        assert abs(gone) < 1e-4 * painter.tuft.load
+
+
+def test_a_step_takes_room_for_what_it_touched_only():
+    surface = PaintedSurface(load_mesh("plane"), 1.5)
+    painter = Painter(surface)
+    history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+    surface.refine_all()
+    sizes = []
+    for y in (0, 20):
+        history.begin(y)
+        act(surface, painter, "stroke", (-10, y, 10, y))
+        history.begin("next")
+        sizes.append(history.n_bytes - sum(sizes))
+    painted = np.count_nonzero(surface.coverage)
+    assert surface.n_vertices > 20 * painted
+    assert max(sizes) < 24 * painted
+
+
+def test_what_was_undone_goes_when_something_new_comes():
+    surface = PaintedSurface(load_mesh("plane"), 1.5)
+    painter = Painter(surface)
+    history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+    assert not len(history.undo())
+    assert not len(history.redo())
+    for label in "ab":
+        history.begin(label)
+        act(surface, painter, "stroke", (-10, 0, 10, 0))
+    history.undo()
+    assert (history.done, history.undone) == (["a"], ["b"])
+    history.begin("c")
+    assert (history.done, history.undone) == (["a", "c"], [])
+
+
+def test_redo_first_takes_back_what_the_clock_did_since():
+    surface = PaintedSurface(load_mesh("plane"), 1.5, "xuan")
+    painter = Painter(surface)
+    history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+    for y in (0, 8):
+        history.begin(y)
+        act(surface, painter, "stroke", (-10, y, 10, y))
+        surface.diffuse(0.3)
+    n, then = surface.n_vertices, None
+    then = state(surface, painter, n, 1)
+    history.undo()
+    surface.diffuse(2.0)
+    history.redo()
+    now = state(surface, painter, n, 1)
+    for name in then:
+        np.testing.assert_array_equal(now[name], then[name], err_msg=name)
+
+
+@pytest.mark.parametrize("memory", [0, 1 << 30])
+def test_reverting_forgets_the_step(memory):
+    surface = PaintedSurface(load_mesh("plane"), 1.5)
+    painter = Painter(surface)
+    history = UndoHistory(surface, memory, painter.keep, painter.restore)
+    history.begin("a")
+    act(surface, painter, "stroke", (-10, 0, 10, 0))
+    history.revert()
+    assert (history.done, history.undone) == ([], [])
+    assert not surface.painted.any()
