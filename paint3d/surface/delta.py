@@ -70,7 +70,7 @@ class SurfaceDelta:
     @property
     def n_bytes(self) -> int:
         """Memory that it takes, without the brush."""
-        arrays = [self.vertex_ids, self.amounts, self.coverage, *self.dry[1:]]
+        arrays = [self.vertex_ids, self.amounts, self.coverage, *self.dry[1:5], *self.dry.over]
         return sum(array.nbytes for array in [*arrays, *(self.flow or {}).values()])
 
     def exchange(self, surface: PaintedSurface) -> tuple[SurfaceDelta, NDArray]:
@@ -101,16 +101,7 @@ class SurfaceDelta:
     def _move_water(self, surface: PaintedSurface) -> None:
         surface.drop_flow()
         if self.flow is not None:
-            surface.restore_flow(_wider(self.flow, len(surface.pigments)))
-
-
-def _wider(flow: Mapping[str, NDArray], n_pigments: int) -> dict[str, NDArray]:
-    """The water as it was kept, with columns for pigments that came since."""
-    wide = dict(flow)
-    for name in ("pigment", "written"):
-        missing = n_pigments - flow[name].shape[1]
-        wide[name] = np.pad(flow[name], ((0, 0), (0, missing)))
-    return wide
+            surface.restore_flow(self.flow)
 
 
 class DeltaRecorder:
@@ -138,7 +129,7 @@ class DeltaRecorder:
         self._follow(painted)
 
     def accept(self, vertex_ids: NDArray) -> None:
-        """Take what was brought to these vertices (N,) as what there is."""
+        """Take what was brought to these vertices (N,) as what there is, and all else as it was."""
         self._surface.take_changed()
         self._fit()
         self._follow(vertex_ids)

@@ -4,6 +4,9 @@ A row holds the reflectance that the vertex shows, 31 bands of 16 bits, which is
 later paint can see of all the layers below it, and the amounts that dried, for the accounts: 62
 bytes and 4 a pigment. Besides, the surface has 4 bytes a vertex once anything has dried.
 
+Where what lies below may change later (`surface.layer_stack`), a row also holds what the vertex
+would show over three grey grounds: 186 bytes more, and enough to tell what it shows over any.
+
 For undo, rows are kept as they were before paint dried on them (`mark`), and can be exchanged with
 what they were at another time (`exchange`).
 """
@@ -17,6 +20,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.glazing import Ground
 from paint3d.colour.spectra import N_BANDS
+from paint3d.kernels.layering import GROUNDS
 
 __all__ = ["DryLayers", "DryRows"]
 
@@ -31,10 +35,17 @@ class DryRows(NamedTuple):
     vertex_ids: NDArray  # (K,) int32
     spectra: NDArray  # (K, 31) uint16
     amounts: NDArray  # (K, P) float32
+    over: tuple[NDArray, NDArray, NDArray]  # (K, 31) uint16 each, or (K, 0)
 
 
 class DryLayers:
     """Dried layers of a surface, flattened vertex by vertex.
+
+    Parameters
+    ----------
+    n_pigments : int
+    filters : bool
+        Whether rows also say what they show over `kernels.layering.GROUNDS`.
 
     Attributes
     ----------
@@ -42,12 +53,14 @@ class DryLayers:
         Vertices that something has dried on, D.
     """
 
-    def __init__(self, n_pigments: int = 0) -> None:
+    def __init__(self, n_pigments: int = 0, filters: bool = False) -> None:
         self.count = 0
+        bands = N_BANDS if filters else 0
         self._slots = np.empty(0, np.int32)
         self._ids = np.empty(0, np.int32)
         self._spectra = np.empty((0, N_BANDS), np.uint16)
         self._amounts = np.zeros((0, n_pigments), np.float32)
+        self._over = tuple(np.empty((0, bands), np.uint16) for _ in GROUNDS)
         self._marked: int | None = None
         self._before: list[DryRows] = []
 
@@ -66,6 +79,41 @@ class DryLayers:
         """(D, 31) uint16 reflectance shown, in steps of 1/65535."""
         return self._spectra[: self.count]
 
+    @property
+    def over(self) -> tuple[NDArray, NDArray, NDArray]:
+        """(D, 31) uint16 each: reflectance shown over each of the grey grounds."""
+        return tuple(array[: self.count] for array in self._over)
+
+    @property
+    def has_filters(self) -> bool:
+        """Whether rows say what they show over other grounds."""
+        return self._over[0].shape[1] > 0
+
+    def add_filters(self, over: tuple[NDArray, NDArray, NDArray]) -> None:
+        """From now on rows say what they show over grey grounds; `over` is that of those here."""
+        room = len(self._ids)
+        self._over = tuple(_grown(array, self.count, room) for array in over)
+
+    def rows_of(self, vertex_ids: NDArray) -> NDArray:
+        """(N,) int32 rows of vertices (N,), -1 for those that nothing has dried on."""
+        if not self.count:
+            return np.full(len(vertex_ids), -1, np.int32)
+        return self._slots[vertex_ids]
+
+    def grey_grounds(self, ground: Ground) -> list[Ground]:
+        """These layers on each of the grey grounds, for drying on them."""
+        greys = [np.full(N_BANDS, grey, np.float32) for grey in GROUNDS]
+        return [
+            ground._replace(
+                slots=self._slots, spectra=over, material=grey, linear_rgb=ground.linear_rgb[:0]
+            )
+            for over, grey in zip(self._over, greys, strict=True)
+        ]
+
+    def pack(self) -> None:
+        """Give back the room that vertices without rows take; `fit` takes it again."""
+        self._slots = self._slots[:0]
+
     def has_row(self, vertex_ids: NDArray) -> NDArray:
         """(N,) bool: whether something has dried on the vertices (N,)."""
         if not self.count:
@@ -78,7 +126,10 @@ class DryLayers:
 
     def fit(self, capacity: int, n_pigments: int) -> None:
         """Know vertices up to `capacity`, if anything has dried, and so many pigments."""
-        if self.count and len(self._slots) < capacity:
+        if self.count and not len(self._slots):
+            self._slots = np.full(capacity, -1, np.int32)
+            self._slots[self.vertex_ids] = np.arange(self.count, dtype=np.int32)
+        elif self.count:
             self._slots = _padded(self._slots, capacity)
         missing = n_pigments - self._amounts.shape[1]
         if missing > 0:
@@ -116,7 +167,8 @@ class DryLayers:
         rows = np.concatenate([k.rows for k in kept])
         rows, first = np.unique(rows, return_index=True)  # the first time is the one before
         columns = [np.concatenate([_wide(k[i], self) for k in kept])[first] for i in (2, 3, 4)]
-        return DryRows(self._marked, rows, *columns)
+        over = [np.concatenate([k.over[i] for k in kept])[first] for i in range(len(GROUNDS))]
+        return DryRows(self._marked, rows, *columns, tuple(over))
 
     def exchange(self, then: DryRows, capacity: int) -> DryRows:
         """Make the rows what they were then; return what they were until now."""
@@ -131,6 +183,8 @@ class DryLayers:
         self._ids[then.rows] = then.vertex_ids
         self._spectra[then.rows] = then.spectra
         self._amounts[then.rows] = _wide(then.amounts, self)
+        for array, old in zip(self._over, then.over, strict=True):
+            array[then.rows] = old
         self._slots[then.vertex_ids] = then.rows
         self.count = then.count
         return now
@@ -142,7 +196,8 @@ class DryLayers:
 
     def _rows(self, rows: NDArray, count: int) -> DryRows:
         columns = (self._ids, self._spectra, self._amounts)
-        return DryRows(count, rows, *(column[rows] for column in columns))
+        over = tuple(array[rows] for array in self._over)
+        return DryRows(count, rows, *(column[rows] for column in columns), over)
 
     def _reserve(self, wanted: int) -> None:
         if wanted > len(self._ids):
@@ -150,9 +205,15 @@ class DryLayers:
             self._ids = _grown(self._ids, self.count, room)
             self._spectra = _grown(self._spectra, self.count, room)
             self._amounts = _grown(self._amounts, self.count, room)
+            self._over = tuple(_grown(array, self.count, room) for array in self._over)
 
     def restore(
-        self, capacity: int, vertex_ids: NDArray, spectra: NDArray, amounts: NDArray
+        self,
+        capacity: int,
+        vertex_ids: NDArray,
+        spectra: NDArray,
+        amounts: NDArray,
+        over: tuple[NDArray, NDArray, NDArray] | None = None,
     ) -> None:
         """Take over layers that were kept elsewhere; see the attributes of the same names."""
         self._slots = np.full(capacity if len(vertex_ids) else 0, -1, np.int32)
@@ -161,6 +222,8 @@ class DryLayers:
         self._spectra = np.array(spectra, np.uint16)
         self._amounts = np.array(amounts, np.float32)
         self.count = len(vertex_ids)
+        if over is not None:
+            self._over = tuple(np.array(array, np.uint16) for array in over)
 
 
 def _grown(array: NDArray, used: int, room: int) -> NDArray:

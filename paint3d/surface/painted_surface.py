@@ -25,6 +25,7 @@ from paint3d.surface.mesh_colours import MeshColours
 
 if TYPE_CHECKING:
     from paint3d.surface.flow import Flow
+    from paint3d.surface.layer_stack import LayerStack
 
 __all__ = ["EXPORT_TOLERANCE", "InkField", "PaintedSurface"]
 
@@ -84,6 +85,7 @@ class PaintedSurface:
         self.contact_tree = build_contact_tree(self.paint_mesh)
         self.pigments: list[Pigment] = []
         self.dry_layers = DryLayers()
+        self.layers: LayerStack | None = None
         self._colours: ColourModel | None = None
         self._glaze: GlazeModel | None = None
         self._ground = make_ground(self.material.reflectance)
@@ -212,6 +214,9 @@ class PaintedSurface:
 
     def _colour(self, ids: NDArray) -> None:
         ink = self.ink
+        if self.layers is not None and not self.layers.is_plain:
+            self.layers.colour(self._glaze, ids, self._srgb)
+            return
         if self._mesh_colours is not None:
             plain, own = ids[:0], ids
         elif self.dry_layers.count:
@@ -223,6 +228,27 @@ class PaintedSurface:
             self._colours.srgb(ink.amounts, ink.coverage, self._srgb, plain)
         if len(own):
             self._glaze.srgb(ink.amounts, ink.coverage, self.ground(), self._srgb, own)
+
+    def use_layers(self) -> LayerStack:
+        """Have layers from now on; what is painted is the first. See `surface.layer_stack`."""
+        if self.layers is None:
+            from paint3d.surface.layer_stack import LayerStack
+
+            self.layers = LayerStack(self)
+        return self.layers
+
+    def bare_spectra(self, vertex_ids: NDArray) -> NDArray:
+        """(N, 31) uint16 reflectance of vertices without paint, in steps of 1/65535."""
+        if self._mesh_colours is None:
+            return np.tile(_in_steps(self._ground.material), (len(vertex_ids), 1))
+        self._know_vertices()
+        ground = self._mesh_colours.ground_of(self._ground)
+        return _in_steps(ground.linear_rgb[vertex_ids] @ ground.primaries.T)
+
+    @property
+    def glaze(self) -> GlazeModel | None:
+        """The light of the pigments that are known; None before the first."""
+        return self._glaze
 
     def ground(self) -> Ground:
         """What lies below the wet paint: dried layers, the mesh's own colours, the material."""
@@ -253,6 +279,10 @@ class PaintedSurface:
 
     def restore_flow(self, kept: Mapping[str, NDArray]) -> None:
         """Let the water go on as on the surface that it was kept from."""
+        kept, count = dict(kept), len(self.pigments)
+        for name in ("pigment", "written"):  # pigments may have come since
+            missing = count - kept[name].shape[1]
+            kept[name] = np.pad(kept[name], ((0, 0), (0, missing)))
         self.flow.restore(kept)
         self._fresh = [kept["fresh"]]
 
@@ -298,7 +328,12 @@ class PaintedSurface:
             return
         self._know_vertices()
         rows = self.dry_layers.reserve_rows(vertex_ids, self.paint_mesh.capacity)
-        self._glaze.dry(ink.amounts, ink.coverage, self.ground(), vertex_ids, rows)
+        ground = self.ground()
+        grounds = [ground]
+        if self.dry_layers.has_filters:
+            grounds += self.dry_layers.grey_grounds(ground)
+        for below in grounds:
+            self._glaze.dry(ink.amounts, ink.coverage, below, vertex_ids, rows)
         self.dry_layers.settle(vertex_ids, rows, ink.amounts[vertex_ids] * self._lasting)
         ink.amounts[vertex_ids] = 0.0
         ink.coverage[vertex_ids] = 0.0
@@ -344,6 +379,8 @@ class PaintedSurface:
         """(V,) bool: whether there is paint on a vertex, wet or dry."""
         painted = self.coverage > 0.0
         painted[self.dry_layers.vertex_ids] = True
+        if self.layers is not None:
+            painted[self.layers.painted_ids()] = True
         return painted
 
     @property
@@ -351,12 +388,14 @@ class PaintedSurface:
         """(V, P) float32: wet ink at each vertex, full coats times the covered share."""
         return self.ink.amounts[: self.n_vertices]
 
-    def dried_amounts(self, vertex_id: int) -> NDArray:
-        """(P,) float64: dry ink at one vertex, coats times the covered share."""
-        row = np.flatnonzero(self.dry_layers.vertex_ids == vertex_id)
-        if not len(row):
-            return np.zeros(len(self.pigments))
-        return self.dry_layers.amounts[row[0]].astype(np.float64)
+    def parts_at(self, vertex_id: int) -> NDArray:
+        """(P,) float64 ink on one vertex, coats times the covered share: what is wet, else dry."""
+        if self.layers is not None:
+            return self.layers.parts_at(vertex_id)
+        wet = self.ink.amounts[vertex_id]
+        row = self.dry_layers.rows_of(np.array([vertex_id]))[0]
+        found = wet if wet.any() or row < 0 else self.dry_layers.amounts[row]
+        return found.astype(np.float64)
 
     @property
     def vertex_areas(self) -> NDArray:
@@ -440,12 +479,20 @@ class PaintedSurface:
 
     def wet_ink(self) -> float:
         """Pigment on the surface that has not dried, coats x mm2."""
-        return float(self.vertex_areas @ (self.amounts @ self._lasting.astype(np.float64)))
+        own = float(self.vertex_areas @ (self.amounts @ self._lasting.astype(np.float64)))
+        return own + self._resting_ink()[0]
 
     def dry_ink(self) -> float:
         """Pigment that has dried on the surface, coats x mm2."""
         areas = self.paint_mesh.vertex_areas[self.dry_layers.vertex_ids]
-        return float(areas @ self.dry_layers.amounts.sum(axis=1, dtype=np.float64))
+        own = float(areas @ self.dry_layers.amounts.sum(axis=1, dtype=np.float64))
+        return own + self._resting_ink()[1]
+
+    def _resting_ink(self) -> tuple[float, float]:
+        """Wet and dry pigment on layers that are not painted on, coats x mm2."""
+        if self.layers is None:
+            return 0.0, 0.0
+        return self.layers.resting_ink(self.vertex_areas, self._lasting)
 
     def main_pigment(self, parts: NDArray) -> Pigment:
         """The pigment that most of a mixture (P,) is, not counting water unless it is alone."""
@@ -455,6 +502,11 @@ class PaintedSurface:
     def lasting(self, per_pigment: NDArray) -> float:
         """Sum of a quantity (P,) over the pigments, without water."""
         return float(per_pigment @ self._lasting)
+
+
+def _in_steps(reflectance: NDArray) -> NDArray:
+    """Reflectance as it is kept: uint16, in steps of 1/65535."""
+    return (np.clip(reflectance, 0.0, 1.0) * 65535.0 + 0.5).astype(np.uint16)
 
 
 def _code_difference(a: NDArray, b: NDArray) -> NDArray:

@@ -94,10 +94,22 @@ class UndoHistory:
         self._done.append(_Step(label))
         self._spill()
 
-    def add(self, part: Part) -> None:
-        """Let the step that goes on also take back something that is not ink."""
+    def change(self, state: Callable[[], Part], action: Callable[[], None]) -> None:
+        """Do something that ink has no part in; the step that goes on takes it back as well.
+
+        Parameters
+        ----------
+        state : callable
+            Returns how it is now, as something that can be exchanged.
+        action : callable
+        """
         self._seal()
-        self._done[-1].parts.append(part)
+        before = state()
+        action()
+        if self._done:
+            self._done[-1].parts.append(before)
+        self._recorder.restart()
+        self._kept = self._keep()
 
     def _seal(self) -> None:
         """Put what changed since the last call into the step that was going on."""
@@ -154,7 +166,10 @@ class UndoHistory:
             touched.append(ids)
         step.parts = back
         everything = np.unique(np.concatenate(touched)).astype(np.int32)
-        self._recorder.accept(everything)
+        if all(isinstance(part, _Painting) for part in back):
+            self._recorder.accept(everything)
+        else:  # another layer may lie open
+            self._recorder.restart()
         self._kept = self._keep()
         return everything
 

@@ -26,8 +26,8 @@ def line(start, end, n=20, pressure=0.5, t0=1_000_000):
     return [sample(t0 + 5_000_000 * i, *xy[i], float(pressures[i])) for i in range(n)]
 
 
-def small_plane(resolution=1.5, **options):
-    return Document.new("plane", resolution, **options)
+def small_plane(resolution=1.5, mesh="plane", **options):
+    return Document.new(mesh, resolution, **options)
 
 
 def paint(document, start, end, **options):

@@ -1,0 +1,354 @@
+"""Layers as painters know them: named, shown or hidden, in any order, each painted by itself.
+
+Every layer lies on those below it as if they had dried first, so it glazes over them and never
+mixes with them; painting on a lower one shows through those above. The layer that is painted on has
+its ink in the surface's own arrays, and the engine knows nothing of layers. Of the others only the
+vertices with paint are kept: wet ink as it is, and dried rows as functions of what is below
+(`kernels.layering`). What shows is composed from the bottom up, vertex by vertex, with the kernels
+that paint one layer. Water moves on the layer that is painted on, and waits on the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.colour.glazing import GlazeModel
+from paint3d.colour.spectra import N_BANDS
+from paint3d.errors import InputError
+from paint3d.kernels.layering import GROUNDS, see_through
+from paint3d.surface.dry_layers import DryLayers
+
+if TYPE_CHECKING:
+    from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["Layer", "LayerStack", "StackState"]
+
+_MOST_LAYERS = 256
+_LONGEST_NAME = 200
+_AT_ONCE = 1 << 16  # vertices that are composed together
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What is said of a layer.
+
+    Attributes
+    ----------
+    name : str
+    visible : bool
+    locked : bool
+        Whether painting on it is refused.
+    """
+
+    name: str
+    visible: bool = True
+    locked: bool = False
+
+
+@dataclass(eq=False)
+class _Content:
+    """What is on a layer while another one is painted on: wet vertices (N,), dried rows, water."""
+
+    dry: DryLayers
+    ids: NDArray = field(default_factory=lambda: np.empty(0, np.int32))
+    amounts: NDArray = field(default_factory=lambda: np.empty((0, 0), np.float32))
+    coverage: NDArray = field(default_factory=lambda: np.empty(0, np.float32))
+    flow: Mapping[str, NDArray] | None = None
+    dry_ids: NDArray = field(default_factory=lambda: np.empty(0, np.int32))  # sorted
+    dry_rows: NDArray = field(default_factory=lambda: np.empty(0, np.int32))  # of each
+
+
+class StackState(NamedTuple):
+    """Which layers there are, the lowest first, and which is painted on, by their keys."""
+
+    keys: tuple[int, ...]
+    active: int
+
+    def exchange(self, surface: PaintedSurface) -> tuple[StackState, NDArray]:
+        """Bring the stack there; a part of an undo step."""
+        stack = surface.layers
+        back, before = stack.state(), stack.painted_ids()
+        stack.put(self)
+        touched = np.union1d(before, stack.painted_ids()).astype(np.int32)
+        surface.touch(touched)
+        return back, touched
+
+
+class LayerStack:
+    """The layers of a surface, the lowest first; there is always one at least.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+        What is on it already is the first layer.
+    name : str
+        Of the first layer.
+    """
+
+    def __init__(self, surface: PaintedSurface, name: str = "1") -> None:
+        self._surface = surface
+        self._about = {0: Layer(_checked_name(name))}
+        self._contents: dict[int, _Content] = {}
+        self._keys, self._active = [0], 0
+        _know_filters(surface)
+
+    def __len__(self) -> int:
+        return len(self._keys)
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """What is said of each, the lowest first."""
+        return tuple(self._about[key] for key in self._keys)
+
+    @property
+    def active(self) -> int:
+        """Place of the layer that is painted on, from 0 for the lowest."""
+        return self._keys.index(self._active)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether there is one layer, and it is visible: nothing has to be composed."""
+        return len(self._keys) == 1 and self._about[self._active].visible
+
+    # -- changing the stack -----------------------------------------------------------------
+
+    def add(self, name: str, place: int) -> None:
+        """Put an empty layer at a place, and paint on it from now on.
+
+        Raises
+        ------
+        InputError
+            If the place or the name is none, or there are 256.
+        """
+        if len(self._keys) >= _MOST_LAYERS:
+            raise InputError(f"there are {_MOST_LAYERS} layers; expected no more")
+        if not 0 <= place <= len(self._keys):
+            raise InputError(f"layer {place}; expected 0 to {len(self._keys)}")
+        key = max(self._about) + 1
+        self._about[key] = Layer(_checked_name(name))
+        self._contents[key] = _Content(DryLayers(len(self._surface.pigments), filters=True))
+        self._keys.insert(place, key)
+        self.activate(place)
+
+    def remove(self, place: int) -> None:
+        """Take a layer away with what is on it.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, or no other.
+        """
+        key = self._key(place)
+        if len(self._keys) == 1:
+            raise InputError("this is the only layer; expected another one to stay")
+        if key == self._active:
+            self.activate(place - 1 if place else 1)
+        self._keys.remove(key)
+
+    def move(self, place: int, to: int) -> None:
+        """Put a layer at another place; the others keep their order.
+
+        Raises
+        ------
+        InputError
+            If there is no such place.
+        """
+        key = self._key(place)
+        self._key(to)
+        self._keys.remove(key)
+        self._keys.insert(to, key)
+
+    def describe(self, place: int, **changes: object) -> None:
+        """Change a layer's name, or whether it is visible or locked.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, or the name is none.
+        """
+        key = self._key(place)
+        if "name" in changes:
+            _checked_name(changes["name"])
+        self._about[key] = replace(self._about[key], **changes)
+
+    def activate(self, place: int) -> None:
+        """Paint on the layer at a place from now on; nothing that shows changes."""
+        key = self._key(place)
+        if key == self._active:
+            return
+        self._contents[self._active] = self._lift()
+        self._active = key
+        self._lay_open(self._contents.pop(key))
+
+    def state(self) -> StackState:
+        """Which layers there are; those that were removed are still known to it."""
+        return StackState(tuple(self._keys), self._active)
+
+    def put(self, state: StackState) -> None:
+        """Have the layers of a state again."""
+        self._keys = [*dict.fromkeys([*state.keys, self._active])]
+        self.activate(self._keys.index(state.active))
+        self._keys = list(state.keys)
+
+    def _key(self, place: int) -> int:
+        if not 0 <= place < len(self._keys):
+            raise InputError(f"layer {place}; expected 0 to {len(self._keys) - 1}")
+        return self._keys[place]
+
+    def _lift(self) -> _Content:
+        """Take what is painted on out of the surface's arrays."""
+        surface = self._surface
+        ink = surface.ink
+        ids = np.flatnonzero((ink.coverage > 0.0) | ink.amounts.any(axis=1)).astype(np.int32)
+        dry = surface.dry_layers
+        order = np.argsort(dry.vertex_ids).astype(np.int32)
+        content = _Content(
+            dry, ids, ink.amounts[ids], ink.coverage[ids], surface.keep_flow(),
+            dry.vertex_ids[order], order,
+        )  # fmt: skip
+        ink.amounts[ids] = 0.0
+        ink.coverage[ids] = 0.0
+        surface.drop_flow()
+        dry.pack()
+        return content
+
+    def _lay_open(self, content: _Content) -> None:
+        """Put a layer's paint into the surface's arrays."""
+        surface = self._surface
+        count, ink = len(surface.pigments), surface.ink
+        ink.amounts[content.ids, : content.amounts.shape[1]] = content.amounts
+        ink.coverage[content.ids] = content.coverage
+        surface.dry_layers = content.dry
+        surface.dry_layers.fit(surface.paint_mesh.capacity, count)
+        if content.flow is not None:
+            surface.restore_flow(content.flow)
+
+    # -- what shows -------------------------------------------------------------------------
+
+    def colour(self, glaze: GlazeModel, vertex_ids: NDArray, srgb: NDArray) -> None:
+        """Fill `srgb` (cap, 3) for some distinct vertices (N,) int32."""
+        for start in range(0, len(vertex_ids), _AT_ONCE):
+            ids = vertex_ids[start : start + _AT_ONCE]
+            spectra = self._surface.bare_spectra(ids)
+            for key in self._keys:
+                if self._about[key].visible:
+                    self._lay(glaze, key, ids, spectra)
+            srgb[ids] = self._seen(glaze, spectra)
+
+    def _lay(self, glaze: GlazeModel, key: int, ids: NDArray, spectra: NDArray) -> None:
+        """Lay one layer over the spectra (N, 31) of the vertices (N,)."""
+        dry, rows, places, amounts, coverage = self._on(key, ids)
+        dried = np.flatnonzero(rows >= 0).astype(np.int32)
+        if len(dried):
+            see_through(dried, rows[dried], *dry.over, spectra)
+        if len(places):
+            ground = self._surface.ground()._replace(
+                slots=places, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
+            )
+            all_of_them = np.arange(len(places), dtype=np.int32)
+            glaze.dry(amounts, coverage, ground, all_of_them, places)
+
+    def _on(self, key: int, ids: NDArray) -> tuple[DryLayers, NDArray, NDArray, NDArray, NDArray]:
+        """A layer's dried rows (N,) of vertices, and of the M wet ones place, amounts, share."""
+        surface, count = self._surface, len(self._surface.pigments)
+        if key == self._active:
+            ink, dry = surface.ink, surface.dry_layers
+            places = np.flatnonzero(ink.coverage[ids] > 0.0).astype(np.int32)
+            wet = ids[places]
+            return dry, dry.rows_of(ids), places, ink.amounts[wet], ink.coverage[wet]
+        content = self._contents[key]
+        rows = np.full(len(ids), -1, np.int32)
+        at, found = _find(content.dry_ids, ids)
+        rows[found] = content.dry_rows[at]
+        at, places = _find(content.ids, ids)
+        amounts = content.amounts[at]
+        amounts = np.pad(amounts, ((0, 0), (0, count - amounts.shape[1])))
+        return content.dry, rows, places, amounts, content.coverage[at]
+
+    def _seen(self, glaze: GlazeModel, spectra: NDArray) -> NDArray:
+        """The sRGB (N, 3) of spectra (N, 31)."""
+        n = len(spectra)
+        every = np.arange(n, dtype=np.int32)
+        ground = self._surface.ground()._replace(
+            slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
+        )
+        seen = np.empty((n, 3), np.uint8)
+        nothing = np.zeros((n, len(self._surface.pigments)), np.float32)
+        glaze.srgb(nothing, np.zeros(n, np.float32), ground, seen, every)
+        return seen
+
+    def painted_ids(self) -> NDArray:
+        """(N,) int32 vertices with paint on any layer, visible or not."""
+        surface = self._surface
+        found = [np.flatnonzero(surface.coverage > 0.0), surface.dry_layers.vertex_ids]
+        for content in self._others():
+            found += [content.ids, content.dry_ids]
+        return np.unique(np.concatenate(found)).astype(np.int32)
+
+    def parts_at(self, vertex_id: int) -> NDArray:
+        """(P,) ink on a vertex in the highest visible layer that has any there: wet, else dry."""
+        ids = np.array([vertex_id], np.int32)
+        for key in reversed(self._keys):
+            if not self._about[key].visible:
+                continue
+            dry, rows, _, amounts, _ = self._on(key, ids)
+            if amounts.any():
+                return amounts[0].astype(np.float64)
+            if rows[0] >= 0:
+                return dry.amounts[rows[0]].astype(np.float64)
+        return np.zeros(len(self._surface.pigments))
+
+    # -- accounts ---------------------------------------------------------------------------
+
+    def resting_ink(self, areas: NDArray, lasting: NDArray) -> tuple[float, float]:
+        """Wet and dry pigment on the layers that are not painted on, coats x mm2."""
+        wet = dry = 0.0
+        for content in self._others():
+            columns = lasting[: content.amounts.shape[1]].astype(np.float64)
+            wet += float(areas[content.ids] @ (content.amounts @ columns))
+            amounts = content.dry.amounts.sum(axis=1, dtype=np.float64)
+            dry += float(areas[content.dry.vertex_ids] @ amounts)
+        return wet, dry
+
+    def _others(self) -> Sequence[_Content]:
+        return [self._contents[key] for key in self._keys if key != self._active]
+
+
+def _checked_name(name: object) -> str:
+    if not isinstance(name, str) or not 0 < len(name.strip()) <= _LONGEST_NAME:
+        raise InputError(f"a layer's name is {name!r:.60}; expected a word")
+    return name
+
+
+def _find(known: NDArray, ids: NDArray) -> tuple[NDArray, NDArray]:
+    """Where ids (N,) that are among the sorted known ones (K,) lie: places there, and in ids."""
+    if not len(known):
+        return np.empty(0, np.int64), np.empty(0, np.int32)
+    at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+    found = np.flatnonzero(known[at] == ids).astype(np.int32)
+    return at[found], found
+
+
+def _know_filters(surface: PaintedSurface) -> None:
+    """Let the dried rows of a surface say what they show over other grounds.
+
+    What dried before is taken for one coat of all that dried there: its order is not known.
+    """
+    dry = surface.dry_layers
+    if dry.has_filters:
+        return
+    over = tuple(np.zeros((dry.count, N_BANDS), np.uint16) for _ in GROUNDS)
+    rows, share = np.arange(dry.count, dtype=np.int32), np.ones(dry.count, np.float32)
+    bare = surface.ground()._replace(
+        slots=np.empty(0, np.int32), linear_rgb=np.empty((0, 3), np.float32)
+    )
+    for grey, array in zip(GROUNDS, over, strict=True):
+        if dry.count:
+            ground = bare._replace(spectra=array, material=np.full(N_BANDS, grey, np.float32))
+            surface.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
+    dry.add_filters(over)

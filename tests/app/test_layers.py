@@ -1,0 +1,236 @@
+"""Layers: each lies on those below as if they had dried first."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.colour.difference import delta_e, lab_from_srgb
+from paint3d.errors import InputError
+from paint3d.files.load import load_mesh
+from paint3d.kernels.layering import GROUNDS, see_through
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from tests.app.hands import paint, small_plane
+
+ACROSS, ALONG = ((-20, 0), (20, 0)), ((0, -20), (0, 20))
+
+
+def shown(document):
+    return document.surface.srgb.copy()
+
+
+def differences(one, two):
+    n = min(len(one), len(two))
+    return delta_e(lab_from_srgb(one[:n] / 255.0), lab_from_srgb(two[:n] / 255.0))
+
+
+def coloured_plane():
+    plane = load_mesh("plane")
+    red = np.tile(np.uint8([200, 120, 90]), (plane.n_vertices, 1))
+    return TriangleMesh(plane.vertices, plane.faces, red, "plane")
+
+
+def refined(mesh):
+    """A painting whose vertices are all there, so that they have the same numbers in another."""
+    document = small_plane(2.5, mesh=mesh)
+    document.surface.refine_all()
+    return document
+
+
+def dried_then_glazed(mesh="plane"):
+    """Cinnabar over soot that has dried, on one layer: how it must look."""
+    document = refined(mesh)
+    paint(document, *ACROSS)
+    document.dry()
+    document.dip("cinnabar")
+    paint(document, *ALONG)
+    return shown(document)
+
+
+@pytest.mark.parametrize("mesh", ["plane", coloured_plane()], ids=["plain", "coloured"])
+@pytest.mark.parametrize("dried", [False, True])
+@pytest.mark.parametrize("first", ["lower", "upper"])
+def test_a_layer_glazes_over_what_is_below_whichever_was_painted_first(mesh, dried, first):
+    wanted = dried_then_glazed(mesh)
+    document = refined(mesh)
+    document.add_layer("over")
+    for place in [0, 1] if first == "lower" else [1, 0]:
+        document.select_layer(place)
+        document.dip(["pine soot", "cinnabar"][place])
+        paint(document, *[ACROSS, ALONG][place])
+        if dried:
+            document.dry()
+    apart = differences(shown(document), wanted)  # a step of a code is up to 0.7
+    assert apart.max() < (1.5 if dried else 0.8)
+    assert apart.sum() < 0.3 * np.count_nonzero(document.surface.painted)
+    assert differences(shown(document), shown(refined(mesh))).max() > 30.0
+
+
+def test_hiding_and_showing_brings_the_same_colours_back():
+    document = small_plane()
+    bare = shown(document)
+    paint(document, *ACROSS)
+    lower = shown(document)
+    document.add_layer()
+    document.dip("cinnabar")
+    paint(document, *ALONG)
+    both = shown(document)
+    document.set_visible(1, False)
+    alone = shown(document)[: len(lower)].astype(int)  # by bands, not by the table of one ink
+    assert np.abs(alone - lower).max() <= 1
+    document.set_visible(0, False)
+    np.testing.assert_array_equal(shown(document)[: len(bare)], bare)
+    document.set_visible(0)
+    document.set_visible(1)
+    np.testing.assert_array_equal(shown(document), both)
+
+
+def test_order_matters_and_comes_back():
+    document = small_plane()
+    document.dip("cinnabar")
+    paint(document, *ACROSS)
+    document.add_layer()
+    document.dip("pine soot")
+    paint(document, *ALONG)
+    below = shown(document)
+    document.move_layer(1, 0)
+    assert [layer.name for layer in document.layers] == ["2", "1"]
+    assert differences(shown(document), below).max() > 5.0
+    document.undo()
+    np.testing.assert_array_equal(shown(document), below)
+
+
+def test_undo_brings_a_removed_layer_back_with_its_ink():
+    document = small_plane()
+    paint(document, *ACROSS)
+    document.dry()
+    document.add_layer()
+    paint(document, *ALONG)
+    before, ledger = shown(document), document.painter.ledger()
+    document.remove_layer(0)
+    assert document.painter.ledger()["dry"] == 0.0
+    close(document)
+    assert len(document.layers) == 1
+    document.undo()
+    np.testing.assert_array_equal(shown(document), before)
+    assert document.painter.ledger() == ledger
+    document.redo()
+    assert len(document.layers) == 1
+    close(document)
+
+
+def close(document):
+    accounts = document.painter.ledger()
+    loaded = accounts.pop("loaded")
+    assert sum(accounts.values()) == pytest.approx(loaded, rel=1e-6)
+
+
+ACTIONS = st.sampled_from(
+    ["stroke", "stroke", "dry", "time", "add", "remove", "up", "down", "select", "dip"]
+)
+
+
+@settings(deadline=None, max_examples=6)
+@given(st.lists(st.tuples(ACTIONS, st.integers(0, 3), st.floats(-20, 20)), max_size=9))
+def test_undo_leads_back_through_layers_to_the_bit(actions):
+    document = small_plane(material="xuan")
+    for ink in ("cinnabar", "pine soot"):
+        document.dip(ink)
+    seen = [everything(document)]
+    for action, place, y in actions:
+        done = len(document._undo.done)
+        place = min(place, len(document.layers) - 1)
+        if action == "stroke":
+            paint(document, (-15, y), (15, -y), n=8)
+        elif action == "dry":
+            document.dry()
+        elif action == "time":
+            document.let_time_pass(0.3)
+        elif action == "dip":
+            document.swap_inks()
+        elif action == "select":
+            document.select_layer(place)
+        elif action == "add":
+            document.add_layer(place=place)
+        elif len(document.layers) > 1 and action == "remove":
+            document.remove_layer(place)
+        elif len(document.layers) > 1:
+            document.move_layer(place, 0 if action == "down" else len(document.layers) - 1)
+        close(document)
+        if len(document._undo.done) == done:
+            seen[-1] = everything(document)
+        else:
+            seen.append(everything(document))
+    for k in [*range(len(seen) - 2, -1, -1), *range(1, len(seen)), *range(len(seen) - 2, -1, -1)]:
+        document.undo() if len(document._undo.done) > k else document.redo()
+        if k:
+            same(everything(document), seen[k])
+        close(document)
+
+
+def everything(document):
+    surface = document.surface
+    names = tuple(layer.name for layer in document.layers)
+    n, at = surface.n_vertices, document.active_layer
+    return names, at, surface.amounts.copy(), surface.coverage.copy(), surface.srgb[:n].copy()
+
+
+def same(now, then):
+    assert now[:2] == then[:2]
+    for one, two in zip(now[2:], then[2:], strict=True):
+        np.testing.assert_array_equal(one[: len(two)], two)
+
+
+def test_a_locked_or_hidden_layer_takes_no_paint():
+    document = small_plane()
+    document.set_locked(0)
+    for action in (document.begin_stroke, document.dry):
+        with pytest.raises(InputError, match="'1' is locked"):
+            action()
+    document.set_locked(0, False)
+    document.set_visible(0, False)
+    with pytest.raises(InputError, match="hidden"):
+        document.begin_stroke()
+
+
+def test_what_is_no_layer_is_told():
+    document = small_plane()
+    for action in (
+        lambda: document.select_layer(1),
+        lambda: document.remove_layer(0),
+        lambda: document.move_layer(0, 2),
+        lambda: document.add_layer(place=5),
+        lambda: document.rename_layer(0, "  "),
+        lambda: document.rename_layer(-1, "x"),
+    ):
+        with pytest.raises(InputError, match="expected"):
+            action()
+    assert len(document.layers) == 1
+
+
+def test_a_colour_is_picked_from_the_highest_layer_that_shows():
+    document = small_plane()
+    paint(document, *ACROSS)
+    document.add_layer()
+    document.dip("cinnabar")
+    paint(document, *ALONG)
+    own = document.surface.coverage.copy()
+    document.select_layer(0)
+    centre = int(np.argmax(own * document.surface.coverage))
+    assert document.pick_colour(centre) == {"cinnabar": 1.0}
+    document.set_visible(1, False)
+    assert document.pick_colour(centre) == {"pine soot": 1.0}
+
+
+@given(st.floats(0.01, 8.0), st.floats(0.0, 8.0), st.floats(0.0, 3.0), st.floats(0.1, 1.0))
+def test_three_grounds_tell_what_shows_over_any(k, s, coats, cover):
+    from paint3d.colour.layers import layer_reflectance
+
+    grounds = np.array([*GROUNDS, *np.linspace(0.03, 1.0, 28)])
+    layer = layer_reflectance(np.full(31, k), np.full(31, s), np.full(31, coats), grounds)
+    wanted = (1.0 - cover) * grounds + cover * layer
+    rows = [np.full((1, 31), np.rint(wanted[i] * 65535), np.uint16) for i in range(3)]
+    spectra = np.rint(grounds * 65535).astype(np.uint16)[None]
+    see_through(np.zeros(1, np.int32), np.zeros(1, np.int32), *rows, spectra)
+    apart = np.abs(spectra[0] / 65535.0 - wanted).max()
+    assert apart < (1e-3 if cover == 1.0 else 0.011)
