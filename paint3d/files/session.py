@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.device.recorded import Recording
+from paint3d.device.recorded import Recording, checked_header
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.array_archive import read_archive, write_archive
 from paint3d.files.atomic import write_atomically
@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 FORMAT = "paint3d-session"
-VERSION = 1
+VERSION = 2
 SESSION_SUFFIX = ".p3d"
 MAX_RECORDINGS = 10_000
 MESH = ("vertices", "faces", "colours", "normals")
@@ -42,7 +42,9 @@ SAMPLES = (
 )  # fmt: skip
 
 Parts = tuple[dict[str, object], dict[str, NDArray]]
-UPGRADES: dict[int, Callable[[Parts], Parts]] = {}
+UPGRADES: dict[int, Callable[[Parts], Parts]] = {
+    1: lambda parts: ({**parts[0], "strokes": []}, {**parts[1], **_packed(())}),
+}
 """For each old version the step to the next one; `load_session` takes them in turn."""
 
 
@@ -57,11 +59,15 @@ class Session:
         What was painted, in order.
     settings : mapping
         Anything that JSON can hold: brush, ink, the command's options.
+    strokes : sequence of Recording
+        What was painted by hand, stroke by stroke, with what is known of each in its header;
+        there may be very many.
     """
 
     surface: PaintedSurface
     recordings: Sequence[Recording] = ()
     settings: Mapping[str, object] = field(default_factory=dict)
+    strokes: Sequence[Recording] = ()
 
 
 def is_session_path(path: str | os.PathLike[str]) -> bool:
@@ -94,6 +100,7 @@ def _parts(session: Session) -> Parts:
     arrays |= {f"surface/{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
     for k, recording in enumerate(session.recordings):
         arrays |= {f"recordings/{k}/{name}": getattr(recording, name) for name in SAMPLES}
+    arrays |= _packed(session.strokes)
     text = {
         "format": FORMAT,
         "version": VERSION,
@@ -101,8 +108,46 @@ def _parts(session: Session) -> Parts:
         "surface": {k: v for k, v in state.items() if not isinstance(v, np.ndarray)},
         "recordings": [dict(recording.header) for recording in session.recordings],
         "settings": dict(session.settings),
+        "strokes": [_own_words(recording.header) for recording in session.strokes],
     }
     return text, {name: array for name, array in arrays.items() if array is not None}
+
+
+def _packed(strokes: Sequence[Recording]) -> dict[str, NDArray]:
+    """All strokes in one column each: an archive has no room for an entry a stroke."""
+    starts = np.concatenate([[0], np.cumsum([len(s) for s in strokes], dtype=np.int64)])
+    arrays = {"strokes/starts": starts.astype(np.int64)}
+    for name in SAMPLES if strokes else ():
+        columns = [getattr(s, name) for s in strokes]
+        if name == "pressure":
+            columns = [
+                np.full(len(s), np.nan) if column is None else column
+                for s, column in zip(strokes, columns, strict=True)
+            ]
+        arrays[f"strokes/{name}"] = np.concatenate(columns)
+    return arrays
+
+
+def _own_words(header: Mapping[str, object]) -> dict[str, object]:
+    """A header without what every header says."""
+    common = checked_header({})
+    return {k: v for k, v in header.items() if k not in common or v != common[k]}
+
+
+def _strokes(headers: Sequence[Mapping], arrays: dict[str, NDArray]) -> tuple[Recording, ...]:
+    starts = arrays["strokes/starts"]
+    n = len(arrays["strokes/time_ns"]) if len(headers) else 0
+    whole = starts.dtype == np.int64 and starts.shape == (len(headers) + 1,)
+    if not whole or starts[0] != 0 or starts[-1] != n or (np.diff(starts) <= 0).any():
+        raise SessionError(f"its {len(headers)} strokes do not share out {n} samples")
+    strokes = []
+    for k, header in enumerate(headers):
+        own = slice(int(starts[k]), int(starts[k + 1]))
+        columns = {name: arrays[f"strokes/{name}"][own] for name in SAMPLES}
+        if np.isnan(columns["pressure"]).all():
+            columns["pressure"] = None
+        strokes.append(Recording(**columns, header=dict(header)))
+    return tuple(strokes)
 
 
 def load_session(path: str | os.PathLike[str]) -> Session:
@@ -161,4 +206,5 @@ def _session(parts: Parts) -> Session:
     prefix = "surface/"
     state = dict(text["surface"])
     state |= {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
-    return Session(restore_surface(mesh, state), tuple(recordings), dict(settings))
+    strokes = _strokes(text["strokes"], arrays)
+    return Session(restore_surface(mesh, state), tuple(recordings), dict(settings), strokes)

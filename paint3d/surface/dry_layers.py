@@ -222,8 +222,9 @@ class DryLayers:
         self._spectra = np.array(spectra, np.uint16)
         self._amounts = np.array(amounts, np.float32)
         self.count = len(vertex_ids)
-        if over is not None:
-            self._over = tuple(np.array(array, np.uint16) for array in over)
+        if over is None:
+            over = tuple(np.empty((len(vertex_ids), 0)) for _ in GROUNDS)
+        self._over = tuple(np.array(array, np.uint16) for array in over)
 
 
 def _grown(array: NDArray, used: int, room: int) -> NDArray:

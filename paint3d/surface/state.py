@@ -8,7 +8,7 @@ looks the same when the palette has changed.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,12 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["STATE_VERSION", "restore_surface", "surface_state"]
 
-STATE_VERSION = 3
+STATE_VERSION = 4
 _MOST_STATIONS = 256
 _MOST_PIGMENTS = 256
 _HABIT = (PICKUP, CAPACITY, REACH)
 _VERTICES = ("vertices", "order", "fresh")  # of a flow: numbers of vertices
+_OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
 _LONGEST_PACE = 3600.0  # s
 
@@ -37,6 +38,7 @@ State = dict[str, object]
 _UPGRADES: dict[int, Callable[[State], State]] = {
     1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
     2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
+    3: lambda state: {**state, "version": 4, "layers": None, "active": 0},
 }
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
@@ -59,30 +61,62 @@ def surface_state(surface: PaintedSurface) -> State:
         that it may reach: flow_vertices (C,) int32, flow_rim (C,) uint8, flow_water, flow_speed,
         flow_inside and flow_soaked (C,), flow_pigment (C, P) float64, flow_written (C, P)
         float32; flow_order (A,) and flow_fresh (N,) int32 vertices; flow_pace (1,) float64.
+
+        layers is None, or says of each layer, the lowest first, name, visible and locked; active
+        is the place of the one that the arrays above belong to. Those of any other, at place K,
+        have layerK_ before their names (layerK_touched ...). With layers there are dried_low,
+        dried_middle and dried_high (D, 31) uint16 as well: what dried rows show over the grounds
+        of `kernels.layering`.
     """
-    mesh, ink, dry = surface.paint_mesh, surface.ink, surface.dry_layers
-    n = mesh.n_vertices
-    ids = saved_ids(mesh)
-    inked = np.flatnonzero((ink.coverage[:n] != 0) | (ink.amounts[:n] != 0).any(axis=1))
-    rows = inked[np.argsort(ids[inked], kind="stable")]
+    ids = saved_ids(surface.paint_mesh)
+    ink = surface.ink
     return {
         "version": STATE_VERSION,
         "resolution": surface.resolution,
         "material": _as_dict(surface.material),
         "pigments": [_as_dict(pigment) for pigment in surface.pigments],
-        "splits": refinement_log(mesh),
+        "splits": refinement_log(surface.paint_mesh),
+        "load": ink.load.copy(),
+        "off_surface": ink.off_surface.copy(),
+        "stations": ink.stations.copy(),
+        "habit": ink.habit[list(_HABIT)],
+        **_open_layer(surface, ids),
+        **_resting_layers(surface, ids),
+    }
+
+
+def _open_layer(surface: PaintedSurface, ids: NDArray) -> State:
+    """What is on the layer that is painted on; `ids` (V,) are the vertices' numbers in a file."""
+    ink, dry, n = surface.ink, surface.dry_layers, surface.n_vertices
+    inked = np.flatnonzero((ink.coverage[:n] != 0) | (ink.amounts[:n] != 0).any(axis=1))
+    rows = inked[np.argsort(ids[inked], kind="stable")]
+    state = {
         "touched": ids[rows],
         "amounts": ink.amounts[rows],
         "coverage": ink.coverage[rows],
         "dried": ids[dry.vertex_ids],
         "dried_spectra": dry.spectra.copy(),
         "dried_amounts": dry.amounts.copy(),
-        "load": ink.load.copy(),
-        "off_surface": ink.off_surface.copy(),
-        "stations": ink.stations.copy(),
-        "habit": ink.habit[list(_HABIT)],
         **_kept_flow(surface, ids),
     }
+    if dry.has_filters:
+        state |= {name: over.copy() for name, over in zip(_OVER, dry.over, strict=True)}
+    return state
+
+
+def _resting_layers(surface: PaintedSurface, ids: NDArray) -> State:
+    stack = surface.layers
+    if stack is None:
+        return {"layers": None, "active": 0}
+    active = stack.active
+    state: State = {"layers": [asdict(layer) for layer in stack.layers], "active": active}
+    for place in range(len(stack)):
+        if place != active:
+            stack.activate(place)
+            own = _open_layer(surface, ids)
+            state |= {f"layer{place}_{name}": value for name, value in own.items()}
+    stack.activate(active)
+    return state
 
 
 def _alike(n_pigments: int) -> State:
@@ -128,6 +162,7 @@ def restore_surface(mesh: TriangleMesh, state: Mapping[str, object]) -> PaintedS
         for pigment in pigments:
             surface.column_of(pigment)
         _put_ink(surface, state)
+        _put_layers(surface, state)
     except (KeyError, TypeError, AttributeError) as cause:
         raise SessionError(f"the surface's state is incomplete near {cause}") from None
     except SessionError:
@@ -151,26 +186,68 @@ def _upgraded(state: State) -> State:
 
 
 def _put_ink(surface: PaintedSurface, state: State) -> None:
-    n, count, ink = surface.n_vertices, len(surface.pigments), surface.ink
+    for name in ("load", "off_surface"):
+        array = getattr(surface.ink, name)
+        array[:] = _amounts(state, name, array.shape, np.float64)
+    _put_brush(surface, state)
+
+
+def _put_layers(surface: PaintedSurface, state: State) -> None:
+    """Put every layer's paint where it was."""
+    n = surface.n_vertices
     now = np.empty(n, np.int32)
     now[saved_ids(surface.paint_mesh)] = np.arange(n, dtype=np.int32)
+    layers, active = state["layers"], state["active"]
+    if layers is None:
+        _put_layer(surface, state, now)
+        return
+    if type(active) is not int or not 0 <= active < len(layers):
+        raise SessionError(f"layer {active!r:.20} of {len(layers)} is painted on")
+    stack = surface.use_layers()
+    for place, about in enumerate(layers):
+        about = dict(about)
+        if place:
+            stack.add(about["name"], place)
+        if set(about) != {"name", "visible", "locked"} or not all(
+            isinstance(about[name], bool) for name in ("visible", "locked")
+        ):
+            raise SessionError(f"layer {place} is described by {about!r:.80}")
+        stack.describe(place, **about)
+        prefix = "" if place == active else f"layer{place}_"
+        own = {
+            name.removeprefix(prefix): value
+            for name, value in state.items()
+            if name.startswith(prefix)
+        }
+        _put_layer(surface, own, now)
+    stack.activate(active)
+    surface.touch(stack.painted_ids())
+
+
+def _put_layer(surface: PaintedSurface, state: State, now: NDArray) -> None:
+    n, count, ink = len(now), len(surface.pigments), surface.ink
     wet = now[_vertices(state, "touched", n)]
     ink.amounts[wet] = _amounts(state, "amounts", (len(wet), count), np.float32)
     ink.coverage[wet] = _amounts(state, "coverage", (len(wet),), np.float32, 1.0)
-    for name in ("load", "off_surface"):
-        getattr(ink, name)[:] = _amounts(state, name, (count,), np.float64)
-    _put_brush(surface, state)
     dry = now[_vertices(state, "dried", n)]
-    spectra = np.asarray(state["dried_spectra"])
-    if spectra.dtype != np.uint16 or spectra.shape != (len(dry), N_BANDS):
-        raise SessionError(f"dried_spectra is {spectra.dtype} {spectra.shape}")
+    spectra = _spectra(state, "dried_spectra", len(dry))
     amounts = _amounts(state, "dried_amounts", (len(dry), count), np.float32)
     if (len(wet) or len(dry)) and not count:
         raise SessionError("there is ink without pigments")
-    surface.dry_layers.restore(surface.paint_mesh.capacity, dry, spectra, amounts)
+    over = None
+    if surface.layers is not None:
+        over = tuple(_spectra(state, name, len(dry)) for name in _OVER)
+    surface.dry_layers.restore(surface.paint_mesh.capacity, dry, spectra, amounts, over)
     surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
     if state["flows"]:
         _put_water(surface, state, now)
+
+
+def _spectra(state: State, name: str, n: int) -> NDArray[np.uint16]:
+    spectra = np.asarray(state[name])
+    if spectra.dtype != np.uint16 or spectra.shape != (n, N_BANDS):
+        raise SessionError(f"{name} is {spectra.dtype} {spectra.shape}")
+    return spectra
 
 
 def _put_brush(surface: PaintedSurface, state: State) -> None:

@@ -5,11 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.app.model.document import Document
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.errors import InputError
+from paint3d.errors import InputError, SessionError
 from paint3d.files.load import load_mesh
 from paint3d.kernels.layering import GROUNDS, see_through
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.state import restore_surface, surface_state
 from tests.app.hands import paint, small_plane
 
 ACROSS, ALONG = ((-20, 0), (20, 0)), ((0, -20), (0, 20))
@@ -234,3 +236,67 @@ def test_three_grounds_tell_what_shows_over_any(k, s, coats, cover):
     see_through(np.zeros(1, np.int32), np.zeros(1, np.int32), *rows, spectra)
     apart = np.abs(spectra[0] / 65535.0 - wanted).max()
     assert apart < (1e-3 if cover == 1.0 else 0.011)
+
+
+def test_a_session_keeps_layers_wet_and_dry_and_the_strokes(tmp_path):
+    document = small_plane(material="xuan")
+    paint(document, *ACROSS)
+    document.add_layer("二")
+    document.dip("cinnabar")
+    paint(document, *ALONG)
+    document.let_time_pass(0.5)
+    document.add_layer("top")
+    paint(document, (-20, -10), (20, 10))
+    document.dry()
+    document.set_visible(1, False)
+    document.set_locked(2)
+    document.select_layer(1)
+    document.save(tmp_path / "a.p3d")
+    document.save(tmp_path / "b.p3d")
+    assert (tmp_path / "a.p3d").read_bytes() == (tmp_path / "b.p3d").read_bytes()
+    again = Document.open(tmp_path / "a.p3d")
+    assert again.layers == document.layers
+    assert again.active_layer == 1
+    for place in (1, 0, 2):
+        for each in (document, again):
+            each.select_layer(place)
+            each.set_visible(1)
+        same_vertices(again.surface, document.surface)
+    assert [s.layer for s in again.strokes] == ["1", "二", "top"]
+    assert [s.duration_s for s in again.strokes] == [s.duration_s for s in document.strokes]
+    assert again.strokes[1].ink == {"cinnabar": 1.0}
+    close(again)
+    again.save()
+    assert Document.open(tmp_path / "a.p3d").layers == again.layers
+
+
+def same_vertices(one, two):
+    """Whether two surfaces hold the same, vertex by vertex, however these are numbered."""
+    orders = [np.lexsort(surface.paint_mesh.vertices.T) for surface in (one, two)]
+    for get in (
+        lambda s: s.amounts,
+        lambda s: s.coverage[:, None],
+        lambda s: s.srgb,
+        lambda s: s.paint_mesh.vertices,
+    ):
+        np.testing.assert_array_equal(get(one)[orders[0]], get(two)[orders[1]])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"active": 5}, "layer 5 of 2"),
+        ({"active": True}, "layer True"),
+        ({"layers": [{"name": "a"}, {"name": "b"}]}, "incomplete near|described by"),
+        ({"layers": [{"name": "", "visible": True, "locked": False}] * 2}, "name"),
+        ({"layers": [{"name": "a", "visible": 1, "locked": False}] * 2}, "described by"),
+        ({"layers": 7}, "incomplete near"),
+    ],
+)
+def test_bad_layers_of_a_session_are_told(changes, message):
+    document = small_plane()
+    paint(document, *ACROSS)
+    document.add_layer()
+    state = surface_state(document.surface) | changes
+    with pytest.raises(SessionError, match=message):
+        restore_surface(document.surface.source, state)

@@ -199,12 +199,12 @@ def test_older_versions_are_taken_step_by_step(tmp_path, monkeypatch):
         return parts
 
     def halved(state):
-        return {**state, "version": 4, "load": 0.5 * state["load"]}
+        return {**state, "version": 5, "load": 0.5 * state["load"]}
 
-    monkeypatch.setattr(sessions, "VERSION", 2)
-    monkeypatch.setitem(sessions.UPGRADES, 1, renamed)
-    monkeypatch.setattr(states, "STATE_VERSION", 4)
-    monkeypatch.setitem(states._UPGRADES, 3, halved)
+    monkeypatch.setattr(sessions, "VERSION", 3)
+    monkeypatch.setitem(sessions.UPGRADES, 2, renamed)
+    monkeypatch.setattr(states, "STATE_VERSION", 5)
+    monkeypatch.setitem(states._UPGRADES, 4, halved)
     opened = load_session(path)
     assert opened.settings == {"renamed": 1}
     assert opened.surface.ink.load.tolist() == (0.5 * surface.ink.load).tolist()
@@ -242,7 +242,7 @@ def i32(*values):
 
 
 BAD = {
-    "newer": ({"text": {"version": 99}}, "version is 99; this program knows up to 1"),
+    "newer": ({"text": {"version": 99}}, "version is 99; this program knows up to 2"),
     "other": ({"text": {"format": "poem"}}, "says it is 'poem'"),
     "truth": ({"text": {"version": True}}, "expected 'paint3d-session'"),
     "state": ({"surface": {"version": 99}}, "state has version 99"),

@@ -64,19 +64,18 @@ class Document:
         surface: PaintedSurface,
         painter: Painter,
         path: Path | None = None,
-        recordings: Sequence[Recording] = (),
-        settings: Mapping[str, object] | None = None,
+        saved: Session | None = None,
         unit: str = "mm",
     ) -> None:
         self.surface = surface
         self.painter = painter
         self.path = path
         self.unit = unit
-        self.settings = dict(settings or {})
+        self.settings = dict(saved.settings if saved else {})
         self.inks: list[Ink] = [painter.dipped, _INKS[1]]
         self.modified = False
-        self._recordings = tuple(recordings)
-        self._log = StrokeLog()
+        self._recordings = tuple(saved.recordings if saved else ())
+        self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
         self._undo = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
         self._pending: list[NDArray] = []
@@ -128,11 +127,11 @@ class Document:
         if not is_session_path(path):
             return cls.new(path, resolution, material, unit=unit)
         session = load_session(path)
-        surface, settings = session.surface, dict(session.settings)
+        surface, settings = session.surface, session.settings
         brush = _brush_of(settings.get("brush"))
         ink = None if surface.pigments else _ink_named(settings.get("ink"))
         painter = Painter(surface, brush, ink)
-        return cls(surface, painter, Path(path), session.recordings, settings)
+        return cls(surface, painter, Path(path), session, str(settings.get("unit", "mm")))
 
     def save(self, path: str | os.PathLike[str] | None = None) -> None:
         """Save everything to a session, by default to the one it came from.
@@ -153,9 +152,10 @@ class Document:
 
     def _session(self) -> Session:
         settings = {**self.settings, "brush": asdict(self.painter.brush)}
-        settings["ink"] = self.painter.ink.name
-        recordings = (*self._recordings, *(s.recording() for s in self._log.strokes))
-        return Session(self.surface, recordings, settings)
+        settings |= {"ink": self.painter.ink.name, "unit": self.unit}
+        settings["brushes"] = {s.brush.name: asdict(s.brush) for s in self.strokes}
+        strokes = tuple(stroke.recording() for stroke in self.strokes)
+        return Session(self.surface, self._recordings, settings, strokes)
 
     def export(self, path: str | os.PathLike[str], **options: object) -> None:
         """Write the painting in the format that the suffix names; see `paint3d.export`.
@@ -240,7 +240,7 @@ class Document:
 
     @property
     def strokes(self) -> Sequence[Stroke]:
-        """What was painted here and is there, in order."""
+        """What was painted by hand and is there, in order; those of earlier sittings first."""
         return self._log.strokes
 
     def begin_stroke(self) -> None:
@@ -449,13 +449,19 @@ class Document:
         self._note(touched)
         return touched
 
+    @property
+    def oldest_stroke(self) -> int:
+        """How many strokes were there when this was opened, which cannot be undone."""
+        return self._log.n_before
+
     def replay_history(self, upto: int) -> NDArray:
-        """Show the painting as it was after so many strokes of this sitting, by undo and redo.
+        """Show the painting as it was after so many strokes, by undo and redo.
 
         Parameters
         ----------
         upto : int
-            0 to as many as there are, with those that were undone.
+            From `oldest_stroke`, those of earlier sittings, to as many as there are with those
+            that were undone.
 
         Returns
         -------
@@ -469,8 +475,10 @@ class Document:
         """
         undone = sum(isinstance(label, Stroke) for label in self._undo.undone)
         most = len(self.strokes) + undone
-        if not 0 <= upto <= most:
-            raise InputError(f"stroke {upto} of the history; expected 0 to {most}")
+        if not self.oldest_stroke <= upto <= most:
+            raise InputError(
+                f"stroke {upto} of the history; expected {self.oldest_stroke} to {most}"
+            )
         touched = [np.empty(0, np.int32)]
         while len(self.strokes) > upto:
             touched.append(self.undo())

@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
+from paint3d.errors import SessionError
 from paint3d.ink.pigments import Pigment
 from paint3d.stroke.laying import DIP
 
@@ -63,7 +65,8 @@ class Stroke:
             "parts": dict(self.ink),
             "layer": self.layer,
             "time_s": self.time_s,
-            **self.tags,
+            "dipped": self.dipped,
+            "tags": dict(self.tags),
         }
 
     def recording(self) -> Recording:
@@ -74,6 +77,13 @@ class Stroke:
 class StrokeLog:
     """Strokes that are there, and the one that is going on.
 
+    Parameters
+    ----------
+    before : sequence of Recording
+        Strokes of earlier sittings.
+    brushes : mapping
+        What the brushes that their headers name were, as `BrushSpec` takes it.
+
     Attributes
     ----------
     strokes : list of Stroke
@@ -82,10 +92,18 @@ class StrokeLog:
         Given to every stroke that begins from now on.
     """
 
-    def __init__(self) -> None:
-        self.strokes: list[Stroke] = []
+    def __init__(
+        self, before: Sequence[Recording] = (), brushes: Mapping[str, Mapping] | None = None
+    ) -> None:
+        self._before = [_stroke_of(recording, brushes or {}) for recording in before]
+        self.strokes: list[Stroke] = list(self._before)
         self.current: Stroke | None = None
         self.tags: dict[str, object] = {}
+
+    @property
+    def n_before(self) -> int:
+        """Strokes of earlier sittings."""
+        return len(self._before)
 
     def begin(
         self, brush: BrushSpec, ink: str | Pigment | Mapping, layer: str, dipped: bool
@@ -111,8 +129,8 @@ class StrokeLog:
         self.current = None
 
     def follow(self, strokes: Sequence[Stroke]) -> None:
-        """Have these strokes, after undo or redo."""
-        self.strokes = list(strokes)
+        """Have these strokes of this sitting, after undo or redo."""
+        self.strokes = [*self._before, *strokes]
 
     def recording(self, object_name: str) -> Recording | None:
         """All strokes one after the other; dips are on their lifted samples."""
@@ -168,6 +186,27 @@ def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) 
         object_orientation=np.array([s.object_orientation for s in samples]).reshape(-1, 4),
         header=dict(header),
     )
+
+
+def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping]) -> Stroke:
+    """A stroke that was saved.
+
+    Raises
+    ------
+    SessionError
+        If its header is not that of a stroke.
+    """
+    header = recording.header
+    try:
+        name = header["brush"]
+        brush = BrushSpec(**brushes[name]) if name in brushes else load_brush(name)
+        ink = {str(k): float(w) for k, w in header["parts"].items()}
+        return Stroke(
+            float(header["time_s"]), brush, ink, str(header["layer"]), bool(header["dipped"]),
+            list(recording.samples()), dict(header["tags"]),
+        )  # fmt: skip
+    except (KeyError, TypeError, ValueError, AttributeError) as cause:
+        raise SessionError(f"a stroke of the session cannot be used: {cause}") from None
 
 
 def _parts(ink: str | Pigment | Mapping) -> dict[str, float]:
