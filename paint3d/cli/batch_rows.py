@@ -72,7 +72,7 @@ def fingerprint(row: Row) -> str:
         word = word.partition("=")[2] if word.startswith("--") else word
         path = Path(word)
         try:
-            if word != row.output and path.exists():
+            if word not in ("", row.output) and path.exists():
                 known = path.stat()
                 files.append((word, known.st_size, known.st_mtime_ns))
         except (OSError, ValueError):

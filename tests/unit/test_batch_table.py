@@ -1,6 +1,7 @@
 """Batch: the tables there are, the words that rows become, and what is finished."""
 
 import os
+from pathlib import Path
 
 import pytest
 
@@ -118,6 +119,16 @@ def test_a_row_is_finished_until_it_its_files_or_its_output_change(tmp_path):
     assert not FinishedRows(tmp_path / "finished").has(row)
     with pytest.raises(ExportError, match="cannot read it"):
         FinishedRows(tmp_path)
+
+
+def test_a_finished_row_stays_so_when_other_files_come_into_the_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("t.csv").write_text("text,object,output\n\u6c38,bowl,a.ply\n", encoding="utf-8")
+    (row,), _ = read_table(Path("t.csv"))
+    Path("a.ply").write_bytes(b"ply")
+    FinishedRows(Path("t.csv.finished")).add(row)
+    Path("b.ply").write_bytes(b"ply")
+    assert FinishedRows(Path("t.csv.finished")).has(row)
 
 
 def test_a_scheduler_that_is_not_there(monkeypatch):
