@@ -10,7 +10,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["corner_normals", "count_around", "link_radial", "measure_faces", "smooth_corners"]
+__all__ = [
+    "corner_normals",
+    "count_around",
+    "link_radial",
+    "longest_sides",
+    "measure_faces",
+    "smooth_corners",
+]
 
 
 @njit(cache=True, nogil=True)
@@ -163,3 +170,18 @@ def measure_faces(points, faces, normals, double_areas):
         normals[t, 0] = x * scale
         normals[t, 1] = y * scale
         normals[t, 2] = z * scale
+
+
+@njit(cache=True, nogil=True)
+def longest_sides(points, faces, out):
+    """The longest side (F,) of every triangle."""
+    for t in range(faces.shape[0]):
+        best = 0.0
+        for e in range(3):
+            a, b = faces[t, e], faces[t, (e + 1) % 3]
+            length2 = 0.0
+            for axis in range(3):
+                d = np.float64(points[a, axis]) - np.float64(points[b, axis])
+                length2 += d * d
+            best = max(best, length2)
+        out[t] = np.sqrt(best)

@@ -13,6 +13,7 @@ from paint3d.kernels.topology import (
     corner_normals,
     count_around,
     link_radial,
+    longest_sides,
     measure_faces,
     smooth_corners,
 )
@@ -39,12 +40,9 @@ class BaseSurface:
 
     def longest_edges(self) -> NDArray:
         """(R,) float64: the longest edge of every triangle, mm."""
-        p = self.points.astype(np.float64)
-        best = np.zeros(len(self.faces))
-        for i in range(3):
-            d = p[self.faces[:, i]] - p[self.faces[:, (i + 1) % 3]]
-            best = np.maximum(best, np.einsum("ij,ij->i", d, d))
-        return np.sqrt(best)
+        longest = np.empty(len(self.faces))
+        longest_sides(self.points, self.faces, longest)
+        return longest
 
 
 def make_base_surface(mesh: TriangleMesh) -> BaseSurface:

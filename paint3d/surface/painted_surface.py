@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.mesh_colours import MeshColours
 
 if TYPE_CHECKING:
+    from paint3d.kernels.contact import ContactTree
     from paint3d.surface.flow import Flow
     from paint3d.surface.layer_stack import LayerStack
 
@@ -82,7 +84,6 @@ class PaintedSurface:
         self.resolution = resolution
         self.material = load_material(material) if isinstance(material, str) else material
         self.paint_mesh = PaintMesh.build(mesh, resolution)
-        self.contact_tree = build_contact_tree(self.paint_mesh)
         self.pigments: list[Pigment] = []
         self.dry_layers = DryLayers()
         self.layers: LayerStack | None = None
@@ -116,6 +117,11 @@ class PaintedSurface:
             stations=np.zeros((1, n_pigments)),
             habit=np.array([0.0, self.material.grain, 0.0, 1.0]),
         )
+
+    @cached_property
+    def contact_tree(self) -> ContactTree:
+        """Where a brush meets the shape; made when first asked for (.2 s for a million faces)."""
+        return build_contact_tree(self.paint_mesh)
 
     def make_room(self, extra: int | None = None) -> None:
         """Let the mesh grow by `extra` vertices (None: as `PaintMesh.reserve` sees fit)."""
