@@ -15,7 +15,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.app.model.brush_size import resized, scaled, stepped
+from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.stroke_log import Stroke, StrokeLog
+from paint3d.app.model.symmetry import Symmetry
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import Recording
@@ -53,6 +56,8 @@ class Document:
         Of lengths as they are shown: "mm", "cm", "m" or "in".
     inks : list of two inks
         The one the brush is dipped in, and the one that `swap_inks` takes.
+    symmetry : Symmetry
+        Images of every stroke; see `set_symmetry`.
     settings : dict
         Anything else that is to be kept with the painting, as JSON holds it.
     modified : bool
@@ -78,6 +83,8 @@ class Document:
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
         self._undo = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+        self.symmetry = Symmetry()
+        self._images: list[ImagePainter] = []
         self._pending: list[NDArray] = []
         self._dipped = True
 
@@ -185,6 +192,18 @@ class Document:
         self._refuse_in_stroke("another brush")
         self.painter.change_brush(BrushSpec(**brush) if isinstance(brush, Mapping) else brush)
 
+    def scale_brush(self, factor: float) -> None:
+        """Take the brush so many times as large; see `brush_size.scaled`."""
+        self.set_brush(scaled(self.painter.brush, factor))
+
+    def resize_brush(self, length_mm: float) -> None:
+        """Take the brush with a tuft of this length."""
+        self.set_brush(resized(self.painter.brush, length_mm))
+
+    def step_brush(self, steps: int) -> None:
+        """Take the brush larger or smaller by some presses of ] or [, as far as it goes."""
+        self.set_brush(stepped(self.painter.brush, steps))
+
     def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
         """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is."""
         self.painter.dip(ink, reach)
@@ -257,6 +276,7 @@ class Document:
         stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped)
         self._dipped = False
         self._undo.begin(stroke)
+        self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples of both hands, in the order of time; the last two wait for more.
@@ -272,6 +292,8 @@ class Document:
             return
         self._log.append(samples)
         self.painter.advance(samples)
+        for image in self._images:
+            image.advance(samples)
         self.modified = True
 
     def end_stroke(self) -> None:
@@ -279,6 +301,7 @@ class Document:
         if not self.in_stroke:
             return
         self.painter.finish()
+        self._lift_images()
         stroke = self._log.end()
         if stroke is None:
             self._note(self._undo.revert())
@@ -288,8 +311,25 @@ class Document:
         if not self.in_stroke:
             return
         self.painter.abandon()
+        self._images = []
         self._log.cancel()
         self._note(self._undo.revert())
+
+    def set_symmetry(self, symmetry: Symmetry) -> None:
+        """Paint every stroke's images as well, from now on.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on.
+        """
+        self._refuse_in_stroke("another symmetry")
+        self.symmetry = symmetry
+
+    def _lift_images(self) -> None:
+        for image in self._images:
+            image.finish()
+        self._images = []
 
     def _refuse_in_stroke(self, what: str) -> None:
         if self.in_stroke:

@@ -1,0 +1,72 @@
+"""A brush that paints the image of a stroke, with ink of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.app.model.symmetry import transformed
+from paint3d.device.sample import DeviceSample
+from paint3d.stroke.engine import Painter
+
+__all__ = ["ImagePainter"]
+
+
+class ImagePainter:
+    """Paints what a hand does in one of its images, on the same surface, for one stroke.
+
+    It starts with as much ink as the hand's own brush holds, and what it has left is washed out at
+    the end. Both are in the hand's ledger, so that one still closes.
+
+    Parameters
+    ----------
+    painter : Painter
+        The hand's own.
+    image : (4, 4) float64
+        See `Symmetry.images`.
+    """
+
+    def __init__(self, painter: Painter, image: NDArray) -> None:
+        self._painter = painter
+        self._surface = painter.surface
+        self._image = image
+        self._twin = Painter(self._surface, painter.brush, None, painter.azimuth)
+        self._twin.restore({**painter.keep(), "loaded": 0.0})
+        ink = self._surface.ink
+        self._held = ink.load.copy(), ink.stations.copy()
+        painter.loaded += painter.in_brush()
+
+    def advance(self, samples: Sequence[DeviceSample]) -> None:
+        """Paint the image of what the hand did."""
+        moved = transformed(samples, self._image)
+        self._as_twin(lambda: self._twin.advance(moved))
+
+    def finish(self) -> None:
+        """Paint what still waits, and wash the brush out."""
+        self._as_twin(self._twin.finish)
+        self._painter.loaded -= self._surface.lasting(self._fitting()[0])
+
+    def _as_twin(self, action: Callable[[], None]) -> None:
+        """Do something with this brush's ink instead of the hand's."""
+        surface = self._surface
+        own = surface.ink.load.copy(), surface.ink.stations
+        self._put(*self._fitting())
+        loaded = self._twin.loaded
+        action()
+        self._held = surface.ink.load.copy(), surface.ink.stations
+        self._put(*own)
+        self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
+
+    def _fitting(self) -> tuple[NDArray, NDArray]:
+        """What this brush holds, of all pigments that are known by now."""
+        load, stations = self._held
+        missing = len(self._surface.pigments) - len(load)
+        return np.pad(load, (0, missing)), np.pad(stations, ((0, 0), (0, missing)))
+
+    def _put(self, load: NDArray, stations: NDArray) -> None:
+        surface = self._surface
+        missing = len(surface.pigments) - len(load)
+        surface.ink.load[:] = np.pad(load, (0, missing))
+        surface.ink = surface.ink._replace(stations=np.pad(stations, ((0, 0), (0, missing))))

@@ -1,0 +1,239 @@
+"""From a pointer to a brush on the surface: pressure, steadiness, tilt, sizes, images."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.app.model.brush_size import resized, scaled, stepped
+from paint3d.app.model.hand import Hand, HandSettings, PointerInput
+from paint3d.app.model.pressure_curve import PressureCurve
+from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.errors import BrushError, InputError
+from paint3d.files.load import load_mesh
+from paint3d.frames import rotate
+from paint3d.mesh.closest import ClosestPoints
+from tests.app.hands import line, paint, sample, small_plane
+
+BRUSH = load_brush("full")
+MS = 1_000_000
+
+
+@pytest.fixture(scope="module")
+def plane():
+    return ClosestPoints(load_mesh("plane"))
+
+
+@pytest.fixture(scope="module")
+def sphere():
+    return ClosestPoints(load_mesh("sphere"))
+
+
+def over(k, x, y, **rest):
+    """A pointer that looks straight down on the plane, 10 ms after the one before."""
+    return PointerInput(10 * MS * k, origin=(x, y, 90), direction=(0, 0, -1), **rest)
+
+
+def draw(hand, points, **rest):
+    samples = hand.begin(over(1, *points[0], **rest), BRUSH)
+    for k, point in enumerate(points[1:], 2):
+        samples += hand.move(over(k, *point, **rest), BRUSH)
+    return samples + hand.end(10 * MS * (len(points) + 1), BRUSH)
+
+
+def places(samples):
+    return np.array([s.position for s in samples])
+
+
+def test_the_brush_stands_on_the_normal_where_the_ray_meets_the_object(sphere):
+    hand = Hand(sphere)
+    event = PointerInput(MS, origin=(100, 20, 10), direction=(-1, 0, 0))
+    shown = hand.hover(event, BRUSH)
+    up = rotate(shown.orientation, np.array([0.0, 0.0, 1.0]))
+    foot = shown.position - 1.25 * BRUSH.length_mm * up
+    np.testing.assert_allclose(foot[1:], [20, 10], atol=0.1)
+    assert up @ foot == pytest.approx(np.linalg.norm(foot), rel=1e-3)
+    beside = PointerInput(2 * MS, origin=(100, 20, 500), direction=(-1, 0, 0))
+    assert hand.hover(beside, BRUSH) is None
+    assert hand.begin(beside, BRUSH) == []
+
+
+def test_a_stroke_comes_down_and_is_lifted(plane):
+    samples = draw(Hand(plane), [(0, 0), (5, 0), (10, 0)], pressure=0.4)
+    assert [s.pressure for s in samples] == pytest.approx([0.0, 0.4, 0.4, 0.0])
+    np.testing.assert_allclose(places(samples)[:, 0], [0, 5, 10, 10], atol=1e-5)
+    times = [s.time_ns for s in samples]
+    assert times == sorted(set(times))
+    document = small_plane()
+    document.begin_stroke()
+    document.feed(samples)
+    document.end_stroke()
+    assert document.surface.painted.any()
+
+
+def test_the_tuft_trails_behind(plane):
+    samples = draw(Hand(plane), [(x, 0) for x in range(0, 40, 2)], pressure=0.4)
+    bends = rotate(np.array([s.orientation for s in samples]), np.array([1.0, 0.0, 0.0]))
+    np.testing.assert_allclose(bends[5:], np.tile([-1.0, 0.0, 0.0], (len(bends) - 5, 1)), atol=1e-6)
+
+
+def test_the_pen_leans_as_in_the_picture(plane):
+    views = {"right": (1, 0, 0), "up": (0, 1, 0), "pressure": 0.4}
+    for tilt, wanted in (((30, 0), (0.5, 0.0)), ((0, 30), (0.0, -0.5)), ((0, 0), (0.0, 0.0))):
+        (shown,) = Hand(plane).begin(over(1, 0, 0, x_tilt=tilt[0], y_tilt=tilt[1], **views), BRUSH)
+        up = rotate(shown.orientation, np.array([0.0, 0.0, 1.0]))
+        np.testing.assert_allclose(up[:2], wanted, atol=1e-6)
+
+
+def test_twist_turns_the_bend_clockwise(plane):
+    (shown,) = Hand(plane).begin(over(1, 0, 0, rotation=90.0, pressure=0.4), BRUSH)
+    bend = rotate(shown.orientation, np.array([1.0, 0.0, 0.0]))
+    np.testing.assert_allclose(bend, [0.0, -1.0, 0.0], atol=1e-6)
+
+
+def test_a_mouse_gets_its_pressure_from_keys_by_the_time_they_are_held(plane):
+    for steps in (10, 100):
+        hand = Hand(plane, force=1.0)
+        hand.begin(over(0, 0, 0), BRUSH)
+        for k in range(1, steps + 1):
+            event = PointerInput(
+                k * 1000 * MS // steps, origin=(k / steps, 0, 9), direction=(0, 0, -1), harder=True
+            )
+            (last,) = hand.move(event, BRUSH)
+        assert hand.force == pytest.approx(4.0)
+        assert last.pressure == pytest.approx(4.0 / 7.9)
+    hand.hover(over(101, 0, 0, wheel=-100.0), BRUSH)
+    assert hand.force == 0.0
+
+
+def test_by_speed_a_hasty_mouse_presses_less(plane):
+    pressures = []
+    for step in (0.2, 4.0):
+        hand = Hand(plane, HandSettings(pressure_by="speed"))
+        samples = draw(hand, [(step * k, 0) for k in range(15)])
+        pressures.append(samples[-2].pressure)
+    assert pressures[1] < 0.5 * pressures[0]
+
+
+STRENGTHS = st.floats(0.0, 1.0)
+WAYS = st.lists(st.tuples(st.floats(-40, 40), st.floats(-40, 40)), min_size=2, max_size=20)
+
+
+@settings(deadline=None, max_examples=20)
+@given(STRENGTHS, WAYS)
+def test_a_steadied_stroke_starts_and_ends_where_the_pointer_did(plane_once, strength, way):
+    hand = Hand(plane_once, HandSettings(smoothing=strength))
+    samples = draw(hand, way, pressure=0.5)
+    at = places(samples)[:, :2]
+    np.testing.assert_allclose(at[0], way[0], atol=1e-3)
+    np.testing.assert_allclose(at[-1], way[-1], atol=1e-3)
+    assert (np.diff([s.time_ns for s in samples]) > 0).all()
+    lengths = [np.linalg.norm(np.diff(np.array(p), axis=0), axis=1).sum() for p in (at, way)]
+    assert lengths[0] <= lengths[1] + 1e-3
+
+
+@pytest.fixture(scope="module")
+def plane_once(plane):
+    return plane
+
+
+def test_a_string_takes_the_tremor_out(plane):
+    rng = np.random.default_rng(5)
+    way = np.stack([np.linspace(-40, 40, 200), rng.normal(0, 1.0, 200)], axis=1)
+    rough = places(draw(Hand(plane), way, pressure=0.5))[:, 1]
+    hand = Hand(plane, HandSettings(smoothing=0.5))
+    smooth = places(draw(hand, way, pressure=0.5))[:-20, 1]
+    assert np.abs(np.diff(smooth)).mean() < 0.2 * np.abs(np.diff(rough)).mean()
+
+
+POINTS = st.lists(
+    st.tuples(st.floats(0.01, 0.99), st.floats(0, 1)),
+    max_size=8,
+    unique_by=lambda p: round(p[0], 2),
+)
+
+
+@settings(deadline=None, max_examples=40)
+@given(POINTS, st.floats(0, 1), st.floats(0, 1))
+def test_a_pressure_curve_never_falls_and_meets_its_points(points, low, high):
+    xs = sorted(x for x, _ in points)
+    ys = sorted(y for _, y in points)
+    curve = PressureCurve(((0.0, 0.0), *zip(xs, ys, strict=True), (1.0, 1.0)))
+    low, high = sorted((low, high))
+    assert 0.0 <= curve(low) <= curve(high) <= 1.0
+    for x, y in curve.points:
+        assert curve(x) == pytest.approx(y, abs=0.12)  # a steep step lies between two samples
+    assert curve(0.0) == 0.0
+    assert curve(1.0) == 1.0
+
+
+def test_points_of_the_curve_are_dragged_as_far_as_they_go():
+    curve = PressureCurve().with_point(0.5, 0.8)
+    assert curve.points == ((0, 0), (0.5, 0.8), (1, 1))
+    assert curve(0.5) == pytest.approx(0.8, abs=1e-3)
+    assert curve.moved(1, 2.0, -1.0).points[1] == (0.99, 0.0)
+    assert curve.moved(0, 0.4, 0.2).points[0] == (0.0, 0.2)
+    assert curve.without_point(1) == PressureCurve()
+    for bad in ((), ((0, 0), (0.5, 1.2), (1, 1)), ((0, 1), (1, 0)), ((0.1, 0), (1, 1)), "x"):
+        with pytest.raises(InputError, match="pressure curve"):
+            PressureCurve(bad)
+
+
+@pytest.mark.parametrize("name", brush_names())
+def test_a_brush_in_another_size_is_as_full_and_leaves_as_much(name):
+    brush = load_brush(name)
+    large = scaled(brush, 1.5)
+    assert large.volume / brush.volume == pytest.approx(1.5**3)
+    assert large.load / large.volume == pytest.approx(brush.load / brush.volume)
+    left = [b.load * b.transfer_per_mm / b.root_diameter_mm for b in (brush, large)]
+    assert left[1] == pytest.approx(left[0])
+    back = resized(large, brush.length_mm)
+    assert back.load == pytest.approx(brush.load, rel=1e-3)
+    assert stepped(brush, 100).length_mm == 200.0
+    assert stepped(brush, -100).length_mm >= 5.0
+    with pytest.raises(BrushError, match="length"):
+        resized(brush, 1000.0)
+
+
+def test_images_of_planes_and_turns():
+    x, y = (MirrorPlane((0, 0, 0), n) for n in ((1, 0, 0), (0, 2, 0)))
+    assert len(Symmetry((x,)).images()) == 1
+    assert len(Symmetry((x, y)).images()) == 3
+    assert len(Symmetry((x,), RadialSymmetry(6)).images()) == 11
+    assert len(Symmetry((x, x)).images()) == 1  # twice the same
+    (moved,) = transformed([sample(1, 3, 4)], Symmetry((x,)).images()[0])
+    np.testing.assert_allclose(moved.position, [-3, 4, 35])
+    np.testing.assert_allclose(rotate(moved.orientation, np.eye(3)[0]), [-1, 0, 0], atol=1e-12)
+    for bad in (
+        lambda: Symmetry((MirrorPlane((0, 0, 0), (0, 0, 0)),)),
+        lambda: Symmetry((), RadialSymmetry(0)),
+        lambda: Symmetry((x, y), RadialSymmetry(33)),
+    ):
+        with pytest.raises(InputError, match="expected"):
+            bad()
+
+
+def test_images_are_painted_and_the_ledger_closes():
+    document = small_plane()
+    document.set_symmetry(
+        Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),), RadialSymmetry(2, (0, 0, 0)))
+    )
+    paint(document, (20, 25), (50, 25))
+    surface = document.surface
+    points, inked = surface.paint_mesh.vertices, surface.amounts[:, 0] * surface.vertex_areas
+    for side in (1, -1):
+        for end in (1, -1):
+            here = (side * points[:, 0] > 10) & (end * points[:, 1] > 10)
+            assert inked[here].sum() == pytest.approx(inked.sum() / 4, rel=0.03)
+    accounts = document.painter.ledger()
+    loaded = accounts.pop("loaded")
+    assert sum(accounts.values()) == pytest.approx(loaded, rel=1e-6)
+    document.undo()
+    assert not surface.painted.any()
+    assert document.painter.ledger()["loaded"] == pytest.approx(6000.0)
+    document.begin_stroke()
+    document.feed(line((20, 25), (50, 25)))
+    document.cancel_stroke()
+    accounts = document.painter.ledger()
+    assert accounts["loaded"] == accounts["in_brush"] == pytest.approx(6000.0)
