@@ -3,12 +3,14 @@
 The file is only ever appended to. It starts with ``P3DJ`` and a block with the recording's header
 (JSON); then come blocks of samples, and an empty block where the journal was closed. A block is
 
-    kind (1 byte: H, S or E), length of its content (uint32), CRC-32 of all its other bytes
+    kind (1 byte: H, S, N or E), length of its content (uint32), CRC-32 of all its other bytes
     (uint32), content
 
-in little-endian order; a sample takes 132 bytes (`SAMPLE`). Blocks of other kinds are passed
-over. Every `append` hands its block to the system at once, which keeps it if the program is
-killed, and a thread brings it to the disk within 100 ms, which keeps it if the power goes.
+in little-endian order; a sample takes 132 bytes (`SAMPLE`). A block N is a note (JSON): what was
+asked for between samples, which `read_events` gives back in order; after it, time may start over.
+Blocks of other kinds are passed over. Every `append` hands its block to the system at once, which
+keeps it if the program is killed, and a thread brings it to the disk within 100 ms, which keeps it
+if the power goes.
 """
 
 from __future__ import annotations
@@ -33,11 +35,11 @@ from paint3d.device.recorded import Recording, checked_header
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, RecordingError, SessionError
 
-__all__ = ["SAMPLE", "Journal", "Loss", "read_journal"]
+__all__ = ["SAMPLE", "Journal", "Loss", "read_events", "read_journal"]
 
 MAGIC = b"P3DJ"
 BLOCK = struct.Struct("<cII")
-HEADER, SAMPLES, END = b"H", b"S", b"E"
+HEADER, SAMPLES, NOTE, END = b"H", b"S", b"N", b"E"
 SAMPLE = np.dtype(
     [
         ("time_ns", "<i8"),
@@ -138,6 +140,23 @@ class Journal:
         self._write(_block(SAMPLES, table.tobytes()))
         self._last_ns = int(table["time_ns"][-1])
 
+    def note(self, facts: Mapping[str, object]) -> None:
+        """Write down something that is no sample, as JSON can hold it.
+
+        Raises
+        ------
+        RecordingError
+            If JSON cannot hold it.
+        ExportError
+            If it cannot be written.
+        """
+        try:
+            content = json.dumps(dict(facts), allow_nan=False).encode("utf-8")
+        except (TypeError, ValueError) as cause:
+            raise RecordingError(f"a note cannot be kept in the journal: {cause}") from None
+        self._write(_block(NOTE, content))
+        self._last_ns = self._has_pressure = None
+
     def _check(self, table: NDArray) -> None:
         times, missing = table["time_ns"], np.isnan(table["pressure"])
         before = times[:-1] if self._last_ns is None else np.append(self._last_ns, times[:-1])
@@ -206,15 +225,7 @@ def read_journal(path: str | os.PathLike[str]) -> tuple[Recording, Loss]:
     SessionError
         If it is no journal, or not one sample can be read.
     """
-    try:
-        size = os.path.getsize(path)
-        if size > MAX_BYTES:
-            raise SessionError(f"{path}: it has {size:,} bytes; expected up to {MAX_BYTES:,}")
-        data = Path(path).read_bytes()
-    except OSError as cause:
-        raise SessionError(f"{path}: cannot read it: {cause.strerror or cause}") from None
-    if not data.startswith(MAGIC):
-        raise SessionError(f"{path}: it does not start as a journal does")
+    data = _read(path)
     header: object = None
     tables: list[NDArray] = []
     at, closed = len(MAGIC), False
@@ -227,6 +238,56 @@ def read_journal(path: str | os.PathLike[str]) -> tuple[Recording, Loss]:
     if not isinstance(header, dict):
         raise SessionError(f"{path}: its header is damaged")
     return _recording(path, header, tables, _loss(len(data), at, closed))
+
+
+def read_events(
+    path: str | os.PathLike[str],
+) -> tuple[dict[str, object], list[Recording | dict[str, object]], Loss]:
+    """Return a journal's header, its samples and notes in order, and what is lost.
+
+    Samples between two notes are one recording. All is up to the end or the first damage.
+
+    Raises
+    ------
+    SessionError
+        If it is no journal, or its header is damaged.
+    """
+    data = _read(path)
+    header: object = None
+    events: list[Recording | dict[str, object]] = []
+    tables: list[NDArray] = []
+    at, closed = len(MAGIC), False
+    for kind, content, end in _blocks(data):
+        if kind == HEADER and header is None:
+            header = _header(content)
+        elif kind == SAMPLES and not len(content) % SAMPLE.itemsize:
+            tables.append(np.frombuffer(content, SAMPLE))
+        elif kind == NOTE:
+            events += _gathered(path, tables)
+            tables, note = [], _header(content)
+            events += [note] if isinstance(note, dict) else []
+        at, closed = end, kind == END
+    events += _gathered(path, tables)
+    if not isinstance(header, dict):
+        raise SessionError(f"{path}: its header is damaged")
+    return header, events, _loss(len(data), at, closed)
+
+
+def _gathered(path: str | os.PathLike[str], tables: list[NDArray]) -> list[Recording]:
+    return [_recording(path, {}, tables, Loss())[0]] if tables else []
+
+
+def _read(path: str | os.PathLike[str]) -> bytes:
+    try:
+        size = os.path.getsize(path)
+        if size > MAX_BYTES:
+            raise SessionError(f"{path}: it has {size:,} bytes; expected up to {MAX_BYTES:,}")
+        data = Path(path).read_bytes()
+    except OSError as cause:
+        raise SessionError(f"{path}: cannot read it: {cause.strerror or cause}") from None
+    if not data.startswith(MAGIC):
+        raise SessionError(f"{path}: it does not start as a journal does")
+    return data
 
 
 def _block(kind: bytes, content: bytes) -> bytes:

@@ -134,6 +134,11 @@ class DeltaRecorder:
         self._fit()
         self._follow(vertex_ids)
 
+    def before(self, vertex_ids: NDArray) -> tuple[NDArray, NDArray]:
+        """Amounts (N, P) and coverage (N,) of vertices (N,) when this was last asked."""
+        self._fit()
+        return self._amounts[vertex_ids], self._coverage[vertex_ids]
+
     def take(self) -> SurfaceDelta:
         """The way back to where this was last asked; from now on it is the way back to here."""
         surface = self._surface

@@ -62,6 +62,7 @@ class UndoHistory:
         self._recorder = DeltaRecorder(surface)
         self._done: list[_Step] = []
         self._undone: list[_Step] = []
+        self._newest = 0
         self._file = _StepFile()
         self._kept = self._keep()
 
@@ -74,6 +75,21 @@ class UndoHistory:
     def undone(self) -> list[object]:
         """Labels of the steps that can be done again, the next one last."""
         return [step.label for step in self._undone]
+
+    @property
+    def newest(self) -> int:
+        """Number of the step that was begun last, ever; they count from 1."""
+        return self._newest
+
+    @property
+    def next_undo(self) -> int:
+        """Number of the step that `undo` would take back; 0 for none."""
+        return self._done[-1].number if self._done else 0
+
+    @property
+    def next_redo(self) -> int:
+        """Number of the step that `redo` would do again; 0 for none."""
+        return self._undone[-1].number if self._undone else 0
 
     @property
     def n_bytes(self) -> int:
@@ -89,9 +105,10 @@ class UndoHistory:
 
     def begin(self, label: object) -> None:
         """Start a step; what was undone before cannot be done again."""
-        self._seal()
+        self.seal()
         self._undone.clear()
-        self._done.append(_Step(label))
+        self._newest += 1
+        self._done.append(_Step(label, self._newest))
         self._spill()
 
     def change(self, state: Callable[[], Part], action: Callable[[], None]) -> None:
@@ -103,7 +120,7 @@ class UndoHistory:
             Returns how it is now, as something that can be exchanged.
         action : callable
         """
-        self._seal()
+        self.seal()
         before = state()
         action()
         if self._done:
@@ -111,8 +128,12 @@ class UndoHistory:
         self._recorder.restart()
         self._kept = self._keep()
 
-    def _seal(self) -> None:
-        """Put what changed since the last call into the step that was going on."""
+    def before(self, vertex_ids: NDArray) -> tuple[NDArray, NDArray]:
+        """Amounts (N, P) and coverage (N,) of vertices (N,) when a step or `seal` was last."""
+        return self._recorder.before(vertex_ids)
+
+    def seal(self) -> None:
+        """Put what changed so far into the step that goes on."""
         part = self._take()
         if self._done:
             self._done[-1].parts.append(part)
@@ -129,7 +150,7 @@ class UndoHistory:
         """
         if not self._done:
             return np.empty(0, np.int32)
-        self._seal()
+        self.seal()
         step = self._done.pop()
         touched = self._exchange(step)
         self._undone.append(step)
@@ -140,7 +161,7 @@ class UndoHistory:
         """Do again what was undone last; return vertices (N,) int32. What came since goes."""
         if not self._undone:
             return np.empty(0, np.int32)
-        first = self._exchange(_Step(None, [self._take()]))
+        first = self._exchange(_Step(None, 0, [self._take()]))
         step = self._undone.pop()
         second = self._exchange(step)
         self._done.append(step)
@@ -217,6 +238,7 @@ class _Painting:
 @dataclass(eq=False)
 class _Step:
     label: object
+    number: int
     parts: list[Part] = field(default_factory=list)
 
 

@@ -15,7 +15,7 @@ def sample(time_ns, x, y, pressure=0.5, height=35.0):
     return DeviceSample(time_ns, at, UPRIGHT, pressure, 0, np.zeros(3), UPRIGHT)
 
 
-def line(start, end, n=20, pressure=0.5, t0=1_000_000):
+def line(start, end, n=20, pressure=0.5, t0=1_000_000, height=35.0):
     """Samples of a straight stroke from (x, y) to (x, y), mm, in even steps of 5 ms.
 
     The brush comes down at the first and is lifted at the last.
@@ -23,7 +23,7 @@ def line(start, end, n=20, pressure=0.5, t0=1_000_000):
     xy = np.linspace(start, end, n)
     pressures = np.full(n, pressure)
     pressures[[0, -1]] = 0.0
-    return [sample(t0 + 5_000_000 * i, *xy[i], float(pressures[i])) for i in range(n)]
+    return [sample(t0 + 5_000_000 * i, *xy[i], float(pressures[i]), height) for i in range(n)]
 
 
 def small_plane(resolution=1.5, mesh="plane", **options):
@@ -34,3 +34,15 @@ def paint(document, start, end, **options):
     document.begin_stroke()
     document.feed(line(start, end, **options))
     document.end_stroke()
+
+
+def same_vertices(one, two):
+    """Check that two surfaces hold the same, vertex by vertex, however these are numbered."""
+    orders = [np.lexsort(surface.paint_mesh.vertices.T) for surface in (one, two)]
+    for get in (
+        lambda s: s.amounts,
+        lambda s: s.coverage[:, None],
+        lambda s: s.srgb,
+        lambda s: s.paint_mesh.vertices,
+    ):
+        np.testing.assert_array_equal(get(one)[orders[0]], get(two)[orders[1]])

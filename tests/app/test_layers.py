@@ -12,7 +12,7 @@ from paint3d.files.load import load_mesh
 from paint3d.kernels.layering import GROUNDS, see_through
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.state import restore_surface, surface_state
-from tests.app.hands import paint, small_plane
+from tests.app.hands import paint, same_vertices, small_plane
 
 ACROSS, ALONG = ((-20, 0), (20, 0)), ((0, -20), (0, 20))
 
@@ -268,18 +268,6 @@ def test_a_session_keeps_layers_wet_and_dry_and_the_strokes(tmp_path):
     close(again)
     again.save()
     assert Document.open(tmp_path / "a.p3d").layers == again.layers
-
-
-def same_vertices(one, two):
-    """Whether two surfaces hold the same, vertex by vertex, however these are numbered."""
-    orders = [np.lexsort(surface.paint_mesh.vertices.T) for surface in (one, two)]
-    for get in (
-        lambda s: s.amounts,
-        lambda s: s.coverage[:, None],
-        lambda s: s.srgb,
-        lambda s: s.paint_mesh.vertices,
-    ):
-        np.testing.assert_array_equal(get(one)[orders[0]], get(two)[orders[1]])
 
 
 @pytest.mark.parametrize(

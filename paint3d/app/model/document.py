@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
 from paint3d.app.model.image_painter import ImagePainter
-from paint3d.app.model.stroke_log import Stroke, StrokeLog
+from paint3d.app.model.mask import Mask, Stencil
+from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
 from paint3d.app.model.symmetry import Symmetry
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import ExportError, InputError
+from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.export import check_export_path, export
 from paint3d.files.load import load_mesh
 from paint3d.files.session import Session, is_session_path, load_session, save_session
@@ -58,6 +59,8 @@ class Document:
         The one the brush is dipped in, and the one that `swap_inks` takes.
     symmetry : Symmetry
         Images of every stroke; see `set_symmetry`.
+    mask : Mask
+        Where paint is taken; see `set_mask`.
     settings : dict
         Anything else that is to be kept with the painting, as JSON holds it.
     modified : bool
@@ -77,13 +80,15 @@ class Document:
         self.path = path
         self.unit = unit
         self.settings = dict(saved.settings if saved else {})
-        self.inks: list[Ink] = [painter.dipped, _INKS[1]]
+        self.inks: list[Ink] = list(self.settings.get("inks", [painter.dipped, _INKS[1]]))
         self.modified = False
         self._recordings = tuple(saved.recordings if saved else ())
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
         self._undo = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
         self.symmetry = Symmetry()
+        self.mask = Mask()
+        self._stencil: Stencil | None = None
         self._images: list[ImagePainter] = []
         self._pending: list[NDArray] = []
         self._dipped = True
@@ -138,6 +143,8 @@ class Document:
         brush = _brush_of(settings.get("brush"))
         ink = None if surface.pigments else _ink_named(settings.get("ink"))
         painter = Painter(surface, brush, ink)
+        if "dipped" in settings:
+            _remember_dip(painter, settings["dipped"])
         return cls(surface, painter, Path(path), session, str(settings.get("unit", "mm")))
 
     def save(self, path: str | os.PathLike[str] | None = None) -> None:
@@ -160,6 +167,8 @@ class Document:
     def _session(self) -> Session:
         settings = {**self.settings, "brush": asdict(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
+        settings["dipped"] = weights_of(self.painter.dipped)
+        settings["inks"] = [weights_of(ink) for ink in self.inks]
         settings["brushes"] = {s.brush.name: asdict(s.brush) for s in self.strokes}
         strokes = tuple(stroke.recording() for stroke in self.strokes)
         return Session(self.surface, self._recordings, settings, strokes)
@@ -294,6 +303,7 @@ class Document:
         self.painter.advance(samples)
         for image in self._images:
             image.advance(samples)
+        self._wipe_stencil()
         self.modified = True
 
     def end_stroke(self) -> None:
@@ -302,6 +312,7 @@ class Document:
             return
         self.painter.finish()
         self._lift_images()
+        self._wipe_stencil()
         stroke = self._log.end()
         if stroke is None:
             self._note(self._undo.revert())
@@ -325,6 +336,31 @@ class Document:
         """
         self._refuse_in_stroke("another symmetry")
         self.symmetry = symmetry
+
+    def set_mask(self, mask: Mask) -> None:
+        """Take paint only where the mask allows, from now on.
+
+        Raises
+        ------
+        InputError
+            If it names a face that is not there, or a stroke is going on.
+        """
+        self._refuse_in_stroke("another mask")
+        self._stencil = None if mask.is_open else Stencil(self.surface, mask)
+        self.mask = mask
+
+    @property
+    def tags(self) -> dict[str, object]:
+        """What every stroke from now on says as well; see `set_tags`."""
+        return dict(self._log.tags)
+
+    def set_tags(self, **tags: object) -> None:
+        """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
+        self._log.tags = dict(tags)
+
+    def _wipe_stencil(self) -> None:
+        if self._stencil is not None:
+            self._stencil.wipe(self._undo.before)
 
     def _lift_images(self) -> None:
         for image in self._images:
@@ -441,6 +477,8 @@ class Document:
     def let_time_pass(self, seconds: float) -> None:
         """Let wet ink spread and dry; see `PaintedSurface.diffuse`."""
         self.surface.diffuse(seconds)
+        if self._stencil is not None and self.in_stroke:
+            self._undo.seal()  # what runs by itself is not the stencil's
 
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""
@@ -449,6 +487,11 @@ class Document:
         self._undo.begin("dry")
         self.surface.dry()
         self.modified = True
+
+    @property
+    def steps(self) -> UndoHistory:
+        """What can be undone, step by step."""
+        return self._undo
 
     # -- the way back -----------------------------------------------------------------------
 
@@ -547,6 +590,16 @@ class Document:
     def _note(self, vertex_ids: NDArray) -> None:
         if len(vertex_ids):
             self._pending.append(vertex_ids)
+
+
+def _remember_dip(painter: Painter, saved: object) -> None:
+    """Let a brush that lies there know what it was dipped in last."""
+    known = {pigment.name: pigment for pigment in painter.surface.pigments}
+    try:
+        dipped = {known.get(name, name): float(weight) for name, weight in saved.items()}
+    except (AttributeError, TypeError, ValueError):
+        raise SessionError(f"the brush was dipped in {saved!r:.60}; expected inks") from None
+    painter.restore({**painter.keep(), "_dipped": dipped})
 
 
 def _brush_of(saved: object) -> BrushSpec:

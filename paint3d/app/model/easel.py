@@ -2,7 +2,8 @@
 
 A view runs at whatever rate it can; the hand's samples are all painted, in order, by kernels that
 let other threads run meanwhile. Colours are computed once for every frame that is taken and not
-oftener. What goes wrong in here is told as an event, and painting goes on.
+oftener. What goes wrong in here is told as an event, and painting goes on. With a `Sitting`, every
+sample and command is written down by another thread as it comes, before it is painted if need be.
 """
 
 from __future__ import annotations
@@ -14,9 +15,12 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
+from queue import SimpleQueue
 
+from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, GrowthWatch, view_brush
+from paint3d.app.model.sitting import Sitting
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
 
@@ -25,6 +29,8 @@ __all__ = ["Easel", "Event"]
 _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
 _WET_STEP_S = 1.0 / 30.0
 _LONGEST_WET_S = 0.2  # what is let pass at once, however long nobody painted
+
+_BASE_EVERY_S = 120.0  # the least time between two bases of a sitting
 
 Command = str | Callable[[Document], object]
 
@@ -38,7 +44,7 @@ class Event:
     kind : {"error", "internal"}
         "error": asked for what cannot be; "internal": a fault of the program.
     doing : str
-        What was being done: a command's name, or "painting".
+        What was being done: a command's name, "painting", "showing", or "keeping" what is painted.
     message : str
     error : Exception
     """
@@ -70,15 +76,22 @@ class Easel:
         Nobody else touches it until `stop`, except within `paused`.
     wet : bool
         Let ink spread and dry in real time.
+    sitting : Sitting, optional
+        Where what is painted is kept until it is saved; closed by `stop`.
 
     Attributes
     ----------
     document : Document
     """
 
-    def __init__(self, document: Document, wet: bool = False) -> None:
+    def __init__(
+        self, document: Document, wet: bool = False, sitting: Sitting | None = None
+    ) -> None:
         self.document = document
         self.wet = wet
+        self._scribe = None if sitting is None else _Scribe(sitting, document, self._tell)
+        self._base_time, self._base_step = time.monotonic(), 0
+        self._base_due = False
         self._jobs: deque[_Job] = deque()
         self._wake = threading.Condition()
         self._busy = threading.Lock()
@@ -160,12 +173,21 @@ class Easel:
                 self._stale = True
                 self._wake.notify()
 
-    def stop(self) -> None:
-        """Do what was asked for and end the thread; a second time does nothing."""
+    def stop(self, keep: bool = False) -> None:
+        """Do what was asked for and end the thread; a second time does nothing.
+
+        Parameters
+        ----------
+        keep : bool
+            Leave the sitting to be recovered.
+        """
         with self._wake:
             self._stopping = True
             self._wake.notify()
         self._thread.join()
+        if self._scribe is not None:
+            self._scribe.close(keep)
+            self._scribe = None
 
     # -- in the thread ----------------------------------------------------------------------
 
@@ -174,6 +196,8 @@ class Easel:
             if self._stopping:
                 raise RuntimeError("the easel was stopped")
             self._jobs.append(job)
+            if self._scribe is not None:
+                self._scribe.put(job)
             self._wake.notify()
 
     def _run(self) -> None:
@@ -192,15 +216,20 @@ class Easel:
         return bool(self._jobs) or self._stopping or (self._stale and self._slot is None)
 
     def _patience(self) -> float | None:
-        return _WET_STEP_S if self.wet else None
+        """How long to sleep at most, s."""
+        if self.wet:
+            return _WET_STEP_S
+        return _BASE_EVERY_S if self._scribe is not None else None
 
     def _work(self) -> None:
         if self._jobs:
             self._do(self._jobs.popleft())
         if self.wet:
-            self._guarded("drying", self._let_time_pass)
+            self._let_time_pass()
         if self._slot is None and self._stale:
             self._guarded("showing", self._publish)
+        if not self._jobs:
+            self._guarded("keeping", self._keep_base)
 
     def _do(self, job: _Job) -> None:
         self._stale = True
@@ -211,6 +240,7 @@ class Easel:
         if not job.result.set_running_or_notify_cancel():
             return
         try:
+            self._watch_steps(name)
             action = getattr(self.document, name) if job.command is name else job.command
             given = job.arguments if job.command is name else (self.document, *job.arguments)
             job.result.set_result(action(*given, **job.options))
@@ -229,11 +259,36 @@ class Easel:
         self._lag = time.perf_counter() - job.came
 
     def _let_time_pass(self) -> None:
+        """Ask for the time since the last one, in its place among the samples."""
         now = time.perf_counter()
-        if now - self._last_wet >= _WET_STEP_S:
-            self.document.let_time_pass(min(now - self._last_wet, _LONGEST_WET_S))
+        if now - self._last_wet >= _WET_STEP_S and not self._stopping:
+            self.post("let_time_pass", min(now - self._last_wet, _LONGEST_WET_S))
             self._last_wet = now
-            self._stale = True
+
+    # -- keeping ----------------------------------------------------------------------------
+
+    def _watch_steps(self, name: str) -> None:
+        """Notice before an undo or redo that it leads past the base, which must then follow."""
+        steps = self.document.steps
+        number = {"undo": steps.next_undo, "redo": steps.next_redo}.get(name, steps.newest + 1)
+        if name == "replay_history" or 0 < number <= self._base_step:
+            self._base_due = True
+
+    def _keep_base(self) -> None:
+        """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
+        if self._scribe is None or self.document.in_stroke:
+            return
+        late = time.monotonic() - self._base_time > _BASE_EVERY_S
+        if not (self._base_due or (late and self._scribe.n_put)):
+            return
+        with self._wake:
+            if self._jobs:
+                return
+            turned = self._scribe.turn_page()  # what comes from now on is in the next journal
+        self._base_due, self._base_time = False, time.monotonic()
+        self._base_step = self.document.steps.newest
+        turned.result()
+        self._scribe.sitting.save_base(self.document)
 
     def _publish(self) -> None:
         document = self.document
@@ -268,3 +323,59 @@ class Easel:
         known = isinstance(error, Paint3DError)
         message = str(error) if known else f"{type(error).__name__}: {error}"
         self._events.append(Event("error" if known else "internal", doing, message, error))
+
+
+class _Scribe:
+    """Writes what is asked for into a sitting, in a thread, so that nobody waits for the disk."""
+
+    def __init__(
+        self, sitting: Sitting, document: Document, tell: Callable[[str, Exception], None]
+    ) -> None:
+        self.sitting = sitting
+        self._document = document  # read only while the painting thread waits
+        self.n_put = 0
+        self._tell = tell
+        self._queue: SimpleQueue[_Job | Future | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="paint3d-scribe", daemon=True)
+        self._thread.start()
+
+    def put(self, job: _Job) -> None:
+        """Write a job down, if it is one that changes the painting."""
+        if job.command is None or job.command in COMMANDS:
+            self.n_put += 1
+            self._queue.put(job)
+
+    def turn_page(self) -> Future:
+        """Start a new journal for what is put from now on."""
+        turned: Future = Future()
+        self.n_put = 0
+        self._queue.put(turned)
+        return turned
+
+    def close(self, keep: bool) -> None:
+        """Write what waits, and end the sitting."""
+        self._queue.put(None)
+        self._thread.join()
+        self.sitting.close(keep)
+
+    def _run(self) -> None:
+        broken = False
+        while (item := self._queue.get()) is not None:
+            try:
+                self._write(item)
+                broken = False
+            except Exception as error:  # painting goes on; it is told once
+                if not broken:
+                    self._tell("keeping", error)
+                broken = True
+                if isinstance(item, Future):
+                    item.set_exception(error)
+
+    def _write(self, item: _Job | Future) -> None:
+        if isinstance(item, Future):
+            self.sitting.turn_page(self._document)
+            item.set_result(None)
+        elif item.command is None:
+            self.sitting.append(item.samples)
+        else:
+            self.sitting.note(encode_command(item.command, item.arguments, item.options))

@@ -16,7 +16,7 @@ from paint3d.errors import SessionError
 from paint3d.ink.pigments import Pigment
 from paint3d.stroke.laying import DIP
 
-__all__ = ["Stroke", "StrokeLog", "recording_of"]
+__all__ = ["Stroke", "StrokeLog", "recording_of", "weights_of"]
 
 _PAUSE_NS = 200_000_000  # between two strokes that are joined to one recording
 _LANDING_NS = 1_000_000
@@ -209,7 +209,13 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping]) -> Stroke:
         raise SessionError(f"a stroke of the session cannot be used: {cause}") from None
 
 
-def _parts(ink: str | Pigment | Mapping) -> dict[str, float]:
+def weights_of(ink: str | Pigment | Mapping) -> dict[str, float]:
+    """The weights of the inks in a mixture, by name, as they were given."""
     stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
-    total = sum(stirred.values())
-    return {k if isinstance(k, str) else k.name: w / total for k, w in stirred.items()}
+    return {k if isinstance(k, str) else k.name: float(w) for k, w in stirred.items()}
+
+
+def _parts(ink: str | Pigment | Mapping) -> dict[str, float]:
+    weights = weights_of(ink)
+    total = sum(weights.values())
+    return {name: weight / total for name, weight in weights.items()}

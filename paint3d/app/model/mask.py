@@ -1,0 +1,248 @@
+"""Where paint is taken: by the angle of the surface, and by regions that were picked.
+
+Nothing in the painting knows of it. After a brush went on, vertices that are masked get back what
+they had, and what would have stayed on them is on the stencil: it counts as run off the surface, so
+the ledger closes. Without a mask this costs nothing, with one as much as vertices were touched.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.arrays import as_array, as_number
+from paint3d.errors import InputError
+from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "region_faces"]
+
+_KINDS = ("crease", "piece")
+
+
+@dataclass(frozen=True)
+class AngleMask:
+    """Paint is taken where the normal leans from a direction by at most some degrees.
+
+    Attributes
+    ----------
+    direction : (float, float, float)
+        In the object's frame, of any length: towards the viewer, say.
+    degrees : float
+        0 to 180.
+
+    Raises
+    ------
+    InputError
+        If the direction is 0 or the angle out of its range.
+    """
+
+    direction: tuple[float, float, float]
+    degrees: float
+
+    def __post_init__(self) -> None:
+        if not np.linalg.norm(as_array(self.direction, "direction of the mask", (3,))) > 0.0:
+            raise InputError("the direction of the mask is 0; expected a direction")
+        as_number(self.degrees, "angle of the mask (degrees)", 0.0, 180.0)
+
+
+@dataclass(frozen=True)
+class RegionPick:
+    """A region of the object around one of its faces.
+
+    Attributes
+    ----------
+    face : int
+        Of `PaintMesh.base_faces`; see `face_at`.
+    up_to : {"crease", "piece"}
+        How far it goes: to edges sharper than `degrees`, or as far as faces are joined.
+    degrees : float
+        0 to 180.
+
+    Raises
+    ------
+    InputError
+        If a value is none of those.
+    """
+
+    face: int
+    up_to: str = "crease"
+    degrees: float = 30.0
+
+    def __post_init__(self) -> None:
+        if self.up_to not in _KINDS:
+            raise InputError(f"a region up to {self.up_to!r}; expected 'crease' or 'piece'")
+        as_number(self.degrees, "crease (degrees)", 0.0, 180.0)
+
+
+@dataclass(frozen=True)
+class Mask:
+    """Paint is taken where all of it allows.
+
+    Attributes
+    ----------
+    angle : AngleMask or None
+    regions : tuple of RegionPick
+        Paint is taken in any of them; everywhere if there is none.
+    inverted : bool
+        Whether paint is taken outside of the regions instead.
+    """
+
+    angle: AngleMask | None = None
+    regions: tuple[RegionPick, ...] = ()
+    inverted: bool = False
+
+    @property
+    def is_open(self) -> bool:
+        """Whether paint is taken everywhere."""
+        return self.angle is None and not self.regions
+
+
+def face_at(mesh: PaintMesh, vertex_id: int) -> int:
+    """A base face that a vertex lies on.
+
+    Raises
+    ------
+    InputError
+        If there is no such vertex, or no face has it.
+    """
+    found = np.flatnonzero((mesh.leaf_faces() == vertex_id).any(axis=1))
+    if not len(found):
+        raise InputError(f"vertex {vertex_id} belongs to no face; expected one that does")
+    return int(mesh.leaf_roots()[found[0]])
+
+
+def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
+    """(R,) bool: the base faces of a region.
+
+    Raises
+    ------
+    InputError
+        If there is no such face.
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    faces = mesh.base_faces
+    n = len(faces)
+    if isinstance(pick.face, bool) or not 0 <= pick.face < n:
+        raise InputError(f"face {pick.face}; expected 0 to {n - 1}")
+    one, two = _joined_faces(mesh)
+    if pick.up_to == "crease":
+        normals = _face_normals(mesh)
+        cosine = np.einsum("ij,ij->i", normals[one], normals[two])
+        smooth = cosine >= math.cos(math.radians(pick.degrees)) - 1e-9
+        one, two = one[smooth], two[smooth]
+    joined = coo_matrix((np.ones(len(one), np.int8), (one, two)), (n, n))
+    _, label = connected_components(joined, directed=False)
+    return label == label[pick.face]
+
+
+def _joined_faces(mesh: PaintMesh) -> tuple[NDArray, NDArray]:
+    """Pairs of faces that share an edge, wherever its vertices are split by normals."""
+    points = mesh.vertices[: mesh.n_base_vertices]
+    _, place = np.unique(points, axis=0, return_inverse=True)
+    corners = place.reshape(-1)[mesh.base_faces]
+    edges = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(corners)), 3)
+    order = np.lexsort(edges.T)
+    edges, owner = edges[order], owner[order]
+    same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+    return owner[same], owner[same + 1]
+
+
+def _face_normals(mesh: PaintMesh) -> NDArray:
+    corners = mesh.vertices[mesh.base_faces].astype(np.float64)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+
+
+class Stencil:
+    """A mask laid on a surface.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    mask : Mask
+
+    Raises
+    ------
+    InputError
+        If the mask names a face that is not there.
+    """
+
+    def __init__(self, surface: PaintedSurface, mask: Mask) -> None:
+        self._surface = surface
+        self._mask = mask
+        self._faces: NDArray | None = None
+        if mask.regions:
+            picked = [region_faces(surface.paint_mesh, pick) for pick in mask.regions]
+            self._faces = np.logical_or.reduce(picked) != mask.inverted
+        self._open = np.zeros(0, bool)
+        self._known = 0, 0
+
+    def covers(self, vertex_ids: NDArray) -> NDArray[np.bool_]:
+        """(N,) bool: whether vertices (N,) take no paint."""
+        self._know()
+        return ~self._open[vertex_ids]
+
+    def _know(self) -> None:
+        """Learn about vertices that have appeared."""
+        mesh = self._surface.paint_mesh
+        fields, (n, nodes) = mesh.arrays, (int(c) for c in mesh.arrays.counts)
+        known, known_nodes = self._known
+        if known == n:
+            return
+        self._open = np.pad(self._open, (0, n - known), constant_values=self._faces is None)
+        if self._faces is not None:
+            if known == 0:
+                self._open[mesh.base_faces[self._faces]] = True
+            fresh = slice(known_nodes, nodes)
+            allowed = self._faces[fields.node_root[fresh]]
+            self._open[fields.node_vertices[fresh][allowed]] = True
+        if self._mask.angle is not None:
+            self._lean(known, n)
+        self._known = n, nodes
+
+    def _lean(self, first: int, last: int) -> None:
+        fields, angle = self._surface.paint_mesh.arrays, self._mask.angle
+        towards = np.asarray(angle.direction, np.float64)
+        towards /= np.linalg.norm(towards)
+        height = sum(
+            getattr(fields, name)[first:last] * part
+            for name, part in zip(("nx", "ny", "nz"), towards, strict=True)
+        )
+        self._open[first:last] &= height >= math.cos(math.radians(angle.degrees)) - 1e-6
+
+    def wipe(self, before: Callable[[NDArray], tuple[NDArray, NDArray]]) -> None:
+        """Give masked vertices back what they had.
+
+        Parameters
+        ----------
+        before : callable
+            Returns amounts (N, P) and coverage (N,) of vertices (N,) before the brush came.
+        """
+        ink = self._surface.ink
+        dirty = ink.dirty_ids[: int(ink.n_dirty[0])]
+        if not len(dirty):
+            return
+        ids = dirty[self.covers(dirty)]
+        amounts, coverage = before(ids)
+        came = ink.amounts[ids].astype(np.float64) - amounts
+        caught = self._surface.vertex_areas[ids] @ came
+        ink.amounts[ids], ink.coverage[ids] = amounts, coverage
+        ink.off_surface[:] += np.maximum(caught, 0.0)
+        self._return(np.maximum(-caught, 0.0))
+
+    def _return(self, taken: NDArray) -> None:
+        """Take from the brush what it picked up through the stencil."""
+        ink = self._surface.ink
+        if taken.any():
+            left = np.maximum(ink.load - taken, 0.0)
+            share = np.divide(left, ink.load, out=np.ones_like(left), where=ink.load > 0.0)
+            ink.stations[:] *= share
+            ink.load[:] = left

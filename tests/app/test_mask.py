@@ -1,0 +1,110 @@
+"""Masks: what is covered keeps what it had, and the ledger closes."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, region_faces
+from paint3d.errors import InputError
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from tests.app.hands import line, paint, small_plane
+
+UP = (0.0, 0.0, 1.0)
+
+
+def roof():
+    """Two slopes that meet in a ridge at x = 0, and a flat piece apart."""
+    vertices = [(x, y, 10.0 - abs(x) * 0.5) for x in (-40, 0, 40) for y in (-40, 40)]
+    vertices += [(x, y, -60.0) for x in (-40, 40) for y in (-40, 40)]
+    faces = [(0, 2, 1), (1, 2, 3), (2, 4, 3), (3, 4, 5), (6, 8, 7), (7, 8, 9)]
+    return TriangleMesh(np.array(vertices, np.float32), np.array(faces, np.int32), None, "roof")
+
+
+def close(document):
+    accounts = document.painter.ledger()
+    loaded = accounts.pop("loaded")
+    assert sum(accounts.values()) == pytest.approx(loaded, rel=1e-6)
+    return accounts
+
+
+def test_regions_go_to_creases_or_to_the_end_of_the_piece():
+    mesh = Document.new(roof(), 2.0).surface.paint_mesh
+    tops = mesh.vertices[mesh.base_faces].mean(axis=1)
+    left = int(np.flatnonzero((tops[:, 0] < 0) & (tops[:, 2] > -9))[0])
+    slope = region_faces(mesh, RegionPick(left))
+    np.testing.assert_array_equal(slope, (tops[:, 0] < 0) & (tops[:, 2] > -30))
+    whole = region_faces(mesh, RegionPick(left, "piece"))
+    np.testing.assert_array_equal(whole, tops[:, 2] > -30)
+    blunt = region_faces(mesh, RegionPick(left, "crease", 60.0))
+    np.testing.assert_array_equal(blunt, whole)
+    for bad in (lambda: region_faces(mesh, RegionPick(99)), lambda: RegionPick(0, "edge")):
+        with pytest.raises(InputError, match="expected"):
+            bad()
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_paint_stays_in_the_region(inverted):
+    document = Document.new(roof(), 2.0)
+    mesh = document.surface.paint_mesh
+    vertex = int(np.argmin(mesh.vertices[:, 0] + 100 * (mesh.vertices[:, 2] < -30)))
+    document.set_mask(Mask(regions=(RegionPick(face_at(mesh, vertex)),), inverted=inverted))
+    document.begin_stroke()
+    document.feed(line((-30, 0), (30, 0), n=40))
+    document.end_stroke()
+    painted = document.surface.painted
+    x = document.surface.paint_mesh.vertices[:, 0]
+    assert painted.any()
+    assert (x[painted] <= 0.0).all() if not inverted else (x[painted] >= 0.0).all()
+    assert close(document)["off_surface"] > 0.0
+
+
+def test_paint_stays_where_the_surface_looks_the_right_way():
+    document = Document.new("sphere", 2.0)
+    document.set_mask(Mask(AngleMask(UP, 20.0)))
+    top = float(document.surface.source.vertices[:, 2].max())
+    document.begin_stroke()
+    document.feed(line((-30, 0), (30, 0), n=40, height=top + 35.0))
+    document.end_stroke()
+    surface = document.surface
+    height = surface.paint_mesh.normals[surface.painted] @ UP
+    assert len(height)
+    assert height.min() >= np.cos(np.radians(20.0)) - 1e-6
+    close(document)
+
+
+@settings(deadline=None, max_examples=5)
+@given(st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), min_size=1, max_size=3))
+def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends):
+    document = small_plane(material="xuan")
+    document.painter.surface.ink.habit[0] = 0.05  # a thirsty brush
+    paint(document, (-20, 0), (20, 0), n=10)
+    document.let_time_pass(0.2)
+    document.steps.seal()
+    before = document.surface.amounts.copy()
+    document.dip("cinnabar")
+    document.set_mask(Mask(AngleMask((0, 0, -1), 10.0)))  # the plane looks up: all is covered
+    for start, end in ends:
+        paint(document, (start, -20), (end, 20), n=10)
+        n = len(before)
+        np.testing.assert_array_equal(document.surface.amounts[:n, :1], before)
+        assert not document.surface.amounts[:, 1].any()
+        close(document)
+    while len(document.strokes) > 1:
+        document.undo()
+    np.testing.assert_array_equal(document.surface.amounts[: len(before), :1], before)
+
+
+def test_what_is_no_mask_is_told():
+    for bad in (
+        lambda: AngleMask((0, 0, 0), 10.0),
+        lambda: AngleMask(UP, 181.0),
+        lambda: small_plane().set_mask(Mask(regions=(RegionPick(-1),))),
+    ):
+        with pytest.raises(InputError, match="expected"):
+            bad()
+    document = small_plane()
+    document.set_mask(Mask())
+    paint(document, (-20, 0), (20, 0))
+    assert document.surface.painted.any()

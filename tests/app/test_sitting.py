@@ -1,0 +1,269 @@
+"""Nothing is lost: what was painted comes back after any end of the program."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paint3d.app.model.commands import COMMANDS, decode_command, encode_command
+from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.mask import AngleMask, Mask, RegionPick
+from paint3d.app.model.sitting import Sitting, recoverable
+from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry
+from paint3d.brush.presets import load_brush
+from paint3d.errors import ExportError, SessionError
+from paint3d.files.journal import Journal, read_events
+from paint3d.ink.pigments import load_pigment
+from tests.app.hands import line, same_vertices, small_plane
+
+MIRROR = Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),))
+
+
+def stroke(easel, start, end, **options):
+    easel.post("begin_stroke")
+    samples = line(start, end, **options)
+    for k in range(0, len(samples), 6):
+        easel.feed(samples[k : k + 6])
+    easel.post("end_stroke")
+
+
+def rested(easel):
+    """Wait until everything is done."""
+    easel.post(lambda document: None).result(timeout=60)
+
+
+def paint_all_sorts(easel):
+    easel.post("dip", {"pine soot": 0.3, "water": 0.5})
+    stroke(easel, (-20, -10), (20, -10))
+    easel.post("set_symmetry", MIRROR)
+    easel.post("set_mask", Mask(AngleMask((0, 0, 1), 30.0)))
+    easel.post("step_brush", -2)
+    easel.post("let_time_pass", 0.4)
+    easel.post("add_layer", "二")
+    stroke(easel, (-20, 5), (20, 15))
+    easel.post("undo")
+    easel.post("redo")
+    easel.post("dip")
+    easel.post("remove_layer", 7)  # there is none: refused, then and again
+    stroke(easel, (-10, -30), (20, 15))
+    rested(easel)
+
+
+@pytest.mark.parametrize("new_base", [False, True])
+def test_everything_comes_back_to_the_bit(tmp_path, new_base):
+    document = small_plane(material="xuan")
+    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    paint_all_sorts(easel)
+    if new_base:
+        easel._base_due = True
+        rested(easel)
+        easel.post("dip")
+        stroke(easel, (0, -30), (0, 30))
+        rested(easel)
+    assert recoverable(tmp_path) == []  # it goes on
+    easel.stop(keep=True)
+    (unfinished,) = recoverable(tmp_path)
+    assert unfinished.object_name == "plane"
+    assert sorted(f.name for f in unfinished.folder.glob("base*")) == [f"base-{1 + new_base}.p3d"]
+    recovered = unfinished.recover()
+    assert not recovered.loss
+    assert len(recovered.refused) == 1 - new_base
+    again = recovered.document
+    same_vertices(again.surface, document.surface)
+    assert again.layers == document.layers
+    assert [s.duration_s for s in again.strokes] == [s.duration_s for s in document.strokes]
+    assert again.painter.ledger() == pytest.approx(document.painter.ledger(), rel=1e-6)
+    assert (again.symmetry, again.mask) == (MIRROR, document.mask)
+    unfinished.discard()
+    assert recoverable(tmp_path) == []
+
+
+def test_undo_past_the_base_makes_a_new_one(tmp_path):
+    document = small_plane()
+    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    stroke(easel, (-20, 0), (20, 0))
+    rested(easel)
+    easel._base_due = True
+    rested(easel)
+    easel.post("undo")
+    rested(easel)
+    rested(easel)
+    easel.stop(keep=True)
+    recovered = recoverable(tmp_path)[0].recover()
+    assert not recovered.document.surface.painted.any()
+
+
+def test_a_sitting_that_was_closed_leaves_nothing(tmp_path):
+    document = small_plane()
+    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    stroke(easel, (-20, 0), (20, 0))
+    easel.stop()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_is_turned_before_its_base_is_there(tmp_path):
+    document = small_plane()
+    sitting = Sitting(document, tmp_path)
+    document.begin_stroke()
+    sitting.note({"do": "begin_stroke"})
+    samples = line((-20, 0), (20, 0))
+    sitting.append(samples)
+    document.feed(samples)
+    sitting.note({"do": "end_stroke"})
+    document.end_stroke()
+    sitting.turn_page(document)
+    sitting.note({"do": "undo"})
+    sitting.note({"do": "redo"})
+    sitting.close(keep=True)
+    again = recoverable(tmp_path)[0].recover()
+    same_vertices(again.document.surface, document.surface)
+
+
+def test_what_cannot_be_kept_is_told_and_painting_goes_on(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ExportError, match="cannot keep"):
+        Sitting(small_plane(), tmp_path / "file")
+    document = small_plane()
+    sitting = Sitting(document, tmp_path / "sittings")
+    easel = Easel(document, sitting=sitting)
+
+    def full(samples):
+        raise ExportError("the disk is full")
+
+    monkeypatch.setattr(sitting, "append", full)
+    stroke(easel, (-20, 0), (20, 0))
+    rested(easel)
+    easel.stop()
+    assert [e.doing for e in easel.take_events()] == ["keeping"]
+    assert document.surface.painted.any()
+
+
+PROGRAM = """
+import sys, time
+from pathlib import Path
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.sitting import Sitting
+from tests.app.hands import line, paint, small_plane
+paint(small_plane(), (0, 0), (20, 0))  # compiled, as in a program that has painted before
+document = small_plane()
+easel = Easel(document, sitting=Sitting(document, Path(sys.argv[1])))
+easel.post("begin_stroke")
+samples = line((-60, 0), (60, 0), n=2000)
+start = time.monotonic()
+for k in range(0, 2000, 5):
+    easel.feed(samples[k : k + 5])
+    print(time.monotonic(), k + 5, flush=True)
+    time.sleep(max(0.0, start + 0.005 * k - time.monotonic()))
+"""
+
+
+def test_a_kill_in_the_middle_of_a_stroke_costs_less_than_100_ms(tmp_path):
+    root = Path(__file__).parents[2]
+    program = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, str(tmp_path)],
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": str(root)},
+    )
+    told = []
+    for row in program.stdout:
+        told.append(row.split())
+        if len(told) == 60:
+            break
+    killed = time.monotonic()
+    program.send_signal(signal.SIGKILL)
+    told += [row.split() for row in program.stdout]
+    program.wait()
+    program.stdout.close()
+    (unfinished,) = recoverable(tmp_path)
+    recovered = unfinished.recover()
+    (stroke,) = recovered.document.strokes
+    fed_before = max(int(count) for at, count in told if float(at) < killed - 0.1)
+    assert len(stroke.samples) >= fed_before > 100
+    alone = small_plane()
+    alone.begin_stroke()
+    alone.feed(line((-60, 0), (60, 0), n=2000)[: len(stroke.samples)])
+    alone.end_stroke()
+    same_vertices(recovered.document.surface, alone.surface)
+
+
+@pytest.mark.parametrize("cut", [1, 40, 500])
+def test_a_cut_journal_gives_all_up_to_the_cut(tmp_path, cut):
+    document = small_plane()
+    sitting = Sitting(document, tmp_path)
+    sitting.note({"do": "begin_stroke"})
+    for k in range(0, 20, 4):
+        sitting.append(line((-20, 0), (20, 0))[k : k + 4])
+    sitting.close(keep=True)
+    (journal,) = sitting.folder.glob("journal-*")
+    journal.write_bytes(journal.read_bytes()[:-cut])
+    recovered = recoverable(tmp_path)[0].recover()
+    assert recovered.loss
+    assert len(recovered.document.strokes[0].samples) == {1: 20, 40: 16, 500: 16}[cut]
+
+
+def test_what_is_no_sitting_is_passed_over(tmp_path):
+    assert recoverable(tmp_path / "none") == []
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "about.json").write_text("[]")
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c" / "about.json").write_text('{"object": "x", "path": null}')
+    (unfinished,) = recoverable(tmp_path)
+    with pytest.raises(SessionError, match="no painting"):
+        unfinished.recover()
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "options"),
+    [
+        ("set_brush", [load_brush("full")], {}),
+        ("set_mask", [Mask(AngleMask((0.0, 0.0, 1.0), 3.0), (RegionPick(4, "piece"),))], {}),
+        ("set_symmetry", [Symmetry(MIRROR.planes, RadialSymmetry(3))], {}),
+        ("dip", [{"cinnabar": 0.5, "water": 1.0}], {"reach": 0.25}),
+        ("set_tags", [], {"character": "永", "trial": 3}),
+        ("pick_colour", [np.int32(4)], {}),
+    ],
+)
+def test_commands_are_written_down_and_read_back(name, arguments, options):
+    note = json.loads(json.dumps(encode_command(name, arguments, options)))
+    found, given, more = decode_command(note)
+    assert (found, more) == (name, options)
+    assert [repr(a) for a in given] == [
+        repr(getattr(a, "tolist", lambda a=a: a)()) for a in arguments
+    ]
+
+
+def test_an_ink_of_ones_own_is_written_down():
+    note = json.loads(json.dumps(encode_command("dip", [{load_pigment("cinnabar"): 1.0}], {})))
+    ((ink, weight),) = decode_command(note)[1][0].items()
+    assert (ink.name, weight) == ("cinnabar", 1.0)
+    np.testing.assert_array_equal(ink.K, load_pigment("cinnabar").K)
+
+
+def test_what_no_document_does_is_refused():
+    for note in ({}, {"do": "save"}, {"do": "dip", "with": 3}, {"do": "dip", "with": [{"@": "x"}]}):
+        with pytest.raises(SessionError, match="journal"):
+            decode_command(note)
+    with pytest.raises(SessionError, match="written down"):
+        encode_command("dip", [object()], {})
+    assert all(hasattr(Document, name) for name in COMMANDS)
+
+
+def test_notes_lie_between_samples_and_time_may_start_over(tmp_path):
+    with Journal(tmp_path / "j", {}) as journal:
+        journal.append(line((0, 0), (1, 0), n=3))
+        journal.append(line((0, 0), (1, 0), n=3, t0=10**9))
+        journal.note({"do": "undo"})
+        journal.append(line((0, 0), (1, 0), n=3))
+    _, events, loss = read_events(tmp_path / "j")
+    assert not loss
+    assert [len(e) if not isinstance(e, dict) else e for e in events] == [6, {"do": "undo"}, 3]
