@@ -1,0 +1,112 @@
+"""The hairs of a brush, ready for kernels."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, BendingTable
+from paint3d.brush.bristle_shapes import energy_shapes, measured_shapes
+from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.spec import BrushSpec
+from paint3d.kernels.bristle_tuft import ARCS, BLOCK, Bristles
+
+__all__ = ["build_bristles", "hair_places"]
+
+_GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
+_CELLS = 512  # places across the tuft that tell clump and appetite
+_CLUMPS = (9, 31)  # across the tuft: when it parts, and when it falls apart
+
+
+def hair_places(n: int) -> NDArray:
+    """Places (2, n) float32 of hairs in a disc of radius 1, evenly over its area.
+
+    A spiral by the golden angle with the radius as the square root of the number: as many hairs
+    to every mm2 in the middle as at the rim. A single hair stands in the middle.
+    """
+    if n == 1:
+        return np.zeros((2, 1), np.float32)
+    number = np.arange(n)
+    radius = np.sqrt((number + 0.5) / n)
+    turn = _GOLDEN * number
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn)]).astype(np.float32)
+
+
+@functools.lru_cache(maxsize=32)
+def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
+    """The hairs of a brush; kept in memory, so that asking again costs nothing.
+
+    Raises
+    ------
+    BrushError
+        If the bending of this brush cannot be solved.
+    """
+    table = BendingTable(spec)
+    if hairs.table == "energy":
+        shapes, fans = energy_shapes(spec, table)
+    else:
+        shapes, fans = measured_shapes(table.tilts, table.fractions)
+    n = hairs.n_hairs
+    radius = 0.5 * hairs.hair_mm
+    padded = np.minimum(np.arange(-(-n // BLOCK) * BLOCK), n - 1).reshape(-1, BLOCK)
+    lengths = (1.0 - hairs.unevenness * _scatter(n)).astype(np.float32)
+    places = np.ascontiguousarray(hair_places(n)[:, padded])
+    bristles = Bristles(
+        count=n,
+        places=places,
+        lengths=np.ascontiguousarray(lengths[padded]),
+        rests=_rest_lengths(spec, places, lengths[padded]),
+        shapes=shapes,
+        fans=fans,
+        clumps=np.stack([_clump_middles(count) for count in _CLUMPS]),
+        appetite=_appetite(hairs.appetite),
+        lowest_tilt=LOWEST_TILT,
+        greatest_fraction=GREATEST_FRACTION,
+        hair_mm=radius,
+        film_mm=float(hairs.film_mm),
+        threshold_mm=float(hairs.threshold_mm),
+        parting=float(hairs.parting),
+        splay=float(hairs.splay),
+        levelling_mm=float(hairs.levelling_mm),
+        set_mm=float(hairs.set_share * spec.length_mm),
+    )
+    for array in bristles[1:8]:
+        array.setflags(write=False)
+    return bristles
+
+
+def _rest_lengths(spec: BrushSpec, places: NDArray, lengths: NDArray) -> NDArray:
+    """Lengths of a straight hair's pieces, tip first, as `Bristles.rests`."""
+    arcs = ARCS * spec.length_mm
+    along, out = np.diff(arcs), np.diff(0.5 * spec.diameters(arcs))
+    off = np.sum(places.astype(np.float64) ** 2, axis=0)[:, None, :]
+    rests = np.sqrt(along[:, None] ** 2 + off * out[:, None] ** 2) * lengths[:, None, :]
+    return rests.astype(np.float32)
+
+
+def _scatter(n: int, seed: float = 0.5) -> NDArray:
+    """n numbers, evenly over 0 to 1 and without order: multiples of the golden ratio."""
+    return np.mod(seed + np.arange(n) * 0.6180339887498949, 1.0) if n > 1 else np.zeros(n)
+
+
+def _clump_middles(count: int) -> NDArray:
+    """For `_CELLS` places in [-1, 1], the middle of the clump there; clumps differ in width."""
+    widths = 1.0 + 0.9 * (_scatter(count, 0.3) - 0.5)
+    edges = np.concatenate([[0.0], np.cumsum(widths)]) / widths.sum() * 2.0 - 1.0
+    places = (np.arange(_CELLS) + 0.5) / _CELLS * 2.0 - 1.0
+    at = np.clip(np.searchsorted(edges, places) - 1, 0, count - 1)
+    return (0.5 * (edges[at] + edges[at + 1])).astype(np.float32)
+
+
+def _appetite(amount: float) -> NDArray:
+    """For `_CELLS` places, how readily hairs give: noise in three widths, mean 1."""
+    places = (np.arange(_CELLS) + 0.5) / _CELLS
+    noise = np.zeros(_CELLS)
+    for count, weight, seed in ((9, 0.5, 0.11), (23, 0.35, 0.47), (61, 0.25, 0.83)):
+        values = 2.0 * _scatter(count + 1, seed) - 1.0
+        noise += weight * np.interp(places * count, np.arange(count + 1), values)
+    noise -= noise.mean()
+    return (1.0 + amount * noise / np.abs(noise).max()).astype(np.float32)

@@ -1,0 +1,430 @@
+"""A tuft of single hairs: every hair bent, laid on the surface, and kept at its length.
+
+The frame is that of `kernels.tuft`: the origin is the root's foot in the stamp's plane, x runs
+along the bend, y to its side, z up. A hair starts from its own place (a, b) in the ferrule's disc
+and is known by `SAMPLES` points, tip first. Its deformation is looked up by its own height over the
+surface, in its own length, and by the tilt: four heights that span those of all hairs are read from
+the table, and each hair is interpolated between them by a cubic. Around that curve it keeps its
+place in the tuft's section (Guo 2017, Eqs. 2, 3): a hair in the section (a, b), a pointing down, is
+`a C_2 / 2` below the spine and `b C_1 / 2` beside it, so that the hairs that meet the plane are
+those within the outline of Eq. 8. Then one pass from the root to the tip lays it on the surface: no
+point under it, every piece as long as it was.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = [
+    "ARCS", "BEND_SIZE", "BLOCK", "FLAT", "KNOWN", "SAMPLES", "Bristles", "bend_hairs", "fill_bend",
+    "make_block", "turn_hairs",
+]  # fmt: skip
+
+SAMPLES = 8  # points of a hair
+BLOCK = 256  # hairs bent together: what they take stays in the fastest memory
+ARCS = (np.arange(SAMPLES) / (SAMPLES - 1.0)) ** 1.5  # of the length, from the tip
+ARCS.setflags(write=False)
+_NODES = 3  # heights read from the table for one imprint
+_LIFT = 0.3  # mm, what a hair of the upper side rides above the surface at the tip
+
+_ZERO, _ONE, _TINY = np.float32(0.0), np.float32(1.0), np.float32(1e-12)
+_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+
+# Rows of a block, one after another in one array: places that the compiler knows to be apart, so
+# that it can use vector instructions without asking.
+_X, _Y, _Z = 0, BLOCK, 2 * BLOCK  # of points
+_A, _B, _PULL, _PULL2, _OWN, _PER_OWN = (place * BLOCK for place in range(6))  # of hairs
+KNOWN = 6
+_NODE, _TOP, _UP, _PART = (place * BLOCK for place in range(4))  # scratch
+BLOCK_SIZE = 4 * BLOCK
+_TRIFLE = np.float32(0.02)  # mm, how far under the plane a point may be lifted off-hand
+
+# Places in the numbers of one imprint's bend.
+HEIGHT, PER_HEIGHT, FIRST, PER_SPAN = 0, 1, 2, 3
+GROUND = 4  # 4-6 height of the surface under the hairs' bellies: constant, by b, by b^2
+PATCH = 7  # 7-12 surface: constant, by x, by y, by x^2, by x y, by y^2
+CURVED = 13  # 1.0 where it is not the plane
+CURVE = 14  # 2 coordinates x SAMPLES x NODES
+OFFSET_X = CURVE + 2 * SAMPLES * _NODES  # by a, SAMPLES
+OFFSET_Z = OFFSET_X + SAMPLES
+RIDE = OFFSET_Z + SAMPLES
+SIDE = RIDE + SAMPLES  # by b
+FREE = SIDE + SAMPLES  # how far a point is from the ferrule, 0 to 1
+SHIFT_X = FREE + SAMPLES  # remembered bend
+SHIFT_Y = SHIFT_X + SAMPLES
+PART = SHIFT_Y + SAMPLES  # 2, how far the large and the small clumps have parted
+BEND_SIZE = PART + 2
+
+FLAT = np.zeros(6)  # the patch of a plane
+FLAT.setflags(write=False)
+
+
+class Bristles(NamedTuple):
+    """Hairs made ready for kernels (B hairs); built by `paint3d.brush.bristles.build_bristles`."""
+
+    count: int  # hairs; the last block is filled up with copies of the last one
+    places: NDArray  # (2, B / BLOCK, BLOCK) float32, where each is in the ferrule's unit disc
+    lengths: NDArray  # (B / BLOCK, BLOCK) float32, over the tuft's
+    rests: NDArray  # (B / BLOCK, SAMPLES - 1, BLOCK) float32, of the pieces from the tip up, mm
+    shapes: NDArray  # (tilts, heights, 3 SAMPLES) float32: x, z over the length, angle (rad)
+    fans: NDArray  # (tilts, heights, 2) float32: measured spread (rad), from which length on
+    clumps: NDArray  # (2, cells) float32: where in [-1, 1] the middle of a place's clump is
+    appetite: NDArray  # (cells,) float32: how readily the hairs at a place give, mean 1
+    lowest_tilt: float  # rad
+    greatest_fraction: float  # descent over the straight hair's height in the last column
+    hair_mm: float  # radius of a dry hair
+    film_mm: float  # what ink adds to it at the most
+    threshold_mm: float  # over the surface, within which a hair leaves ink
+    parting: float  # how far clumps part when dry, 0 to 1
+    splay: float  # how far a dry tuft opens, of the root's radius
+    levelling_mm: float  # way over which neighbours share their ink
+    set_mm: float  # descent over which a remembered bend is pressed out
+
+
+def make_block() -> NDArray:
+    """Scratch of `bend_hairs`."""
+    return np.zeros(BLOCK_SIZE, np.float32)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def turn_hairs(bristles, cosine, sine, out):
+    """Places (a, b) of the hairs for a bend turned in the handle, and their pulls to clumps.
+
+    Parameters
+    ----------
+    bristles : Bristles
+    cosine, sine : float
+        Of the angle from the ferrule's first axis to the bend.
+    out : (B / BLOCK, KNOWN BLOCK) float32
+        For a block of hairs: a (down), b (to the side), how far from b the middles of the clumps
+        are, large and small, the hairs' lengths, and one over them.
+    """
+    c, s = np.float32(cosine), np.float32(sine)
+    wide, narrow = bristles.clumps[0], bristles.clumps[1]
+    cells = wide.shape[0]
+    half, one = np.float32(0.5 * cells), np.float32(1.0)
+    top = np.int32(cells - 1)
+    for g in range(out.shape[0]):
+        u, v, own = bristles.places[0, g], bristles.places[1, g], bristles.lengths[g]
+        row = out[g]
+        for j in range(BLOCK):
+            row[_A + j] = -(c * u[j] + s * v[j])
+        for j in range(BLOCK):
+            row[_B + j] = c * v[j] - s * u[j]
+        for j in range(BLOCK):
+            row[_OWN + j] = own[j]
+        for j in range(BLOCK):
+            row[_PER_OWN + j] = one / own[j]
+        for j in range(BLOCK):
+            b = row[_B + j]
+            cell = min(top, np.int32((b + one) * half))
+            row[_PULL + j] = wide[cell] - b
+            row[_PULL2 + j] = narrow[cell] - b
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _row(table, i, v, column, k):
+    """One number of the table at a tilt (row i, share v of the next) and a column."""
+    j = min(int(column), table.shape[1] - 2)
+    u = column - j
+    low = (1.0 - v) * ((1.0 - u) * table[i, j, k] + u * table[i, j + 1, k])
+    return low + v * ((1.0 - u) * table[i + 1, j, k] + u * table[i + 1, j + 1, k])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _patch_at(patch, x, y):
+    return (
+        patch[0] + patch[1] * x + patch[2] * y + patch[3] * x * x + patch[4] * x * y
+        + patch[5] * y * y
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, set_y, bend):
+    """Everything that the hairs of one imprint share.
+
+    Parameters
+    ----------
+    bristles : Bristles
+    tuft : Tuft
+    descent, tilt, pe : float
+        As for `kernels.tuft.trace_outline`.
+    patch : (6,) float64
+        Height of the surface over the plane (mm): constant, x, y, x^2, x y, y^2.
+    dryness, parted : float
+        How dry the tuft is, and how far its clumps have parted, 0 to 1.
+    set_x, set_y : float
+        Bend that the tuft remembers: where it carries the tip, mm.
+    bend : (BEND_SIZE,) float64
+        Filled.
+    """
+    length = tuft.length
+    n_tilts, n_columns, _ = bristles.shapes.shape
+    row = (tilt - bristles.lowest_tilt) * (n_tilts - 1) / (0.5 * np.pi - bristles.lowest_tilt)
+    row = min(max(row, 0.0), n_tilts - 1.0)
+    i = min(int(row), n_tilts - 2)
+    v = row - i
+    tall = length * np.sin(tilt)
+    height = tall - descent
+    per_column = (n_columns - 1.0) / np.sqrt(bristles.greatest_fraction)
+    column = min(np.sqrt(max(descent, 0.0) / tall) * per_column, n_columns - 1.0)
+
+    radius = 0.5 * tuft.diameters[-1]
+    before = 0.0
+    fan = _row(bristles.fans, i, v, column, 0)
+    fan_length = _row(bristles.fans, i, v, column, 1) * length
+    pressed = 1.0 + (tuft.spread * pe if fan_length <= 0.0 else 0.0)
+    lift = 0.0  # the arc up to which the underside lies on the plane
+    for k in range(1, SAMPLES):
+        angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
+        over = length * _row(bristles.shapes, i, v, column, SAMPLES + k)
+        over -= radius * ARCS[k] ** tuft.taper / pressed * np.cos(angle)
+        if over > 0.0:
+            share = before / (before - over) if before < 0.0 else 0.0
+            lift = length * (ARCS[k - 1] + share * (ARCS[k] - ARCS[k - 1]))
+            break
+        before = over
+    for k in range(SAMPLES):
+        arc = ARCS[k] * length
+        angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
+        round_ = radius * ARCS[k] ** tuft.taper
+        # what spreads is the part that is pressed; above it the hairs gather into the ferrule
+        spread = 1.0 + (pressed - 1.0) * min(1.0, (length - arc) / (length - lift))
+        free = 1.0 - ARCS[k]
+        bend[OFFSET_X + k] = -round_ / spread * np.sin(angle)
+        bend[OFFSET_Z + k] = -round_ / spread * np.cos(angle)
+        bend[RIDE + k] = max(round_ / spread, _LIFT) * free
+        side = round_ * spread + bristles.splay * dryness * radius * free * (1.0 - 0.5 * free)
+        side += np.tan(fan) * max(0.0, fan_length - arc)
+        bend[SIDE + k] = side
+        bend[FREE + k] = free
+        keep = free * free * np.exp(-max(descent, 0.0) / bristles.set_mm)
+        bend[SHIFT_X + k] = set_x * keep
+        bend[SHIFT_Y + k] = set_y * keep
+    bend[PART] = min(1.0, 2.0 * parted)
+    bend[PART + 1] = max(0.0, 2.0 * parted - 1.0)
+
+    curved = 0.0
+    reach = length * _row(bristles.shapes, i, v, column, 0)
+    for k in range(6):
+        bend[PATCH + k] = patch[k]
+        curved = max(curved, abs(patch[k]) * (1.0 if k == 0 else reach if k < 3 else reach * reach))
+    bend[CURVED] = 1.0 if curved > 1e-3 else 0.0
+    belly = length * _row(bristles.shapes, i, v, column, 2)
+    side = bend[SIDE + 2]
+    bend[GROUND] = _patch_at(patch, belly, 0.0)
+    bend[GROUND + 1] = (patch[2] + patch[4] * belly) * side
+    bend[GROUND + 2] = patch[5] * side * side
+    low = high = 0.0
+    for b in (-1.0, -0.5, 0.5, 1.0):
+        rise = b * (bend[GROUND + 1] + b * bend[GROUND + 2])
+        low, high = min(low, rise), max(high, rise)
+    shortest = 1.0
+    for k in range(BLOCK):  # the first block has the whole range
+        shortest = min(shortest, np.float64(bristles.lengths[0, k]))
+    span_low = 1.0 - (height - bend[GROUND] - low) / (shortest * tall)
+    span_high = 1.0 - (height - bend[GROUND] - high) / tall
+    first = min(np.sqrt(max(span_low, 0.0)) * per_column, n_columns - 1.0)
+    final = min(np.sqrt(max(span_high, 0.0)) * per_column, n_columns - 1.0)
+    final = max(final, first + 1e-3)
+    bend[HEIGHT] = height
+    bend[PER_HEIGHT] = 1.0 / tall
+    bend[FIRST] = first / per_column
+    bend[PER_SPAN] = per_column / (final - first)
+    for k in range(2 * SAMPLES):
+        y0 = length * _row(bristles.shapes, i, v, min(first, n_columns - 1.0), k)
+        y1 = length * _row(bristles.shapes, i, v, min(0.5 * (first + final), n_columns - 1.0), k)
+        y2 = length * _row(bristles.shapes, i, v, min(final, n_columns - 1.0), k)
+        at = CURVE + _NODES * k
+        bend[at] = y0
+        bend[at + 1] = -3.0 * y0 + 4.0 * y1 - y2
+        bend[at + 2] = 2.0 * y0 - 4.0 * y1 + 2.0 * y2
+
+
+@_elementwise
+def _start_block(bend, known, w, here):
+    """Where the hairs of a block stand between the three heights, and their roots."""
+    height, per_height = np.float32(bend[HEIGHT]), np.float32(bend[PER_HEIGHT])
+    first, per_span = np.float32(bend[FIRST]), np.float32(bend[PER_SPAN])
+    g0 = np.float32(bend[GROUND])
+    g1, g2 = np.float32(bend[GROUND + 1]), np.float32(bend[GROUND + 2])
+    up = CURVE + _NODES * (2 * SAMPLES - 1)
+    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
+    dx, dz = np.float32(bend[OFFSET_X + SAMPLES - 1]), np.float32(bend[OFFSET_Z + SAMPLES - 1])
+    side = np.float32(bend[SIDE + SAMPLES - 1])
+    part, part2 = np.float32(bend[PART]), np.float32(bend[PART + 1])
+    for j in range(BLOCK):
+        a, b, own = known[_A + j], known[_B + j], known[_OWN + j]
+        fraction = _ONE - (height - (g0 + b * (g1 + b * g2))) * per_height * known[_PER_OWN + j]
+        fraction = fraction if fraction > _ZERO else _ZERO
+        t = (np.sqrt(fraction) - first) * per_span
+        t = t if t > _ZERO else _ZERO
+        t = t if t < _ONE else _ONE
+        w[_NODE + j] = t
+        w[_TOP + j] = height - own * (d0 + t * (d1 + t * d2))
+        w[_PART + j] = known[_PULL + j] * part + known[_PULL2 + j] * part2
+        w[_UP + j] = _ZERO if a > _ZERO else -a
+        here[_X + j] = a * dx
+        here[_Y + j] = b * side
+        here[_Z + j] = height + a * dz
+
+
+@_elementwise
+def _lay(bend, k, known, rest, w, above, here):
+    """The next points of hairs on a plane, every piece at its length; those under it stay so.
+
+    They go along the hairs' own curves, to where these lie in height and to the side: what a hair
+    is longer or shorter than its curve shows at its tip.
+    """
+    at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
+    c0 = np.float32(bend[at] - bend[at + _NODES])
+    c1 = np.float32(bend[at + 1] - bend[at + 1 + _NODES])
+    c2 = np.float32(bend[at + 2] - bend[at + 2 + _NODES])
+    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
+    dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
+    sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
+    side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
+    ride = np.float32(bend[RIDE + k])
+    for j in range(BLOCK):
+        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
+        ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
+        ey = known[_B + j] * side + (w[_PART + j] * part + (sy - y1))
+        low = own * (d0 + t * (d1 + t * d2)) + (a * dz + w[_TOP + j])
+        least = w[_UP + j] * ride
+        ez = (low if low > least else least) - z1
+        run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
+        here[_X + j] = x1 + ex * run
+        here[_Y + j] = y1 + ey * run
+        here[_Z + j] = z1 + ez * run
+
+
+@_elementwise
+def _lay_patch(bend, k, known, rest, w, above, here):
+    """`_lay`, with the ground asked for where the hairs' curves lead to."""
+    at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
+    c0 = np.float32(bend[at] - bend[at + _NODES])
+    c1 = np.float32(bend[at + 1] - bend[at + 1 + _NODES])
+    c2 = np.float32(bend[at + 2] - bend[at + 2 + _NODES])
+    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
+    dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
+    sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
+    side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
+    ride = np.float32(bend[RIDE + k])
+    s0, s1, s2 = np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2])
+    s3, s4 = np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4])
+    s5 = np.float32(bend[PATCH + 5])
+    for j in range(BLOCK):
+        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
+        ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
+        ey = known[_B + j] * side + (w[_PART + j] * part + (sy - y1))
+        low = own * (d0 + t * (d1 + t * d2)) + (a * dz + w[_TOP + j])
+        px, py = x1 + ex, y1 + ey
+        least = s0 + px * (s1 + s3 * px + s4 * py) + py * (s2 + s5 * py) + w[_UP + j] * ride
+        ez = (low if low > least else least) - z1
+        run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
+        here[_X + j] = x1 + ex * run
+        here[_Y + j] = y1 + ey * run
+        here[_Z + j] = z1 + ez * run
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz", "reassoc"})
+def _sunk(here):
+    """Sums of how far points are under the plane, and more than a trifle under it.
+
+    Only whether they are above 0 is asked, and that is the same in any order of adding.
+    """
+    under, far = _ZERO, _ZERO
+    for j in range(BLOCK):
+        z = -here[_Z + j]
+        under += z if z > _ZERO else _ZERO
+        z -= _TRIFLE
+        far += z if z > _ZERO else _ZERO
+    return under, far
+
+
+@_elementwise
+def _lift(here):
+    """Put points that are hardly under the plane on it."""
+    for j in range(BLOCK):
+        z = here[_Z + j]
+        here[_Z + j] = z if z > _ZERO else _ZERO
+
+
+@_elementwise
+def _raise(rest, above, here):
+    """Lift points under the plane to it and slide them on, so that the piece keeps its length."""
+    for j in range(BLOCK):
+        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
+        ex, ey, z = here[_X + j] - x1, here[_Y + j] - y1, here[_Z + j]
+        room = rest[j] * rest[j] - z1 * z1
+        room = room if room > _ZERO else _ZERO
+        run = np.sqrt(room / (ex * ex + (ey * ey + _TINY)))
+        run = run if z < _ZERO else _ONE
+        here[_X + j] = x1 + ex * run
+        here[_Y + j] = y1 + ey * run
+        here[_Z + j] = z if z > _ZERO else _ZERO
+
+
+@_elementwise
+def _raise_patch(bend, rest, above, here):
+    """`_raise` to a curved patch: the ground is asked for where the point came, and once more."""
+    s0, s1, s2 = np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2])
+    s3, s4 = np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4])
+    s5 = np.float32(bend[PATCH + 5])
+    for j in range(BLOCK):
+        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
+        px, py, z = here[_X + j], here[_Y + j], here[_Z + j]
+        ex, ey = px - x1, py - y1
+        ground = s0 + px * (s1 + s3 * px + s4 * py) + py * (s2 + s5 * py)
+        z = z if z > ground else ground
+        drop = z - z1
+        room = rest[j] * rest[j] - drop * drop
+        room = room if room > _ZERO else _ZERO
+        run = np.sqrt(room / (ex * ex + (ey * ey + _TINY)))
+        px, py = x1 + ex * run, y1 + ey * run
+        ground = s0 + px * (s1 + s3 * px + s4 * py) + py * (s2 + s5 * py)
+        here[_X + j] = px
+        here[_Y + j] = py
+        here[_Z + j] = z if z > ground else ground
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def bend_hairs(rests, turned, bend, block, out):
+    """Bend all hairs and lay them on the surface.
+
+    Parameters
+    ----------
+    rests : (B / BLOCK, SAMPLES - 1, BLOCK) float32
+        Of `Bristles`.
+    turned : (B / BLOCK, KNOWN BLOCK) float32
+        From `turn_hairs`.
+    bend : (BEND_SIZE,) float64
+        From `fill_bend`.
+    block : (BLOCK_SIZE,) float32
+        Scratch.
+    out : (B / BLOCK, SAMPLES, 3 BLOCK) float32
+        By blocks, and from the tip up: x, y, z of the hairs' points, mm.
+    """
+    curved = bend[CURVED] > 0.0
+    for g in range(turned.shape[0]):
+        known, above = turned[g], out[g, SAMPLES - 1]
+        _start_block(bend, known, block, above)
+        for k in range(SAMPLES - 2, -1, -1):
+            rest, here = rests[g, k], out[g, k]
+            if curved:
+                _lay_patch(bend, k, known, rest, block, above, here)
+                _raise_patch(bend, rest, above, here)
+            else:
+                _lay(bend, k, known, rest, block, above, here)
+                under, far = _sunk(here)
+                if far > _ZERO:
+                    _raise(rest, above, here)
+                elif under > _ZERO:
+                    _lift(here)
+            above = here
