@@ -25,6 +25,7 @@ HEAVY = {
     "hid",
     "hidraw",
     "websockets",
+    "PySide6",
 }
 # Each heavy package has its places; elsewhere it must not be imported at all.
 HOMES = {
@@ -37,6 +38,7 @@ HOMES = {
     "vtkmodules": {"view"},
     "numba": {"kernels"},
     "xatlas": {"files"},
+    "PySide6": {"app"},
 }
 # Tools and oracles, never part of the program:
 FORBIDDEN = {"colour", "trimesh", "matplotlib", "pandas", "torch"}
@@ -100,6 +102,13 @@ def test_all_names_exactly_what_is_loaded_lazily() -> None:
 
 def test_unknown_name_is_an_attribute_error() -> None:
     assert not hasattr(paint3d, "Paintr")
+
+
+def test_the_studios_model_knows_no_window() -> None:
+    for module in (PACKAGE / "app" / "model").glob("*.py"):
+        names = set(imported_packages(parse(module)))
+        assert not {"PySide6", "vtk", "vtkmodules", "pyvista"} & names, module
+        assert "paint3d.app.window" not in module.read_text(encoding="utf-8"), module
 
 
 def test_heavy_packages_stay_at_home() -> None:

@@ -14,7 +14,7 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from paint3d.cli import batch, bench, demo, devices, export, inks, replay, report, write
+from paint3d.cli import batch, bench, demo, devices, export, inks, paint, replay, report, write
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.errors import Paint3DError
 
@@ -24,6 +24,7 @@ _COMMANDS = {
     "demo": demo,
     "replay": replay,
     "write": write,
+    "paint": paint,
     "export": export,
     "batch": batch,
     "devices": devices,

@@ -26,7 +26,7 @@ __all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings",
 AROUND = 44  # points around a section of the tuft, and of the handle
 _PER_SEGMENT = 6  # sections to a straight segment of the spine
 _HAIR_RELIEF = 0.05  # of the radius: how far hairs stand out of a section
-_GATHERED = 0.38  # of the length from the root, over which the spread fades
+_GATHERED = 0.5  # of the length from the root, over which the spread fades
 _LIFT = 0.12  # mm that the lowest hairs are drawn above the surface, not to flicker with it
 _HANDLE = (  # distance up the handle over the tuft's length, radius over the root's, material
     (-0.04, 1.00, 0), (-0.02, 1.10, 0), (0.10, 1.14, 0), (0.32, 1.02, 0), (0.34, 0.93, 0),

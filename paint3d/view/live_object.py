@@ -75,7 +75,7 @@ class LiveObject:
             Vertices whose colours have changed; `PaintedSurface.refresh` returns them.
         """
         surface = self.surface
-        srgb = surface.srgb  # up to date: brings new vertices of a coloured mesh their colours
+        srgb = surface.codes
         if self._all:
             vertex_ids = np.arange(surface.n_vertices, dtype=np.int32)
             self._all = False

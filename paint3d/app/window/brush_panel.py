@@ -1,0 +1,206 @@
+"""The brushes, each shown by a stroke of its own in the ink that is in use."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.brush_size import resized, size_limits
+from paint3d.app.window.previews import stroke_preview
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush.spec import BrushSpec
+
+__all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
+
+_ICON = QtCore.QSize(132, 42)
+_SHORTEST_MM, _LONGEST_MM = 5.0, 200.0  # the slider's ends
+_SETTLE_MS = 160  # a new size is taken when the slider has stood so long
+
+
+def pixmap_of(pixels: np.ndarray, size: QtCore.QSize | None = None) -> QtGui.QPixmap:
+    """A pixmap of (H, W, 3) uint8 pixels, the first row on top."""
+    height, width = pixels.shape[:2]
+    data = np.ascontiguousarray(pixels)
+    image = QtGui.QImage(data.data, width, height, 3 * width, QtGui.QImage.Format.Format_RGB888)
+    pixmap = QtGui.QPixmap.fromImage(image.copy())
+    if size is None:
+        return pixmap
+    return pixmap.scaled(
+        size,
+        QtCore.Qt.AspectRatioMode.IgnoreAspectRatio,
+        QtCore.Qt.TransformationMode.SmoothTransformation,
+    )
+
+
+class BrushPanel(QtWidgets.QWidget):
+    """Choose a brush and its size.
+
+    Signals
+    -------
+    chosen : BrushSpec
+    """
+
+    chosen = QtCore.Signal(object)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self._theme = theme
+        self._ink: object = "pine soot"
+        self._painter = ThreadPoolExecutor(1, thread_name_prefix="paint3d-preview")
+        self._coming: dict[str, Future] = {}
+        self.brush = load_brush(brush_names()[0])
+        self._list = self._make_list()
+        self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self._size.setRange(0, 1000)
+        self._told = QtWidgets.QLabel()
+        self._told.setMinimumWidth(58)
+        self._told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(QtWidgets.QLabel(say("Tuft")))
+        row.addWidget(self._size, 1)
+        row.addWidget(self._told)
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(8, 6, 8, 8)
+        layout.addWidget(self._list, 1)
+        layout.addLayout(row)
+        self._size.valueChanged.connect(self._size_moved)
+        self._timer = QtCore.QTimer(self)
+        self._timer.setInterval(120)
+        self._timer.timeout.connect(self._take_previews)
+        self._wanted = self.brush.length_mm
+        self._settle = QtCore.QTimer(self)
+        self._settle.setSingleShot(True)
+        self._settle.setInterval(_SETTLE_MS)
+        self._settle.timeout.connect(self._size_settled)
+        self.show_brush(self.brush)
+        self.set_ink(self._ink)
+
+    def _make_list(self) -> QtWidgets.QListWidget:
+        view = QtWidgets.QListWidget()
+        view.setObjectName("brushes")
+        view.setIconSize(_ICON)
+        view.setUniformItemSizes(True)
+        view.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        for name in brush_names():
+            spec = load_brush(name)
+            item = QtWidgets.QListWidgetItem(f"{say(name)}\n{spec.length_mm:g} mm")
+            item.setData(QtCore.Qt.ItemDataRole.UserRole, name)
+            item.setToolTip(
+                say("{hair} hair, {length:g} mm long, {width:g} mm thick").format(
+                    hair=say(spec.hair), length=spec.length_mm, width=spec.root_diameter_mm
+                )
+            )
+            view.addItem(item)
+        view.itemClicked.connect(self._item_chosen)
+        view.itemActivated.connect(self._item_chosen)
+        return view
+
+    # -- what is chosen ---------------------------------------------------------------------
+
+    def show_brush(self, brush: BrushSpec) -> None:
+        """Show which brush is in use."""
+        self.brush = brush
+        for row in range(self._list.count()):
+            if self._name(row) == plain_name(brush):
+                self._list.setCurrentRow(row)
+        self._wanted = brush.length_mm
+        with QtCore.QSignalBlocker(self._size):
+            self._size.setValue(_step_of(brush.length_mm))
+        self._told.setText(f"{brush.length_mm:.3g} mm")
+
+    def set_ink(self, ink: object) -> None:
+        """Paint the previews in this ink: a name, or parts by name."""
+        self._ink = ink
+        for row in range(self._list.count()):
+            name = self._name(row)
+            self._coming[name] = self._painter.submit(stroke_preview, load_brush(name), ink)
+        self._timer.start()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self._theme = theme
+        self.set_ink(self._ink)
+
+    @property
+    def is_settling(self) -> bool:
+        """Whether a size has been chosen that is not yet taken."""
+        return self._settle.isActive()
+
+    def resize_brush(self, factor: float) -> None:
+        """Choose a brush so many times as large, soon."""
+        self._want(self._wanted * factor)
+        with QtCore.QSignalBlocker(self._size):
+            self._size.setValue(_step_of(self._wanted))
+
+    def close_down(self) -> None:
+        """Paint no more previews."""
+        self._timer.stop()
+        self._painter.shutdown(wait=True, cancel_futures=True)
+
+    def _name(self, row: int) -> str:
+        return self._list.item(row).data(QtCore.Qt.ItemDataRole.UserRole)
+
+    def _item_chosen(self, item: QtWidgets.QListWidgetItem) -> None:
+        self.chosen.emit(load_brush(item.data(QtCore.Qt.ItemDataRole.UserRole)))
+
+    def _size_moved(self, value: int) -> None:
+        self._want(_SHORTEST_MM * (_LONGEST_MM / _SHORTEST_MM) ** (value / 1000))
+
+    def _want(self, length: float) -> None:
+        least, most = size_limits(self.brush)
+        self._wanted = min(max(length, 1.0001 * least), 0.9999 * most)
+        self._told.setText(f"{self._wanted:.3g} mm")
+        self._settle.start()
+
+    def _size_settled(self) -> None:
+        self.chosen.emit(resized(self.brush, self._wanted))
+
+    def _take_previews(self) -> None:
+        for row in range(self._list.count()):
+            coming = self._coming.get(self._name(row))
+            if coming is not None and coming.done() and not coming.cancelled():
+                pixels = coming.result()
+                self._list.item(row).setIcon(plain_icon(_framed(pixels, self._theme)))
+                del self._coming[self._name(row)]
+        if not self._coming:
+            self._timer.stop()
+
+
+def plain_icon(pixmap: QtGui.QPixmap) -> QtGui.QIcon:
+    """An icon that looks the same when it is chosen."""
+    icon = QtGui.QIcon(pixmap)
+    icon.addPixmap(pixmap, QtGui.QIcon.Mode.Selected)
+    return icon
+
+
+def plain_name(brush: BrushSpec) -> str:
+    """Of the brush that it is a size of."""
+    return brush.name.split(" @")[0]
+
+
+def _step_of(length: float) -> int:
+    """Where the slider stands for a length."""
+    return round(1000 * np.log(length / _SHORTEST_MM) / np.log(_LONGEST_MM / _SHORTEST_MM))
+
+
+def _framed(pixels: np.ndarray, theme: Theme) -> QtGui.QPixmap:
+    """The stroke as a slip of paper with rounded corners, twice as fine as it is shown."""
+    size = 2 * _ICON
+    whole = QtGui.QPixmap(size)
+    whole.fill(QtCore.Qt.GlobalColor.transparent)
+    painter = QtGui.QPainter(whole)
+    painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+    path = QtGui.QPainterPath()
+    path.addRoundedRect(QtCore.QRectF(1, 1, size.width() - 2, size.height() - 2), 10, 10)
+    painter.setClipPath(path)
+    painter.drawPixmap(0, 0, pixmap_of(pixels, size))
+    painter.setClipping(False)
+    painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 2))
+    painter.drawPath(path)
+    painter.end()
+    whole.setDevicePixelRatio(2.0)
+    return whole

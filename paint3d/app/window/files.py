@@ -1,0 +1,362 @@
+"""Opening, saving, exporting, and the questions that come with them."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.sitting import Unfinished, recoverable
+from paint3d.app.window.dialogs import KeysDialog, NewDialog, ask_unit, implausible
+from paint3d.app.window.jobs import Progress, run_beside
+from paint3d.app.window.turntable import write_turntable
+from paint3d.app.window.wording import say
+from paint3d.errors import Paint3DError
+from paint3d.files.atomic import write_atomically
+from paint3d.files.export import EXPORT_SUFFIXES
+from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, load_mesh
+from paint3d.files.session import SESSION_SUFFIX, is_session_path
+from paint3d.stroke.recording import load_recording, save_recording
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["FINEST_MM", "Files"]
+
+_MOST_RECENT = 8
+FINEST_MM = 0.4
+
+
+class Files:
+    """What the file menu does, for one window.
+
+    Attributes
+    ----------
+    error : BaseException or None
+        What went wrong last.
+    quiet : bool
+        Keep it there instead of showing it.
+    """
+
+    def __init__(self, window: StudioWindow) -> None:
+        self._window = window
+        self.settings = QtCore.QSettings()
+        self.error: BaseException | None = None
+        self.quiet = False
+
+    # -- opening ----------------------------------------------------------------------------
+
+    def new(self) -> None:
+        """Ask for an object, a material and a fineness, and begin."""
+        dialog = NewDialog(self._window, FINEST_MM)
+        if not dialog.exec() or not self.may_leave():
+            return
+        name, material, resolution = dialog.chosen()
+        if name:
+            self.open_path(name, resolution, material, asked=True)
+        else:
+            self.open(resolution, material)
+
+    def open(self, resolution: float = FINEST_MM, material: str = "porcelain") -> None:
+        """Ask for a file, and open it."""
+        meshes = " ".join(f"*{suffix}" for suffix in (SESSION_SUFFIX, *MESH_SUFFIXES))
+        kinds = f"{say('Objects and paintings')} ({meshes});;{say('All files')} (*)"
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(self._window, say("Open"), "", kinds)
+        if path:
+            self.open_path(path, resolution, material)
+
+    def open_path(
+        self,
+        path: str,
+        resolution: float | None = FINEST_MM,
+        material: str = "porcelain",
+        *,
+        asked: bool = False,
+    ) -> bool:
+        """Open a painting, a mesh or a built-in object; say whether that went well.
+
+        Parameters
+        ----------
+        path : str
+        resolution : float or None
+            mm; of a mesh.
+        material : str
+            Of a mesh.
+        asked : bool
+            Whether it was asked already what becomes of the painting that is open.
+        """
+        if not asked and self._window.stage.easel is not None and not self.may_leave():
+            return False
+        name = Path(path).name
+        title = say("Opening {name}…").format(name=say(name))
+        if is_session_path(path):
+            done = run_beside(self._window, title, lambda _: Document.open(path))
+        else:
+            done = self._open_mesh(path, title, resolution, material)
+        if done is None or not self._went_well(done):
+            return False
+        self._window.show_document(done.result())
+        if path not in BUILT_IN_OBJECTS:
+            self._remember(path)
+        return True
+
+    def _open_mesh(self, path: str, title: str, resolution: float, material: str) -> Future | None:
+        loaded = run_beside(self._window, title, lambda _: load_mesh(path))
+        if not self._went_well(loaded):
+            return None
+        mesh, unit = loaded.result(), None
+        size = float(np.ptp(mesh.vertices, axis=0).max())
+        if path not in BUILT_IN_OBJECTS and implausible(size):
+            unit = ask_unit(self._window, Path(path).name, size)
+            if unit is None:
+                return None
+
+        def make(_: Progress) -> Document:
+            found = load_mesh(path, unit) if unit else mesh
+            return Document.new(found, resolution, material, unit=unit)
+
+        return run_beside(self._window, title, make)
+
+    def _went_well(self, done: Future) -> bool:
+        """Whether work ended well; what went wrong is told."""
+        if done.cancelled():
+            return False
+        error = done.exception()
+        if error is None:
+            return True
+        self.error = error
+        if isinstance(error, Paint3DError | OSError) and self.quiet:
+            return False
+        if isinstance(error, Paint3DError | OSError):
+            QtWidgets.QMessageBox.warning(self._window, "paint3d", str(error))
+        elif type(error).__name__ == "CancelledError":
+            self._window.tell(say("Stopped"))
+        else:
+            raise error
+        return False
+
+    def _remember(self, path: str) -> None:
+        """Put a file first among the recent ones."""
+        path = str(Path(path).resolve())
+        recent = [path, *(p for p in self.recent() if p != path)][:_MOST_RECENT]
+        self.settings.setValue("recent", recent)
+        self.show_recent()
+
+    def recent(self) -> list[str]:
+        """Files that were opened lately and are still there."""
+        kept = self.settings.value("recent", []) or []
+        kept = [kept] if isinstance(kept, str) else kept
+        return [path for path in kept if Path(path).exists()]
+
+    def show_recent(self) -> None:
+        """Fill the menu of recent files."""
+        menu = self._window.recent_menu
+        menu.clear()
+        for path in self.recent():
+            menu.addAction(Path(path).name, lambda path=path: self.open_path(path))
+        menu.setEnabled(bool(menu.actions()))
+
+    # -- saving -----------------------------------------------------------------------------
+
+    def may_leave(self) -> bool:
+        """Ask what is to become of unsaved work; False if it is to stay."""
+        if self._window.stage.easel is None:
+            return True
+        with self._window.stage.easel.paused() as document:
+            modified = document.modified
+        if not modified:
+            return True
+        button = QtWidgets.QMessageBox.StandardButton
+        document = self._window.document
+        name = document.path.name if document.path else say("this painting")
+        answer = QtWidgets.QMessageBox.question(
+            self._window, say("Unsaved painting"),
+            say("Save the changes to {name} before leaving it?").format(name=name),
+            button.Save | button.Discard | button.Cancel, button.Save,
+        )  # fmt: skip
+        if answer == button.Save:
+            return self.save()
+        return answer == button.Discard
+
+    def save(self) -> bool:
+        """Save where it was saved before, or ask where."""
+        path = self._window.document.path
+        return self.save_as() if path is None else self.save_to(path)
+
+    def save_as(self) -> bool:
+        """Ask where to save."""
+        path = self._ask_target(say("Save as…"), say("Paintings"), (SESSION_SUFFIX,))
+        return path is not None and self.save_to(path)
+
+    def save_to(self, path: Path) -> bool:
+        """Save to a session; say whether that went well."""
+        saved = self._posted(say("Writing {name}…").format(name=path.name), "save", path)
+        if saved:
+            self._window.show_title()
+            self._window.tell(say("Saved {name}").format(name=path.name), state="good")
+            self._remember(str(path))
+        return saved
+
+    def export(self) -> None:
+        """Ask for a name, whose suffix is the format."""
+        path = self._ask_target(say("Export"), say("Everything"), EXPORT_SUFFIXES)
+        if path is not None:
+            self.export_to(path)
+
+    def export_to(self, path: Path) -> bool:
+        """Write the painting in another format."""
+        wrote = self._posted(say("Writing {name}…").format(name=path.name), "export", path)
+        if wrote:
+            self._window.tell(say("Wrote {name}").format(name=path.name), state="good")
+        return wrote
+
+    def _posted(self, title: str, command: str, *arguments: object) -> bool:
+        """Have the easel do something that takes long, and wait for it with a bar."""
+        future = self._window.stage.easel.post(command, *arguments)
+        return self._went_well(run_beside(self._window, title, lambda _: future.result()))
+
+    def _ask_target(self, title: str, kind: str, suffixes: tuple[str, ...]) -> Path | None:
+        document = self._window.document
+        start = document.path or Path(document.surface.source.name + suffixes[0])
+        wanted = f"{kind} ({' '.join('*' + suffix for suffix in suffixes)})"
+        start = str(start.with_suffix("")) + suffixes[0]
+        path, _ = QtWidgets.QFileDialog.getSaveFileName(self._window, title, start, wanted)
+        if not path:
+            return None
+        known = any(path.lower().endswith(suffix) for suffix in suffixes)
+        return Path(path if known else path + suffixes[0])
+
+    # -- what a crash left ------------------------------------------------------------------
+
+    def offer_recovery(self) -> bool:
+        """Ask about a painting that was never saved; True if it was brought back."""
+        left = recoverable()
+        if not left:
+            return False
+        one = left[0]
+        box = QtWidgets.QMessageBox(self._window)
+        box.setWindowTitle(say("Something was left unfinished"))
+        name = one.path.name if one.path else say(one.object_name)
+        when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
+        told = say(
+            "paint3d ended without saving {name}. Everything up to {when} can be brought back."
+        )
+        box.setText(told.format(name=name, when=when.toString("yyyy-MM-dd hh:mm:ss")))
+        role = QtWidgets.QMessageBox.ButtonRole
+        back = box.addButton(say("Bring it back"), role.AcceptRole)
+        away = box.addButton(say("Leave it"), role.DestructiveRole)
+        box.setDefaultButton(back)
+        box.exec()
+        if box.clickedButton() is away:
+            one.discard()
+        if box.clickedButton() is not back:
+            return False
+        return self.recover(one)
+
+    def recover(self, one: Unfinished) -> bool:
+        """Bring a painting back; what it was kept in is deleted once it is kept anew."""
+        title = say("Opening {name}…").format(name=say(one.object_name))
+        done = run_beside(self._window, title, lambda _: one.recover())
+        if not self._went_well(done):
+            return False
+        back = done.result()
+        self._window.show_document(back.document)
+        one.discard()
+        self._window.tell(say("Brought back; save it to keep it"), state="good")
+        return True
+
+    # -- recordings and pictures ------------------------------------------------------------
+
+    def save_recording(self) -> None:
+        """Save the strokes of this sitting."""
+        path = self._ask_target(say("Export"), say("Recordings"), (".jsonl", ".jsonl.gz", ".inkml"))
+        if path is None:
+            return
+        with self._window.stage.easel.paused() as document:
+            recording = document.recording()
+        if recording is None:
+            self._window.tell(
+                say("{n} strokes, {seconds:.1f} s").format(n=0, seconds=0), state="bad"
+            )
+            return
+        done = run_beside(self._window, path.name, lambda _: save_recording(recording, path))
+        self._went_well(done)
+
+    def replay(self) -> None:
+        """Ask for a recording, and paint it on what is here."""
+        kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(self._window, say("Replay"), "", kinds)
+        if path:
+            self.replay_file(path)
+
+    def replay_file(self, path: str) -> None:
+        """Paint a recording on what is here, stroke by stroke, as if by hand."""
+        loaded = run_beside(self._window, Path(path).name, lambda _: load_recording(path))
+        if not self._went_well(loaded):
+            return
+        samples = list(loaded.result().samples())
+        easel = self._window.stage.easel
+        easel.post("begin_stroke")
+        for at in range(0, len(samples), 64):
+            easel.feed(samples[at : at + 64])
+        easel.post("end_stroke")
+
+    def screenshot(self) -> None:
+        """Save the picture as it is seen."""
+        path = self._ask_target(say("Picture of the view…"), say("Picture"), (".png",))
+        if path is not None:
+            self.screenshot_to(path)
+
+    def screenshot_to(self, path: Path) -> None:
+        """Write the picture as it is seen, without what lies over it."""
+        pixels = self._window.stage.picture()[::-1, :, :3]
+        try:
+            with write_atomically(path) as part:
+                Image.fromarray(pixels).save(part, format="PNG")
+        except Paint3DError as error:
+            QtWidgets.QMessageBox.warning(self._window, "paint3d", str(error))
+            return
+        self._window.tell(say("Wrote {name}").format(name=path.name), state="good")
+
+    def turntable(self) -> None:
+        """Save a film of the object turning."""
+        path = self._ask_target(say("Turntable film…"), say("Film"), (".gif", ".webp"))
+        if path is not None:
+            self.turntable_to(path)
+
+    def turntable_to(self, path: Path, n_frames: int = 72) -> None:
+        """Write a film of the object turning once."""
+        window = self._window
+        window.stage.hide_brush()
+        try:
+            write_turntable(window, path, n_frames)
+        except Paint3DError as error:
+            QtWidgets.QMessageBox.warning(window, "paint3d", str(error))
+            return
+        window.tell(say("Wrote {name}").format(name=path.name), state="good")
+
+    # -- the rest ---------------------------------------------------------------------------
+
+    def choose_language(self, code: str) -> None:
+        """Speak it from the next start."""
+        self.settings.setValue("language", code)
+        self._window.tell(say("The language changes with the next start"))
+
+    def show_keys(self) -> None:
+        """Show all keys and gestures."""
+        KeysDialog(self._window).exec()
+
+    def show_about(self) -> None:
+        """Say what this is."""
+        from paint3d import __version__
+
+        text = say(
+            "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real "
+            "one does."
+        )
+        QtWidgets.QMessageBox.about(self._window, "paint3d", f"paint3d {__version__}\n\n{text}")

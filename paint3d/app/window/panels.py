@@ -1,0 +1,111 @@
+"""The panels beside the canvas, and what goes on between them and the painting."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.frame import Frame
+from paint3d.app.window.brush_panel import BrushPanel
+from paint3d.app.window.history_panel import HistoryPanel
+from paint3d.app.window.ink_panel import InkPanel
+from paint3d.app.window.layer_panel import LayerPanel
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+from paint3d.brush.spec import BrushSpec
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["Panels"]
+
+_WIDTH = 316
+_RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
+
+
+class Panels:
+    """All panels of one window."""
+
+    def __init__(self, window: StudioWindow) -> None:
+        self._window = window
+        theme = window.theme
+        self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
+        self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
+        self.docks: dict[str, QtWidgets.QDockWidget] = {}
+        upper = [self._dock("Brushes", self.brushes), self._dock("Inks", self.inks)]
+        lower = [self._dock("Layers", self.layers), self._dock("Strokes", self.history)]
+        for group in (upper, lower):
+            for dock in group[1:]:
+                window.tabifyDockWidget(group[0], dock)
+            group[0].raise_()
+        window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
+        window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
+        window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
+        window.view_menu.addSeparator()
+        for dock in self.docks.values():
+            window.view_menu.addAction(dock.toggleViewAction())
+        self._connect()
+
+    def _dock(self, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
+        dock = QtWidgets.QDockWidget(say(title), self._window)
+        dock.setObjectName(f"dock-{title.lower()}")
+        dock.setWidget(panel)
+        dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
+        dock.setMinimumWidth(_WIDTH)
+        self._window.addDockWidget(_RIGHT, dock)
+        self.docks[title] = dock
+        return dock
+
+    def _connect(self) -> None:
+        post = self._window.post
+        self.brushes.chosen.connect(self._take_brush)
+        self._window.hand.sized.connect(self.brushes.resize_brush)
+        self.inks.dipped.connect(self._dip)
+        self.inks.rinsed.connect(lambda: post("rinse"))
+        for panel in (self.layers, self.history):
+            panel.asked.connect(lambda what, *told: post(what, *(x for x in told if x is not None)))
+        self.history.exported.connect(self._window.do_save_recording)
+
+    # -- following the painting -------------------------------------------------------------
+
+    def open(self) -> None:
+        """Show another document."""
+        document = self._window.document
+        self.brushes.show_brush(document.painter.brush)
+        self.inks.show_inks(document.inks)
+        self.brushes.set_ink(document.inks[0])
+        self.layers.show_layers(document.layers, document.active_layer)
+        self.history.show_strokes(document.strokes, can_redo=False)
+
+    def follow(self, frame: Frame) -> None:
+        """Show what a frame says."""
+        document = self._window.document
+        self.layers.show_layers(document.layers, document.active_layer)
+        self.history.follow(document, frame)
+        if document.inks[0] != self.inks.ink:
+            self.inks.show_inks(document.inks)
+            self.brushes.set_ink(document.inks[0])
+        if document.painter.brush != self.brushes.brush and not self.brushes.is_settling:
+            self.brushes.show_brush(document.painter.brush)
+
+    def ink_name(self) -> str:
+        """What the brush is dipped in, in words."""
+        return self.inks.ink_name()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Change the colours of what is painted by hand."""
+        for panel in (self.brushes, self.inks, self.layers, self.history):
+            panel.set_theme(theme)
+
+    def close_down(self) -> None:
+        """Stop what goes on beside."""
+        self.brushes.close_down()
+
+    def _take_brush(self, brush: BrushSpec) -> None:
+        self.brushes.show_brush(brush)
+        self._window.post("set_brush", brush)
+
+    def _dip(self, ink: object, reach: object) -> None:
+        self._window.post("dip", ink, reach)
+        self.brushes.set_ink(ink)

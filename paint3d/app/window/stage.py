@@ -1,0 +1,208 @@
+"""What is on stage: the painted object, the brush and the camera, kept up with the easel.
+
+The only place where the painting thread's document and the renderer meet: between two of its steps
+the document is held still while what has changed is copied, patch by patch; then it paints on while
+the renderer works.
+"""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.frame import BrushView, Frame
+from paint3d.app.model.sitting import Sitting
+from paint3d.frames import matrices_from_quaternions
+from paint3d.view.brush_shape import BrushStand
+from paint3d.view.camera import Camera
+from paint3d.view.live_brush import LiveBrush
+from paint3d.view.live_light import BakedLight
+from paint3d.view.live_object import LiveObject
+from paint3d.view.live_scene import LIGHT, LiveScene, Mood
+from paint3d.view.studio import Gloss
+
+__all__ = ["Stage"]
+
+_CALM_S = 0.35  # after which the picture is drawn finely
+_NONE = np.empty(0, np.int32)
+
+
+class Stage:
+    """A scene that follows one document at a time.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height, pixels.
+    mood : Mood
+
+    Attributes
+    ----------
+    easel : Easel or None
+    frame : Frame or None
+        The last one.
+    ink_s : float
+        From the coming of the last painted samples to their being seen, s.
+    """
+
+    def __init__(self, size: tuple[int, int], mood: Mood = LIGHT) -> None:
+        self.scene = LiveScene(size, mood)
+        self.easel: Easel | None = None
+        self.frame: Frame | None = None
+        self.ink_s = 0.0
+        self.shows_brush = True
+        self._object: LiveObject | None = None
+        self._brush: LiveBrush | None = None
+        self._brush_name = ""
+        self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
+        self._baking: Future[BakedLight] | None = None
+        self._stale = True
+        self._fine = False
+        self._moved = time.perf_counter()
+
+    # -- one document -----------------------------------------------------------------------
+
+    def open(
+        self, document: Document, *, wet: bool = False, sitting: Sitting | None = None
+    ) -> None:
+        """Put another document on stage; the one before is finished first.
+
+        Parameters
+        ----------
+        document : Document
+        wet : bool
+            Let ink spread and dry in real time.
+        sitting : Sitting, optional
+            Where what is painted is kept until it is saved.
+        """
+        self.close_document()
+        surface = document.surface
+        self._object = LiveObject(surface)
+        gloss = Gloss(surface.material.roughness, surface.material.coat)
+        self.scene.clear(self._object.centre, self._object.radius, gloss)
+        self.scene.apply(self._object.uploads(document.refresh()))
+        self._baking = self._baker.submit(self._object.light.bake)
+        self.easel = Easel(document, wet, sitting)
+        self.touch()
+
+    def close_document(self) -> None:
+        """Finish what is being painted, and leave the stage empty."""
+        if self.easel is not None:
+            self.easel.stop()
+        if self._brush is not None:
+            self._brush.remove()
+        self.easel = self.frame = self._object = self._brush = None
+        self._brush_name = ""
+
+    def close(self) -> None:
+        """Let go of everything."""
+        self.close_document()
+        self._baker.shutdown(wait=True, cancel_futures=True)
+        self.scene.close()
+
+    @property
+    def is_lit(self) -> bool:
+        """Whether the soft light has been found."""
+        return self._baking is None
+
+    @property
+    def points(self) -> NDArray:
+        """(B, 3) float32: the object's own vertices, to place the camera by."""
+        return self.easel.document.surface.source.vertices
+
+    # -- frame by frame ---------------------------------------------------------------------
+
+    def set_camera(self, camera: Camera) -> None:
+        """Look from there."""
+        self.scene.set_camera(camera)
+        self.touch()
+
+    def set_size(self, size: tuple[int, int]) -> None:
+        """Draw that many pixels."""
+        if size != self.scene.size:
+            self.scene.set_size(size)
+            self.touch()
+
+    def set_mood(self, mood: Mood) -> None:
+        """Change the colours around the object."""
+        self.scene.set_mood(mood)
+        self.touch()
+
+    def touch(self) -> None:
+        """Have it drawn again."""
+        self._stale = True
+
+    def follow(self) -> Frame | None:
+        """Take what the easel has done since the last time; None if nothing."""
+        if self.easel is None:
+            return None
+        self._take_light()
+        frame = self.easel.take_frame()
+        if frame is None:
+            return None
+        self._take(frame.vertex_ids)
+        self._show_brush(frame.brush)
+        self.frame = frame
+        self.touch()
+        return frame
+
+    def draw(self) -> NDArray | None:
+        """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
+        now = time.perf_counter()
+        if self._stale:
+            self._stale = False
+            self._moved = now
+            self._fine = False
+            return self.scene.draw()
+        if self._fine or not self.scene.is_software or now - self._moved < _CALM_S:
+            return None
+        self._fine = True
+        return self.scene.draw(fine=True)
+
+    def picture(self, *, fine: bool = True) -> NDArray:
+        """(H, W, 4) uint8 pixels as they are now, the first row at the bottom."""
+        return self.scene.draw(fine=fine)
+
+    def _take(self, vertex_ids: NDArray) -> None:
+        with self.easel.paused() as document:
+            ids = np.concatenate([vertex_ids, document.refresh()])
+            uploads = self._object.uploads(ids)
+        self.scene.apply(uploads)
+
+    def _take_light(self) -> None:
+        if self._baking is None or not self._baking.done():
+            return
+        baked, self._baking = self._baking.result(), None
+        self._object.relight(baked)
+        self.scene.set_ground(baked)
+        self._take(_NONE)
+        self.touch()
+
+    # -- the brush --------------------------------------------------------------------------
+
+    def _show_brush(self, seen: BrushView | None) -> None:
+        painter = self.easel.document.painter
+        if self._brush is None or self._brush_name != painter.brush.name:
+            if self._brush is not None:
+                self._brush.remove()
+            self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair)
+            self._brush_name = painter.brush.name
+        if seen is None or not self.shows_brush:
+            self._brush.hide()
+            return
+        axes = matrices_from_quaternions(seen.orientation[None])[0]
+        stand = BrushStand.of(painter.tuft, seen.position, axes, seen.contact)
+        tree = self.easel.document.surface.contact_tree
+        ink = tuple(int(code) for code in seen.srgb)
+        self._brush.show(stand, tree, self._object.light.axes, ink, seen.load)
+
+    def hide_brush(self) -> None:
+        """Let the brush leave the picture, as the pointer did."""
+        if self._brush is not None:
+            self._brush.hide()
+            self.touch()

@@ -1,0 +1,105 @@
+"""Starting the studio: the program around the window."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import PySide6
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.window.files import FINEST_MM
+from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.theme import is_system_dark
+from paint3d.app.window.wording import choose_language
+from paint3d.errors import InputError
+
+__all__ = ["make_program", "run_studio"]
+
+_FIRST = "bowl"
+
+
+def make_program() -> QtWidgets.QApplication:
+    """The program, once.
+
+    Raises
+    ------
+    InputError
+        If there is no display.
+    """
+    there = QtWidgets.QApplication.instance()
+    if there is not None:
+        return there
+    if sys.platform.startswith("linux") and not (
+        os.environ.get("DISPLAY")
+        or os.environ.get("WAYLAND_DISPLAY")
+        or os.environ.get("QT_QPA_PLATFORM")
+    ):
+        raise InputError("there is no display to open a window on; expected DISPLAY to be set")
+    if sys.version_info < (3, 12) and PySide6.__version_info__[:3] == (6, 12, 0):
+        raise InputError(
+            "PySide6 6.12.0 does not hold on Python before 3.12; expected another version of either"
+        )
+    QtGui.QGuiApplication.setHighDpiScaleFactorRoundingPolicy(
+        QtCore.Qt.HighDpiScaleFactorRoundingPolicy.PassThrough
+    )
+    QtCore.QCoreApplication.setOrganizationName("paint3d")
+    QtCore.QCoreApplication.setApplicationName("paint3d")
+    return QtWidgets.QApplication(["paint3d"])
+
+
+def run_studio(
+    target: str | None,
+    *,
+    resolution: float | None = None,
+    material: str = "porcelain",
+    language: str | None = None,
+) -> int:
+    """Open the window and stay until it is closed.
+
+    Parameters
+    ----------
+    target : str or None
+        A mesh, a painting or a built-in object; None: what a crash left, or a bowl.
+    resolution : float, optional
+        Of a mesh, mm.
+    material : str
+        Of a mesh.
+    language : str, optional
+        "en" or "zh"; by default what was chosen last, or the system's.
+
+    Returns
+    -------
+    int
+        The program's exit status.
+
+    Raises
+    ------
+    Paint3DError
+        If there is no display, or the target cannot be opened.
+    """
+    app = make_program()
+    settings = QtCore.QSettings()
+    system = "zh" if QtCore.QLocale().language() == QtCore.QLocale.Language.Chinese else "en"
+    choose_language(language or str(settings.value("language", system)))
+    window = StudioWindow(app, dark=settings.value("dark", is_system_dark(app), type=bool))
+    window.show()
+    window.files.show_recent()
+    try:
+        _open_first(window, target, resolution or FINEST_MM, material)
+    except BaseException:
+        window.close()
+        raise
+    return app.exec()
+
+
+def _open_first(window: StudioWindow, target: str | None, resolution: float, material: str) -> None:
+    if window.files.offer_recovery():
+        return
+    window.files.quiet = True
+    opened = window.files.open_path(target or _FIRST, resolution, material, asked=True)
+    window.files.quiet = False
+    if not opened and window.files.error is not None:
+        raise window.files.error
+    if not opened:
+        window.files.open_path(_FIRST, asked=True)

@@ -1,0 +1,71 @@
+"""Mouse and tablet events as one kind of reading, whatever they came from."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+from PySide6 import QtCore, QtGui
+
+__all__ = ["Touch", "touch_of_mouse", "touch_of_tablet"]
+
+_ERASER = QtGui.QPointingDevice.PointerType.Eraser
+_LEFT = QtCore.Qt.MouseButton.LeftButton
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Where a mouse or pen is, and how it is held.
+
+    Attributes
+    ----------
+    time_ns : int
+        Of the monotonic clock.
+    x, y : float
+        In the canvas, its pixels as the window system counts them, y down.
+    pressure : float or None
+        0 to 1; None from a mouse.
+    tilt_x, tilt_y : float
+        How far the pen leans to the right and toward the user, rad; 0 upright.
+    twist : float
+        About its axis, rad.
+    down : bool
+        Whether it touches: the left button, or the tip.
+    eraser : bool
+        The other end of the pen.
+    """
+
+    time_ns: int
+    x: float
+    y: float
+    pressure: float | None = None
+    tilt_x: float = 0.0
+    tilt_y: float = 0.0
+    twist: float = 0.0
+    down: bool = False
+    eraser: bool = False
+
+
+def touch_of_mouse(event: QtGui.QMouseEvent) -> Touch:
+    """What a mouse says."""
+    place = event.position()
+    down = bool(event.buttons() & _LEFT)
+    return Touch(time.perf_counter_ns(), place.x(), place.y(), down=down)
+
+
+def touch_of_tablet(event: QtGui.QTabletEvent) -> Touch:
+    """What a pen says."""
+    place = event.position()
+    released = event.type() == QtCore.QEvent.Type.TabletRelease
+    return Touch(
+        time.perf_counter_ns(),
+        place.x(),
+        place.y(),
+        float(event.pressure()),
+        math.radians(event.xTilt()),
+        math.radians(event.yTilt()),
+        math.radians(event.rotation()),
+        not released and (event.pressure() > 0.0 or bool(event.buttons() & _LEFT)),
+        event.pointerType() == _ERASER,
+    )

@@ -1,0 +1,76 @@
+"""Open the desktop studio: paint on an object with mouse, pen or two hands."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from paint3d.cli.first_run import say_if_compiling
+from paint3d.cli.options import add_quiet_option, parse_resolution_mm
+from paint3d.errors import InputError, MeshError
+
+HELP = "the desktop studio"
+
+_LANGUAGES = ("en", "zh")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    parser.add_argument(
+        "target",
+        metavar="MESH | SESSION",
+        nargs="?",
+        help="what to paint on: a mesh file, a saved painting, or bowl, plate, vase, sphere, "
+        "plane (default: what a crash left, or a bowl)",
+    )
+    parser.add_argument(
+        "--material",
+        metavar="NAME",
+        default="porcelain",
+        help="of the surface: porcelain, bisque, xuan or plaster (default: porcelain)",
+    )
+    parser.add_argument(
+        "--resolution",
+        metavar="MM",
+        type=parse_resolution_mm,
+        default=0.4,
+        help="vertex spacing wanted where paint is (default: 0.4)",
+    )
+    parser.add_argument("--language", choices=_LANGUAGES, help="of the window (default: as chosen)")
+    add_quiet_option(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Open the window and stay until it is closed.
+
+    Raises
+    ------
+    InputError
+        If PySide6 or a display is missing.
+    Paint3DError
+        If the target cannot be opened.
+    """
+    from paint3d.files.load import BUILT_IN_OBJECTS
+    from paint3d.ink.materials import load_material
+
+    load_material(options.material)
+    target = options.target
+    if target is not None and target not in BUILT_IN_OBJECTS and not Path(target).is_file():
+        known = ", ".join(BUILT_IN_OBJECTS)
+        raise MeshError(f"{target}: there is no such file; expected a mesh, a .p3d or {known}")
+    say_if_compiling(quiet=options.quiet)
+    os.environ.setdefault("QT_LOGGING_RULES", "qt.qpa.*=false")
+    try:
+        from paint3d.app.window.start import run_studio
+    except ImportError as cause:
+        raise InputError(
+            f"the studio needs PySide6, which cannot be loaded ({cause}); "
+            "expected pip install 'paint3d[studio]'"
+        ) from None
+    run_studio(
+        target,
+        resolution=options.resolution,
+        material=options.material,
+        language=options.language,
+    )

@@ -1,0 +1,68 @@
+"""A screen for the tests of the window, and places of their own for settings and journals."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def screen() -> Iterator[str]:
+    """The name of an X display; one is started where there is none."""
+    if os.environ.get("DISPLAY"):
+        yield os.environ["DISPLAY"]
+        return
+    server = shutil.which("Xvfb")
+    if server is None:
+        pytest.skip("Xvfb is not installed")
+    read, write = os.pipe()
+    command = [server, "-displayfd", str(write), "-screen", "0", "1400x900x24", "-nolisten", "tcp"]
+    process = subprocess.Popen(
+        command, pass_fds=[write], stderr=subprocess.DEVNULL, preexec_fn=_end_with_us
+    )
+    os.close(write)
+    with os.fdopen(read) as told:
+        number = told.readline().strip()
+    if not number:
+        pytest.skip("Xvfb did not start")
+    os.environ["DISPLAY"] = f":{number}"
+    yield os.environ["DISPLAY"]
+    del os.environ["DISPLAY"]
+    process.returncode = 0  # left running: OpenGL keeps its connection until this process ends
+
+
+def _end_with_us() -> None:
+    """Have the kernel end this process with its parent (PR_SET_PDEATHSIG)."""
+    ctypes.CDLL(None).prctl(1, signal.SIGTERM)
+
+
+@pytest.fixture(scope="session")
+def places(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder that stands for the user's own."""
+    folder = tmp_path_factory.mktemp("home")
+    kept = {name: os.environ.get(name) for name in ("XDG_CONFIG_HOME", "PAINT3D_STATE")}
+    os.environ.update(XDG_CONFIG_HOME=str(folder), PAINT3D_STATE=str(folder / "state"))
+    yield folder
+    for name, value in kept.items():
+        if value is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = value
+
+
+@pytest.fixture(scope="session")
+def program(screen: str, places: Path):
+    """The Qt program; one for all tests."""
+    pytest.importorskip("PySide6", reason="PySide6 is not installed")
+    from paint3d.app.window.start import make_program
+
+    assert sys.platform.startswith("linux") or screen
+    return make_program()

@@ -1,0 +1,70 @@
+"""A hand for tests: real Qt events to a window's canvas, in real time."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from PySide6 import QtCore, QtGui, QtWidgets
+
+BUTTON, KIND = QtCore.Qt.MouseButton, QtCore.QEvent.Type
+NO_KEY, ALT = QtCore.Qt.KeyboardModifier.NoModifier, QtCore.Qt.KeyboardModifier.AltModifier
+PEN = QtGui.QPointingDevice(
+    "pen", 1, QtGui.QInputDevice.DeviceType.Stylus, QtGui.QPointingDevice.PointerType.Pen,
+    QtGui.QInputDevice.Capability.Pressure | QtGui.QInputDevice.Capability.Position, 1, 3,
+)  # fmt: skip
+
+
+def live(seconds: float = 0.05) -> None:
+    """Let the program live for a while."""
+    until = time.perf_counter() + seconds
+    while time.perf_counter() < until:
+        QtWidgets.QApplication.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 10)
+        time.sleep(0.002)
+
+
+def wait_for(condition, seconds: float = 20.0) -> None:
+    """Live until something holds."""
+    until = time.perf_counter() + seconds
+    while not condition():
+        assert time.perf_counter() < until, "it did not come about"
+        live(0.02)
+
+
+def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):
+    """Send one mouse event."""
+    place = QtCore.QPointF(x, y)
+    event = QtGui.QMouseEvent(kind, place, canvas.mapToGlobal(place), button, buttons, keys)
+    QtWidgets.QApplication.sendEvent(canvas, event)
+
+
+def drag(canvas, start, end, button=BUTTON.LeftButton, keys=NO_KEY, n=15, release=True):
+    """Drag from one place to another; places are shares of the canvas's size."""
+    size = np.array([canvas.width(), canvas.height()])
+    path = np.linspace(np.array(start) * size, np.array(end) * size, n)
+    mouse(canvas, KIND.MouseMove, *path[0], keys=keys)
+    mouse(canvas, KIND.MouseButtonPress, *path[0], button, button, keys)
+    for x, y in path:
+        mouse(canvas, KIND.MouseMove, x, y, BUTTON.NoButton, button, keys)
+        live(0.008)
+    if release:
+        mouse(canvas, KIND.MouseButtonRelease, *path[-1], button, BUTTON.NoButton, keys)
+        live()
+
+
+def pen_stroke(canvas, start, end, pressures, tilt=(0.0, 0.0)):
+    """A stroke with a tablet's pen."""
+    size = np.array([canvas.width(), canvas.height()])
+    path = np.linspace(np.array(start) * size, np.array(end) * size, len(pressures))
+    for k, ((x, y), pressure) in enumerate(zip(path, pressures, strict=True)):
+        kind = KIND.TabletPress if k == 0 else KIND.TabletMove
+        kind = KIND.TabletRelease if k == len(pressures) - 1 else kind
+        down = BUTTON.NoButton if kind == KIND.TabletRelease else BUTTON.LeftButton
+        place = QtCore.QPointF(x, y)
+        event = QtGui.QTabletEvent(
+            kind, PEN, place, canvas.mapToGlobal(place), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
+            BUTTON.LeftButton, down,
+        )  # fmt: skip
+        QtWidgets.QApplication.sendEvent(canvas, event)
+        live(0.008)
+    live()

@@ -1,0 +1,199 @@
+"""The studio in a real window on a real display, by mouse, pen and keys."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from paint3d.app.model.sitting import recoverable
+from paint3d.app.window.studio import StudioWindow
+from paint3d.errors import Paint3DError
+from paint3d.files.load import load_mesh
+from paint3d.files.session import load_session
+from tests.app.gestures import ALT, BUTTON, drag, live, pen_stroke, wait_for
+
+ROOT = Path(__file__).parents[2]
+PAINTING = """
+import sys
+from paint3d.app.window.start import make_program
+from paint3d.app.window.studio import StudioWindow
+from tests.app.gestures import drag, live
+window = StudioWindow(make_program())
+window.show()
+window.files.open_path("plane", 1.5, "xuan", asked=True)
+live(0.3)
+drag(window.canvas, (0.35, 0.5), (0.6, 0.5))
+drag(window.canvas, (0.5, 0.35), (0.5, 0.6), release=False)
+print("painting", flush=True)
+while True:
+    live(1.0)
+"""
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window with a sheet in it."""
+    window = StudioWindow(program)
+    window.show()
+    window.files.quiet = True
+    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    yield window
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+def settled(window) -> None:
+    """Wait until everything asked for is painted."""
+    window.stage.easel.post(lambda document: None).result(20)
+    live(0.1)
+
+
+def choose(window, name: str) -> None:
+    """Choose from a menu what can be chosen, or soon can."""
+    action = window.actions_by_name[name]
+    wait_for(action.isEnabled)
+    action.trigger()
+    settled(window)
+
+
+def painted(window) -> int:
+    """How many vertices have paint."""
+    with window.stage.easel.paused() as document:
+        return int(document.surface.painted.sum())
+
+
+def picture(window) -> np.ndarray:
+    window.stage.hide_brush()
+    return window.stage.picture(fine=False)[..., :3].astype(int)
+
+
+def test_a_mouse_paints_and_the_picture_shows_it(window) -> None:
+    before = picture(window)
+    drag(window.canvas, (0.35, 0.45), (0.6, 0.45))
+    settled(window)
+    n = painted(window)
+    assert n > 50
+    darker = (before - picture(window)).sum(axis=2) > 100
+    assert 100 < darker.sum() < 0.2 * darker.size
+    ys = np.flatnonzero(darker.any(axis=1)) / len(darker)  # rows count from the bottom
+    assert abs(0.55 - ys.mean()) < 0.06
+    choose(window, "undo")
+    assert painted(window) == 0
+    assert np.abs(before - picture(window)).sum(axis=2).max() < 30
+    choose(window, "redo")
+    assert painted(window) == n
+
+
+def test_a_pens_pressure_widens_the_stroke(window) -> None:
+    counts = []
+    for row, pressure in ((0.4, 0.15), (0.6, 0.8)):
+        before = painted(window)
+        ramp = np.concatenate([[0.05], np.full(12, pressure), [0.0]])
+        pen_stroke(window.canvas, (0.4, row), (0.55, row), ramp, tilt=(10.0, 5.0))
+        settled(window)
+        counts.append(painted(window) - before)
+    assert counts[1] > 1.5 * counts[0] > 0
+    pressures = [s.pressure for s in window.document.strokes[-1].samples]
+    assert max(pressures) == pytest.approx(0.8, abs=1e-3)
+
+
+def test_alt_or_another_button_turns_instead_of_painting(window) -> None:
+    n, camera = painted(window), window.hand.camera
+    drag(window.canvas, (0.5, 0.5), (0.6, 0.5), keys=ALT)
+    drag(window.canvas, (0.5, 0.5), (0.5, 0.45), button=BUTTON.MiddleButton)
+    settled(window)
+    turned = window.hand.camera
+    assert painted(window) == n
+    assert np.linalg.norm(turned.position - camera.position) > 10.0
+    far = np.linalg.norm(turned.position - turned.focus)
+    assert far == pytest.approx(np.linalg.norm(camera.position - camera.focus))
+    window.actions_by_name["frame_all"].trigger()
+    assert np.allclose(window.hand.camera.position, camera.position)
+
+
+def test_keys_and_panels_reach_the_painting(window) -> None:
+    length = window.document.painter.brush.length_mm
+    choose(window, "larger")
+    assert window.document.painter.brush.length_mm > length
+    window.panels.inks.dishes.taken.emit("azurite")
+    settled(window)
+    assert window.document.inks[0] == "azurite"
+    window.panels.inks.stir("cinnabar")
+    window.panels.inks.stir("gamboge")
+    window.panels.inks.water.setValue(50)
+    assert window.panels.inks.mixture() == {"cinnabar": 0.25, "gamboge": 0.25, "water": 0.5}
+    window.panels.layers.buttons["plus"].click()
+    settled(window)
+    assert len(window.document.layers) == 2
+    wait_for(lambda: window.panels.layers.list.count() == 2)
+    choose(window, "swap_inks")
+    assert window.document.inks[0] != "azurite"
+
+
+def test_history_goes_back_and_forth(window) -> None:
+    wait_for(lambda: window.panels.history.slider.maximum() >= 3)
+    n, there = painted(window), len(window.document.strokes)
+    window.panels.history.slider.setValue(1)
+    settled(window)
+    assert len(window.document.strokes) == 1
+    assert painted(window) < n
+    window.panels.history.slider.setValue(there)
+    settled(window)
+    assert painted(window) == n
+
+
+def test_save_export_and_pictures(window, tmp_path: Path) -> None:
+    session, glb = tmp_path / "a.p3d", tmp_path / "a.glb"
+    assert window.files.save_to(session)
+    assert not window.document.modified
+    assert load_session(session).surface.painted.sum() == painted(window)
+    assert window.files.export_to(glb)
+    assert load_mesh(glb).n_vertices > 300
+    assert not window.files.export_to(tmp_path / "no" / "a.glb")
+    assert isinstance(window.files.error, Paint3DError)
+    window.files.screenshot_to(tmp_path / "a.png")
+    window.files.turntable_to(tmp_path / "a.gif", 3)
+    assert (tmp_path / "a.png").stat().st_size > 1000
+    assert (tmp_path / "a.gif").stat().st_size > 1000
+    shot = window.grab().toImage()
+    assert len({shot.pixel(x, y) for x in range(0, 1280, 40) for y in range(0, 800, 40)}) > 20
+
+
+def test_what_cannot_be_opened_is_said_and_nothing_changes(window, tmp_path: Path) -> None:
+    bad = tmp_path / "bad.ply"
+    bad.write_text("ply\nno\n")
+    document = window.document
+    assert not window.files.open_path(str(bad), asked=True)
+    assert "bad.ply" in str(window.files.error)
+    assert window.document is document
+
+
+def test_after_kill_nine_the_stroke_is_offered_back(window, places: Path, screen: str) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(
+        [sys.executable, "-c", PAINTING], stdout=subprocess.PIPE, text=True, env=environment
+    )
+    assert process.stdout.readline() == "painting\n"
+    live(0.3)  # what is older than 100 ms is on the disk
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    left = recoverable()
+    assert len(left) == 1
+    assert window.files.recover(left[0])
+    live(0.3)
+    strokes = window.document.strokes
+    assert len(strokes) == 2
+    assert len(strokes[1].samples) >= 10
+    assert painted(window) > 80
+    assert recoverable() == []
