@@ -1,0 +1,213 @@
+"""What a user has chosen, kept between sittings as JSON in the user's config folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from paint3d.app.model.places import config_folder
+from paint3d.app.model.pressure_curve import PressureCurve
+from paint3d.arrays import as_number
+from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
+from paint3d.errors import ExportError, InputError, Paint3DError
+from paint3d.files.atomic import write_atomically
+
+__all__ = ["Settings", "load_settings", "save_settings"]
+
+VERSION = 1
+_MOST_RECENT = 12
+_CHOICES = {
+    "language": ("system", "en", "zh"),
+    "theme": ("system", "light", "dark"),
+    "unit": ("mm", "cm", "m", "in"),
+    "pressure_by": ("keys", "speed"),
+}
+_RANGES = {
+    "smoothing": (0.0, 1.0),
+    "resolution_mm": (0.005, 100.0),
+    "autosave_s": (10.0, 3600.0),
+    "undo_megabytes": (1.0, 1e6),
+    "force_n": (0.0, 7.9),
+}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """A user's choices.
+
+    Attributes
+    ----------
+    language : {"system", "en", "zh"}
+    theme : {"system", "light", "dark"}
+    unit : {"mm", "cm", "m", "in"}
+        Of lengths as they are shown.
+    material, brush, inks, resolution_mm
+        Of new paintings.
+    pressure_curve : tuple of (float, float)
+        See `PressureCurve`.
+    pressure_by : {"keys", "speed"}
+    force_n : float
+        Of a mouse, at first.
+    smoothing : float
+        0 to 1.
+    wet : bool
+        Whether ink spreads and dries while painting.
+    autosave_s : float
+        The least time between two bases of a sitting.
+    undo_megabytes : float
+        Of undo steps in memory; more go to the disk.
+    recent : tuple of str
+        Files, the last opened first.
+    buttons : dict of int to str
+        Actions of a 6-DOF mouse's buttons.
+    window : dict
+        What the window keeps for itself: sizes, panels.
+
+    Raises
+    ------
+    InputError
+        Naming the setting, what was got and what was expected.
+    """
+
+    language: str = "system"
+    theme: str = "system"
+    unit: str = "mm"
+    material: str = "porcelain"
+    brush: str = "full"
+    inks: tuple[str, ...] = ("pine soot", "cinnabar")
+    resolution_mm: float = 0.4
+    pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
+    pressure_by: str = "keys"
+    force_n: float = 1.5
+    smoothing: float = 0.0
+    wet: bool = False
+    autosave_s: float = 120.0
+    undo_megabytes: float = 512.0
+    recent: tuple[str, ...] = ()
+    buttons: Mapping[int, str] = field(default_factory=lambda: dict(DEFAULT_ACTIONS))
+    window: Mapping[str, object] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, known in _CHOICES.items():
+            if getattr(self, name) not in known:
+                raise InputError(
+                    f"{name} is {getattr(self, name)!r}; expected {' or '.join(known)}"
+                )
+        for name, (low, high) in _RANGES.items():
+            as_number(getattr(self, name), name, low, high)
+        if not isinstance(self.wet, bool):
+            raise InputError(f"wet is {self.wet!r}; expected true or false")
+        for name in ("inks", "recent"):
+            _check_words(name, getattr(self, name))
+        _check_words("brush", (self.brush,))
+        _check_words("material", (self.material,))
+        if not isinstance(self.window, Mapping):
+            raise InputError(f"window is {self.window!r:.40}; expected names and values")
+        PressureCurve(self.pressure_curve)
+        object.__setattr__(self, "buttons", checked_actions(self.buttons))
+
+    @property
+    def curve(self) -> PressureCurve:
+        """The pressure curve, ready for use."""
+        return PressureCurve(self.pressure_curve)
+
+    def with_recent(self, path: str | os.PathLike[str]) -> Settings:
+        """With a file at the head of the recent ones."""
+        own = os.path.abspath(path)
+        others = tuple(other for other in self.recent if other != own)
+        return dataclasses.replace(self, recent=(own, *others)[:_MOST_RECENT])
+
+    def without_recent(self, path: str | None = None) -> Settings:
+        """Without one of the recent files, or without all."""
+        kept = () if path is None else tuple(other for other in self.recent if other != path)
+        return dataclasses.replace(self, recent=kept)
+
+
+def _check_words(name: str, words: object) -> None:
+    if not isinstance(words, tuple) or not all(isinstance(word, str) and word for word in words):
+        raise InputError(f"{name} is {words!r:.60}; expected names")
+
+
+def _file(folder: Path | None) -> Path:
+    return (config_folder() if folder is None else folder) / "settings.json"
+
+
+def load_settings(folder: Path | None = None) -> tuple[Settings, str | None]:
+    """What was saved; the defaults where nothing was, or where it cannot be used.
+
+    A file that cannot be used is set aside, never written over.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        By default `config_folder`.
+
+    Returns
+    -------
+    Settings
+    str or None
+        What was wrong with the file and where it lies now, for the user; None if nothing was.
+    """
+    file = _file(folder)
+    try:
+        return _parse(file.read_text("utf-8")), None
+    except FileNotFoundError:
+        return Settings(), None
+    except (OSError, ValueError, RecursionError, Paint3DError) as cause:
+        reason = " ".join(str(cause).split())
+        return Settings(), f"{file}: {reason}; {_set_aside(file)}"
+
+
+def _set_aside(file: Path) -> str:
+    aside = file.with_name(f"settings.bad-{time.time_ns()}.json")
+    try:
+        os.replace(file, aside)
+    except OSError:
+        return "the defaults are used"
+    return f"it was kept as {aside.name} and the defaults are used"
+
+
+def _parse(text: str) -> Settings:
+    found = json.loads(text, parse_constant=lambda name: math.nan)
+    if not isinstance(found, dict):
+        raise InputError(f"it holds a {type(found).__name__}; expected settings by name")
+    version = found.pop("version", None)
+    if isinstance(version, bool) or version != VERSION:
+        raise InputError(f"its version is {version!r}; expected {VERSION}")
+    known = {own.name for own in dataclasses.fields(Settings)}
+    values = {name: value for name, value in found.items() if name in known}
+    for name in ("inks", "recent", "pressure_curve"):
+        if isinstance(values.get(name), list):
+            values[name] = tuple(
+                tuple(item) if isinstance(item, list) else item for item in values[name]
+            )
+    if isinstance(values.get("buttons"), dict):
+        values["buttons"] = {int(button): act for button, act in values["buttons"].items()}
+    try:
+        return Settings(**values)
+    except (TypeError, AttributeError) as cause:
+        raise InputError(f"a setting is of the wrong kind: {cause}") from None
+
+
+def save_settings(settings: Settings, folder: Path | None = None) -> None:
+    """Save a user's choices: all of them or, after any failure, none.
+
+    Raises
+    ------
+    ExportError
+        If they cannot be written.
+    """
+    file = _file(folder)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as cause:
+        raise ExportError(f"{file.parent}: cannot be made: {cause.strerror or cause}") from None
+    values = {"version": VERSION, **dataclasses.asdict(settings)}
+    with write_atomically(file) as part:
+        part.write_text(json.dumps(values, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,173 @@
+"""The whole key map, as data: what artists know from other programs.
+
+B brush, [ ] size and F held for a drag as in Blender and Krita, X swaps and I picks as in
+Photoshop, Alt with the mouse's buttons as in Maya, the middle button as in Blender.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from paint3d.errors import InputError
+
+__all__ = ["GESTURES", "GROUPS", "SHORTCUTS", "Shortcut", "check_shortcuts", "find_shortcuts"]
+
+GESTURES = ("press", "hold", "drag")
+"""Pressed; held for as long as it counts; held, or pressed down, while the pointer moves."""
+
+GROUPS = ("file", "edit", "brush", "ink", "stroke", "view", "layers", "window")
+
+
+@dataclass(frozen=True)
+class Shortcut:
+    """One way to ask for something.
+
+    Attributes
+    ----------
+    keys : str
+        As Qt's `QKeySequence` writes them: "Ctrl+Shift+Z"; mouse buttons are "Left", "Middle",
+        "Right", and the wheel "Wheel".
+    action : str
+        What is asked for; "action." and this is the key of its text.
+    group : str
+        One of `GROUPS`.
+    gesture : str
+        One of `GESTURES`.
+    """
+
+    keys: str
+    action: str
+    group: str
+    gesture: str = "press"
+
+
+def _group(group: str, *rows: tuple[str, ...]) -> tuple[Shortcut, ...]:
+    return tuple(Shortcut(keys, action, group, *gesture) for keys, action, *gesture in rows)
+
+
+SHORTCUTS: tuple[Shortcut, ...] = (
+    *_group(
+        "file",
+        ("Ctrl+N", "new"),
+        ("Ctrl+O", "open"),
+        ("Ctrl+S", "save"),
+        ("Ctrl+Shift+S", "save_as"),
+        ("Ctrl+E", "export"),
+        ("Ctrl+Shift+E", "turntable"),
+        ("F12", "screenshot"),
+        ("Ctrl+Q", "quit"),
+    ),
+    *_group(
+        "edit",
+        ("Ctrl+Z", "undo"),
+        ("Ctrl+Shift+Z", "redo"),
+        ("Ctrl+Y", "redo"),
+        ("Ctrl+,", "preferences"),
+    ),
+    *_group(
+        "brush",
+        ("B", "brush"),
+        ("[", "smaller"),
+        ("]", "larger"),
+        ("F", "size", "drag"),
+        ("Shift+F", "force", "drag"),
+        (".", "harder", "hold"),
+        (",", "softer", "hold"),
+        ("Shift", "bend", "hold"),
+        ("Shift+S", "smoothing"),
+        ("1", "brush_1"),
+        ("2", "brush_2"),
+        ("3", "brush_3"),
+        ("4", "brush_4"),
+        ("5", "brush_5"),
+        ("6", "brush_6"),
+        ("7", "brush_7"),
+        ("8", "brush_8"),
+        ("9", "brush_9"),
+    ),
+    *_group(
+        "ink",
+        ("X", "swap_inks"),
+        ("I", "pick_colour"),
+        ("D", "dip"),
+        ("Shift+D", "dip_tip"),
+        ("R", "rinse"),
+        ("W", "wipe"),
+        ("Shift+W", "dry"),
+    ),
+    *_group(
+        "stroke",
+        ("Left", "paint", "drag"),
+        ("Esc", "cancel_stroke"),
+        ("M", "mirror"),
+        ("Shift+M", "radial"),
+        ("K", "mask"),
+        ("Shift+K", "pick_region"),
+        ("Ctrl+Shift+K", "clear_mask"),
+        ("Ctrl+R", "record"),
+        ("Space", "replay"),
+    ),
+    *_group(
+        "view",
+        ("Alt+Left", "orbit", "drag"),
+        ("Middle", "orbit", "drag"),
+        ("Alt+Middle", "pan", "drag"),
+        ("Shift+Middle", "pan", "drag"),
+        ("Alt+Right", "dolly", "drag"),
+        ("Ctrl+Middle", "dolly", "drag"),
+        ("Wheel", "dolly", "drag"),
+        ("F", "frame_selected"),
+        ("Home", "frame_all"),
+        ("Num+1", "look_front"),
+        ("Ctrl+Num+1", "look_back"),
+        ("Num+3", "look_right"),
+        ("Ctrl+Num+3", "look_left"),
+        ("Num+7", "look_top"),
+        ("Ctrl+Num+7", "look_bottom"),
+    ),
+    *_group(
+        "layers",
+        ("Ctrl+Shift+N", "add_layer"),
+        ("Ctrl+Shift+Del", "remove_layer"),
+        ("PgUp", "layer_above"),
+        ("PgDown", "layer_below"),
+        ("Ctrl+PgUp", "raise_layer"),
+        ("Ctrl+PgDown", "lower_layer"),
+        ("H", "hide_layer"),
+        ("L", "lock_layer"),
+        ("F2", "rename_layer"),
+    ),
+    *_group(
+        "window",
+        ("Tab", "panels"),
+        ("F11", "full_screen"),
+        ("?", "shortcuts"),
+        ("F1", "shortcuts"),
+    ),
+)  # fmt: skip
+
+
+def find_shortcuts(action: str, shortcuts: Iterable[Shortcut] = SHORTCUTS) -> list[Shortcut]:
+    """All ways to ask for an action."""
+    return [shortcut for shortcut in shortcuts if shortcut.action == action]
+
+
+def check_shortcuts(shortcuts: Iterable[Shortcut]) -> None:
+    """Refuse a key map in which one gesture asks for two things.
+
+    A key that is held or dragged with may also be pressed: it is pressed if it is let go at once.
+
+    Raises
+    ------
+    InputError
+        For the first pair, or a group or gesture that is not known.
+    """
+    taken: dict[tuple[str, str], str] = {}
+    for one in shortcuts:
+        if one.group not in GROUPS or one.gesture not in GESTURES:
+            raise InputError(f"shortcut {one.keys}: {one.group!r}, {one.gesture!r} is not known")
+        place = one.keys.lower(), "press" if one.gesture == "press" else "hold"
+        if place in taken:
+            raise InputError(f"{one.keys} asks for {taken[place]!r} and for {one.action!r}")
+        taken[place] = one.action

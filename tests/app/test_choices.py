@@ -1,0 +1,150 @@
+"""What the studio says, its keys, and what a user has chosen."""
+
+import dataclasses
+import json
+import re
+import string
+
+import pytest
+
+from paint3d.app.model.places import config_folder, recovery_folder
+from paint3d.app.model.settings import Settings, load_settings, save_settings
+from paint3d.app.model.shortcuts import (
+    GESTURES,
+    GROUPS,
+    SHORTCUTS,
+    Shortcut,
+    check_shortcuts,
+    find_shortcuts,
+)
+from paint3d.app.model.texts import LANGUAGES, Texts, load_texts, system_language
+from paint3d.errors import ExportError, InputError, UnknownNameError
+from paint3d.files.load import BUILT_IN_OBJECTS
+from paint3d.ink.materials import load_materials
+
+
+def named_in(text):
+    return sorted(name for _, name, _, _ in string.Formatter().parse(text) if name is not None)
+
+
+def test_every_text_is_there_in_every_language_and_names_the_same_values():
+    for key, texts in load_texts().items():
+        assert set(texts) == set(LANGUAGES), key
+        assert all(text.strip() for text in texts.values()), key
+        assert named_in(texts["en"]) == named_in(texts["zh"]), key
+        assert re.fullmatch(r"[a-z]+\.[a-z0-9_]+", key)
+
+
+def test_chinese_is_chinese():
+    same = {key for key, texts in load_texts().items() if texts["en"] == texts["zh"]}
+    assert same == {"app.name", "app.title", "language.en", "language.zh"}
+
+
+def test_every_action_group_object_and_material_has_its_text():
+    texts = load_texts()
+    wanted = [f"action.{shortcut.action}" for shortcut in SHORTCUTS]
+    wanted += [f"group.{group}" for group in GROUPS] + [f"gesture.{g}" for g in GESTURES]
+    wanted += [f"object.{name}" for name in BUILT_IN_OBJECTS]
+    wanted += [f"surface.{name}" for name in load_materials()]
+    assert not set(wanted) - set(texts)
+    used = {s.action for s in SHORTCUTS}
+    assert {k.removeprefix("action.") for k in texts if k.startswith("action.")} == used
+
+
+def test_texts_are_asked_for_by_key():
+    assert Texts("en")("history.strokes", count=3) == "3 strokes"
+    assert Texts("zh")("history.strokes", count=3) == "共 3 笔"
+    with pytest.raises(UnknownNameError, match=r"history\.stroke"):
+        Texts("en")("history.strike")
+    with pytest.raises(UnknownNameError, match="language"):
+        Texts("de")
+
+
+@pytest.mark.parametrize(
+    ("environment", "language"),
+    [
+        ({}, "en"),
+        ({"LANG": "zh_CN.UTF-8"}, "zh"),
+        ({"LANG": "zh_CN.UTF-8", "LC_ALL": "C"}, "en"),
+        ({"LANGUAGE": "zh:en", "LANG": "en_US"}, "zh"),
+        ({"LANG": "de_DE"}, "en"),
+    ],
+)
+def test_the_system_s_language_is_found(environment, language):
+    assert system_language(environment) == language
+
+
+def test_no_key_asks_for_two_things():
+    check_shortcuts(SHORTCUTS)
+    for row in ("undo", "redo", "swap_inks", "pick_colour", "size", "larger", "orbit", "shortcuts"):
+        assert find_shortcuts(row)
+    with pytest.raises(InputError, match="ctrl\\+z asks for 'undo' and for 'new'"):
+        check_shortcuts([*SHORTCUTS, Shortcut("ctrl+z", "new", "file")])
+    with pytest.raises(InputError, match="asks for 'size'"):
+        check_shortcuts([*SHORTCUTS, Shortcut("F", "bend", "brush", "hold")])
+    with pytest.raises(InputError, match="not known"):
+        check_shortcuts([Shortcut("Z", "undo", "edits")])
+
+
+def test_settings_come_back(tmp_path):
+    own = Settings(language="zh", pressure_curve=((0.0, 0.0), (0.5, 0.7), (1.0, 1.0)), wet=True)
+    own = own.with_recent("/a/b.p3d").with_recent("/c.p3d").with_recent("/a/b.p3d")
+    own = dataclasses.replace(own, buttons={3: "dip"}, window={"panels": ["inks"]})
+    save_settings(own, tmp_path / "new")
+    assert load_settings(tmp_path / "new") == (own, None)
+    assert own.recent == ("/a/b.p3d", "/c.p3d")
+    assert own.without_recent("/c.p3d").recent == ("/a/b.p3d",)
+    assert own.curve(0.5) == pytest.approx(0.7, abs=1e-3)
+    assert load_settings(tmp_path / "none") == (Settings(), None)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "Expecting value"),
+        ("[]", "holds a list"),
+        ("{}", "version is None"),
+        ('{"version": 2}', "version is 2"),
+        ('{"version": 1, "language": "xx"}', "language is 'xx'"),
+        ('{"version": 1, "smoothing": NaN}', "smoothing is nan"),
+        ('{"version": 1, "smoothing": "much"}', "smoothing is 'much'"),
+        ('{"version": 1, "pressure_curve": [[0, 1], [1, 0]]}', "pressure curve"),
+        ('{"version": 1, "recent": [1]}', "recent is"),
+        ('{"version": 1, "recent": "x"}', "recent is"),
+        ('{"version": 1, "buttons": {"a": "dip"}}', "invalid literal"),
+        ('{"version": 1, "buttons": {"0": "explode"}}', "unknown action"),
+        ('{"version": 1, "buttons": 4}', "wrong kind"),
+        ('{"version": 1, "window": 4}', "window is 4"),
+        ("[" * 100000, "recursion|depth"),
+    ],
+)
+def test_bad_settings_are_set_aside_with_a_message(tmp_path, text, message):
+    file = tmp_path / "settings.json"
+    file.write_text(text)
+    found, told = load_settings(tmp_path)
+    assert found == Settings()
+    assert re.search(message, told)
+    (aside,) = tmp_path.iterdir()
+    assert aside.name in told
+    assert aside.read_text() == text
+
+
+def test_what_a_newer_program_adds_is_passed_over(tmp_path):
+    (tmp_path / "settings.json").write_text(json.dumps({"version": 1, "theme": "dark", "new": 1}))
+    assert load_settings(tmp_path) == (Settings(theme="dark"), None)
+
+
+def test_settings_that_cannot_be_saved_are_told(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ExportError, match="cannot be made"):
+        save_settings(Settings(), tmp_path / "file" / "deeper")
+
+
+def test_folders_follow_the_environment(monkeypatch, tmp_path):
+    monkeypatch.delenv("PAINT3D_CONFIG", raising=False)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    assert config_folder() == tmp_path / "paint3d"
+    monkeypatch.setenv("XDG_CONFIG_HOME", "relative")
+    assert config_folder().parts[-2:] == (".config", "paint3d")
+    monkeypatch.setenv("PAINT3D_STATE", str(tmp_path / "own"))
+    assert recovery_folder() == tmp_path / "own" / "sittings"
