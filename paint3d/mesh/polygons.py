@@ -11,6 +11,8 @@ __all__ = ["triangulate"]
 
 MAX_CORNERS = 100_000
 MAX_CONCAVE_CORNERS = 5_000  # ear clipping takes quadratic time: 5,000 corners are about a second
+MAX_EAR_TESTS = 100_000  # of about 20 us each: corners looked at in one polygon
+MAX_FORCED_CUTS = 10  # where an outline crosses itself; after that no cut is better than a fan
 
 
 def triangulate(
@@ -89,18 +91,26 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
             f"expected at most {MAX_CONCAVE_CORNERS:,}"
         )
     flat = _flatten(points)
-    left = list(range(len(ids)))
-    faces, at, misses = [], 0, 0
-    while len(left) > 3:
+    left = np.arange(len(ids))
+    faces, at, misses, tests, forced = [], 0, 0, 0, 0
+    while len(left) > 3 and forced <= MAX_FORCED_CUTS:
         n = len(left)
-        trio = (left[at - 1], left[at % n], left[(at + 1) % n])
+        trio = left[[at - 1, at % n, (at + 1) % n]]
+        tests += 1
+        if tests > MAX_EAR_TESTS:
+            raise MeshError(
+                f"a face with {len(ids):,} corners is too tangled to be cut into triangles; "
+                "expected a simpler outline"
+            )
         if misses > n or _is_ear(flat, trio, left):  # crossing outlines have no ear: cut anyway
+            forced += misses > n
             faces.append(trio)
-            del left[at % n]
+            left = np.delete(left, at % n)
             at, misses = at % (n - 1), 0
         else:
             at, misses = (at + 1) % n, misses + 1
-    return ids[np.array([*faces, tuple(left)])]
+    faces.extend(_fans(left[None])[0])
+    return ids[np.array(faces)]
 
 
 def _flatten(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -112,11 +122,11 @@ def _flatten(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return points[:, axes if newell[drop] > 0.0 else axes[::-1]]
 
 
-def _is_ear(flat: NDArray[np.float64], trio: tuple[int, int, int], left: list[int]) -> bool:
-    a, b, c = flat[list(trio)]
+def _is_ear(flat: NDArray[np.float64], trio: NDArray[np.int64], left: NDArray[np.int64]) -> bool:
+    a, b, c = flat[trio]
     if _cross(b - a, c - b) <= 0.0:
         return False
-    others = flat[[k for k in left if k not in trio]]
+    others = flat[left]  # the trio's own corners do not count below
     inside = _cross(b - a, others - a) >= 0.0
     inside &= _cross(c - b, others - b) >= 0.0
     inside &= _cross(a - c, others - c) >= 0.0

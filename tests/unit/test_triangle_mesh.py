@@ -96,6 +96,23 @@ def test_absurd_polygons_are_refused():
         triangulate(points, np.zeros(1_000_000, int), np.array([1_000_000]))
 
 
+def test_outlines_that_cross_themselves_are_cut_all_the_same():
+    rng = np.random.default_rng(4)
+    points = np.c_[rng.uniform(size=(8, 2)), np.zeros(8)]
+    corners = rng.integers(0, 8, 4000)  # from one corner to another, again and again
+    faces = triangulate(points, corners, np.array([4000]))
+    assert faces.shape == (3998, 3)
+    assert set(faces.ravel()) <= set(range(8))
+
+
+def test_outlines_too_tangled_to_cut_are_refused(monkeypatch):
+    monkeypatch.setattr("paint3d.mesh.polygons.MAX_EAR_TESTS", 20)
+    angle = np.arange(30) * 2 * np.pi / 30
+    star = np.where(np.arange(30) % 2, 0.2, 1.0)[:, None] * np.c_[np.cos(angle), np.sin(angle)]
+    with pytest.raises(MeshError, match="with 30 corners is too tangled"):
+        triangulate(np.c_[star, np.zeros(30)], np.arange(30), np.array([30]))
+
+
 def test_a_large_convex_polygon_is_a_fan():
     angle = np.arange(20_000) * 2 * np.pi / 20_000
     points = np.stack([np.cos(angle), np.sin(angle), np.zeros(20_000)], axis=1)
