@@ -17,6 +17,7 @@ __all__ = ["EmSquare", "SquareLimits", "lay_square"]
 _NODES = 12  # of the chart along the square's side
 _PROBES = 20  # points of the square along its side that are looked at
 _FINEST_MM = 0.25
+_FREE = 0.7  # of the height: nearer than that, something is in the way, or a hollow too tight
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,8 @@ class SquareLimits:
         Largest angle between a normal within the square and the one in its middle, rad.
     margin : float
         Share of the em around the square that must lie on the surface as well, for the handle.
+    room_mm : float
+        Height above the surface that must be free, for the tuft.
     """
 
     stretch: float = 0.06
@@ -42,6 +45,7 @@ class SquareLimits:
     crease: float = math.radians(16.0)
     turn: float = math.radians(80.0)
     margin: float = 0.04
+    room_mm: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,9 +155,22 @@ def lay_square(
         chart, em_mm, chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
     )
     fault = square.fault(limits)
+    if fault is None and not _is_free(surface, square, limits.room_mm):
+        fault = "there is no room for the brush above it"
     if fault is not None:
         raise _no_place(surface, frame, em_mm, fault)
     return square
+
+
+def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
+    """Whether from so high above the square (mm) nothing is nearer than the square itself."""
+    if height <= 0.0:
+        return True
+    apart = slice(None, None, _PROBES // 4)
+    foot = square.points[apart, apart].reshape(-1, 3)
+    above = foot + height * square.normals[apart, apart].reshape(-1, 3)
+    nearest = np.linalg.norm(surface.find(above).points - above, axis=1)
+    return bool((nearest > _FREE * height).all())
 
 
 def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: str) -> MeshError:

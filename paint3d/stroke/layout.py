@@ -16,12 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError, MeshError, Paint3DError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.mesh.em_square import EmSquare, SquareLimits, lay_square
 from paint3d.mesh.placement import place, upwards
 from paint3d.mesh.walking import SurfaceLine, walk
+from paint3d.stroke.place_search import frames_to_try
 
 __all__ = ["LAYOUTS", "Layout", "PlacedCharacter", "lay_out", "split_text"]
 
@@ -32,6 +33,7 @@ _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
 _STEPS_PER_EM = 8.0
 _MIDDLE = (0.5, 0.5)
+_MOST_GRIDS = 8  # places without enough room after which the search is given up
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Layout:
         Columns from right to left, each from top to bottom; or rows from left to right.
     at : (float, float), optional
         Where the text's middle goes, as for `place`; by default in the middle, moved up or down
-        where that makes it fit.
+        where that makes it fit, or where the surface is smooth enough if it is not there.
     around : bool
         Spread the columns (or the letters of a row) evenly all around the body, starting at `at`.
     side : {"outside", "inside", "top", "bottom"}, optional
@@ -120,25 +122,78 @@ def lay_out(
     if layout.order not in LAYOUTS:
         raise InputError(f"layout is {layout.order!r}; expected one of {', '.join(LAYOUTS)}")
     lines = split_text(text)
-    grid = _Grid(surface, em_mm, layout, limits or SquareLimits())
-    squares = grid.fit(lines)
-    if squares is None:
-        n, fits = sum(map(len, lines)), grid.how_many(lines)
-        raise InputError(
-            f"the text of {n} characters does not fit on {surface.mesh.name} at an em of "
-            f"{em_mm:g} mm: {fits} would; expected a shorter text, a smaller size or another place"
-        )
-    return squares
+    limits = limits or SquareLimits()
+    fixed = layout.at is not None or layout.around
+    fault: Paint3DError
+    try:
+        middle = place(surface, layout.at or _MIDDLE, side=layout.side)
+        grid = _Grid(surface, em_mm, layout, limits, middle)
+    except MeshError as cause:
+        fault = cause
+    else:
+        squares = grid.fit(lines)
+        if squares is not None:
+            return squares
+        fits = grid.how_many(lines)
+        fault = _too_long(grid, lines, fits)
+        fixed = fixed or fits > 0
+    if fixed:
+        raise fault
+    return _searched(surface, lines, em_mm, layout, limits, fault)
+
+
+def _searched(
+    surface: ClosestPoints,
+    lines: Sequence[str],
+    em_mm: float,
+    layout: Layout,
+    limits: SquareLimits,
+    fault: Paint3DError,
+) -> list[PlacedCharacter]:
+    """The squares of a text at the first place where it fits; the middle has that fault."""
+    roomiest: _Grid | None = None
+    n_seen = n_tried = 0
+    for frame in frames_to_try(surface, layout.side):
+        n_seen += 1
+        try:
+            lay_square(surface, frame, em_mm, limits)
+            grid = _Grid(surface, em_mm, layout, limits, frame)
+        except MeshError:
+            continue
+        squares = grid.fit(lines)
+        if squares is not None:
+            return squares
+        n_tried += 1
+        if roomiest is None or grid.room > roomiest.room:
+            roomiest = grid
+        if n_tried == _MOST_GRIDS:
+            break
+    if roomiest is None:
+        raise type(fault)(f"{fault}; {n_seen} other places were no better") from None
+    raise _too_long(roomiest, lines, roomiest.how_many(lines))
+
+
+def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
+    n = sum(map(len, lines))
+    return InputError(
+        f"the text of {n} characters does not fit on {grid.surface.mesh.name} at an em of "
+        f"{grid.em_mm:g} mm: {fits} would; expected a shorter text, a smaller size or another place"
+    )
 
 
 class _Grid:
     """The grid of squares around one place of a surface."""
 
     def __init__(
-        self, surface: ClosestPoints, em_mm: float, layout: Layout, limits: SquareLimits
+        self,
+        surface: ClosestPoints,
+        em_mm: float,
+        layout: Layout,
+        limits: SquareLimits,
+        middle: SurfaceFrame,
     ) -> None:
         self.surface, self.em_mm, self.layout, self.limits = surface, em_mm, layout, limits
-        self.middle = place(surface, layout.at or _MIDDLE, side=layout.side)
+        self.middle = middle
         self.up = upwards(self.middle.normal)
         self.right = self._walk(self.middle, (1.0, 0.0), None)
         self.left = self._walk(self.middle, (-1.0, 0.0), None)
@@ -151,6 +206,12 @@ class _Grid:
         self.pitch = em_mm * (1.0 + np.array(gaps))
         self._loose = math.inf if layout.around else 1.0
         self.span = self._usable_span()
+
+    @property
+    def room(self) -> float:
+        """How much of the surface the grid may use, mm2."""
+        around = 1.0 if self.right.closed else 2.0
+        return around * self.right.length * (self.span[1] - self.span[0] + self.em_mm)
 
     # -- how many fit -----------------------------------------------------------------------
 

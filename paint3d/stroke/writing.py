@@ -22,6 +22,7 @@ from paint3d.errors import InputError
 from paint3d.kernels.tuft import Tuft
 from paint3d.mesh.chart import make_chart
 from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.em_square import SquareLimits
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.stroke.glyph_sources import GlyphSource, load_glyphs
 from paint3d.stroke.glyphs import Glyph
@@ -126,7 +127,8 @@ def write_text(
     as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
     glyphs = load_glyphs(source, "".join(text.split()))
     surface = ClosestPoints(mesh)
-    placed = lay_out(surface, text, pen.em_mm, layout)
+    limits = SquareLimits(room_mm=pen.brush.length_mm)
+    placed = lay_out(surface, text, pen.em_mm, layout, limits)
     tuft = build_tuft(pen.brush)
     ladder = build_ladder(tuft, _WIDEST * pen.em_mm)
     pen = replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))

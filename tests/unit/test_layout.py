@@ -10,7 +10,7 @@ from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import frame_at, make_chart
 from paint3d.mesh.closest import ClosestPoints
-from paint3d.mesh.em_square import lay_square
+from paint3d.mesh.em_square import SquareLimits, lay_square
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.walking import walk
@@ -164,6 +164,49 @@ def test_a_text_that_does_not_fit_says_how_much_would():
 def test_no_place_is_said_and_why(name, em, layout, words):
     with pytest.raises(MeshError, match=words):
         lay_out(body(name), "永", em, layout)
+
+
+def sheets(*offsets):
+    """Squares of 60 mm in x and z, one behind the other in y, that look to the front (-y)."""
+    corners = np.array([[x, 0, z] for z in (0, 60) for x in (0, 60)], float)
+    points = np.concatenate([corners + offset for offset in offsets])
+    faces = np.concatenate(
+        [4 * k + np.array([[0, 1, 3], [0, 3, 2]]) for k in range(len(offsets))]
+    ).astype(np.int32)
+    return ClosestPoints(TriangleMesh(points.astype(np.float32), faces, name="sheets"))
+
+
+def test_a_place_is_looked_for_where_the_middle_has_none():
+    apart = sheets((0, 0, 0), (90, 0, 0), (0, 0, 80), (90, 0, 80))  # the middle is a gap
+    (one,) = lay_out(apart, "\u6c38", 40.0)
+    x, y, z = one.square.points.reshape(-1, 3).T
+    assert y == pytest.approx(0.0, abs=1e-3)
+    assert (x < 60).all() or (x > 90).all()
+    assert (z < 60).all() or (z > 80).all()
+    with pytest.raises(MeshError, match=r"no surface at .* other places were no better"):
+        lay_out(apart, "\u6c38", 70.0)
+    with pytest.raises(MeshError, match=r"no surface at \[0.5, 0.5\] seen from the outside"):
+        lay_out(apart, "\u6c38", 40.0, Layout(at=(0.5, 0.5)))
+
+
+def test_a_text_that_fits_nowhere_says_how_much_would_at_the_best_place():
+    apart = sheets((0, 0, 0), (90, 0, 0), (0, 0, 80), (90, 0, 80))
+    with pytest.raises(InputError, match=r"9 characters does not fit on sheets .* [1-4] would"):
+        lay_out(apart, POEM[:9], 25.0)
+
+
+def test_the_brush_needs_room_above_the_square():
+    behind = sheets((0, 0, 0), (0, -20, 0))  # one looks at the other's back, 20 mm away
+    near = place(behind, (0, -1, 0))
+    far = frame_at(behind, (30, 0, 30), (0, 0, 1))
+    for room, free in ((10.0, True), (30.0, False)):
+        limits = SquareLimits(room_mm=room)
+        lay_square(behind, near, 20.0, limits)
+        if free:
+            lay_square(behind, far, 20.0, limits)
+        else:
+            with pytest.raises(MeshError, match="no room for the brush"):
+                lay_square(behind, far, 20.0, limits)
 
 
 @pytest.mark.parametrize("text", ["", " \n\t"])
