@@ -18,7 +18,7 @@ from paint3d.arrays import as_number
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import Recording
-from paint3d.errors import InputError
+from paint3d.errors import InputError, MeshError
 from paint3d.kernels.tuft import Tuft
 from paint3d.mesh.chart import make_chart
 from paint3d.mesh.closest import ClosestPoints
@@ -211,7 +211,13 @@ def _laid(
     half_width, half_height = np.maximum(reach, 0.5 * em) + 0.01 * em
     step = max(_FINEST_MM, em / _STEPS_PER_EM)
     frame = character.square.chart.frame
-    chart = make_chart(surface, frame, half_width, half_height, em / _NODES_PER_EM, step)
+    try:
+        chart = make_chart(surface, frame, half_width, half_height, em / _NODES_PER_EM, step)
+    except MeshError as cause:
+        raise MeshError(
+            f"{character.text!r}: its strokes reach beyond where one can write ({cause}); "
+            "expected a smaller size or another place"
+        ) from None
     return lay_motion(motion, chart, em, tuft)
 
 
