@@ -70,7 +70,7 @@ class SurfaceDelta:
     @property
     def n_bytes(self) -> int:
         """Memory that it takes, without the brush."""
-        arrays = [self.vertex_ids, self.amounts, self.coverage, *self.dry[1:5], *self.dry.over]
+        arrays = [self.vertex_ids, self.amounts, self.coverage, *self.dry[1:6], *self.dry.over]
         return sum(array.nbytes for array in [*arrays, *(self.flow or {}).values()])
 
     def exchange(self, surface: PaintedSurface) -> tuple[SurfaceDelta, NDArray]:

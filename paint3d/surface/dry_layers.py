@@ -1,8 +1,9 @@
 """What has dried on a surface: a row for each vertex that something dried on, and no other.
 
 A row holds the reflectance that the vertex shows, 31 bands of 16 bits, which is the whole of what
-later paint can see of all the layers below it, and the amounts that dried, for the accounts: 62
-bytes and 4 a pigment. Besides, the surface has 4 bytes a vertex once anything has dried.
+later paint can see of all the layers below it, the amounts that dried, for the accounts, and the
+share of the vertex that they cover: 66 bytes and 4 a pigment. Besides, the surface has 4 bytes a
+vertex once anything has dried.
 
 Where what lies below may change later (`surface.layer_stack`), a row also holds what the vertex
 would show over three grey grounds: 186 bytes more, and enough to tell what it shows over any.
@@ -35,6 +36,7 @@ class DryRows(NamedTuple):
     vertex_ids: NDArray  # (K,) int32
     spectra: NDArray  # (K, 31) uint16
     amounts: NDArray  # (K, P) float32
+    share: NDArray  # (K,) float32
     over: tuple[NDArray, NDArray, NDArray]  # (K, 31) uint16 each, or (K, 0)
 
 
@@ -60,6 +62,7 @@ class DryLayers:
         self._ids = np.empty(0, np.int32)
         self._spectra = np.empty((0, N_BANDS), np.uint16)
         self._amounts = np.zeros((0, n_pigments), np.float32)
+        self._share = np.zeros(0, np.float32)
         self._over = tuple(np.empty((0, bands), np.uint16) for _ in GROUNDS)
         self._marked: int | None = None
         self._before: list[DryRows] = []
@@ -73,6 +76,11 @@ class DryLayers:
     def amounts(self) -> NDArray:
         """(D, P) float32 of every pigment, coats times the share covered, all layers together."""
         return self._amounts[: self.count]
+
+    @property
+    def share(self) -> NDArray:
+        """(D,) float32: greatest share of the vertex's area that any of the layers covers."""
+        return self._share[: self.count]
 
     @property
     def spectra(self) -> NDArray:
@@ -147,11 +155,15 @@ class DryLayers:
         self._reserve(self.count + np.count_nonzero(fresh))
         return rows
 
-    def settle(self, vertex_ids: NDArray, rows: NDArray, amounts: NDArray) -> None:
-        """From now on these rows are the vertices' grounds; amounts (N, P) have dried there."""
+    def settle(self, vertex_ids: NDArray, rows: NDArray, amounts: NDArray, share: NDArray) -> None:
+        """From now on these rows are the vertices' grounds.
+
+        Amounts (N, P) have dried there and cover shares (N,) of the vertices.
+        """
         self._slots[vertex_ids] = rows
         self._ids[rows] = vertex_ids
         self._amounts[rows] += amounts
+        self._share[rows] = np.maximum(self._share[rows], share)
         self.count = max(self.count, int(rows.max()) + 1)
 
     # -- for undo ---------------------------------------------------------------------------
@@ -166,7 +178,7 @@ class DryLayers:
         kept = [*self._before, self._rows(np.empty(0, np.int32), self._marked)]
         rows = np.concatenate([k.rows for k in kept])
         rows, first = np.unique(rows, return_index=True)  # the first time is the one before
-        columns = [np.concatenate([_wide(k[i], self) for k in kept])[first] for i in (2, 3, 4)]
+        columns = [np.concatenate([_wide(k[i], self) for k in kept])[first] for i in range(2, 6)]
         over = [np.concatenate([k.over[i] for k in kept])[first] for i in range(len(GROUNDS))]
         return DryRows(self._marked, rows, *columns, tuple(over))
 
@@ -177,12 +189,14 @@ class DryLayers:
         now = self._rows(np.concatenate([shared, leaving]), self.count)
         self._slots[self._ids[leaving]] = -1
         self._amounts[leaving] = 0.0
+        self._share[leaving] = 0.0
         if then.count:
             self._slots = _padded(self._slots, capacity)
             self._reserve(then.count)
         self._ids[then.rows] = then.vertex_ids
         self._spectra[then.rows] = then.spectra
         self._amounts[then.rows] = _wide(then.amounts, self)
+        self._share[then.rows] = then.share
         for array, old in zip(self._over, then.over, strict=True):
             array[then.rows] = old
         self._slots[then.vertex_ids] = then.rows
@@ -195,7 +209,7 @@ class DryLayers:
             self._before.append(self._rows(old, self._marked))
 
     def _rows(self, rows: NDArray, count: int) -> DryRows:
-        columns = (self._ids, self._spectra, self._amounts)
+        columns = (self._ids, self._spectra, self._amounts, self._share)
         over = tuple(array[rows] for array in self._over)
         return DryRows(count, rows, *(column[rows] for column in columns), over)
 
@@ -205,6 +219,7 @@ class DryLayers:
             self._ids = _grown(self._ids, self.count, room)
             self._spectra = _grown(self._spectra, self.count, room)
             self._amounts = _grown(self._amounts, self.count, room)
+            self._share = _grown(self._share, self.count, room)
             self._over = tuple(_grown(array, self.count, room) for array in self._over)
 
     def restore(
@@ -213,6 +228,7 @@ class DryLayers:
         vertex_ids: NDArray,
         spectra: NDArray,
         amounts: NDArray,
+        share: NDArray,
         over: tuple[NDArray, NDArray, NDArray] | None = None,
     ) -> None:
         """Take over layers that were kept elsewhere; see the attributes of the same names."""
@@ -221,6 +237,7 @@ class DryLayers:
         self._ids = np.array(vertex_ids, np.int32)
         self._spectra = np.array(spectra, np.uint16)
         self._amounts = np.array(amounts, np.float32)
+        self._share = np.array(share, np.float32)
         self.count = len(vertex_ids)
         if over is None:
             over = tuple(np.empty((len(vertex_ids), 0)) for _ in GROUNDS)
@@ -242,6 +259,6 @@ def _padded(slots: NDArray, capacity: int) -> NDArray:
 
 def _wide(array: NDArray, layers: DryLayers) -> NDArray:
     """Amounts (K, p) with a column for every pigment that is known by now; other arrays as is."""
-    if array.dtype != np.float32:
+    if array.dtype != np.float32 or array.ndim == 1:
         return array
     return np.pad(array, ((0, 0), (0, layers._amounts.shape[1] - array.shape[1])))

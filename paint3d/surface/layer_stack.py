@@ -315,6 +315,15 @@ class LayerStack:
             dry += float(areas[content.dry.vertex_ids] @ amounts)
         return wet, dry
 
+    def add_shares(self, share: NDArray) -> None:
+        """Raise (V,) to the share that paint on the layers that rest covers, visible or not."""
+        for content in self._others():
+            for ids, own in (
+                (content.ids, content.coverage),
+                (content.dry.vertex_ids, content.dry.share),
+            ):
+                share[ids] = np.maximum(share[ids], own)
+
     def _others(self) -> Sequence[_Content]:
         return [self._contents[key] for key in self._keys if key != self._active]
 
@@ -343,7 +352,7 @@ def _know_filters(surface: PaintedSurface) -> None:
     if dry.has_filters:
         return
     over = tuple(np.zeros((dry.count, N_BANDS), np.uint16) for _ in GROUNDS)
-    rows, share = np.arange(dry.count, dtype=np.int32), np.ones(dry.count, np.float32)
+    rows, share = np.arange(dry.count, dtype=np.int32), dry.share.copy()
     bare = surface.ground()._replace(
         slots=np.empty(0, np.int32), linear_rgb=np.empty((0, 3), np.float32)
     )

@@ -340,7 +340,8 @@ class PaintedSurface:
             grounds += self.dry_layers.grey_grounds(ground)
         for below in grounds:
             self._glaze.dry(ink.amounts, ink.coverage, below, vertex_ids, rows)
-        self.dry_layers.settle(vertex_ids, rows, ink.amounts[vertex_ids] * self._lasting)
+        amounts, share = ink.amounts[vertex_ids] * self._lasting, ink.coverage[vertex_ids]
+        self.dry_layers.settle(vertex_ids, rows, amounts, share)
         ink.amounts[vertex_ids] = 0.0
         ink.coverage[vertex_ids] = 0.0
         self.touch(vertex_ids)
@@ -402,6 +403,15 @@ class PaintedSurface:
         row = self.dry_layers.rows_of(np.array([vertex_id]))[0]
         found = wet if wet.any() or row < 0 else self.dry_layers.amounts[row]
         return found.astype(np.float64)
+
+    def share_painted(self) -> NDArray:
+        """(V,) float32: greatest share of each vertex that any paint covers, wet or dry."""
+        share = self.coverage.copy()
+        ids = self.dry_layers.vertex_ids
+        share[ids] = np.maximum(share[ids], self.dry_layers.share)
+        if self.layers is not None:
+            self.layers.add_shares(share)
+        return share
 
     @property
     def vertex_areas(self) -> NDArray:

@@ -38,7 +38,7 @@ State = dict[str, object]
 _UPGRADES: dict[int, Callable[[State], State]] = {
     1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
     2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
-    3: lambda state: {**state, "version": 4, "layers": None, "active": 0},
+    3: lambda state: {**state, "version": 4, "layers": None, "active": 0, **_whole(state)},
 }
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
@@ -53,9 +53,9 @@ def surface_state(surface: PaintedSurface) -> State:
         arrays: splits (n,) int32, the refinement log; touched (T,) int32, numbers of the
         vertices with wet ink (`mesh.refinement_log.saved_ids`); amounts (T, P) and coverage (T,)
         float32; dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and
-        dried_amounts (D, P) float32; load and off_surface (P,) float64; stations (N, P)
-        float64, the load along the tuft, N = 1: alike all along; habit (3,) float64, pick-up
-        (1/mm), capacity (coats x mm2) and reach (mm) of `kernels.pickup`.
+        dried_amounts (D, P) and dried_share (D,) float32; load and off_surface (P,) float64;
+        stations (N, P) float64, the load along the tuft, N = 1: alike all along; habit (3,)
+        float64, pick-up (1/mm), capacity (coats x mm2) and reach (mm) of `kernels.pickup`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
         that it may reach: flow_vertices (C,) int32, flow_rim (C,) uint8, flow_water, flow_speed,
@@ -97,6 +97,7 @@ def _open_layer(surface: PaintedSurface, ids: NDArray) -> State:
         "dried": ids[dry.vertex_ids],
         "dried_spectra": dry.spectra.copy(),
         "dried_amounts": dry.amounts.copy(),
+        "dried_share": dry.share.copy(),
         **_kept_flow(surface, ids),
     }
     if dry.has_filters:
@@ -117,6 +118,11 @@ def _resting_layers(surface: PaintedSurface, ids: NDArray) -> State:
             state |= {f"layer{place}_{name}": value for name, value in own.items()}
     stack.activate(active)
     return state
+
+
+def _whole(state: State) -> State:
+    """Dried paint that covers whole vertices, as far as older files say."""
+    return {"dried_share": np.ones(len(np.atleast_1d(state["dried"])), np.float32)}
 
 
 def _alike(n_pigments: int) -> State:
@@ -232,12 +238,14 @@ def _put_layer(surface: PaintedSurface, state: State, now: NDArray) -> None:
     dry = now[_vertices(state, "dried", n)]
     spectra = _spectra(state, "dried_spectra", len(dry))
     amounts = _amounts(state, "dried_amounts", (len(dry), count), np.float32)
+    share = _amounts(state, "dried_share", (len(dry),), np.float32, 1.0)
     if (len(wet) or len(dry)) and not count:
         raise SessionError("there is ink without pigments")
     over = None
     if surface.layers is not None:
         over = tuple(_spectra(state, name, len(dry)) for name in _OVER)
-    surface.dry_layers.restore(surface.paint_mesh.capacity, dry, spectra, amounts, over)
+    room = surface.paint_mesh.capacity
+    surface.dry_layers.restore(room, dry, spectra, amounts, share, over)
     surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
     if state["flows"]:
         _put_water(surface, state, now)

@@ -35,6 +35,7 @@ def state(surface, painter, n, columns):
         "dried": dry.vertex_ids.copy(),
         "spectra": dry.spectra.copy(),
         "dried_amounts": wide(dry.amounts, columns),
+        "dried_share": dry.share.copy(),
         "load": np.pad(ink.load, (0, columns - len(ink.load))),
         "off": np.pad(ink.off_surface, (0, columns - len(ink.off_surface))),
         "stations": wide(ink.stations, columns),

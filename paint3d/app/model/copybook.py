@@ -1,0 +1,259 @@
+"""A copybook on the object: ghosts of characters to paint over, and how well each was met.
+
+The characters lie where `paint3d write` would put them. A stroke belongs to the character in whose
+em square most of it was painted; when a character has as many strokes as its glyph, or whenever it
+is asked for, the painting is compared with the glyph's outlines in the surface's own coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.app.model.stroke_log import Stroke
+from paint3d.arrays import as_number
+from paint3d.errors import MeshError
+from paint3d.mesh.chart import SurfaceChart, make_chart
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.em_square import EmSquare
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.unrolling import unroll
+from paint3d.pose.brush_pose import object_poses
+from paint3d.stroke.glyph_sources import GlyphSource, load_glyphs, open_glyphs
+from paint3d.stroke.glyphs import Glyph
+from paint3d.stroke.layout import Layout, lay_out
+from paint3d.stroke.likeness import Likeness, compare, copybook_mask, painted_mask
+from paint3d.stroke.planning import on_paper
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["Copybook", "Ghost", "Score"]
+
+_REACH = 0.15  # ems that a chart goes beyond the em square, for what strays
+_NODES_PER_EM = 24.0
+_STEP = 1.0 / 96.0  # ems between two points of a ghost
+_LIFT_MM = 0.05  # above the surface, so that a ghost is seen
+_LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
+
+
+@dataclass(eq=False)
+class Ghost:
+    """One character of a copybook.
+
+    Attributes
+    ----------
+    glyph : Glyph
+    square : EmSquare
+    strokes : list of Stroke
+        What was painted for it so far.
+    """
+
+    glyph: Glyph
+    square: EmSquare
+    surface: ClosestPoints = field(repr=False)
+    strokes: list[Stroke] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """The character."""
+        return self.glyph.text
+
+    @property
+    def is_written(self) -> bool:
+        """Whether it has as many strokes as its glyph."""
+        return len(self.strokes) >= len(self.glyph.strokes)
+
+    @property
+    def seconds(self) -> float:
+        """From the first stroke's first sample to the last one's last, s; 0 before."""
+        if not self.strokes:
+            return 0.0
+        last = self.strokes[-1].samples[-1].time_ns
+        return (last - self.strokes[0].samples[0].time_ns) * 1e-9
+
+    @cached_property
+    def outlines(self) -> tuple[NDArray, ...]:
+        """Closed lines (N, 3) around the strokes, mm, a little above the surface."""
+        return tuple(self._raised(stroke.outline, closed=True) for stroke in self.glyph.strokes)
+
+    @cached_property
+    def medians(self) -> tuple[NDArray, ...]:
+        """The strokes' centre lines (N, 3) in writing order, mm."""
+        return tuple(self._raised(stroke.median, closed=False) for stroke in self.glyph.strokes)
+
+    @cached_property
+    def frame(self) -> NDArray:
+        """The em square's rim (N, 3), closed, mm."""
+        half = 0.5 * self.square.em_mm
+        corners = np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
+        return self._on_surface(_dense(corners, True, _STEP * self.square.em_mm))
+
+    def _raised(self, line: NDArray, closed: bool) -> NDArray:
+        em = self.square.em_mm
+        return self._on_surface(_dense(on_paper(line, em) - 0.5 * em, closed, _STEP * em))
+
+    def _on_surface(self, xy: NDArray) -> NDArray:
+        chart = self.chart
+        reach = np.array([chart.half_width, chart.half_height])
+        xy = np.clip(xy, -reach, reach)
+        return chart.points(xy) + _LIFT_MM * chart.normals(xy)
+
+    @cached_property
+    def chart(self) -> SurfaceChart:
+        """The surface around the square; only the square where there is no more."""
+        em, square = self.square.em_mm, self.square
+        half = (0.5 + _REACH) * em
+        try:
+            return make_chart(self.surface, square.chart.frame, half, half, em / _NODES_PER_EM)
+        except MeshError:
+            return square.chart
+
+    def compare(self, surface: PaintedSurface) -> Likeness | None:
+        """How like the glyph the painting in the square is; None where nothing is painted.
+
+        All paint there counts, of all layers.
+        """
+        em = self.square.em_mm
+        faces = surface.paint_mesh.leaf_faces()
+        coverage = surface.share_painted()
+        faces = faces[(coverage[faces] > 0.0).any(axis=1)]
+        vertices = surface.paint_mesh.vertices
+        used = np.unique(faces)
+        away = np.linalg.norm(vertices[used] - self.chart.frame.origin, axis=1)
+        used = used[away < 1.5 * em]
+        points = np.full((len(coverage), 2), np.nan)
+        if len(used):
+            points[used] = unroll(self.chart, vertices[used].astype(np.float64))
+        faces = faces[np.isfinite(points[faces]).all(axis=(1, 2))]
+        painted = painted_mask(points + 0.5 * em, coverage, faces, em)
+        return compare(painted, self._wanted) if painted.any() else None
+
+    @cached_property
+    def _wanted(self) -> NDArray[np.bool_]:
+        em = self.square.em_mm
+        return copybook_mask([on_paper(s.outline, em) for s in self.glyph.strokes], em)
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a stroke meant to a copybook.
+
+    Attributes
+    ----------
+    place : int
+        Of its character.
+    text : str
+    n_strokes : int
+        Painted for the character so far.
+    likeness : Likeness or None
+        Once it is written.
+    seconds : float
+        From the character's first sample to its last, s.
+    """
+
+    place: int
+    text: str
+    n_strokes: int
+    likeness: Likeness | None
+    seconds: float
+
+
+class Copybook:
+    """A text as ghosts on an object.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        The object.
+    text : str
+        Line breaks start a new column or row.
+    em_mm : float
+        Side of the characters' squares, 2 to 1000 mm.
+    layout : Layout, optional
+    source : GlyphSource, optional
+        By default the lines of the installed `kanjivg`.
+    surface : ClosestPoints, optional
+        Of the mesh, where it is there already.
+
+    Raises
+    ------
+    InputError
+        If the text is empty, has unknown characters or does not fit.
+    MeshError
+        If there is no place for a character.
+    """
+
+    def __init__(
+        self,
+        mesh: TriangleMesh,
+        text: str,
+        em_mm: float = 30.0,
+        layout: Layout | None = None,
+        source: GlyphSource | None = None,
+        surface: ClosestPoints | None = None,
+    ) -> None:
+        em_mm = as_number(em_mm, "size (mm)", _LEAST_EM_MM, _MOST_EM_MM)
+        source = source or open_glyphs(None)
+        glyphs = load_glyphs(source, "".join(text.split()))
+        surface = surface or ClosestPoints(mesh)
+        placed = lay_out(surface, text, em_mm, layout)
+        self.ghosts = tuple(Ghost(glyphs[one.text], one.square, surface) for one in placed)
+
+    @property
+    def next(self) -> int | None:
+        """Place of the first character that is not written yet; None when all are."""
+        return next((k for k, ghost in enumerate(self.ghosts) if not ghost.is_written), None)
+
+    def place_of(self, stroke: Stroke) -> int | None:
+        """The character in whose square most of a stroke was painted; None where in none."""
+        path = object_poses(stroke.samples)
+        roots = path.position
+        if path.pressure is not None and (path.pressure > 0.0).any():
+            roots = roots[path.pressure > 0.0]
+        feet = self.ghosts[0].surface.find(roots).points
+        counts = [_inside(ghost, feet) for ghost in self.ghosts]
+        best = int(np.argmax(counts))
+        return best if counts[best] > 0 else None
+
+    def note(self, stroke: Stroke, surface: PaintedSurface) -> Score | None:
+        """Take a stroke that was painted; None where it belongs to no character."""
+        place = self.place_of(stroke)
+        if place is None:
+            return None
+        ghost = self.ghosts[place]
+        ghost.strokes.append(stroke)
+        stroke.tags |= {"character": ghost.text, "place": place}
+        likeness = ghost.compare(surface) if ghost.is_written else None
+        return Score(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
+
+    def follow(self, strokes: Sequence[Stroke]) -> None:
+        """Forget strokes that were undone."""
+        kept = {id(stroke) for stroke in strokes}
+        for ghost in self.ghosts:
+            ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in kept]
+
+
+def _inside(ghost: Ghost, points: NDArray) -> int:
+    """How many of the points lie in a character's square."""
+    em = ghost.square.em_mm
+    near = np.linalg.norm(points - ghost.chart.frame.origin, axis=1) < em
+    if not near.any():
+        return 0
+    xy = ghost.chart.coordinates(points[near], most_off=0.05 * em)
+    return int(np.count_nonzero((np.abs(xy) <= 0.5 * em).all(axis=1)))
+
+
+def _dense(line: NDArray, closed: bool, step: float) -> NDArray:
+    """Points along a line (N, 2) at most a step apart, with its own corners."""
+    if closed:
+        line = np.concatenate([line, line[:1]])
+    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    counts = np.maximum(1, np.ceil(lengths / step)).astype(int)
+    parts = [
+        a + np.arange(n)[:, None] / n * (b - a)
+        for a, b, n in zip(line[:-1], line[1:], counts, strict=True)
+    ]
+    return np.concatenate([*parts, line[-1:]])

@@ -1,0 +1,218 @@
+"""What both hands hold: which devices are there, how they do, and what their buttons ask for."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from paint3d.device.beat import find_beat
+from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find_actions
+from paint3d.device.hid_nodes import HidNode
+from paint3d.device.recorded import MAX_FORCE_N
+from paint3d.device.sample import DeviceSample
+from paint3d.device.space_mouse import MouseEvent, SpaceMouse
+from paint3d.device.stylus import Stylus
+from paint3d.device.stylus_reading import StylusReading
+from paint3d.pose.steering import ObjectPose, apply_action
+from paint3d.pose.two_hands import TwoHands
+
+__all__ = ["DOCUMENT_COMMANDS", "DeviceDesk", "DeviceView", "StrokeCutter", "Taken"]
+
+DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
+"""Actions of buttons that are commands of a `Document`; the others steer the object."""
+
+_SETTLE_NS = 10_000_000  # how long a device may be late before its readings are merged
+_REMEMBERED = 400  # readings of which the rate is told
+_LEFT = ("mouse",)
+
+
+class Plugged(Protocol):
+    """What `device.hot_plug.PluggedDevices` offers."""
+
+    failures: dict[str, str]
+
+    def nodes(self) -> list[HidNode]: ...
+    def mice(self) -> list[SpaceMouse]: ...
+    def styli(self) -> list[Stylus]: ...
+    def take_mouse(self) -> list[MouseEvent]: ...
+    def take_stylus(self) -> list[StylusReading]: ...
+    def stop(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class DeviceView:
+    """One device, for showing it.
+
+    Attributes
+    ----------
+    name : str
+    kind : {"mouse", "stylus", "pen"}
+    hand : {"left", "right"}
+    is_open : bool
+    message : str
+        Why it could not be opened, with the rule that would help; empty where it is.
+    """
+
+    name: str
+    kind: str
+    hand: str
+    is_open: bool
+    message: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """What the hands did since the last time.
+
+    Attributes
+    ----------
+    samples : list of DeviceSample
+        In the order of time.
+    commands : list of str
+        Methods of `Document` that buttons asked for.
+    object_pose : ObjectPose
+        Where the left hand holds the object now.
+    """
+
+    samples: list[DeviceSample]
+    commands: list[str]
+    object_pose: ObjectPose
+
+
+class DeviceDesk:
+    """The devices of both hands; ask it some ten to a hundred times a second.
+
+    Parameters
+    ----------
+    plugged : PluggedDevices
+        Stopped by `stop`.
+    hands : TwoHands, optional
+    actions : mapping of int to str
+        Of the 6-DOF mouse's buttons; see `device.button_actions`.
+    clock : callable
+        Returns ns of the clock that readings are stamped by.
+
+    Attributes
+    ----------
+    hands : TwoHands
+    """
+
+    def __init__(
+        self,
+        plugged: Plugged,
+        hands: TwoHands | None = None,
+        actions: Mapping[int, str] = DEFAULT_ACTIONS,
+        clock: Callable[[], int] = time.monotonic_ns,
+    ) -> None:
+        self.hands = hands or TwoHands(time_ns=clock())
+        self._plugged = plugged
+        self._actions = checked_actions(actions)
+        self._clock = clock
+        self._buttons = 0
+        self._heard: dict[str, deque[int]] = {h: deque(maxlen=_REMEMBERED) for h in _HANDS}
+        self._force = 0.0
+
+    def views(self) -> list[DeviceView]:
+        """What is there: the open devices first, then those that could not be opened."""
+        found = [
+            DeviceView(node.name, node.kind, "left" if node.kind in _LEFT else "right", True)
+            for node in self._plugged.nodes()
+        ]
+        failures = dict(self._plugged.failures)
+        return found + [DeviceView(path, "", "", False, why) for path, why in failures.items()]
+
+    def take(self) -> Taken:
+        """Take what the devices said, and do what the buttons ask of the object."""
+        events, readings = self._plugged.take_mouse(), self._plugged.take_stylus()
+        commands: list[str] = []
+        samples: list[DeviceSample] = []
+        self.hands.add_stylus(readings)
+        for event in events:
+            self.hands.add_deflection(event.time_ns, event.deflection)
+            for action in find_actions(self._buttons, event.buttons, self._actions):
+                samples += self.hands.take(event.time_ns)  # what was before it
+                commands += self._act(action)
+            self._buttons = event.buttons
+        self._heard["left"].extend(event.time_ns for event in events)
+        self._heard["right"].extend(reading.time_ns for reading in readings)
+        if readings:
+            self._force = MAX_FORCE_N * (readings[-1].pressure or 0.0)
+        samples += self.hands.take(self._clock() - _SETTLE_NS)
+        return Taken(samples, commands, self.hands.object_pose)
+
+    def _act(self, action: str) -> list[str]:
+        """Do what concerns the object; what concerns the document."""
+        if action in DOCUMENT_COMMANDS:
+            return [DOCUMENT_COMMANDS[action]]
+        if action == "recentre":
+            self.hands.set_object_pose(ObjectPose())
+        elif action == "calibrate_rest":
+            for mouse in self._plugged.mice():
+                mouse.calibrate_rest()
+        else:
+            self.hands.steering = apply_action(self.hands.steering, action)
+        return []
+
+    @property
+    def force_n(self) -> float:
+        """Force on the brush by the last reading, N, for a gauge up to 7.9 N."""
+        return self._force
+
+    def rate_hz(self, hand: str) -> float:
+        """How often a hand's device reports, Hz; 0 where it does not."""
+        return find_beat(np.array(self._heard[hand], np.int64)).rate_hz
+
+    def lateness_ms(self, hand: str) -> float:
+        """By how much one report in a hundred comes later than most, ms; 0 where there are few."""
+        beat = find_beat(np.array(self._heard[hand], np.int64))
+        late = beat.interval_p99_ms - beat.interval_p50_ms
+        return float(late) if np.isfinite(late) else 0.0
+
+    def lost(self) -> int:
+        """Reports of styli that never came."""
+        return sum(stylus.lost for stylus in self._plugged.styli())
+
+    def stop(self) -> None:
+        """Close everything."""
+        self._plugged.stop()
+
+
+_HANDS = ("left", "right")
+
+
+class StrokeCutter:
+    """Cuts the stream of a hand into strokes: from before it touches until it has left.
+
+    Parameters
+    ----------
+    touches : callable, optional
+        Whether the brush touches in a sample; by default whether it is pressed, which a device
+        without pressure cannot say: for that, ask `Painter.contact`.
+    """
+
+    def __init__(self, touches: Callable[[DeviceSample], bool] | None = None) -> None:
+        self._touches = touches or (lambda sample: (sample.pressure or 0.0) > 0.0)
+        self._before: DeviceSample | None = None
+        self._down = False
+
+    def cut(self, samples: Iterable[DeviceSample]) -> list[str | list[DeviceSample]]:
+        """The samples that belong to strokes, with "begin_stroke" and "end_stroke" between."""
+        found: list[str | list[DeviceSample]] = []
+        for sample in samples:
+            down = self._touches(sample)
+            if down and not self._down:
+                found.append("begin_stroke")
+                found.append([] if self._before is None else [self._before])
+            if down or self._down:
+                if not found or isinstance(found[-1], str):
+                    found.append([])
+                found[-1].append(sample)
+            if self._down and not down:
+                found.append("end_stroke")
+            self._down, self._before = down, sample
+        return [part for part in found if part]
