@@ -36,12 +36,23 @@ class Plugged(Protocol):
 
     failures: dict[str, str]
 
-    def nodes(self) -> list[HidNode]: ...
-    def mice(self) -> list[SpaceMouse]: ...
-    def styli(self) -> list[Stylus]: ...
-    def take_mouse(self) -> list[MouseEvent]: ...
-    def take_stylus(self) -> list[StylusReading]: ...
-    def stop(self) -> None: ...
+    def nodes(self) -> list[HidNode]:
+        """The nodes that are open."""
+
+    def mice(self) -> list[SpaceMouse]:
+        """The 6-DOF mice that are open."""
+
+    def styli(self) -> list[Stylus]:
+        """The styli and pens that are open."""
+
+    def take_mouse(self) -> list[MouseEvent]:
+        """Events of the mouse since the last call."""
+
+    def take_stylus(self) -> list[StylusReading]:
+        """Readings of all styli since the last call."""
+
+    def stop(self) -> None:
+        """Close everything."""
 
 
 @dataclass(frozen=True)
