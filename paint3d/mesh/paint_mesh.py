@@ -7,6 +7,7 @@ of cells in which they are refined and found (`kernels.cells`), and everything i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -31,6 +32,7 @@ _LATTICE = 1 << 20  # cells along an axis that Morton codes can hold
 _AREA_BITS = 61
 _STEPS_PER_EDGE = 8  # float32 steps that a shortest edge must span
 _PATH = 1 << 16
+_CELLS_A_STEP = 256  # refined between two reports of progress
 _PER_VERTEX = (
     "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
     "next_in_cell",
@@ -146,11 +148,19 @@ class PaintMesh:
         grown["radial"] = _grow(field.radial, 3 * nodes, 3 * room)
         self.arrays = field._replace(**grown)
 
-    def refine_all(self) -> None:
-        """Refine every cell: what lazy refinement must agree with wherever it went."""
+    def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
+        """Refine every cell: what lazy refinement must agree with wherever it went.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the share done, now and then; what it raises stops between two cells.
+        """
         for cell in range(self.n_cells):
             while activate_cell(self.arrays, cell) < 0:
                 self.reserve()
+            if progress is not None and cell % _CELLS_A_STEP == 0:
+                progress(cell / self.n_cells)
 
     # -- what there is ----------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -128,10 +128,15 @@ class PaintedSurface:
         self.paint_mesh.reserve(extra)
         self._fit()
 
-    def refine_all(self) -> None:
-        """Refine the whole surface now instead of where paint comes; nothing painted changes."""
-        self.paint_mesh.refine_all()
-        self._fit()
+    def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
+        """Refine the whole surface now instead of where paint comes; nothing painted changes.
+
+        What `progress` (see `PaintMesh.refine_all`) raises stops it half way, which harms nothing.
+        """
+        try:
+            self.paint_mesh.refine_all(progress)
+        finally:
+            self._fit()
 
     def _fit(self) -> None:
         """Give every vertex that the mesh has room for its place in the per-vertex arrays."""

@@ -117,7 +117,7 @@ def test_alt_or_another_button_turns_instead_of_painting(window) -> None:
     assert np.linalg.norm(turned.position - camera.position) > 10.0
     far = np.linalg.norm(turned.position - turned.focus)
     assert far == pytest.approx(np.linalg.norm(camera.position - camera.focus))
-    window.actions_by_name["frame_all"].trigger()
+    choose(window, "frame_all")
     assert np.allclose(window.hand.camera.position, camera.position)
 
 

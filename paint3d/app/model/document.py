@@ -569,9 +569,12 @@ class Document:
             touched.append(self.redo())
         return np.unique(np.concatenate(touched)).astype(np.int32)
 
-    def recording(self) -> Recording | None:
-        """The strokes as one recording in the object's frame, with dips; None if there are none."""
-        return self._log.recording(self.surface.source.name)
+    def recording(self, first: int = 0) -> Recording | None:
+        """The strokes from number `first` on as one recording in the object's frame, with dips.
+
+        None if there are none.
+        """
+        return self._log.recording(self.surface.source.name, first)
 
     # -- what is shown ----------------------------------------------------------------------
 

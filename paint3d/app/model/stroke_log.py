@@ -132,14 +132,15 @@ class StrokeLog:
         """Have these strokes of this sitting, after undo or redo."""
         self.strokes = [*self._before, *strokes]
 
-    def recording(self, object_name: str) -> Recording | None:
-        """All strokes one after the other; dips are on their lifted samples."""
-        if not self.strokes:
+    def recording(self, object_name: str, first: int = 0) -> Recording | None:
+        """Strokes from number `first` on, one after the other; dips are on their lifted samples."""
+        strokes = self.strokes[first:]
+        if not strokes:
             return None
         samples: list[DeviceSample] = []
-        for stroke in self.strokes:
+        for stroke in strokes:
             samples += _after(samples, stroke)
-        return recording_of(samples, {**self.strokes[0].header(), "object": object_name})
+        return recording_of(samples, {**strokes[0].header(), "object": object_name})
 
 
 def _after(before: Sequence[DeviceSample], stroke: Stroke) -> list[DeviceSample]:

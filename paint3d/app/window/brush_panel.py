@@ -90,8 +90,11 @@ class BrushPanel(QtWidgets.QWidget):
             item = QtWidgets.QListWidgetItem(f"{say(name)}\n{spec.length_mm:g} mm")
             item.setData(QtCore.Qt.ItemDataRole.UserRole, name)
             item.setToolTip(
-                say("{hair} hair, {length:g} mm long, {width:g} mm thick").format(
-                    hair=say(spec.hair), length=spec.length_mm, width=spec.root_diameter_mm
+                say(
+                    "{hair}, {length:g} mm long, {width:g} mm thick",
+                    hair=say(f"brush.hair_{spec.hair}"),
+                    length=spec.length_mm,
+                    width=spec.root_diameter_mm,
                 )
             )
             view.addItem(item)

@@ -1,97 +1,73 @@
-"""Everything the window can be told, as data: menu, words, keys, icon."""
+"""Which of the key map's actions stand where: menus, tool bar, icons."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from paint3d.app.model.shortcuts import GESTURES, SHORTCUTS, find_shortcuts
 
-__all__ = ["COMMANDS", "GESTURES", "MENUS", "TOOLS", "Command"]
+__all__ = ["CHECKABLE", "ICONS_OF", "MENUS", "TOOLS", "keys_of", "text_of"]
 
-
-@dataclass(frozen=True)
-class Command:
-    """One thing to choose from a menu, by key or from the tool bar.
-
-    Attributes
-    ----------
-    name : str
-        The studio's method for it is ``do_<name>``.
-    menu : str
-        Key of `MENUS`.
-    text : str
-        English; an ellipsis where more is asked.
-    keys : tuple of str
-        As Qt writes them; the first is shown.
-    icon : str
-    checkable : bool
-    """
-
-    name: str
-    menu: str
-    text: str
-    keys: tuple[str, ...] = ()
-    icon: str = ""
-    checkable: bool = False
-
-
-MENUS = {
-    "file": "&File", "edit": "&Edit", "view": "&View", "brush": "&Brush", "layers": "&Layers",
-    "help": "&Help",
+MENUS: dict[str, tuple[str, ...]] = {
+    "file": ("new", "open", "save", "save_as", "export", "-", "screenshot", "turntable", "-",
+             "record", "replay", "save_recording", "-", "quit"),
+    "edit": ("undo", "redo", "-", "cancel_stroke", "-", "preferences"),
+    "brush": ("smaller", "larger", "smoothing", "brush", "-",
+              *(f"brush_{k}" for k in range(1, 10))),
+    "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-", "wet", "dry"),
+    "stroke": ("mirror", "radial", "-", "mask", "pick_region", "clear_mask", "-", "refine"),
+    "view": ("frame_all", "frame_selected", "-", "look_front", "look_back", "look_left",
+             "look_right", "look_top", "look_bottom"),
+    "layers": ("add_layer", "remove_layer", "rename_layer", "-", "layer_above", "layer_below",
+               "raise_layer", "lower_layer", "-", "hide_layer", "lock_layer"),
+    "window": ("panels", "full_screen", "dark", "-"),
+    "help": ("shortcuts", "about"),
 }  # fmt: skip
-
-_TABLE = (
-    ("new", "file", "New painting…", ("Ctrl+N",), "new"),
-    ("open", "file", "Open…", ("Ctrl+O",), "open"),
-    ("save", "file", "Save", ("Ctrl+S",), "save"),
-    ("save_as", "file", "Save as…", ("Ctrl+Shift+S",)),
-    ("export", "file", "Export…", ("Ctrl+E",), "export"),
-    ("-", "file", ""),
-    ("save_recording", "file", "Save the strokes as a recording…", ()),
-    ("replay", "file", "Replay a recording…", ("Ctrl+R",), "play"),
-    ("screenshot", "file", "Picture of the view…", ("Ctrl+P",), "camera"),
-    ("turntable", "file", "Turntable film…", ()),
-    ("-", "file", ""),
-    ("quit", "file", "Quit", ("Ctrl+Q",)),
-    ("undo", "edit", "Undo", ("Ctrl+Z",), "undo"),
-    ("redo", "edit", "Redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "redo"),
-    ("-", "edit", ""),
-    ("dry", "edit", "Let everything dry", ("Ctrl+D",), "dry"),
-    ("wet", "edit", "Let ink run while painting", ("Ctrl+W",), "water", True),
-    ("frame_all", "view", "Show the whole object", ("F",), "frame"),
-    ("front", "view", "From the front", ("1",)),
-    ("right", "view", "From the right", ("3",)),
-    ("top", "view", "From above", ("7",)),
-    ("-", "view", ""),
-    ("show_brush", "view", "Show the brush", ("B",), "brush", True),
-    ("dark", "view", "Dark theme", (), "", True),
-    ("english", "view", "English", ()),
-    ("chinese", "view", "中文", ()),
-    ("full_screen", "view", "Full screen", ("F11",), "", True),
-    ("dip", "brush", "Dip in the same ink", ("D",), "dip"),
-    ("rinse", "brush", "Rinse", ("R",), "rinse"),
-    ("wipe", "brush", "Wipe half off", ("W",)),
-    ("swap_inks", "brush", "Swap the two inks", ("X",), "swap"),
-    ("pick", "brush", "Pick up the ink under the pointer", ("I",), "pick"),
-    ("-", "brush", ""),
-    ("smaller", "brush", "Smaller brush", ("[",)),
-    ("larger", "brush", "Larger brush", ("]",)),
-    ("mirror", "brush", "Mirror left and right", ("M",), "mirror", True),
-    ("-", "layers", ""),
-    ("keys", "help", "Keys and gestures", ("?", "F1"), "help"),
-    ("about", "help", "About paint3d", ()),
-)
-COMMANDS = tuple(Command(*row) for row in _TABLE)
+"""Menu to its actions; "-" parts them."""
 
 TOOLS = (
-    "open", "save", "-", "undo", "redo", "-", "dip", "rinse", "swap_inks", "pick", "-", "mirror",
-    "wet", "dry", "-", "frame_all", "show_brush", "screenshot",
+    "open", "save", "-", "undo", "redo", "-", "dip", "rinse", "swap_inks", "pick_colour", "-",
+    "mirror", "radial", "wet", "dry", "-", "frame_all", "brush", "screenshot", "record", "-",
+    "shortcuts",
 )  # fmt: skip
 
-GESTURES = (
-    ("Left button or pen tip", "Paint; a pen's pressure, tilt and twist are the brush's"),
-    ("Pen's other end", "Rinse the brush as it comes near"),
-    ("Alt + drag, middle button", "Turn around the object"),
-    ("Shift + middle button", "Move sideways"),
-    ("Wheel, right button", "Come nearer"),
-    ("F, held and dragged", "Size of the brush"),
-    ("Wheel while painting", "Press harder or softer with a mouse"),
+CHECKABLE = frozenset(
+    {"smoothing", "brush", "wet", "mirror", "radial", "mask", "record", "full_screen", "dark"}
 )
+
+ICONS_OF = {
+    "new": "new", "open": "open", "save": "save", "export": "export", "screenshot": "camera",
+    "turntable": "orbit", "record": "record", "replay": "play", "undo": "undo", "redo": "redo",
+    "dip": "dip", "rinse": "rinse", "swap_inks": "swap", "pick_colour": "pick", "wet": "water",
+    "dry": "dry", "mirror": "mirror", "radial": "radial", "mask": "mask", "frame_all": "frame",
+    "brush": "brush", "add_layer": "layers", "shortcuts": "help", "refine": "refine",
+}  # fmt: skip
+
+_OWN = {
+    "save_recording": "Save the strokes as a recording…",
+    "wet": "surface.wet",
+    "refine": "Refine the whole surface now",
+    "dark": "Dark theme",
+    "about": "menu.about",
+}
+_TEXTS = {"brush": "Show the brush", "smoothing": "action.smoothing"}
+
+
+def keys_of(action: str) -> list[str]:
+    """The keys that are pressed for an action, as Qt writes them."""
+    return [one.keys for one in find_shortcuts(action) if one.gesture == GESTURES[0]]
+
+
+def text_of(action: str) -> str:
+    """The text, or its key, that names an action."""
+    if action in _OWN or action in _TEXTS:
+        return _OWN.get(action) or _TEXTS[action]
+    return f"action.{action}"
+
+
+def _check() -> None:
+    known = {one.action for one in SHORTCUTS} | set(_OWN)
+    for actions in (*MENUS.values(), TOOLS):
+        missing = set(actions) - known - {"-"}
+        assert not missing, missing
+
+
+_check()

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.commands import COMMANDS, GESTURES
+from paint3d.app.model.settings import Settings
+from paint3d.app.model.shortcuts import GROUPS, SHORTCUTS, Shortcut
+from paint3d.app.window.commands import text_of
 from paint3d.app.window.wording import say
 from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
 from paint3d.ink.materials import material_names
 
-__all__ = ["KeysDialog", "NewDialog", "ask_unit", "implausible"]
+__all__ = ["KeysDialog", "NewDialog", "PreferencesDialog", "ask_unit", "implausible"]
 
 _SMALL_MM, _LARGE_MM = 5.0, 3000.0  # outside these an object is hardly one to paint by hand
 _LIKELY_MM = 150.0
+_KEY_COLUMNS = 3
 
 
 def implausible(size_mm: float) -> bool:
@@ -30,82 +33,145 @@ def _told(size_mm: float) -> str:
 def ask_unit(parent: QtWidgets.QWidget, name: str, size_mm: float) -> str | None:
     """Ask in which unit a file is measured whose object would be `size_mm` long; None: stop."""
     sizes = {unit: size_mm * mm for unit, mm in UNITS_MM.items()}
-    likely = min(sizes, key=lambda unit: abs(sizes[unit] - _LIKELY_MM) / sizes[unit])
-    texts = [f"{unit}   ({_told(size)})" for unit, size in sizes.items()]
+    likely = min(sizes, key=lambda unit: max(sizes[unit] / _LIKELY_MM, _LIKELY_MM / sizes[unit]))
+    texts = [f"{say('unit.' + unit)}   ({_told(size)})" for unit, size in sizes.items()]
     text, accepted = QtWidgets.QInputDialog.getItem(
-        parent, name, say("Which unit is {name} measured in?").format(name=name), texts,
+        parent, name, say("ask.unit", name=name, size=_told(size_mm)), texts,
         list(sizes).index(likely), False,
     )  # fmt: skip
     return list(sizes)[texts.index(text)] if accepted else None
 
 
+def _buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBox:
+    standard = QtWidgets.QDialogButtonBox.StandardButton
+    buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
+    buttons.button(standard.Ok).setText(say(accept))
+    buttons.button(standard.Cancel).setText(say("button.cancel"))
+    buttons.accepted.connect(dialog.accept)
+    buttons.rejected.connect(dialog.reject)
+    return buttons
+
+
 class NewDialog(QtWidgets.QDialog):
     """Ask what to paint on."""
 
-    def __init__(self, parent: QtWidgets.QWidget, resolution: float) -> None:
+    def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
         super().__init__(parent)
-        self.setWindowTitle(say("New painting"))
+        self.setWindowTitle(say("action.new").rstrip("…"))
         form = QtWidgets.QFormLayout(self)
+        form.setContentsMargins(18, 16, 18, 14)
+        form.setVerticalSpacing(10)
         self.object = QtWidgets.QComboBox()
         for name in BUILT_IN_OBJECTS:
-            self.object.addItem(say(name), name)
+            self.object.addItem(say(f"object.{name}"), name)
         self.object.addItem(say("A mesh file…"), "")
         self.material = QtWidgets.QComboBox()
         for name in material_names():
-            self.material.addItem(say(name), name)
+            self.material.addItem(say(f"surface.{name}"), name)
+        self.material.setCurrentIndex(material_names().index(settings.material))
         self.resolution = QtWidgets.QDoubleSpinBox()
         self.resolution.setRange(0.05, 10.0)
-        self.resolution.setDecimals(2)
         self.resolution.setSingleStep(0.05)
         self.resolution.setSuffix(" mm")
-        self.resolution.setValue(resolution)
+        self.resolution.setValue(settings.resolution_mm)
         form.addRow(say("Object"), self.object)
-        form.addRow(say("Material"), self.material)
-        form.addRow(say("Finest detail"), self.resolution)
-        standard = QtWidgets.QDialogButtonBox.StandardButton
-        buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
-        buttons.button(standard.Ok).setText(say("Begin"))
-        buttons.button(standard.Cancel).setText(say("Cancel"))
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
-        form.addRow(buttons)
+        form.addRow(say("surface.material"), self.material)
+        form.addRow(say("surface.resolution"), self.resolution)
+        form.addRow(_buttons(self, "Begin"))
 
     def chosen(self) -> tuple[str, str, float]:
         """Object ("" for a file), material and resolution (mm)."""
         return self.object.currentData(), self.material.currentData(), self.resolution.value()
 
 
+class PreferencesDialog(QtWidgets.QDialog):
+    """Ask how the program should be."""
+
+    def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(say("action.preferences").rstrip("…"))
+        form = QtWidgets.QFormLayout(self)
+        form.setContentsMargins(18, 16, 18, 14)
+        form.setVerticalSpacing(10)
+        self.boxes: dict[str, QtWidgets.QComboBox] = {}
+        rows = (
+            ("language", "menu.language", "language.", ("system", "en", "zh")),
+            ("theme", "menu.theme", "theme.", ("system", "light", "dark")),
+            ("pressure_by", "action.force", "hand.pressure_by_", ("keys", "speed")),
+        )
+        for name, label, prefix, choices in rows:
+            box = QtWidgets.QComboBox()
+            for choice in choices:
+                box.addItem(say(prefix + choice), choice)
+            box.setCurrentIndex(choices.index(getattr(settings, name)))
+            self.boxes[name] = box
+            form.addRow(say(label), box)
+        form.addRow(_buttons(self, "button.ok"))
+
+    def chosen(self) -> dict[str, str]:
+        """Settings by name."""
+        return {name: box.currentData() for name, box in self.boxes.items()}
+
+
 class KeysDialog(QtWidgets.QDialog):
-    """All keys and gestures."""
+    """The whole key map."""
 
     def __init__(self, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
-        self.setWindowTitle(say("Keys and gestures"))
-        self.resize(720, 560)
-        columns = QtWidgets.QHBoxLayout(self)
-        keyed = [(", ".join(c.keys), c.text) for c in COMMANDS if c.keys]
-        half = -(-len(keyed) // 2)
-        columns.addWidget(_key_table(keyed[:half]), 1)
-        right = QtWidgets.QVBoxLayout()
-        right.addWidget(_key_table(keyed[half:]))
-        right.addSpacing(10)
-        right.addWidget(_key_table(GESTURES))
-        right.addStretch(1)
-        columns.addLayout(right, 1)
+        self.setWindowTitle(say("action.shortcuts"))
+        layout = QtWidgets.QVBoxLayout(self)
+        area, inner = QtWidgets.QScrollArea(), QtWidgets.QWidget()
+        columns = QtWidgets.QHBoxLayout(inner)
+        columns.setSpacing(26)
+        for groups in _balanced(_KEY_COLUMNS):
+            column = QtWidgets.QVBoxLayout()
+            for group in groups:
+                column.addWidget(_key_table(group))
+                column.addSpacing(8)
+            column.addStretch(1)
+            columns.addLayout(column, 1)
+        area.setWidget(inner)
+        area.setWidgetResizable(True)
+        layout.addWidget(area)
+        self.resize(1080, 640)
 
 
-def _key_table(rows) -> QtWidgets.QWidget:
+def _of_group(group: str) -> list[Shortcut]:
+    return [one for one in SHORTCUTS if one.group == group and not one.action[-1].isdigit()]
+
+
+def _balanced(n: int) -> list[list[str]]:
+    """Groups in n columns of about the same length, in order."""
+    total = sum(len(_of_group(group)) + 2 for group in GROUPS)
+    columns: list[list[str]] = [[]]
+    filled = 0
+    for group in GROUPS:
+        rows = len(_of_group(group)) + 2
+        if filled + rows / 2 > total / n * len(columns) and len(columns) < n:
+            columns.append([])
+        columns[-1].append(group)
+        filled += rows
+    return columns
+
+
+def _key_table(group: str) -> QtWidgets.QWidget:
     box = QtWidgets.QWidget()
     grid = QtWidgets.QGridLayout(box)
-    grid.setHorizontalSpacing(14)
+    grid.setContentsMargins(0, 0, 0, 0)
+    grid.setHorizontalSpacing(12)
+    grid.setVerticalSpacing(3)
     grid.setColumnStretch(1, 1)
-    for k, (keys, text) in enumerate(rows):
-        shown = QtWidgets.QLabel(say(keys))
+    head = QtWidgets.QLabel(say(f"group.{group}"))
+    head.setObjectName("heading")
+    grid.addWidget(head, 0, 0, 1, 2)
+    top = QtCore.Qt.AlignmentFlag.AlignTop
+    for k, one in enumerate(_of_group(group), 1):
+        keys = (
+            one.keys if one.gesture == "press" else f"{one.keys}  ({say('gesture.' + one.gesture)})"
+        )
+        shown = QtWidgets.QLabel(keys)
         shown.setObjectName("title")
-        meaning = QtWidgets.QLabel(say(text).rstrip("…"))
-        meaning.setWordWrap(True)
-        top = QtCore.Qt.AlignmentFlag.AlignTop
+        meaning = QtWidgets.QLabel(say(text_of(one.action)).rstrip("…"))
         grid.addWidget(shown, k, 0, top)
         grid.addWidget(meaning, k, 1, top)
-    grid.setRowStretch(len(rows), 1)
     return box

@@ -12,7 +12,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.sitting import Unfinished, recoverable
-from paint3d.app.window.dialogs import KeysDialog, NewDialog, ask_unit, implausible
+from paint3d.app.window.dialogs import NewDialog, ask_unit, implausible
 from paint3d.app.window.jobs import Progress, run_beside
 from paint3d.app.window.turntable import write_turntable
 from paint3d.app.window.wording import say
@@ -26,10 +26,14 @@ from paint3d.stroke.recording import load_recording, save_recording
 if TYPE_CHECKING:
     from paint3d.app.window.studio import StudioWindow
 
-__all__ = ["FINEST_MM", "Files"]
+__all__ = ["FINEST_MM", "Files", "named"]
 
-_MOST_RECENT = 8
 FINEST_MM = 0.4
+
+
+def named(name: str) -> str:
+    """An object's name in words: a built-in one's in the language that is spoken."""
+    return say(f"object.{name}") if name in BUILT_IN_OBJECTS else name
 
 
 class Files:
@@ -45,18 +49,19 @@ class Files:
 
     def __init__(self, window: StudioWindow) -> None:
         self._window = window
-        self.settings = QtCore.QSettings()
         self.error: BaseException | None = None
         self.quiet = False
+        self._recorded_from = 0
 
     # -- opening ----------------------------------------------------------------------------
 
     def new(self) -> None:
         """Ask for an object, a material and a fineness, and begin."""
-        dialog = NewDialog(self._window, FINEST_MM)
+        dialog = NewDialog(self._window, self._window.settings)
         if not dialog.exec() or not self.may_leave():
             return
         name, material, resolution = dialog.chosen()
+        self._window.keep(material=material, resolution_mm=resolution)
         if name:
             self.open_path(name, resolution, material, asked=True)
         else:
@@ -66,7 +71,9 @@ class Files:
         """Ask for a file, and open it."""
         meshes = " ".join(f"*{suffix}" for suffix in (SESSION_SUFFIX, *MESH_SUFFIXES))
         kinds = f"{say('Objects and paintings')} ({meshes});;{say('All files')} (*)"
-        path, _ = QtWidgets.QFileDialog.getOpenFileName(self._window, say("Open"), "", kinds)
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._window, say("action.open").rstrip("…"), "", kinds
+        )
         if path:
             self.open_path(path, resolution, material)
 
@@ -93,7 +100,7 @@ class Files:
         if not asked and self._window.stage.easel is not None and not self.may_leave():
             return False
         name = Path(path).name
-        title = say("Opening {name}…").format(name=say(name))
+        title = say("status.opening", name=named(name))
         if is_session_path(path):
             done = run_beside(self._window, title, lambda _: Document.open(path))
         else:
@@ -142,23 +149,16 @@ class Files:
 
     def _remember(self, path: str) -> None:
         """Put a file first among the recent ones."""
-        path = str(Path(path).resolve())
-        recent = [path, *(p for p in self.recent() if p != path)][:_MOST_RECENT]
-        self.settings.setValue("recent", recent)
+        self._window.keep(recent=self._window.settings.with_recent(path).recent)
         self.show_recent()
-
-    def recent(self) -> list[str]:
-        """Files that were opened lately and are still there."""
-        kept = self.settings.value("recent", []) or []
-        kept = [kept] if isinstance(kept, str) else kept
-        return [path for path in kept if Path(path).exists()]
 
     def show_recent(self) -> None:
         """Fill the menu of recent files."""
         menu = self._window.recent_menu
         menu.clear()
-        for path in self.recent():
-            menu.addAction(Path(path).name, lambda path=path: self.open_path(path))
+        for path in self._window.settings.recent:
+            if Path(path).exists():
+                menu.addAction(Path(path).name, lambda path=path: self.open_path(path))
         menu.setEnabled(bool(menu.actions()))
 
     # -- saving -----------------------------------------------------------------------------
@@ -175,8 +175,7 @@ class Files:
         document = self._window.document
         name = document.path.name if document.path else say("this painting")
         answer = QtWidgets.QMessageBox.question(
-            self._window, say("Unsaved painting"),
-            say("Save the changes to {name} before leaving it?").format(name=name),
+            self._window, "paint3d", say("ask.save_changes", name=name),
             button.Save | button.Discard | button.Cancel, button.Save,
         )  # fmt: skip
         if answer == button.Save:
@@ -190,29 +189,31 @@ class Files:
 
     def save_as(self) -> bool:
         """Ask where to save."""
-        path = self._ask_target(say("Save as…"), say("Paintings"), (SESSION_SUFFIX,))
+        path = self._ask_target(say("action.save_as"), say("Paintings"), (SESSION_SUFFIX,))
         return path is not None and self.save_to(path)
 
     def save_to(self, path: Path) -> bool:
         """Save to a session; say whether that went well."""
-        saved = self._posted(say("Writing {name}…").format(name=path.name), "save", path)
+        saved = self._posted(say("Writing {name}…", name=path.name), "save", path)
         if saved:
             self._window.show_title()
-            self._window.tell(say("Saved {name}").format(name=path.name), state="good")
+            self._window.tell(say("status.saved", name=path.name), state="good")
             self._remember(str(path))
         return saved
 
     def export(self) -> None:
         """Ask for a name, whose suffix is the format."""
-        path = self._ask_target(say("Export"), say("Everything"), EXPORT_SUFFIXES)
+        path = self._ask_target(
+            say("action.export").rstrip("…"), say("Everything"), EXPORT_SUFFIXES
+        )
         if path is not None:
             self.export_to(path)
 
     def export_to(self, path: Path) -> bool:
         """Write the painting in another format."""
-        wrote = self._posted(say("Writing {name}…").format(name=path.name), "export", path)
+        wrote = self._posted(say("Writing {name}…", name=path.name), "export", path)
         if wrote:
-            self._window.tell(say("Wrote {name}").format(name=path.name), state="good")
+            self._window.tell(say("status.exported", name=path.name), state="good")
         return wrote
 
     def _posted(self, title: str, command: str, *arguments: object) -> bool:
@@ -240,16 +241,14 @@ class Files:
             return False
         one = left[0]
         box = QtWidgets.QMessageBox(self._window)
-        box.setWindowTitle(say("Something was left unfinished"))
-        name = one.path.name if one.path else say(one.object_name)
+        box.setWindowTitle("paint3d")
+        name = one.path.name if one.path else named(one.object_name)
         when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
-        told = say(
-            "paint3d ended without saving {name}. Everything up to {when} can be brought back."
-        )
-        box.setText(told.format(name=name, when=when.toString("yyyy-MM-dd hh:mm:ss")))
+        box.setText(say("ask.recover", name=name, time=when.toString("yyyy-MM-dd hh:mm:ss")))
         role = QtWidgets.QMessageBox.ButtonRole
-        back = box.addButton(say("Bring it back"), role.AcceptRole)
-        away = box.addButton(say("Leave it"), role.DestructiveRole)
+        back = box.addButton(say("button.recover"), role.AcceptRole)
+        away = box.addButton(say("button.delete"), role.DestructiveRole)
+        box.addButton(say("button.later"), role.RejectRole)
         box.setDefaultButton(back)
         box.exec()
         if box.clickedButton() is away:
@@ -260,7 +259,7 @@ class Files:
 
     def recover(self, one: Unfinished) -> bool:
         """Bring a painting back; what it was kept in is deleted once it is kept anew."""
-        title = say("Opening {name}…").format(name=say(one.object_name))
+        title = say("status.opening", name=named(one.object_name))
         done = run_beside(self._window, title, lambda _: one.recover())
         if not self._went_well(done):
             return False
@@ -272,13 +271,15 @@ class Files:
 
     # -- recordings and pictures ------------------------------------------------------------
 
-    def save_recording(self) -> None:
-        """Save the strokes of this sitting."""
-        path = self._ask_target(say("Export"), say("Recordings"), (".jsonl", ".jsonl.gz", ".inkml"))
+    def save_recording(self, first: int = 0) -> None:
+        """Ask where, and save the strokes of this sitting from number `first` on."""
+        path = self._ask_target(
+            say("action.export").rstrip("…"), say("Recordings"), (".jsonl", ".jsonl.gz", ".inkml")
+        )
         if path is None:
             return
         with self._window.stage.easel.paused() as document:
-            recording = document.recording()
+            recording = document.recording(first)
         if recording is None:
             self._window.tell(
                 say("{n} strokes, {seconds:.1f} s").format(n=0, seconds=0), state="bad"
@@ -290,7 +291,9 @@ class Files:
     def replay(self) -> None:
         """Ask for a recording, and paint it on what is here."""
         kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
-        path, _ = QtWidgets.QFileDialog.getOpenFileName(self._window, say("Replay"), "", kinds)
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._window, say("action.replay"), "", kinds
+        )
         if path:
             self.replay_file(path)
 
@@ -306,9 +309,22 @@ class Files:
             easel.feed(samples[at : at + 64])
         easel.post("end_stroke")
 
+    def refine(self) -> None:
+        """Refine the whole surface now, with a bar; if it is stopped, what was done stays."""
+
+        def work(progress: Progress) -> None:
+            future = self._window.stage.easel.post(
+                lambda document: document.surface.refine_all(progress)
+            )
+            future.result()
+
+        if self._went_well(run_beside(self._window, say("Refining the surface…"), work)):
+            count = self._window.document.surface.n_vertices
+            self._window.tell(say("status.vertices", count=count), state="good")
+
     def screenshot(self) -> None:
         """Save the picture as it is seen."""
-        path = self._ask_target(say("Picture of the view…"), say("Picture"), (".png",))
+        path = self._ask_target(say("action.screenshot"), say("Picture"), (".png",))
         if path is not None:
             self.screenshot_to(path)
 
@@ -321,11 +337,11 @@ class Files:
         except Paint3DError as error:
             QtWidgets.QMessageBox.warning(self._window, "paint3d", str(error))
             return
-        self._window.tell(say("Wrote {name}").format(name=path.name), state="good")
+        self._window.tell(say("status.exported", name=path.name), state="good")
 
     def turntable(self) -> None:
         """Save a film of the object turning."""
-        path = self._ask_target(say("Turntable film…"), say("Film"), (".gif", ".webp"))
+        path = self._ask_target(say("action.turntable"), say("Film"), (".gif", ".webp"))
         if path is not None:
             self.turntable_to(path)
 
@@ -338,25 +354,55 @@ class Files:
         except Paint3DError as error:
             QtWidgets.QMessageBox.warning(window, "paint3d", str(error))
             return
-        window.tell(say("Wrote {name}").format(name=path.name), state="good")
+        window.tell(say("status.exported", name=path.name), state="good")
 
-    # -- the rest ---------------------------------------------------------------------------
+    # -- by the name of the action ----------------------------------------------------------
 
-    def choose_language(self, code: str) -> None:
-        """Speak it from the next start."""
-        self.settings.setValue("language", code)
-        self._window.tell(say("The language changes with the next start"))
+    def do_new(self) -> None:
+        """Begin a painting."""
+        self.new()
 
-    def show_keys(self) -> None:
-        """Show all keys and gestures."""
-        KeysDialog(self._window).exec()
+    def do_open(self) -> None:
+        """Ask for a file, and open it."""
+        self.open(self._window.settings.resolution_mm, self._window.settings.material)
 
-    def show_about(self) -> None:
-        """Say what this is."""
-        from paint3d import __version__
+    def do_save(self) -> None:
+        """Save where it was saved before, or ask where."""
+        self.save()
 
-        text = say(
-            "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real "
-            "one does."
-        )
-        QtWidgets.QMessageBox.about(self._window, "paint3d", f"paint3d {__version__}\n\n{text}")
+    def do_save_as(self) -> None:
+        """Ask where to save."""
+        self.save_as()
+
+    def do_export(self) -> None:
+        """Ask for a name, whose suffix is the format."""
+        self.export()
+
+    def do_save_recording(self) -> None:
+        """Save the strokes of this sitting."""
+        self.save_recording()
+
+    def do_record(self, on: bool) -> None:
+        """Remember where the recording begins; when it ends, ask where to save it."""
+        strokes = len(self._window.document.strokes)
+        if on:
+            self._recorded_from = strokes
+            self._window.tell(say("status.recording"), state="good")
+        elif strokes > self._recorded_from:
+            self.save_recording(self._recorded_from)
+
+    def do_replay(self) -> None:
+        """Ask for a recording, and paint it on what is here."""
+        self.replay()
+
+    def do_screenshot(self) -> None:
+        """Save the picture as it is seen."""
+        self.screenshot()
+
+    def do_turntable(self) -> None:
+        """Save a film of the object turning."""
+        self.turntable()
+
+    def do_quit(self) -> None:
+        """Leave."""
+        self._window.close()

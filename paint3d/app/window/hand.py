@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.model.hand import Hand, PointerInput
+from paint3d.app.model import navigation
+from paint3d.app.model.hand import Hand, HandSettings, PointerInput
 from paint3d.app.window.canvas import Canvas
-from paint3d.app.window.orbit import Orbit, pixel_ray
 from paint3d.app.window.stage import Stage
 from paint3d.app.window.touch import Touch
 from paint3d.mesh.closest import ClosestPoints
-from paint3d.view.camera import Camera
+from paint3d.view.camera import Camera, View, fit_camera, is_flat, studio_axes
 
 __all__ = ["CanvasHand"]
 
 _SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
-_DOLLY = 0.02  # notches a pixel of a drag with the right button
+_FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
+_NEARER_A_NOTCH, _NEARER_A_PIXEL = 1.14, 1.006
+_FIRST_VIEW = View((0.12, -1.0, 0.62))
+_FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
+_CLOSE = 4.0  # tuft lengths that are seen of what is under the pointer
 
 
 class CanvasHand(QtCore.QObject):
@@ -40,10 +45,12 @@ class CanvasHand(QtCore.QObject):
     def __init__(self, canvas: Canvas, stage: Stage) -> None:
         super().__init__(canvas)
         self._canvas, self._stage = canvas, stage
-        self.orbit: Orbit | None = None
+        self.camera: Camera | None = None
         self.hand: Hand | None = None
+        self.settings = HandSettings()
         self.in_stroke = False
-        self.sizing = False
+        self.held: set[str] = set()
+        self.adjusted = False
         self._surface: ClosestPoints | None = None
         self._place: Touch | None = None
         self._from = QtCore.QPointF()
@@ -58,39 +65,56 @@ class CanvasHand(QtCore.QObject):
     def open(self) -> None:
         """Take another object in hand."""
         source = self._stage.easel.document.surface.source
-        self.orbit = Orbit(source.vertices, self._aspect())
         self._surface = ClosestPoints(source)
-        settings = self.hand.settings if self.hand is not None else None
-        self.hand = Hand(self._surface, settings)
+        force = self.hand.force if self.hand is not None else 1.5
+        self.hand = Hand(self._surface, self.settings, force)
         self.in_stroke, self._place = False, None
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
-        self._look()
+        self.show_all()
 
-    def frame(self, side: str | None = None) -> None:
-        """See the whole object, from a side if one is named."""
-        if self.orbit is not None:
-            self.orbit.frame(side)
-            self._look()
+    def set_settings(self, **changes: object) -> None:
+        """Read the hand otherwise; see `HandSettings`."""
+        self.settings = dataclasses.replace(self.settings, **changes)
+        if self.hand is not None:
+            self.hand.settings = self.settings
 
-    def resized(self) -> None:
-        """The canvas has another size."""
-        if self.orbit is not None:
-            self.orbit.aspect = self._aspect()
-            self._look()
+    def show_all(self) -> None:
+        """See the whole object, from where it is painted best."""
+        points = self._stage.points
+        view = _FIRST_VIEW
+        if is_flat(points):
+            axes = studio_axes(points, View((0.0, -0.6, 1.0)))
+            view = View(axes.T @ _FLAT_VIEW, axes[1])
+        self.look(fit_camera(points, view, self._canvas.width() / max(1, self._canvas.height())))
 
-    @property
-    def camera(self) -> Camera:
-        """Where it looks from."""
-        return self.orbit.camera
+    def show_place(self) -> None:
+        """See what is under the pointer from near."""
+        found = self.place()
+        if found is None:
+            return
+        radius = _CLOSE * self._stage.easel.document.painter.brush.length_mm
+        aspect = self._canvas.width() / max(1, self._canvas.height())
+        self.look(navigation.frame(self.camera, found, radius, aspect))
 
-    def _look(self) -> None:
-        self._stage.set_camera(self.orbit.camera)
+    def look_from(self, side: str) -> None:
+        """See the whole object from a side."""
+        points = self._stage.points
+        centre = 0.5 * (points.min(axis=0) + points.max(axis=0)).astype(np.float64)
+        radius = 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
+        aspect = self._canvas.width() / max(1, self._canvas.height())
+        camera = navigation.frame(self.camera, centre, radius, aspect)
+        self.look(navigation.look_from(camera, side))
 
-    def _aspect(self) -> float:
-        return self._canvas.width() / max(1, self._canvas.height())
+    def look(self, camera: Camera) -> None:
+        """Look from there."""
+        self.camera = camera
+        self._stage.set_camera(camera)
+
+    def _size(self) -> tuple[int, int]:
+        return self._canvas.width(), self._canvas.height()
 
     def _steer(self, what: str, event: QtGui.QMouseEvent) -> None:
-        if self.orbit is None:
+        if self.camera is None:
             return
         if what == "begin":
             self._from = event.position()
@@ -100,48 +124,61 @@ class CanvasHand(QtCore.QObject):
             self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
             return
         moved, self._from = event.position() - self._from, event.position()
-        if event.modifiers() & QtCore.Qt.KeyboardModifier.ShiftModifier:
-            self.orbit.shift(moved.x(), moved.y(), self._canvas.height())
-        elif event.buttons() & QtCore.Qt.MouseButton.RightButton:
-            self.orbit.nearer(_DOLLY * (moved.x() - moved.y()))
+        height, middle = self._canvas.height(), QtCore.Qt.MouseButton.MiddleButton
+        keys, key = event.modifiers(), QtCore.Qt.KeyboardModifier
+        right = event.buttons() & QtCore.Qt.MouseButton.RightButton
+        with_middle = event.buttons() & middle
+        if right or (with_middle and keys & key.ControlModifier):
+            factor = _NEARER_A_PIXEL ** (moved.x() - moved.y())
+            self.look(navigation.dolly(self.camera, factor))
+        elif with_middle and keys & (key.ShiftModifier | key.AltModifier):
+            self.look(navigation.pan(self.camera, moved.x(), moved.y(), height))
         else:
-            self.orbit.turn(moved.x(), moved.y())
-        self._look()
+            self.look(navigation.orbit(self.camera, moved.x(), moved.y(), height))
 
     def _wheel(self, notches: float, x: float, y: float) -> None:
-        if self.orbit is None:
+        if self.camera is None:
             return
         if self.in_stroke:
             self._notches += notches
             return
-        self.orbit.nearer(notches, self.point_at(x, y))
-        self._look()
+        factor = _NEARER_A_NOTCH**notches
+        self.look(navigation.zoom_at(self.camera, factor, x, y, self._size()))
 
-    def point_at(self, x: float, y: float) -> NDArray | None:
-        """(3,) the place on the object seen at a pixel of the canvas, or None."""
-        size = self._canvas.width(), self._canvas.height()
-        origin, direction = pixel_ray(self.camera, size, x, y)
-        hits = self._surface.cast(origin[None], direction[None])
+    def place(self) -> NDArray | None:
+        """(3,) the place on the object under the pointer, or None."""
+        if self._place is None or self._surface is None:
+            return None
+        ray = navigation.ray_at(self.camera, self._place.x, self._place.y, self._size())
+        hits = self._surface.cast(ray.origin[None], ray.direction[None])
         return hits.points[0] if hits.hit[0] else None
+
+    def vertex(self) -> int | None:
+        """The vertex nearest to the pointer, or None beside the object."""
+        found = self.place()
+        if found is None:
+            return None
+        with self._stage.easel.paused() as document:
+            away = document.surface.paint_mesh.vertices - found.astype(np.float32)
+        return int(np.argmin(np.einsum("ij,ij->i", away, away)))
 
     # -- the brush --------------------------------------------------------------------------
 
     def touch(self, touch: Touch) -> None:
         """Follow the pen or mouse: paint while it is down, else show where it would."""
         easel = self._stage.easel
-        if easel is None or self.orbit is None:
+        if easel is None or self.camera is None:
             return
         before, self._place = self._place, touch
-        if self.sizing:
-            if before is not None:
-                self.sized.emit(_SIZE_A_PIXEL ** (touch.x - before.x))
+        if before is not None and self.held & {"size", "force"} and not self.in_stroke:
+            self._adjust(touch.x - before.x)
             return
         event, brush = self._input(touch), easel.document.painter.brush
         if self.in_stroke and touch.down:
             easel.feed(self.hand.move(event, brush))
         elif self.in_stroke:
             self.lift()
-        elif touch.down:
+        elif touch.down and not touch.eraser:
             self._begin(event)
         else:
             sample = self.hand.hover(event, brush)
@@ -149,24 +186,34 @@ class CanvasHand(QtCore.QObject):
                 self._stage.hide_brush()
             else:
                 easel.hover(sample)
+        if touch.eraser and touch.down and (before is None or not before.down):
+            easel.post("rinse")
+
+    def _adjust(self, pixels: float) -> None:
+        """Change what a held key says by a drag."""
+        self.adjusted = True
+        if "size" in self.held:
+            self.sized.emit(_SIZE_A_PIXEL**pixels)
+        else:
+            self.hand.force = min(7.9, max(0.0, self.hand.force + _FORCE_A_PIXEL * pixels))
 
     def _input(self, touch: Touch) -> PointerInput:
-        camera = self.camera
-        size = self._canvas.width(), self._canvas.height()
-        origin, direction = pixel_ray(camera, size, touch.x, touch.y)
-        right = np.cross(camera.focus - camera.position, camera.up)
+        ray = navigation.ray_at(self.camera, touch.x, touch.y, self._size())
+        right, up, _ = navigation.picture_axes(self.camera)
         notches, self._notches = self._notches, 0.0
         return PointerInput(
             touch.time_ns,
-            origin=origin,
-            direction=direction,
-            right=right / np.linalg.norm(right),
-            up=camera.up,
+            origin=ray.origin,
+            direction=ray.direction,
+            right=right,
+            up=up,
             pressure=touch.pressure,
             x_tilt=math.degrees(touch.tilt_x),
             y_tilt=math.degrees(touch.tilt_y),
             rotation=math.degrees(touch.twist) if touch.twist else None,
             wheel=notches,
+            harder="harder" in self.held,
+            softer="softer" in self.held,
         )
 
     def _begin(self, event: PointerInput) -> None:
@@ -196,18 +243,6 @@ class CanvasHand(QtCore.QObject):
             self.hand.end(self._place.time_ns, self._stage.easel.document.painter.brush)
             self._stage.easel.post("cancel_stroke")
             self.ended.emit()
-
-    def pick(self) -> None:
-        """Dip the brush in what lies under the pointer."""
-        if self._place is None or self._surface is None:
-            return
-        found = self.point_at(self._place.x, self._place.y)
-        if found is None:
-            return
-        with self._stage.easel.paused() as document:
-            away = document.surface.paint_mesh.vertices - found.astype(np.float32)
-        nearest = int(np.argmin(np.einsum("ij,ij->i", away, away)))
-        self._stage.easel.post("pick_colour", nearest)
 
     def _leave(self) -> None:
         if not self.in_stroke and self._stage.easel is not None:

@@ -46,7 +46,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.slider.valueChanged.connect(self._go)
         self.told = QtWidgets.QLabel()
         self.told.setObjectName("faint")
-        play = QtWidgets.QPushButton(say("Replay"))
+        play = QtWidgets.QPushButton(say("action.replay"))
         export = QtWidgets.QPushButton(say("Export…"))
         play.clicked.connect(self._play)
         export.clicked.connect(self.exported)
@@ -69,10 +69,19 @@ class HistoryPanel(QtWidgets.QWidget):
         """Show what a frame says."""
         strokes = list(document.strokes)
         if len(strokes) == frame.n_strokes:  # else they are about to change again
-            self.show_strokes(strokes, can_redo=frame.can_redo)
+            self.show_strokes(strokes, document.oldest_stroke, can_redo=frame.can_redo)
 
-    def show_strokes(self, strokes: Sequence, *, can_redo: bool) -> None:
-        """Show the strokes that are there; those that were undone stay, fainter."""
+    def show_strokes(self, strokes: Sequence, oldest: int, *, can_redo: bool) -> None:
+        """Show the strokes that are there; those that were undone stay, fainter.
+
+        Parameters
+        ----------
+        strokes : sequence of Stroke
+        oldest : int
+            How many are of earlier sittings, and stay.
+        can_redo : bool
+            Whether what was undone can be done again.
+        """
         there = len(strokes)
         known = self._strokes[:there] == list(strokes)
         kept = self._strokes[there:] if can_redo and known else []
@@ -82,11 +91,10 @@ class HistoryPanel(QtWidgets.QWidget):
         self._strokes = [*strokes, *kept]
         self._fill(there)
         with QtCore.QSignalBlocker(self.slider):
-            self.slider.setRange(0, len(self._strokes))
+            self.slider.setRange(oldest, len(self._strokes))
             self.slider.setValue(there)
         seconds = sum(stroke.duration_s for stroke in strokes)
-        told = say("{n} strokes, {seconds:.1f} s")
-        self.told.setText(told.format(n=there, seconds=seconds))
+        self.told.setText(say("{n} strokes, {seconds:.1f} s", n=there, seconds=seconds))
 
     def _fill(self, there: int) -> None:
         self.list.clear()
@@ -114,7 +122,7 @@ class HistoryPanel(QtWidgets.QWidget):
 
     def _play(self) -> None:
         """Show the strokes one after the other, from the first."""
-        self.slider.setValue(0)
+        self.slider.setValue(self.slider.minimum())
         self._player.start()
 
     def _step(self) -> None:

@@ -63,7 +63,7 @@ def run_beside(
         Done: its result, its error, or cancelled.
     """
     progress, loop = Progress(), QtCore.QEventLoop()
-    dialog = QtWidgets.QProgressDialog(title, say("Cancel"), 0, 0, parent)
+    dialog = QtWidgets.QProgressDialog(title, say("button.cancel"), 0, 0, parent)
     dialog.setWindowTitle(say("Please wait"))
     dialog.setWindowModality(QtCore.Qt.WindowModality.WindowModal)
     dialog.setMinimumDuration(_SOON_MS)

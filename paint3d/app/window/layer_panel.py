@@ -96,7 +96,7 @@ class LayerPanel(QtWidgets.QWidget):
             "Unlock" if layer.locked else "Lock",
             lambda: self.asked.emit("set_locked", place, not layer.locked),
         )
-        name = QtWidgets.QLineEdit(say("Layer {name}").format(name=layer.name)
+        name = QtWidgets.QLineEdit(say("layer.name", number=layer.name)
                                    if layer.name.isdigit() else layer.name)  # fmt: skip
         name.setFrame(False)
         name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
@@ -132,6 +132,14 @@ class LayerPanel(QtWidgets.QWidget):
         if not name.isReadOnly() and name.text().strip():
             name.setReadOnly(True)
             self.asked.emit("rename_layer", place, name.text().strip())
+
+    def rename(self) -> None:
+        """Let the name of the layer that is painted on be written."""
+        row = self.list.itemWidget(self.list.currentItem())
+        name = row.findChild(QtWidgets.QLineEdit)
+        name.setReadOnly(False)
+        name.setFocus()
+        name.selectAll()
 
     def _active(self) -> int:
         return self._shown[1]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING
 
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.frame import Frame
+from paint3d.app.model.pressure_curve import PressureCurve
 from paint3d.app.window.brush_panel import BrushPanel
+from paint3d.app.window.hand_panel import HandPanel
 from paint3d.app.window.history_panel import HistoryPanel
 from paint3d.app.window.ink_panel import InkPanel
 from paint3d.app.window.layer_panel import LayerPanel
@@ -32,9 +35,17 @@ class Panels:
         theme = window.theme
         self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
         self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
+        self.hand = HandPanel(theme)
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
-        upper = [self._dock("Brushes", self.brushes), self._dock("Inks", self.inks)]
-        lower = [self._dock("Layers", self.layers), self._dock("Strokes", self.history)]
+        upper = [
+            self._dock("brushes", "panel.brushes", self.brushes),
+            self._dock("inks", "panel.inks", self.inks),
+            self._dock("hand", "Hand", self.hand),
+        ]
+        lower = [
+            self._dock("layers", "panel.layers", self.layers),
+            self._dock("history", "panel.history", self.history),
+        ]
         for group in (upper, lower):
             for dock in group[1:]:
                 window.tabifyDockWidget(group[0], dock)
@@ -42,19 +53,18 @@ class Panels:
         window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
         window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
         window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
-        window.view_menu.addSeparator()
         for dock in self.docks.values():
-            window.view_menu.addAction(dock.toggleViewAction())
+            window.menus["window"].addAction(dock.toggleViewAction())
         self._connect()
 
-    def _dock(self, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
+    def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
         dock = QtWidgets.QDockWidget(say(title), self._window)
-        dock.setObjectName(f"dock-{title.lower()}")
+        dock.setObjectName(f"dock-{name}")
         dock.setWidget(panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
         dock.setMinimumWidth(_WIDTH)
         self._window.addDockWidget(_RIGHT, dock)
-        self.docks[title] = dock
+        self.docks[name] = dock
         return dock
 
     def _connect(self) -> None:
@@ -65,7 +75,26 @@ class Panels:
         self.inks.rinsed.connect(lambda: post("rinse"))
         for panel in (self.layers, self.history):
             panel.asked.connect(lambda what, *told: post(what, *(x for x in told if x is not None)))
-        self.history.exported.connect(self._window.do_save_recording)
+        self.history.exported.connect(self._window.files.save_recording)
+        self.hand.read.connect(lambda changes: self._window.hand.set_settings(**changes))
+        self.hand.curve.changed.connect(self._keep_curve)
+        self.hand.turns.connect(self._set_turns)
+        self.hand.mask_degrees.connect(self._set_mask_degrees)
+
+    def _keep_curve(self, curve: PressureCurve) -> None:
+        self._window.settings = dataclasses.replace(
+            self._window.settings, pressure_curve=curve.points
+        )
+
+    def _set_turns(self, turns: int) -> None:
+        self._window.painting.turns = turns
+        if self._window.actions_by_name["radial"].isChecked():
+            self._window.painting.do_radial(True)
+
+    def _set_mask_degrees(self, degrees: float) -> None:
+        self._window.painting.mask_degrees = degrees
+        if self._window.actions_by_name["mask"].isChecked():
+            self._window.painting.do_mask(True)
 
     # -- following the painting -------------------------------------------------------------
 
@@ -76,7 +105,7 @@ class Panels:
         self.inks.show_inks(document.inks)
         self.brushes.set_ink(document.inks[0])
         self.layers.show_layers(document.layers, document.active_layer)
-        self.history.show_strokes(document.strokes, can_redo=False)
+        self.history.show_strokes(document.strokes, document.oldest_stroke, can_redo=False)
 
     def follow(self, frame: Frame) -> None:
         """Show what a frame says."""
@@ -95,8 +124,14 @@ class Panels:
 
     def set_theme(self, theme: Theme) -> None:
         """Change the colours of what is painted by hand."""
-        for panel in (self.brushes, self.inks, self.layers, self.history):
+        for panel in (self.brushes, self.inks, self.layers, self.history, self.hand):
             panel.set_theme(theme)
+
+    def toggle(self) -> None:
+        """Hide all, or show them again."""
+        shown = [dock for dock in self.docks.values() if dock.isVisible()]
+        for dock in self.docks.values():
+            dock.setVisible(not shown)
 
     def close_down(self) -> None:
         """Stop what goes on beside."""

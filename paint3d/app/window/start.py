@@ -8,9 +8,9 @@ import sys
 import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.settings import load_settings
 from paint3d.app.window.files import FINEST_MM
 from paint3d.app.window.studio import StudioWindow
-from paint3d.app.window.theme import is_system_dark
 from paint3d.app.window.wording import choose_language
 from paint3d.errors import InputError
 
@@ -79,10 +79,11 @@ def run_studio(
         If there is no display, or the target cannot be opened.
     """
     app = make_program()
-    settings = QtCore.QSettings()
-    system = "zh" if QtCore.QLocale().language() == QtCore.QLocale.Language.Chinese else "en"
-    choose_language(language or str(settings.value("language", system)))
-    window = StudioWindow(app, dark=settings.value("dark", is_system_dark(app), type=bool))
+    settings, problem = load_settings()
+    choose_language(language or settings.language)
+    window = StudioWindow(app, settings)
+    if problem is not None:
+        window.tell(problem, state="bad")
     window.show()
     window.files.show_recent()
     try:

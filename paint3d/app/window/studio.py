@@ -2,23 +2,40 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.settings import Settings, save_settings
 from paint3d.app.model.sitting import Sitting
-from paint3d.app.model.symmetry import MirrorPlane, Symmetry
 from paint3d.app.window.canvas import Canvas
-from paint3d.app.window.commands import COMMANDS, MENUS, TOOLS, Command
-from paint3d.app.window.files import Files
+from paint3d.app.window.commands import (
+    CHECKABLE,
+    ICONS_OF,
+    MENUS,
+    TOOLS,
+    keys_of,
+    text_of,
+)
+from paint3d.app.window.files import Files, named
 from paint3d.app.window.hand import CanvasHand
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.icons import make_icon
+from paint3d.app.window.keys import HeldKeys
+from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.stage import Stage
-from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME, STATES, apply_theme
+from paint3d.app.window.theme import (
+    DARK_THEME,
+    LIGHT_THEME,
+    STATES,
+    apply_theme,
+    is_system_dark,
+)
+from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.wording import say
 from paint3d.errors import Paint3DError
 from paint3d.view.live_scene import DARK, LIGHT
@@ -37,12 +54,24 @@ class StudioWindow(QtWidgets.QMainWindow):
     Parameters
     ----------
     app : QApplication
-    dark : bool
+    settings : Settings, optional
+        A user's choices; what is chosen in the window is saved.
+    dark : bool, optional
+        Instead of the theme in the settings.
     """
 
-    def __init__(self, app: QtWidgets.QApplication, *, dark: bool = False) -> None:
+    def __init__(
+        self,
+        app: QtWidgets.QApplication,
+        settings: Settings | None = None,
+        *,
+        dark: bool | None = None,
+    ) -> None:
         super().__init__()
         self._app = app
+        self.settings = settings or Settings()
+        self._system_dark = is_system_dark(app)
+        dark = self.wants_dark() if dark is None else dark
         self.setObjectName("studio")
         self.theme = DARK_THEME if dark else LIGHT_THEME
         apply_theme(app, self.theme)
@@ -50,12 +79,25 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.setCentralWidget(self.canvas)
         self.stage = Stage(self.canvas.pixel_size, DARK if dark else LIGHT)
         self.hand = CanvasHand(self.canvas, self.stage)
+        self.keys = HeldKeys(self, self.hand)
         self.files = Files(self)
+        self.painting, self.viewing = PaintActions(self), ViewActions(self)
         self.actions_by_name: dict[str, QtGui.QAction] = {}
+        self.menus: dict[str, QtWidgets.QMenu] = {}
         self._make_actions()
         self.panels = Panels(self)
+        self.keys.tapped.connect(lambda name: self.actions_by_name[name].trigger())
+        for name, on in (("brush", True), ("dark", dark)):
+            with QtCore.QSignalBlocker(self.actions_by_name[name]):
+                self.actions_by_name[name].setChecked(on)
         self.hud = Hud(self)
         self._make_status()
+        self.hand.set_settings(
+            curve=self.settings.curve,
+            smoothing=self.settings.smoothing,
+            pressure_by=self.settings.pressure_by,
+        )
+        self.panels.hand.show_settings(self.hand.settings)
         self.resize(1280, 800)
         self._next_draw = 0.0
         self._timer = QtCore.QTimer(self)
@@ -68,23 +110,22 @@ class StudioWindow(QtWidgets.QMainWindow):
     # -- making it --------------------------------------------------------------------------
 
     def _make_actions(self) -> None:
-        menus: dict[str, QtWidgets.QMenu] = {}
-        for name, text in MENUS.items():
-            menus[name] = self.menuBar().addMenu(say(text))
-        self.recent_menu = QtWidgets.QMenu(say("Open recent"), self)
-        for command in COMMANDS:
-            if command.name == "-":
-                menus[command.menu].addSeparator()
-                continue
-            menus[command.menu].addAction(self._make_action(command))
-            if command.name == "open":
-                menus["file"].addMenu(self.recent_menu)
-        self.layer_menu = menus["layers"]
-        self.view_menu = menus["view"]
+        doers = (self.files, self.painting, self.viewing)
+        for name, actions in MENUS.items():
+            menu = self.menuBar().addMenu(say(f"menu.{name}"))
+            self.menus[name] = menu
+            for action in actions:
+                if action == "-":
+                    menu.addSeparator()
+                    continue
+                do = next(getattr(d, f"do_{action}") for d in doers if hasattr(d, f"do_{action}"))
+                menu.addAction(self._make_action(action, do))
+                if action == "open":
+                    self.recent_menu = menu.addMenu(say("menu.recent"))
         bar = QtWidgets.QToolBar(say("Tools"))
         bar.setObjectName("tools")
         bar.setMovable(False)
-        bar.setIconSize(QtCore.QSize(20, 20))
+        bar.setIconSize(QtCore.QSize(19, 19))
         self.addToolBar(QtCore.Qt.ToolBarArea.LeftToolBarArea, bar)
         for name in TOOLS:
             if name == "-":
@@ -92,20 +133,20 @@ class StudioWindow(QtWidgets.QMainWindow):
             else:
                 bar.addAction(self.actions_by_name[name])
 
-    def _make_action(self, command: Command) -> QtGui.QAction:
-        action = QtGui.QAction(say(command.text), self)
-        action.setShortcuts([QtGui.QKeySequence(key) for key in command.keys])
-        keys = f"  ({command.keys[0]})" if command.keys else ""
-        action.setToolTip(say(command.text).rstrip("…") + keys)
-        action.setCheckable(command.checkable)
-        if command.icon:
-            action.setIcon(make_icon(command.icon, self.theme))
-        do: Callable = getattr(self, f"do_{command.name}")
-        if command.checkable:
+    def _make_action(self, name: str, do: Callable) -> QtGui.QAction:
+        text, keys = say(text_of(name)), keys_of(name)
+        action = QtGui.QAction(text, self)
+        if name not in self.keys.taps():
+            action.setShortcuts([QtGui.QKeySequence(key) for key in keys])
+        action.setToolTip(text.rstrip("…") + (f"  ({keys[0]})" if keys else ""))
+        action.setCheckable(name in CHECKABLE)
+        if name in ICONS_OF:
+            action.setIcon(make_icon(ICONS_OF[name], self.theme))
+        if name in CHECKABLE:
             action.toggled.connect(do)
         else:
             action.triggered.connect(lambda _=False: do())
-        self.actions_by_name[command.name] = action
+        self.actions_by_name[name] = action
         return action
 
     def _make_status(self) -> None:
@@ -116,6 +157,30 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.statusBar().addPermanentWidget(self.state)
         self.statusBar().setSizeGripEnabled(False)
         self.tell(say("Paint with the left button or a pen; turn with Alt or the middle button"))
+
+    # -- choices ----------------------------------------------------------------------------
+
+    def wants_dark(self) -> bool:
+        """Whether the settings ask for the dark theme."""
+        dark = self.settings.theme == "dark"
+        return dark or (self.settings.theme == "system" and self._system_dark)
+
+    def set_dark(self, on: bool) -> None:
+        """Change the theme."""
+        self.theme = DARK_THEME if on else LIGHT_THEME
+        apply_theme(self._app, self.theme)
+        self.stage.set_mood(DARK if on else LIGHT)
+        for name, icon in ICONS_OF.items():
+            self.actions_by_name[name].setIcon(make_icon(icon, self.theme))
+        self.panels.set_theme(self.theme)
+
+    def keep(self, **changes: object) -> None:
+        """Change settings, and save them."""
+        self.settings = dataclasses.replace(self.settings, **changes)
+        try:
+            save_settings(self.settings)
+        except Paint3DError as error:
+            self.tell(str(error), state="bad")
 
     # -- the document -----------------------------------------------------------------------
 
@@ -144,7 +209,7 @@ class StudioWindow(QtWidgets.QMainWindow):
     def show_title(self) -> None:
         """Name the painting, and say whether something is unsaved."""
         document = self.document
-        name = document.path.name if document.path else say(document.surface.source.name)
+        name = document.path.name if document.path else named(document.surface.source.name)
         self.setWindowTitle(f"{name}[*] – paint3d")
         self.setWindowModified(document.modified)
 
@@ -173,10 +238,10 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.actions_by_name["redo"].setEnabled(frame.can_redo)
         self.setWindowModified(self.document.modified)
         slow = frame.lag_s > _SLOW_S
-        word = say("behind by {ms:.0f} ms") if slow else say("keeps up, {ms:.1f} ms")
+        word = "behind by {ms:.0f} ms" if slow else "keeps up, {ms:.1f} ms"
         state = "slow" if slow else "good"
-        text = word.format(ms=1e3 * frame.lag_s)
-        seen = say("{fps:.0f} pictures/s").format(fps=1.0 / max(self.stage.scene.frame_s, 1e-3))
+        text = say(word, ms=1e3 * frame.lag_s)
+        seen = say("{fps:.0f} pictures/s", fps=1.0 / max(self.stage.scene.frame_s, 1e-3))
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}   ·   {seen}")
         self.state.setStyleSheet(f"color: {self.theme.state_colour(state)}")
 
@@ -188,7 +253,6 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _resized(self) -> None:
         self.stage.set_size(self.canvas.pixel_size)
-        self.hand.resized()
 
     def post(self, command: str, *arguments: object) -> None:
         """Have the easel do something; what goes wrong is told."""
@@ -201,154 +265,6 @@ class StudioWindow(QtWidgets.QMainWindow):
             return
         self._timer.stop()
         self.panels.close_down()
+        self.keep(smoothing=self.hand.settings.smoothing)
         self.stage.close()
         event.accept()
-
-    # -- what can be asked for: one method a command ----------------------------------------
-
-    def do_new(self) -> None:
-        """Begin a painting."""
-        self.files.new()
-
-    def do_open(self) -> None:
-        """Ask for a file, and open it."""
-        self.files.open()
-
-    def do_save(self) -> None:
-        """Save where it was saved before."""
-        self.files.save()
-
-    def do_save_as(self) -> None:
-        """Ask where to save."""
-        self.files.save_as()
-
-    def do_export(self) -> None:
-        """Ask for a name, whose suffix is the format."""
-        self.files.export()
-
-    def do_save_recording(self) -> None:
-        """Save the strokes of this sitting."""
-        self.files.save_recording()
-
-    def do_replay(self) -> None:
-        """Paint a recording on what is here."""
-        self.files.replay()
-
-    def do_screenshot(self) -> None:
-        """Save the picture as it is seen."""
-        self.files.screenshot()
-
-    def do_turntable(self) -> None:
-        """Save a film of the object turning."""
-        self.files.turntable()
-
-    def do_quit(self) -> None:
-        """Leave."""
-        self.close()
-
-    def do_undo(self) -> None:
-        """Take the last step back."""
-        self.post("undo")
-
-    def do_redo(self) -> None:
-        """Do it again."""
-        self.post("redo")
-
-    def do_dry(self) -> None:
-        """Let everything dry at once."""
-        self.post("dry")
-
-    def do_wet(self, on: bool) -> None:
-        """Let ink spread in real time, or not."""
-        if self.stage.easel is not None:
-            self.stage.easel.wet = on
-
-    def do_frame_all(self) -> None:
-        """See the whole object."""
-        self.hand.frame()
-
-    def do_front(self) -> None:
-        """See it from the front."""
-        self.hand.frame("front")
-
-    def do_right(self) -> None:
-        """See it from the right."""
-        self.hand.frame("right")
-
-    def do_top(self) -> None:
-        """See it from above."""
-        self.hand.frame("top")
-
-    def do_show_brush(self, on: bool) -> None:
-        """Draw the brush, or not."""
-        self.stage.shows_brush = on
-        if not on:
-            self.stage.hide_brush()
-
-    def do_dark(self, on: bool) -> None:
-        """Change the theme."""
-        self.theme = DARK_THEME if on else LIGHT_THEME
-        apply_theme(self._app, self.theme)
-        self.stage.set_mood(DARK if on else LIGHT)
-        for command in COMMANDS:
-            if command.icon:
-                self.actions_by_name[command.name].setIcon(make_icon(command.icon, self.theme))
-        self.panels.set_theme(self.theme)
-
-    def do_full_screen(self, on: bool) -> None:
-        """Fill the screen, or not."""
-        self.showFullScreen() if on else self.showNormal()
-
-    def do_english(self) -> None:
-        """Speak English from the next start."""
-        self.files.choose_language("en")
-
-    def do_chinese(self) -> None:
-        """Speak Chinese from the next start."""
-        self.files.choose_language("zh")
-
-    def do_dip(self) -> None:
-        """Load the brush again."""
-        self.post("dip")
-
-    def do_rinse(self) -> None:
-        """Wash the brush out."""
-        self.post("rinse")
-
-    def do_wipe(self) -> None:
-        """Wipe half of the ink off."""
-        self.post("wipe")
-
-    def do_swap_inks(self) -> None:
-        """Take the other ink."""
-        self.post("swap_inks")
-
-    def do_pick(self) -> None:
-        """Take the ink that lies under the pointer."""
-        self.hand.pick()
-
-    def do_smaller(self) -> None:
-        """Take a smaller brush of the same kind."""
-        self.post("step_brush", -1)
-
-    def do_larger(self) -> None:
-        """Take a larger brush of the same kind."""
-        self.post("step_brush", 1)
-
-    def do_mirror(self, on: bool) -> None:
-        """Paint left and right at once."""
-        self.post("set_symmetry", self._symmetry() if on else Symmetry())
-
-    def _symmetry(self) -> Symmetry:
-        """The plane through the object's middle that parts left from right."""
-        low, high = self.stage.points.min(axis=0), self.stage.points.max(axis=0)
-        middle = tuple(float(x) for x in 0.5 * (low + high))
-        return Symmetry((MirrorPlane(middle, (1.0, 0.0, 0.0)),))
-
-    def do_keys(self) -> None:
-        """Show all keys and gestures."""
-        self.files.show_keys()
-
-    def do_about(self) -> None:
-        """Say what this is."""
-        self.files.show_about()

@@ -150,6 +150,7 @@ QScrollBar::add-page, QScrollBar::sub-page {{ background: transparent; }}
 QToolTip {{ background: {raised}; color: {text}; border: 1px solid {line}; padding: 4px 6px; }}
 QLabel#faint {{ color: {faint}; }}
 QLabel#title {{ font-weight: 600; }}
+QLabel#heading {{ color: {accent}; font-weight: 700; padding-bottom: 2px; }}
 QFrame#card {{ background: {raised}; border: 1px solid {line}; border-radius: 8px; }}
 QCheckBox {{ spacing: 6px; }}
 """

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from PIL import Image
 from PySide6 import QtWidgets
 
+from paint3d.app.model.navigation import orbit
 from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
 from paint3d.files.atomic import write_atomically
@@ -33,17 +33,19 @@ def write_turntable(window: StudioWindow, path: Path, n_frames: int) -> None:
     kind = _FORMATS.get(path.suffix.lower())
     if kind is None:
         raise ExportError(f"{path}: a film is written as .gif or .webp")
-    bar = QtWidgets.QProgressDialog(say("Drawing the film…"), say("Cancel"), 0, n_frames, window)
+    bar = QtWidgets.QProgressDialog(
+        say("Drawing the film…"), say("button.cancel"), 0, n_frames, window
+    )
     bar.setMinimumDuration(300)
-    orbit, frames = window.hand.orbit, []
+    camera, height, frames = window.hand.camera, window.canvas.height(), []
     for k in range(n_frames):
-        window.stage.set_camera(orbit.turned(2.0 * np.pi * k / n_frames))
+        window.stage.set_camera(orbit(camera, -2.0 * height * k / n_frames, 0.0, height))
         frames.append(Image.fromarray(window.stage.picture()[::-1, :, :3]))
         bar.setValue(k + 1)
         QtWidgets.QApplication.processEvents()
         if bar.wasCanceled():
             break
-    window.stage.set_camera(orbit.camera)
+    window.stage.set_camera(camera)
     bar.close()
     if len(frames) < n_frames:
         return

@@ -1,30 +1,32 @@
 """What the window says, in the language that was chosen.
 
-English is the key: what has no translation is shown as it is written in the code.
+Most texts are the studio model's, by key. What only the window says is written here in English,
+which is its key, and in Chinese beside it (`chinese`).
 """
 
 from __future__ import annotations
 
+from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
 
-__all__ = ["LANGUAGES", "choose_language", "language", "say"]
+__all__ = ["choose_language", "language", "say"]
 
-LANGUAGES = {"en": "English", "zh": "中文"}
-_chosen = ["en"]
+_texts = [Texts("en")]
 
 
 def choose_language(code: str) -> None:
-    """Speak "en" or "zh" from now on; windows that are open keep their words."""
-    _chosen[0] = code if code in LANGUAGES else "en"
+    """Speak "en", "zh" or as the "system" from now on; what is open keeps its words."""
+    _texts[0] = Texts(code)
 
 
 def language() -> str:
-    """The language that is spoken."""
-    return _chosen[0]
+    """The language that is spoken: "en" or "zh"."""
+    return _texts[0].language
 
 
-def say(english: str) -> str:
-    """The words for an English text, in the language that was chosen."""
-    if _chosen[0] == "zh":
-        return CHINESE.get(english, english)
-    return english
+def say(text: str, **values: object) -> str:
+    """The words for a key or an English text, with values put in."""
+    if text in load_texts():
+        return _texts[0](text, **values)
+    words = CHINESE.get(text, text) if language() == "zh" else text
+    return words.format(**values) if values else words

@@ -1,0 +1,217 @@
+"""What can be asked of brush, ink, strokes and layers, each by the name of its action."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at
+from paint3d.app.model.navigation import picture_axes
+from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry
+from paint3d.app.window.wording import say
+from paint3d.brush.presets import brush_names
+
+if TYPE_CHECKING:
+    from paint3d.app.model.document import Document
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["PaintActions"]
+
+_TIP_REACH = 0.35  # of the tuft's length
+_STEADY = 0.4
+_TURNS = 6
+_MASK_DEGREES = 75.0
+
+
+class PaintActions:
+    """For one window; ``do_<action>`` for each."""
+
+    def __init__(self, window: StudioWindow) -> None:
+        self._window = window
+        self.turns = _TURNS
+        self.mask_degrees = _MASK_DEGREES
+
+    def _post(self, command: str, *arguments: object) -> None:
+        self._window.post(command, *arguments)
+
+    @property
+    def _document(self) -> Document:
+        return self._window.document
+
+    # -- edit -------------------------------------------------------------------------------
+
+    def do_undo(self) -> None:
+        """Take the last step back."""
+        self._post("undo")
+
+    def do_redo(self) -> None:
+        """Do it again."""
+        self._post("redo")
+
+    def do_cancel_stroke(self) -> None:
+        """Take the stroke that is going on back."""
+        self._window.hand.cancel()
+
+    # -- brush ------------------------------------------------------------------------------
+
+    def do_smaller(self) -> None:
+        """Take a smaller brush of the same kind."""
+        self._post("step_brush", -1)
+
+    def do_larger(self) -> None:
+        """Take a larger brush of the same kind."""
+        self._post("step_brush", 1)
+
+    def do_smoothing(self, on: bool) -> None:
+        """Steady the stroke by a string, or not."""
+        self._window.panels.hand.set_smoothing(_STEADY if on else 0.0)
+
+    def do_number(self, k: int) -> None:
+        """Take the k-th brush."""
+        names = brush_names()
+        if k <= len(names):
+            self._post("set_brush", names[k - 1])
+
+    # -- ink --------------------------------------------------------------------------------
+
+    def do_dip(self) -> None:
+        """Load the brush again."""
+        self._post("dip")
+
+    def do_dip_tip(self) -> None:
+        """Load its tip again."""
+        self._post("dip", None, _TIP_REACH)
+
+    def do_rinse(self) -> None:
+        """Wash the brush out."""
+        self._post("rinse")
+
+    def do_wipe(self) -> None:
+        """Wipe half of the ink off."""
+        self._post("wipe")
+
+    def do_swap_inks(self) -> None:
+        """Take the other ink."""
+        self._post("swap_inks")
+
+    def do_pick_colour(self) -> None:
+        """Take the ink that lies under the pointer."""
+        vertex = self._window.hand.vertex()
+        if vertex is not None:
+            self._post("pick_colour", vertex)
+
+    def do_wet(self, on: bool) -> None:
+        """Let ink spread in real time, or not."""
+        if self._window.stage.easel is not None:
+            self._window.stage.easel.wet = on
+
+    def do_dry(self) -> None:
+        """Let everything dry at once."""
+        self._post("dry")
+
+    # -- stroke -----------------------------------------------------------------------------
+
+    def do_mirror(self, on: bool) -> None:
+        """Paint left and right at once, or not."""
+        self._set_symmetry(mirror=on)
+
+    def do_radial(self, on: bool) -> None:
+        """Paint all around at once, or not."""
+        self._set_symmetry(radial=on)
+
+    def _set_symmetry(self, mirror: bool | None = None, radial: bool | None = None) -> None:
+        points = self._window.stage.points
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        middle = tuple(float(x) for x in middle)
+        actions = self._window.actions_by_name
+        mirror = actions["mirror"].isChecked() if mirror is None else mirror
+        radial = actions["radial"].isChecked() if radial is None else radial
+        planes = (MirrorPlane(middle, (1.0, 0.0, 0.0)),) if mirror else ()
+        turned = RadialSymmetry(self.turns, middle) if radial else None
+        self._post("set_symmetry", Symmetry(planes, turned))
+
+    def do_mask(self, on: bool) -> None:
+        """Take paint only where the surface faces the viewer, or everywhere again."""
+        angle = None
+        if on:
+            back = picture_axes(self._window.hand.camera)[2]
+            angle = AngleMask(tuple(float(x) for x in back), self.mask_degrees)
+        mask = self._document.mask
+        self._post("set_mask", Mask(angle, mask.regions, mask.inverted))
+
+    def do_pick_region(self) -> None:
+        """Take paint only in the region under the pointer, and in those picked before."""
+        vertex = self._window.hand.vertex()
+        if vertex is None:
+            return
+        with self._window.stage.easel.paused() as document:
+            pick = RegionPick(face_at(document.surface.paint_mesh, vertex))
+        mask = self._document.mask
+        self._post("set_mask", Mask(mask.angle, (*mask.regions, pick), mask.inverted))
+        self._window.tell(say("Paint is taken in {n} regions", n=len(mask.regions) + 1))
+
+    def do_clear_mask(self) -> None:
+        """Take paint everywhere."""
+        self._window.actions_by_name["mask"].setChecked(False)
+        self._post("set_mask", Mask())
+
+    def do_refine(self) -> None:
+        """Refine the whole surface now."""
+        self._window.files.refine()
+
+    # -- layers -----------------------------------------------------------------------------
+
+    def do_add_layer(self) -> None:
+        """Put a layer above the one that is painted on."""
+        self._post("add_layer")
+
+    def do_remove_layer(self) -> None:
+        """Take the layer away that is painted on."""
+        self._post("remove_layer", self._document.active_layer)
+
+    def do_rename_layer(self) -> None:
+        """Let its name be written."""
+        self._window.panels.layers.rename()
+
+    def do_layer_above(self) -> None:
+        """Paint on the layer above."""
+        self._select(1)
+
+    def do_layer_below(self) -> None:
+        """Paint on the layer below."""
+        self._select(-1)
+
+    def _select(self, by: int) -> None:
+        place = self._document.active_layer + by
+        if 0 <= place < len(self._document.layers):
+            self._post("select_layer", place)
+
+    def do_raise_layer(self) -> None:
+        """Put it above the next one."""
+        self._move(1)
+
+    def do_lower_layer(self) -> None:
+        """Put it below the next one."""
+        self._move(-1)
+
+    def _move(self, by: int) -> None:
+        place = self._document.active_layer
+        if 0 <= place + by < len(self._document.layers):
+            self._post("move_layer", place, place + by)
+
+    def do_hide_layer(self) -> None:
+        """Show or hide it."""
+        place = self._document.active_layer
+        self._post("set_visible", place, not self._document.layers[place].visible)
+
+    def do_lock_layer(self) -> None:
+        """Lock or unlock it."""
+        place = self._document.active_layer
+        self._post("set_locked", place, not self._document.layers[place].locked)
+
+
+for _k in range(1, 10):
+    setattr(
+        PaintActions,
+        f"do_brush_{_k}",
+        lambda self, k=_k: self.do_number(k),
+    )

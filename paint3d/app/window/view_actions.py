@@ -1,0 +1,101 @@
+"""What can be asked of the view and the window, each by the name of its action."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6 import QtWidgets
+
+from paint3d.app.window.dialogs import KeysDialog, PreferencesDialog
+from paint3d.app.window.wording import say
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["ViewActions"]
+
+
+class ViewActions:
+    """For one window; ``do_<action>`` for each."""
+
+    def __init__(self, window: StudioWindow) -> None:
+        self._window = window
+
+    def do_frame_all(self) -> None:
+        """See the whole object."""
+        self._window.hand.show_all()
+
+    def do_frame_selected(self) -> None:
+        """See what is under the pointer from near."""
+        self._window.hand.show_place()
+
+    def do_look_front(self) -> None:
+        """See it from the front."""
+        self._window.hand.look_from("front")
+
+    def do_look_back(self) -> None:
+        """See it from behind."""
+        self._window.hand.look_from("back")
+
+    def do_look_left(self) -> None:
+        """See it from the left."""
+        self._window.hand.look_from("left")
+
+    def do_look_right(self) -> None:
+        """See it from the right."""
+        self._window.hand.look_from("right")
+
+    def do_look_top(self) -> None:
+        """See it from above."""
+        self._window.hand.look_from("top")
+
+    def do_look_bottom(self) -> None:
+        """See it from below."""
+        self._window.hand.look_from("bottom")
+
+    def do_brush(self, on: bool) -> None:
+        """Draw the brush, or not."""
+        self._window.stage.shows_brush = on
+        if not on:
+            self._window.stage.hide_brush()
+
+    def do_panels(self) -> None:
+        """Hide all panels, or show them again."""
+        self._window.panels.toggle()
+
+    def do_full_screen(self, on: bool) -> None:
+        """Fill the screen, or not."""
+        self._window.showFullScreen() if on else self._window.showNormal()
+
+    def do_dark(self, on: bool) -> None:
+        """Change the theme."""
+        self._window.set_dark(on)
+        self._window.keep(theme="dark" if on else "light")
+
+    def do_preferences(self) -> None:
+        """Ask for language, theme and what a mouse presses by."""
+        window = self._window
+        dialog = PreferencesDialog(window, window.settings)
+        if not dialog.exec():
+            return
+        before, chosen = window.settings, dialog.chosen()
+        window.keep(**chosen)
+        window.hand.set_settings(pressure_by=chosen["pressure_by"])
+        if chosen["theme"] != before.theme:
+            window.actions_by_name["dark"].setChecked(window.wants_dark())
+        if chosen["language"] != before.language:
+            window.tell(say("The language changes with the next start"))
+
+    def do_shortcuts(self) -> None:
+        """Show all keys and gestures."""
+        KeysDialog(self._window).exec()
+
+    def do_about(self) -> None:
+        """Say what this is."""
+        from paint3d import __version__
+
+        told = say(
+            "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real "
+            "one does."
+        )
+        QtWidgets.QMessageBox.about(self._window, "paint3d", f"paint3d {__version__}\n\n{told}")
