@@ -55,9 +55,12 @@ def _triangle_meets_box(tri, x, y, z, half):
 
 @njit(cache=True, nogil=True)
 def fill_pairs(points, triangles, origin, size, places, roots):
-    """List the (lattice place, triangle) pairs that meet; with empty lists only count them."""
+    """List the (lattice place, triangle) pairs that meet, as many as there is room for.
+
+    Returns how many there are.
+    """
     n = 0
-    counting = roots.shape[0] == 0
+    room = roots.shape[0]
     tri = np.empty((3, 3))
     low = np.empty(3, np.int64)
     high = np.empty(3, np.int64)
@@ -82,7 +85,7 @@ def fill_pairs(points, triangles, origin, size, places, roots):
                     z = origin[2] + (k + 0.5) * size
                     if not single and not _triangle_meets_box(tri, x, y, z, half):
                         continue
-                    if not counting:
+                    if n < room:
                         places[n, 0] = i
                         places[n, 1] = j
                         places[n, 2] = k

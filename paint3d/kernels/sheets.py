@@ -220,10 +220,10 @@ def link_sheets(
     """List links (n, 2) between sheets of neighbouring cells that share a triangle.
 
     `pair_order` lists the pairs triangle by triangle, `root_pairs` is each triangle's run in it.
-    With an empty list the links are only counted.
+    As many are listed as there is room for; returns how many there are.
     """
     n = 0
-    counting = links.shape[0] == 0
+    room = links.shape[0]
     for t in range(root_pairs.shape[0] - 1):
         first = root_pairs[t]
         last = root_pairs[t + 1]
@@ -238,7 +238,7 @@ def link_sheets(
                     for axis in range(3):
                         near = near and abs(places[c, axis] - places[d, axis]) <= 1
                     if near:
-                        if not counting:
+                        if n < room:
                             links[n, 0] = pair_sheet[p]
                             links[n, 1] = pair_sheet[q]
                         n += 1
@@ -252,7 +252,7 @@ def link_sheets(
                     continue
                 q = find_pair(cell_pairs, pair_root, d, t)
                 if q >= 0:
-                    if not counting:
+                    if n < room:
                         links[n, 0] = pair_sheet[p]
                         links[n, 1] = pair_sheet[q]
                     n += 1

@@ -33,6 +33,7 @@ _AREA_BITS = 61
 _STEPS_PER_EDGE = 8  # float32 steps that a shortest edge must span
 _PATH = 1 << 16
 _CELLS_A_STEP = 256  # refined between two reports of progress
+_PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # room that is nearly always enough
 _PER_VERTEX = (
     "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
     "next_in_cell",
@@ -332,10 +333,13 @@ def _pairs_by_cell(
     base: BaseSurface, origin: NDArray, size: float
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Cells (C, 3) in Morton order, the roots that meet them, and each cell's run of roots."""
-    none = np.empty((0, 3), np.int32), np.empty(0, np.int32)
-    n = fill_pairs(base.points, base.faces, origin, size, *none)
-    places, roots = np.empty((n, 3), np.int32), np.empty(n, np.int32)
-    fill_pairs(base.points, base.faces, origin, size, places, roots)
+    room = int(_PAIRS_PER_FACE * len(base.faces) + _PAIRS_PER_CELL * base.areas.sum() / size**2)
+    n = room + 1
+    while n > room:  # counting first would take as long as listing, so we guess
+        room = max(room, n)
+        places, roots = np.empty((room, 3), np.int32), np.empty(room, np.int32)
+        n = fill_pairs(base.points, base.faces, origin, size, places, roots)
+    places, roots = places[:n], roots[:n]
     code = _morton(places)
     order = np.argsort(code, kind="stable")
     code, places, roots = code[order], places[order], roots[order]
@@ -378,10 +382,13 @@ def _links(
         table, places, root_pairs.astype(np.int64), pair_order, pair_cell,
         cell_pairs, pair_root, pair_sheet,
     )  # fmt: skip
-    links = np.empty((link_sheets(*arguments, np.empty((0, 2), np.int32)), 2), np.int32)
-    if len(links):
-        link_sheets(*arguments, links)
-    links = links.astype(np.int64)
+    room = _LINKS_PER_PAIR * len(pair_root)
+    n = room + 1
+    while n > room:
+        room = max(room, n)
+        links = np.empty((room, 2), np.int32)
+        n = link_sheets(*arguments, links)
+    links = links[:n].astype(np.int64)
     codes = np.concatenate(
         [links[:, 0] * n_sheets + links[:, 1], links[:, 1] * n_sheets + links[:, 0]]
     )
