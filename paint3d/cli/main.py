@@ -14,7 +14,19 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from paint3d.cli import batch, bench, demo, devices, export, inks, paint, replay, report, write
+from paint3d.cli import (
+    batch,
+    bench,
+    demo,
+    devices,
+    export,
+    inks,
+    paint,
+    replay,
+    report,
+    study,
+    write,
+)
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.errors import Paint3DError
 
@@ -29,6 +41,7 @@ _COMMANDS = {
     "batch": batch,
     "devices": devices,
     "inks": inks,
+    "study": study,
     "bench": bench,
     "report": report,
 }

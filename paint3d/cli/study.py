@@ -1,0 +1,171 @@
+"""Run the papers' timing study again: plan who paints with which devices, and print the table.
+
+`plan` writes FOLDER/study.json and says who is to paint what, in which order, under which name.
+Paint in the studio (or record with `paint3d devices record`) and save each trial in the folder.
+`table` measures what is there: drawing time, likeness to the copybook, and a paired test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from paint3d.cli.options import (
+    add_quiet_option,
+    check_output_file,
+    check_output_folder,
+    parse_length_mm,
+)
+from paint3d.cli.progress import ProgressBar
+from paint3d.cli.versions import find_versions
+from paint3d.files.atomic import write_atomically
+
+if TYPE_CHECKING:
+    from paint3d.app.model.study import StudyTable, Summary
+    from paint3d.app.model.study_plan import StudyPlan
+
+__all__ = ["HELP", "add_arguments", "plan_lines", "run", "table_lines"]
+
+HELP = "the papers' timing experiment"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    actions = parser.add_subparsers(metavar="ACTION", required=True, dest="action")
+    plan = actions.add_parser("plan", help="set a study up in a folder", allow_abbrev=False)
+    plan.add_argument("folder", metavar="FOLDER", type=Path)
+    plan.add_argument("--participants", metavar="N", type=int, default=6, help="(default: 6)")
+    plan.add_argument(
+        "--devices",
+        metavar="A,B",
+        type=lambda text: tuple(text.split(",")),
+        default=("I", "II"),
+        help="names of the device sets (default: I,II: mouse and keys, haptic stylus and mouse)",
+    )
+    plan.add_argument("--character", metavar="字", default="目", help="what to paint (default: 目)")
+    plan.add_argument("--on", metavar="MESH", default="bowl", help="on what (default: bowl)")
+    plan.add_argument(
+        "--size",
+        metavar="MM",
+        type=parse_length_mm,
+        default=30.0,
+        help="side of the character's square (default: 30)",
+    )
+    plan.add_argument("--trials", metavar="N", type=int, default=1, help="of each (default: 1)")
+    plan.add_argument("--seed", metavar="N", type=int, default=0, help="deals out the orders")
+    table = actions.add_parser("table", help="measure what was painted", allow_abbrev=False)
+    table.add_argument("folder", metavar="FOLDER", type=Path)
+    table.add_argument("--glyphs", metavar="DIR", type=Path, help="an unpacked hanzi-writer-data")
+    table.add_argument(
+        "--no-likeness", action="store_true", help="times only, without comparing shapes"
+    )
+    table.add_argument("--report", metavar="FILE", type=Path, help="write everything as JSON")
+    add_quiet_option(table)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Plan a study, or print its table.
+
+    Raises
+    ------
+    Paint3DError
+        If the plan or the folder cannot be used.
+    """
+    if options.action == "plan":
+        _plan(options)
+    else:
+        _table(options)
+
+
+def _plan(options: argparse.Namespace) -> None:
+    from paint3d.app.model.study_plan import make_plan, save_plan
+
+    plan = make_plan(
+        options.participants,
+        options.devices,
+        options.character,
+        options.on,
+        options.size,
+        options.trials,
+        options.seed,
+    )
+    check_output_folder(options.folder)
+    save_plan(plan, options.folder)
+    sys.stdout.write("\n".join(plan_lines(plan)) + "\n")
+
+
+def _table(options: argparse.Namespace) -> None:
+    from paint3d.app.model.study import evaluate
+    from paint3d.app.model.study_plan import load_plan
+    from paint3d.stroke.glyph_sources import open_glyphs
+
+    plan = load_plan(options.folder)
+    if options.report is not None:
+        check_output_file(options.report, (".json",))
+    source = None if options.glyphs is None else open_glyphs(options.glyphs)
+    with ProgressBar("measuring", enabled=not options.quiet) as bar:
+        table = evaluate(
+            options.folder,
+            plan,
+            likeness=not options.no_likeness,
+            source=source,
+            progress=bar,
+        )
+    if options.report is not None:
+        report = {"versions": find_versions(), **table.to_json()}
+        text = json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False)
+        with write_atomically(options.report) as part:
+            part.write_text(text + "\n", encoding="utf-8")
+    sys.stdout.write("\n".join(table_lines(table)) + "\n")
+
+
+def plan_lines(plan: StudyPlan) -> list[str]:
+    """Return the plan for people: one participant a line, and the names of the files."""
+    lines = [
+        f"{plan.character} on {plan.object}, {plan.em_mm:g} mm, "
+        f"{len(plan.participants)} participants, {plan.trials} of each",
+        "participant  order of devices  save as",
+    ]
+    for participant, order in zip(plan.participants, plan.order, strict=True):
+        files = [t.stem + ".p3d" for t in plan.schedule() if t.participant == participant]
+        lines.append(f"{participant:<11}  {', '.join(order):<16}  {' '.join(files)}")
+    return lines
+
+
+def table_lines(table: StudyTable) -> list[str]:
+    """Return the results for people."""
+    lines = ["devices  people  time s        pen down s    strokes       likeness"]
+    for devices in table.plan.devices:
+        seconds = table.summary(devices, lambda m: m.seconds)
+        columns = [
+            seconds,
+            table.summary(devices, lambda m: m.pen_down_seconds),
+            table.summary(devices, lambda m: float(len(m.stroke_seconds))),
+            table.summary(devices, lambda m: m.likeness),
+        ]
+        shown = "  ".join(f"{_mean_sd(c):<12}" for c in columns)
+        lines.append(f"{devices:<7}  {seconds.n:>6}  {shown}".rstrip())
+    for test in table.tests():
+        lines.append(
+            f"{test.second} takes {_number(test.ratio, '.2f')} of the time of {test.first}: "
+            f"paired t({max(test.n - 1, 0)}) = {_number(test.t, '.2f')}, "
+            f"p = {_number(test.p, '.3g')}; Wilcoxon p = {_number(test.wilcoxon_p, '.3g')}"
+        )
+    lines.append("mean (standard deviation) over participants")
+    lines += [f"missing: {' '.join(table.missing)}"] if table.missing else []
+    lines += [f"not usable: {file}: {why}" for file, why in table.faulty]
+    return lines
+
+
+def _mean_sd(summary: Summary) -> str:
+    if not summary.n:
+        return "-"
+    return f"{_number(summary.mean, '.3g')} ({_number(summary.sd, '.2g')})"
+
+
+def _number(value: float, form: str) -> str:
+    return "-" if math.isnan(value) else format(value, form)
