@@ -170,8 +170,11 @@ class DeltaRecorder:
     def _fit(self) -> None:
         """Follow a surface that has grown, or knows more pigments."""
         ink = self._surface.ink
-        capacity, count = ink.amounts.shape
-        more, wider = capacity - len(self._coverage), count - self._amounts.shape[1]
-        if more or wider:
-            self._amounts = np.pad(self._amounts, ((0, more), (0, wider)))
-            self._coverage = np.pad(self._coverage, (0, more))
+        amounts, coverage = self._amounts, self._coverage
+        if amounts.shape == ink.amounts.shape:
+            return
+        inked = np.flatnonzero((coverage > 0.0) | amounts.any(axis=1))
+        self._amounts = np.zeros_like(ink.amounts)  # memory only where there is paint
+        self._coverage = np.zeros_like(ink.coverage)
+        self._amounts[inked, : amounts.shape[1]] = amounts[inked]
+        self._coverage[inked] = coverage[inked]
