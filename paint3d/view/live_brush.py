@@ -16,7 +16,7 @@ from paint3d.view.brush_shape import (
     handle_rings,
     tuft_rings,
 )
-from paint3d.view.live_scene import LiveScene
+from paint3d.view.live_scene import Box, LiveScene, joined_box
 from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["HAIR_COLOURS", "LiveBrush"]
@@ -53,6 +53,7 @@ class LiveBrush:
         self._hair = np.array(HAIR_COLOURS.get(hair, HAIR_COLOURS["mixed"]), np.float64)
         self._parts = {name: DrawnMesh() for name in ("tuft", "handle", "shadow", "outline")}
         self._scene = scene
+        self._seen: dict[str, NDArray] = {}
         for name, part in self._parts.items():
             _look(part, name)
             scene.add(part)
@@ -65,8 +66,13 @@ class LiveBrush:
 
     def hide(self) -> None:
         """Show nothing of it."""
+        self._seen = {}
         for part in self._parts.values():
             part.actor.VisibilityOff()
+
+    def screen_box(self) -> Box | None:
+        """The box of pixels that it is seen in, with its shadow and outline."""
+        return joined_box(self._scene.screen_box(points) for points in self._seen.values())
 
     def show(
         self,
@@ -90,6 +96,7 @@ class LiveBrush:
         fill : float
             How full it is, 0 to 1.
         """
+        self._seen = {}
         rings, arc = tuft_rings(self._tuft, stand)
         if stand.touches:  # the model's plane is flat, what the hairs lie on need not be
             rings = self._laid(rings, stand, tree)
@@ -105,6 +112,7 @@ class LiveBrush:
         part = self._parts[name]
         faces = grid_faces(len(rings))
         part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
+        self._seen[name] = rings.reshape(-1, 3)
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
         part.actor.VisibilityOn()
 
@@ -145,7 +153,7 @@ class LiveBrush:
         part = self._parts["shadow"]
         fall = _SHADOW_FALL @ up
         fall /= np.linalg.norm(fall)
-        rings = np.concatenate([tuft[::6], handle[5:17:1]])
+        rings = np.concatenate([tuft[::6], handle[5:13]])
         centre = rings.mean(axis=1)
         across = np.cross(
             stand.handle, fall
@@ -163,11 +171,13 @@ class LiveBrush:
         height = np.linalg.norm(found[:, :3] - strip.reshape(-1, 3), axis=1).reshape(landed.shape)
         faint = 1.0 / (1.0 + height / 28.0)
         steep = np.clip(-(found[:, 3:] @ fall) / _GRAZING, 0.0, 1.0).reshape(landed.shape)
-        alpha = _DARKEST * _SOFT_SHARE * faint * steep**2 * landed
+        fade = np.linspace(1.0, 0.0, len(rings))[:, None] ** 0.5
+        alpha = _DARKEST * _SOFT_SHARE * faint * steep**2 * fade * landed
         colours = np.zeros((landed.size, 4), np.uint8)
         colours[:, 3] = alpha.reshape(-1)
         lifted = found[:, :3] + _SHADOW_LIFT * found[:, 3:]
         part.set_shape(lifted, _whole_faces(landed))
+        self._seen["shadow"] = lifted[landed.reshape(-1)]
         part.set_colours(colours)
         part.actor.VisibilityOn()
 
@@ -180,7 +190,9 @@ class LiveBrush:
         if len(line) < 3 or not landed.all():
             part.actor.VisibilityOff()
             return
-        part.set_line(found[:, :3] + _OUTLINE_LIFT * found[:, 3:], closed=True)
+        lifted = found[:, :3] + _OUTLINE_LIFT * found[:, 3:]
+        part.set_line(lifted, closed=True)
+        self._seen["outline"] = lifted
         colour = _OUTLINE if stand.touches else _HOVER
         part.set_colours(np.tile(np.uint8(colour), (len(line), 1)))
         part.actor.VisibilityOn()

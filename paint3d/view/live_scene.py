@@ -20,9 +20,10 @@ from paint3d.view.live_object import PatchUpload
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 
-__all__ = ["DARK", "LIGHT", "LiveScene", "Mood"]
+__all__ = ["DARK", "LIGHT", "Box", "LiveScene", "Mood", "joined_box"]
 
 _SHADE = 0.55  # darkest the object's shade on the floor becomes
+_MARGIN = 4  # pixels around what has changed: lines are wide, edges are smoothed
 _FINE = 2  # times as many pixels across, averaged, once nothing moves any more
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
 _SAMPLES = 4  # a pixel, where a graphics card draws
@@ -34,16 +35,28 @@ _LIGHTS = (  # of what shines and of the brush; the object's own light is baked
 )
 
 
+Box = tuple[int, int, int, int]
+
+
 @dataclass(frozen=True)
 class Mood:
-    """Colours around the object, sRGB in [0, 1]: in its middle and in the corners."""
+    """Colours around the object, sRGB in [0, 1]: at the picture's lower border and its upper."""
 
-    middle: tuple[float, float, float]
-    corner: tuple[float, float, float]
+    below: tuple[float, float, float]
+    above: tuple[float, float, float]
 
 
-LIGHT = Mood((0.845, 0.835, 0.815), (0.640, 0.628, 0.610))
-DARK = Mood((0.345, 0.340, 0.335), (0.140, 0.140, 0.145))
+LIGHT = Mood((0.815, 0.805, 0.785), (0.640, 0.630, 0.612))
+DARK = Mood((0.300, 0.296, 0.290), (0.150, 0.150, 0.154))
+
+
+def joined_box(boxes: Iterable[Box | None]) -> Box | None:
+    """The smallest box around some; None around none."""
+    there = [box for box in boxes if box is not None]
+    if not there:
+        return None
+    low, high = np.array(there)[:, :2].min(axis=0), np.array(there)[:, 2:].max(axis=0)
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
 
 class LiveScene:
@@ -74,6 +87,10 @@ class LiveScene:
         self.renderer = vtkRenderer()
         self._window.AddRenderer(self.renderer)
         self.renderer.SetAutomaticLightCreation(False)
+        self._camera = Camera(
+            np.array([0.0, -4.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, 1.0]), np.radians(24.0)
+        )
+        self._pixels: NDArray | None = None
         for position, intensity, colour in _LIGHTS:
             self.renderer.AddLight(camera_light(position, intensity, colour))
         self.set_mood(mood)
@@ -103,10 +120,14 @@ class LiveScene:
         """Change the colours around the object."""
         self.mood = mood
         self.renderer.GradientBackgroundOn()
-        modes = self.renderer.GradientModes
-        self.renderer.SetGradientMode(modes.VTK_GRADIENT_RADIAL_VIEWPORT_FARTHEST_CORNER)
-        self.renderer.SetBackground(*mood.middle)
-        self.renderer.SetBackground2(*mood.corner)
+        self._paint_backdrop(0.0, 1.0)
+        self._pixels = None
+
+    def _paint_backdrop(self, low: float, high: float) -> None:
+        """Let the picture be drawn between two heights of the whole one, 0 to 1."""
+        below, above = np.array(self.mood.below), np.array(self.mood.above)
+        self.renderer.SetBackground(*(below + low * (above - below)))
+        self.renderer.SetBackground2(*(below + high * (above - below)))
 
     def clear(self, centre: NDArray, radius: float, gloss: Gloss) -> None:
         """Take the object away; the next one lies within `radius` mm of `centre`."""
@@ -117,6 +138,7 @@ class LiveScene:
             self.renderer.RemoveActor(self._ground.actor)
             self._ground = None
         self._bounds = np.asarray(centre, np.float64), float(radius)
+        self._pixels = None
         self.set_gloss(gloss)
 
     def set_gloss(self, gloss: Gloss) -> None:
@@ -170,6 +192,7 @@ class LiveScene:
     def set_size(self, size: tuple[int, int]) -> None:
         """Change the width and height, pixels."""
         self._size = max(1, int(size[0])), max(1, int(size[1]))
+        self._pixels = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -178,26 +201,56 @@ class LiveScene:
 
     def set_camera(self, camera: Camera) -> None:
         """Look from there."""
+        self._camera = camera
+        self._pixels = None
         eye = self.renderer.GetActiveCamera()
         eye.SetPosition(*camera.position)
         eye.SetFocalPoint(*camera.focus)
         eye.SetViewUp(*camera.up)
-        eye.SetViewAngle(np.degrees(camera.view_angle))
         centre, radius = self._bounds
         ahead = np.asarray(camera.focus) - camera.position
         depth = float((centre - camera.position) @ (ahead / np.linalg.norm(ahead)))
         far = depth + 5.0 * radius
         eye.SetClippingRange(max(depth - 2.0 * radius, 0.002 * far), far)
 
+    def screen_box(self, points: NDArray) -> Box | None:
+        """The smallest box of pixels that points (N, 3) are seen in, y up; None if in none."""
+        camera, (width, height) = self._camera, self._size
+        back = camera.position - camera.focus
+        back = back / np.linalg.norm(back)
+        right = np.cross(camera.up, back)
+        right /= np.linalg.norm(right)
+        seen = (np.asarray(points, np.float64) - camera.position) @ np.stack(
+            [right, np.cross(back, right), -back], axis=1
+        )
+        if len(seen) == 0 or seen[:, 2].min() <= 0.0:
+            return (0, 0, width, height) if len(seen) else None
+        scale = 0.5 * height / np.tan(0.5 * camera.view_angle) / seen[:, 2]
+        x, y = 0.5 * width + scale * seen[:, 0], 0.5 * height + scale * seen[:, 1]
+        x0, x1 = (int(np.clip(v, 0, width)) for v in (x.min() - _MARGIN, x.max() + _MARGIN))
+        y0, y1 = (int(np.clip(v, 0, height)) for v in (y.min() - _MARGIN, y.max() + _MARGIN))
+        return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
+
+    def patch_box(self, patch: int) -> Box | None:
+        """The box of pixels that a patch lies within."""
+        low_x, high_x, low_y, high_y, low_z, high_z = self._patches[patch].actor.GetBounds()
+        corners = np.array(
+            [(x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (low_z, high_z)]
+        )
+        return self.screen_box(corners)
+
     # -- pixels -----------------------------------------------------------------------------
 
-    def draw(self, *, fine: bool = False) -> NDArray:
-        """(H, W, 4) uint8 sRGB pixels, the first row at the bottom.
+    def draw(self, *, fine: bool = False, only: Box | None = None) -> NDArray:
+        """(H, W, 4) uint8 sRGB pixels, the first row at the bottom; the next call changes them.
 
         Parameters
         ----------
         fine : bool
             Smooth edges also where software draws, at some times the cost: for when nothing moves.
+        only : (x0, y0, x1, y1), optional
+            Draw only this box of pixels anew; the rest is as before. The cost falls with its size
+            and with what lies in it.
 
         Raises
         ------
@@ -206,25 +259,44 @@ class LiveScene:
         """
         started = time.perf_counter()
         width, height = self._size
+        if only is None or self._pixels is None:
+            only = (0, 0, width, height)
         zoom = _FINE if fine and self.is_software else 1
+        self._aim(only)
         self._window.SetSize(width * zoom, height * zoom)
         self._window.Render()
-        pixels = self._read(width * zoom, height * zoom)
+        pixels = self._read(*(zoom * edge for edge in only))
         if zoom > 1:
-            blocks = pixels.reshape(height, zoom, width, zoom, 4)
+            rows, columns = only[3] - only[1], only[2] - only[0]
+            blocks = pixels.reshape(rows, zoom, columns, zoom, 4)
             pixels = (blocks.sum(axis=(1, 3), dtype=np.uint16) // zoom**2).astype(np.uint8)
+        if only == (0, 0, width, height):
+            self._pixels = np.array(pixels)
+        else:
+            self._pixels[only[1] : only[3], only[0] : only[2]] = pixels
         self.frame_s = time.perf_counter() - started
-        return pixels
+        return self._pixels
 
-    def _read(self, width: int, height: int) -> NDArray:
+    def _aim(self, box: Box) -> None:
+        """Turn camera, viewport and backdrop to a box of pixels."""
+        (width, height), (x0, y0, x1, y1) = self._size, box
+        share = (y1 - y0) / height
+        half = np.tan(0.5 * self._camera.view_angle) * share
+        eye = self.renderer.GetActiveCamera()
+        eye.SetViewAngle(np.degrees(2.0 * np.arctan(half)))
+        eye.SetWindowCenter((x0 + x1 - width) / (x1 - x0), (y0 + y1 - height) / (y1 - y0))
+        self.renderer.SetViewport(x0 / width, y0 / height, x1 / width, y1 / height)
+        self._paint_backdrop(y0 / height, y1 / height)
+
+    def _read(self, x0: int, y0: int, x1: int, y1: int) -> NDArray:
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
         pixels = vtkUnsignedCharArray()
-        self._window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, pixels)
-        if pixels.GetNumberOfTuples() != width * height:
+        self._window.GetRGBACharPixelData(x0, y0, x1 - 1, y1 - 1, 0, pixels)
+        if pixels.GetNumberOfTuples() != (x1 - x0) * (y1 - y0):
             raise ExportError("nothing could be drawn: OpenGL gave no pixels")
-        return vtk_to_numpy(pixels).reshape(height, width, 4)
+        return vtk_to_numpy(pixels).reshape(y1 - y0, x1 - x0, 4)
 
     def close(self) -> None:
         """Let go of the graphics memory."""

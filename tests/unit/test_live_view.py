@@ -12,7 +12,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_patches import LivePatches
-from paint3d.view.live_scene import DARK, LiveScene
+from paint3d.view.live_scene import DARK, LiveScene, joined_box
 from paint3d.view.studio import Gloss
 
 NONE = np.empty(0, np.int32)
@@ -124,4 +124,31 @@ def test_the_picture_shows_paint_where_it_was_laid(surface: PaintedSurface) -> N
     scene.apply(shown.uploads(NONE))
     assert np.isfinite(baked.light).all()
     assert scene.draw()[60, 115, 0] > scene.draw()[5, 5, 0]  # the lit sheet before the dark
+    scene.close()
+
+
+def test_a_part_drawn_anew_fits_into_the_whole(surface: PaintedSurface) -> None:
+    surface.refine_all()
+    shown = LiveObject(surface, faces=500)
+    scene = LiveScene((200, 150))
+    scene.clear(shown.centre, shown.radius, Gloss.of("porcelain"))
+    scene.apply(shown.uploads(NONE))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0.3, -1.0, 0.8)), 200 / 150))
+    before = scene.draw().copy()
+    again = scene.draw(only=(37, 20, 151, 118)).astype(int)
+    assert np.abs(again - before).max() <= 2
+    column = surface.column_of(paint3d.Painter(surface).ink)
+    x, y = surface.paint_mesh.vertices[:, :2].T
+    ids = np.flatnonzero((np.abs(x) < 15.0) & (np.abs(y) < 15.0)).astype(np.int32)
+    surface.ink.amounts[ids, column] = 1.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    uploads = shown.uploads(surface.refresh())
+    scene.apply(uploads)
+    box = joined_box(scene.patch_box(upload.patch) for upload in uploads)
+    assert (box[2] - box[0]) * (box[3] - box[1]) < 0.5 * 200 * 150
+    part = scene.draw(only=box).copy()
+    assert not np.array_equal(part, before)
+    whole = scene.draw().astype(int)
+    assert np.abs(part - whole).max() <= 2
     scene.close()

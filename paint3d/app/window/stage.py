@@ -23,7 +23,7 @@ from paint3d.view.camera import Camera
 from paint3d.view.live_brush import LiveBrush
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import LiveObject
-from paint3d.view.live_scene import LIGHT, LiveScene, Mood
+from paint3d.view.live_scene import LIGHT, Box, LiveScene, Mood, joined_box
 from paint3d.view.studio import Gloss
 
 __all__ = ["Stage"]
@@ -62,6 +62,7 @@ class Stage:
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
         self._stale = True
+        self._changed: list[Box | None] = []
         self._fine = False
         self._moved = time.perf_counter()
 
@@ -146,19 +147,21 @@ class Stage:
         if frame is None:
             return None
         self._take(frame.vertex_ids)
+        before = self._brush.screen_box() if self._brush is not None else None
         self._show_brush(frame.brush)
+        self._changed += [before, self._brush.screen_box()]
         self.frame = frame
-        self.touch()
         return frame
 
     def draw(self) -> NDArray | None:
         """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
         now = time.perf_counter()
-        if self._stale:
-            self._stale = False
+        box, self._changed = joined_box(self._changed), []
+        if self._stale or box is not None:
+            only = None if self._stale else box
+            self._stale = self._fine = False
             self._moved = now
-            self._fine = False
-            return self.scene.draw()
+            return self.scene.draw(only=only)
         if self._fine or not self.scene.is_software or now - self._moved < _CALM_S:
             return None
         self._fine = True
@@ -173,6 +176,7 @@ class Stage:
             ids = np.concatenate([vertex_ids, document.refresh()])
             uploads = self._object.uploads(ids)
         self.scene.apply(uploads)
+        self._changed += [self.scene.patch_box(upload.patch) for upload in uploads]
 
     def _take_light(self) -> None:
         if self._baking is None or not self._baking.done():
@@ -204,5 +208,5 @@ class Stage:
     def hide_brush(self) -> None:
         """Let the brush leave the picture, as the pointer did."""
         if self._brush is not None:
+            self._changed.append(self._brush.screen_box())
             self._brush.hide()
-            self.touch()
