@@ -122,8 +122,7 @@ class DeltaRecorder:
     def restart(self) -> None:
         """Take the surface as it is now, whatever it was."""
         ink = self._surface.ink
-        self._amounts = np.zeros_like(ink.amounts)
-        self._coverage = np.zeros_like(ink.coverage)
+        self._clear()
         painted = np.flatnonzero((ink.coverage > 0.0) | ink.amounts.any(axis=1))
         self._surface.take_changed()
         self._follow(painted)
@@ -167,6 +166,12 @@ class DeltaRecorder:
         self._brush = BrushLoad.of(surface)
         self._flow = surface.keep_flow()
 
+    def _clear(self) -> None:
+        """Remember no paint, with room for all vertices: memory is taken only where it comes."""
+        ink = self._surface.ink
+        self._amounts = np.zeros(ink.amounts.shape, np.float32)
+        self._coverage = np.zeros(ink.coverage.shape, np.float32)
+
     def _fit(self) -> None:
         """Follow a surface that has grown, or knows more pigments."""
         ink = self._surface.ink
@@ -174,7 +179,6 @@ class DeltaRecorder:
         if amounts.shape == ink.amounts.shape:
             return
         inked = np.flatnonzero((coverage > 0.0) | amounts.any(axis=1))
-        self._amounts = np.zeros_like(ink.amounts)  # memory only where there is paint
-        self._coverage = np.zeros_like(ink.coverage)
+        self._clear()
         self._amounts[inked, : amounts.shape[1]] = amounts[inked]
         self._coverage[inked] = coverage[inked]

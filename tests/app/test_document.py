@@ -5,7 +5,7 @@ import pytest
 
 from paint3d.app.model.document import Document
 from paint3d.errors import ExportError, InputError, SessionError
-from tests.app.hands import line, paint, small_plane
+from tests.app.hands import line, paint, same_vertices, sample, small_plane
 
 
 def test_a_stroke_paints_and_is_remembered():
@@ -150,3 +150,39 @@ def test_what_cannot_be_opened_is_told(tmp_path):
     (tmp_path / "bad.p3d").write_bytes(b"no session")
     with pytest.raises(SessionError, match=r"bad\.p3d"):
         Document.open(tmp_path / "bad.p3d")
+
+
+def test_bad_samples_are_refused_and_the_stroke_goes_on():
+    document = small_plane()
+    document.begin_stroke()
+    samples = line((-20, 0), (20, 0))
+    document.feed(samples[:10])
+    for bad in (samples[5:12], samples[10:12][::-1], [sample(10**10, 0, 0, None)]):
+        with pytest.raises(InputError, match=r"later|pressure"):
+            document.feed(bad)
+    document.feed(samples[10:])
+    document.end_stroke()
+    alone = small_plane()
+    paint(alone, (-20, 0), (20, 0))
+    np.testing.assert_array_equal(document.surface.amounts, alone.surface.amounts)
+
+
+def test_a_painting_is_replayed_from_its_strokes_also_those_of_earlier_sittings(tmp_path):
+    document = small_plane()
+    paint(document, (-20, 0), (20, 0))
+    document.add_layer("over")
+    document.dip({"cinnabar": 0.5, "water": 0.5})
+    document.scale_brush(0.7)
+    paint(document, (0, -20), (0, 20))
+    paint(document, (5, -20), (5, 20))
+    document.save(tmp_path / "a.p3d")
+    opened = Document.open(tmp_path / "a.p3d")
+    assert opened.oldest_stroke == 3
+    with pytest.raises(InputError, match="expected 3 to 3"):
+        opened.replay_history(1)
+    again = opened.replayed()
+    same_vertices(again.surface, document.surface)
+    assert [layer.name for layer in again.layers] == ["1", "over"]
+    assert len(opened.replayed(1).strokes) == 1
+    with pytest.raises(InputError, match="expected 0 to 3"):
+        opened.replayed(4)

@@ -7,6 +7,8 @@ from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.devices import DeviceDesk, StrokeCutter
 from paint3d.app.model.document import Document
 from paint3d.app.model.inks import Dish, Dishes
+from paint3d.app.model.player import Player
+from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.space_mouse import MouseEvent
@@ -209,3 +211,20 @@ def test_a_stream_is_cut_into_strokes():
     assert [p if isinstance(p, str) else len(p) for p in lifted.cut(heights)] == [
         "begin_stroke", 4, "end_stroke"
     ]  # fmt: skip
+
+
+def test_a_recording_plays_at_any_speed():
+    recording = recording_of(line((0, 0), (10, 0), n=21), {})  # 100 ms
+    player = Player(recording, 0.5, now_s=7.0)
+    assert len(player.take(7.0)) == 1
+    assert len(player.take(7.1001)) == 10
+    player.paused = True
+    assert player.take(9.0) == []
+    player.paused = False
+    assert player.set_speed(10.0, 9.0) == []
+    rest = player.take(9.0052)
+    assert len(rest) == 10
+    assert player.is_over
+    assert player.position_s == pytest.approx(player.duration_s)
+    with pytest.raises(InputError, match="speed"):
+        Player(recording, 0.0)

@@ -34,7 +34,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.stroke.engine import Painter
 from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
-from paint3d.surface.undo import UndoHistory
+from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
 
 __all__ = ["Document"]
 
@@ -74,6 +74,7 @@ class Document:
         path: Path | None = None,
         saved: Session | None = None,
         unit: str = "mm",
+        undo_bytes: int = MEMORY_BUDGET,
     ) -> None:
         self.surface = surface
         self.painter = painter
@@ -85,7 +86,7 @@ class Document:
         self._recordings = tuple(saved.recordings if saved else ())
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
-        self._undo = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+        self._undo = UndoHistory(surface, undo_bytes, painter.keep, painter.restore)
         self.symmetry = Symmetry()
         self.mask = Mask()
         self._stencil: Stencil | None = None
@@ -142,7 +143,8 @@ class Document:
         surface, settings = session.surface, session.settings
         brush = _brush_of(settings.get("brush"))
         ink = None if surface.pigments else _ink_named(settings.get("ink"))
-        painter = Painter(surface, brush, ink)
+        azimuth = settings.get("azimuth", "commanded")
+        painter = Painter(surface, brush, ink, azimuth)
         if "dipped" in settings:
             _remember_dip(painter, settings["dipped"])
         return cls(surface, painter, Path(path), session, str(settings.get("unit", "mm")))
@@ -167,6 +169,7 @@ class Document:
     def _session(self) -> Session:
         settings = {**self.settings, "brush": asdict(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
+        settings["azimuth"] = self.painter.azimuth
         settings["dipped"] = weights_of(self.painter.dipped)
         settings["inks"] = [weights_of(ink) for ink in self.inks]
         settings["brushes"] = {s.brush.name: asdict(s.brush) for s in self.strokes}
@@ -293,12 +296,14 @@ class Document:
         Raises
         ------
         InputError
-            If no stroke was begun, or the samples cannot follow those before.
+            If no stroke was begun, or the samples cannot follow those before; none of them is
+            painted then, and the stroke goes on.
         """
         if not self.in_stroke:
             raise InputError("samples came without a stroke; expected begin_stroke first")
         if not samples:
             return
+        self._log.check(samples)
         self._log.append(samples)
         self.painter.advance(samples)
         for image in self._images:
@@ -568,6 +573,57 @@ class Document:
         while len(self.strokes) < upto:
             touched.append(self.redo())
         return np.unique(np.concatenate(touched)).astype(np.int32)
+
+    def replayed(self, upto: int | None = None) -> Document:
+        """The first strokes painted once more on the bare object, as another document.
+
+        This leads back before the painting was opened, where undo cannot. Layers are those of the
+        strokes' names in the order in which they come; what was dried, moved, or let run meanwhile
+        is not repeated.
+
+        Parameters
+        ----------
+        upto : int, optional
+            How many; by default all.
+
+        Raises
+        ------
+        InputError
+            If there are not so many.
+        """
+        upto = len(self.strokes) if upto is None else upto
+        if not 0 <= upto <= len(self.strokes):
+            raise InputError(f"stroke {upto} of the history; expected 0 to {len(self.strokes)}")
+        surface = self.surface
+        again = Document.new(surface.source, surface.resolution, surface.material)
+        known = {pigment.name: pigment for pigment in surface.pigments}
+        for stroke in self.strokes[:upto]:
+            again.repeat(stroke, known)
+        return again
+
+    def repeat(self, stroke: Stroke, inks: Mapping[str, Pigment] | None = None) -> None:
+        """Paint a stroke again, with its brush and on the layer of its name, which is made.
+
+        Parameters
+        ----------
+        stroke : Stroke
+        inks : mapping, optional
+            Inks that the palette does not know, by name.
+        """
+        names = [layer.name for layer in self.layers]
+        if not self.strokes and stroke.layer not in names:
+            self.rename_layer(0, stroke.layer)
+        elif stroke.layer not in names:
+            self.add_layer(stroke.layer, len(names))
+        else:
+            self.select_layer(names.index(stroke.layer))
+        if stroke.brush != self.painter.brush:
+            self.set_brush(stroke.brush)
+        if stroke.dipped:
+            self.dip({(inks or {}).get(name, name): part for name, part in stroke.ink.items()})
+        self.begin_stroke()
+        self.feed(stroke.samples)
+        self.end_stroke()
 
     def recording(self, first: int = 0) -> Recording | None:
         """The strokes from number `first` on as one recording in the object's frame, with dips.

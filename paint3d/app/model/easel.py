@@ -30,7 +30,7 @@ _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
 _WET_STEP_S = 1.0 / 30.0
 _LONGEST_WET_S = 0.2  # what is let pass at once, however long nobody painted
 
-_BASE_EVERY_S = 120.0  # the least time between two bases of a sitting
+_BASE_EVERY_S = 120.0
 
 Command = str | Callable[[Document], object]
 
@@ -78,6 +78,8 @@ class Easel:
         Let ink spread and dry in real time.
     sitting : Sitting, optional
         Where what is painted is kept until it is saved; closed by `stop`.
+    base_every_s : float
+        The least time between two bases of the sitting.
 
     Attributes
     ----------
@@ -85,10 +87,15 @@ class Easel:
     """
 
     def __init__(
-        self, document: Document, wet: bool = False, sitting: Sitting | None = None
+        self,
+        document: Document,
+        wet: bool = False,
+        sitting: Sitting | None = None,
+        base_every_s: float = _BASE_EVERY_S,
     ) -> None:
         self.document = document
         self.wet = wet
+        self._base_every_s = base_every_s
         self._scribe = None if sitting is None else _Scribe(sitting, document, self._tell)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
@@ -219,7 +226,7 @@ class Easel:
         """How long to sleep at most, s."""
         if self.wet:
             return _WET_STEP_S
-        return _BASE_EVERY_S if self._scribe is not None else None
+        return self._base_every_s if self._scribe is not None else None
 
     def _work(self) -> None:
         if self._jobs:
@@ -278,7 +285,7 @@ class Easel:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
         if self._scribe is None or self.document.in_stroke:
             return
-        late = time.monotonic() - self._base_time > _BASE_EVERY_S
+        late = time.monotonic() - self._base_time > self._base_every_s
         if not (self._base_due or (late and self._scribe.n_put)):
             return
         with self._wake:

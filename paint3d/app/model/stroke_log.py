@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import SessionError
+from paint3d.errors import RecordingError, SessionError
 from paint3d.ink.pigments import Pigment
 from paint3d.stroke.laying import DIP
 
@@ -111,6 +112,21 @@ class StrokeLog:
         """Start a stroke."""
         self.current = Stroke(time.time(), brush, _parts(ink), layer, dipped, tags=dict(self.tags))
         return self.current
+
+    def check(self, samples: Sequence[DeviceSample]) -> None:
+        """Refuse samples that cannot follow those of the stroke that is going on.
+
+        Raises
+        ------
+        RecordingError
+            If time does not increase, or some have a pressure and others have none.
+        """
+        own = self.current.samples[-1:]
+        times = [sample.time_ns for sample in (*own, *samples)]
+        if any(b <= a for a, b in pairwise(times)):
+            raise RecordingError("a sample is not later than the one before it")
+        if len({sample.pressure is None for sample in (*own, *samples)}) > 1:
+            raise RecordingError("pressure is given in some samples; expected it in all or none")
 
     def append(self, samples: Sequence[DeviceSample]) -> None:
         """Add to the stroke that is going on."""
