@@ -1,0 +1,95 @@
+"""What can be done with a document's brush and inks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from paint3d.app.model.brush_size import resized, scaled, stepped
+from paint3d.brush.spec import BrushSpec
+from paint3d.errors import InputError
+from paint3d.ink.pigments import Pigment
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+
+Ink = str | Pigment | Mapping
+
+__all__ = ["BrushCommands", "Ink"]
+
+
+class BrushCommands:
+    """Brush and ink of a `Document`."""
+
+    surface: PaintedSurface
+    painter: Painter
+    inks: list[Ink]
+    _dipped: bool
+
+    def set_brush(self, brush: str | BrushSpec | Mapping) -> None:
+        """Take another brush, dipped in the same ink.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on, or there is no such brush.
+        """
+        self._refuse_in_stroke("another brush")
+        self.painter.change_brush(BrushSpec(**brush) if isinstance(brush, Mapping) else brush)
+        self._dipped = True
+
+    def scale_brush(self, factor: float) -> None:
+        """Take the brush so many times as large; see `brush_size.scaled`."""
+        self.set_brush(scaled(self.painter.brush, factor))
+
+    def resize_brush(self, length_mm: float) -> None:
+        """Take the brush with a tuft of this length."""
+        self.set_brush(resized(self.painter.brush, length_mm))
+
+    def step_brush(self, steps: int) -> None:
+        """Take the brush larger or smaller by some presses of ] or [, as far as it goes."""
+        self.set_brush(stepped(self.painter.brush, steps))
+
+    def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
+        """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is."""
+        self.painter.dip(ink, reach)
+        self._dipped = True
+        if ink is not None:
+            self.inks[0] = ink
+
+    def rinse(self) -> None:
+        """Wash the brush out."""
+        self.painter.rinse()
+
+    def wipe(self, share: float = 0.5) -> None:
+        """Wipe a share of the ink off the brush, 0 to 1."""
+        self.painter.wipe(share)
+
+    def swap_inks(self) -> None:
+        """Dip the brush in the other ink."""
+        self._refuse_in_stroke("another ink")
+        self.inks.reverse()
+        self.dip(self.inks[0])
+
+    def pick_colour(self, vertex_id: int) -> dict[str, float] | None:
+        """Dip the brush in what is on a vertex, as it is mixed there; what that is.
+
+        Returns
+        -------
+        dict or None
+            Parts of the inks by name, of sum 1; None where there is no paint, and nothing is
+            done.
+
+        Raises
+        ------
+        InputError
+            If there is no such vertex.
+        """
+        surface = self.surface
+        if not 0 <= vertex_id < surface.n_vertices:
+            raise InputError(f"vertex {vertex_id}; expected 0 to {surface.n_vertices - 1}")
+        parts = surface.parts_at(vertex_id)
+        if not parts.any():
+            return None
+        parts /= parts.sum()
+        found = {p: float(w) for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-3}
+        self.dip(found)
+        return {pigment.name: part for pigment, part in found.items()}

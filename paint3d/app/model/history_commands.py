@@ -1,0 +1,170 @@
+"""A document's way back and again: undo, redo, replays, its strokes as a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.app.model.stroke_log import Stroke, StrokeLog
+from paint3d.device.recorded import Recording
+from paint3d.errors import InputError
+from paint3d.ink.pigments import Pigment
+from paint3d.stroke.engine import Painter
+from paint3d.surface.layer_stack import Layer
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.undo import UndoHistory
+
+__all__ = ["HistoryCommands"]
+
+
+class HistoryCommands:
+    """The history of a `Document`."""
+
+    surface: PaintedSurface
+    painter: Painter
+    strokes: Sequence[Stroke]
+    layers: tuple[Layer, ...]
+    modified: bool
+    _log: StrokeLog
+    _undo: UndoHistory
+    _note: Callable[[NDArray], None]
+
+    @property
+    def steps(self) -> UndoHistory:
+        """What can be undone, step by step."""
+        return self._undo
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self._undo.done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is something to do again."""
+        return bool(self._undo.undone)
+
+    def undo(self) -> NDArray:
+        """Take back the last step; the brush stays the one that was chosen last.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+        """
+        self.end_stroke()
+        chosen = self.painter.brush, self.painter.dipped
+        touched = self._undo.undo()
+        if (self.painter.brush, self.painter.dipped) != chosen:
+            self.painter.change_brush(chosen[0])
+            self.painter.dip(chosen[1])
+        return self._stepped(touched)
+
+    def redo(self) -> NDArray:
+        """Do again what was undone last; returns as `undo`."""
+        self.end_stroke()
+        return self._stepped(self._undo.redo())
+
+    def _stepped(self, touched: NDArray) -> NDArray:
+        self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
+        self.modified = True
+        self._note(touched)
+        return touched
+
+    @property
+    def oldest_stroke(self) -> int:
+        """How many strokes were there when this was opened, which cannot be undone."""
+        return self._log.n_before
+
+    def replay_history(self, upto: int) -> NDArray:
+        """Show the painting as it was after so many strokes, by undo and redo.
+
+        Parameters
+        ----------
+        upto : int
+            From `oldest_stroke`, those of earlier sittings, to as many as there are with those
+            that were undone.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError
+            If there are not so many.
+        """
+        undone = sum(isinstance(label, Stroke) for label in self._undo.undone)
+        most = len(self.strokes) + undone
+        if not self.oldest_stroke <= upto <= most:
+            raise InputError(
+                f"stroke {upto} of the history; expected {self.oldest_stroke} to {most}"
+            )
+        touched = [np.empty(0, np.int32)]
+        while len(self.strokes) > upto:
+            touched.append(self.undo())
+        while len(self.strokes) < upto:
+            touched.append(self.redo())
+        return np.unique(np.concatenate(touched)).astype(np.int32)
+
+    def replayed(self, upto: int | None = None) -> Self:
+        """The first strokes painted once more on the bare object, as another document.
+
+        This leads back before the painting was opened, where undo cannot. Layers are those of the
+        strokes' names in the order in which they come; what was dried, moved, or let run meanwhile
+        is not repeated.
+
+        Parameters
+        ----------
+        upto : int, optional
+            How many; by default all.
+
+        Raises
+        ------
+        InputError
+            If there are not so many.
+        """
+        upto = len(self.strokes) if upto is None else upto
+        if not 0 <= upto <= len(self.strokes):
+            raise InputError(f"stroke {upto} of the history; expected 0 to {len(self.strokes)}")
+        surface = self.surface
+        again = type(self).new(surface.source, surface.resolution, surface.material)
+        known = {pigment.name: pigment for pigment in surface.pigments}
+        for stroke in self.strokes[:upto]:
+            again.repeat(stroke, known)
+        return again
+
+    def repeat(self, stroke: Stroke, inks: Mapping[str, Pigment] | None = None) -> None:
+        """Paint a stroke again, with its brush and on the layer of its name, which is made.
+
+        Parameters
+        ----------
+        stroke : Stroke
+        inks : mapping, optional
+            Inks that the palette does not know, by name.
+        """
+        names = [layer.name for layer in self.layers]
+        if not self.strokes and stroke.layer not in names:
+            self.rename_layer(0, stroke.layer)
+        elif stroke.layer not in names:
+            self.add_layer(stroke.layer, len(names))
+        else:
+            self.select_layer(names.index(stroke.layer))
+        if stroke.brush != self.painter.brush:
+            self.set_brush(stroke.brush)
+        if stroke.dipped:
+            self.dip({(inks or {}).get(name, name): part for name, part in stroke.ink.items()})
+        self.begin_stroke()
+        self.feed(stroke.samples)
+        self.end_stroke()
+
+    def recording(self, first: int = 0) -> Recording | None:
+        """The strokes from number `first` on as one recording in the object's frame, with dips.
+
+        None if there are none.
+        """
+        return self._log.recording(self.surface.source.name, first)

@@ -1,0 +1,161 @@
+"""Strokes of a document: their beginning, samples and end, images and masks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from paint3d.app.model.image_painter import ImagePainter
+from paint3d.app.model.mask import Mask, Stencil
+from paint3d.app.model.stroke_log import Stroke, StrokeLog
+from paint3d.app.model.symmetry import Symmetry
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import InputError
+from paint3d.stroke.engine import Painter
+from paint3d.surface.layer_stack import Layer
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.undo import UndoHistory
+
+__all__ = ["StrokeCommands"]
+
+
+class StrokeCommands:
+    """Strokes of a `Document`, and what passes with time."""
+
+    surface: PaintedSurface
+    painter: Painter
+    symmetry: Symmetry
+    mask: Mask
+    modified: bool
+    _log: StrokeLog
+    _undo: UndoHistory
+    _images: list[ImagePainter]
+    _stencil: Stencil | None
+    _dipped: bool
+    _paintable: Callable[[], Layer]
+    _note: Callable
+
+    @property
+    def in_stroke(self) -> bool:
+        """Whether a stroke is going on."""
+        return self._log.current is not None
+
+    @property
+    def strokes(self) -> Sequence[Stroke]:
+        """What was painted by hand and is there, in order; those of earlier sittings first."""
+        return self._log.strokes
+
+    def begin_stroke(self) -> None:
+        """Start a stroke: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If one is going on, or the layer is locked or hidden.
+        """
+        self._refuse_in_stroke("a stroke")
+        layer = self._paintable()
+        painter = self.painter
+        stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped)
+        self._dipped = False
+        self._undo.begin(stroke)
+        self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
+
+    def feed(self, samples: Sequence[DeviceSample]) -> None:
+        """Paint samples of both hands, in the order of time; the last two wait for more.
+
+        Raises
+        ------
+        InputError
+            If no stroke was begun, or the samples cannot follow those before; none of them is
+            painted then, and the stroke goes on.
+        """
+        if not self.in_stroke:
+            raise InputError("samples came without a stroke; expected begin_stroke first")
+        if not samples:
+            return
+        self._log.check(samples)
+        self._log.append(samples)
+        self.painter.advance(samples)
+        for image in self._images:
+            image.advance(samples)
+        self._wipe_stencil()
+        self.modified = True
+
+    def end_stroke(self) -> None:
+        """Paint what still waits, and lift the brush."""
+        if not self.in_stroke:
+            return
+        self.painter.finish()
+        self._lift_images()
+        self._wipe_stencil()
+        stroke = self._log.end()
+        if stroke is None:
+            self._note(self._undo.revert())
+
+    def cancel_stroke(self) -> None:
+        """Take the stroke that is going on back, as if it had never begun."""
+        if not self.in_stroke:
+            return
+        self.painter.abandon()
+        self._images = []
+        self._log.cancel()
+        self._note(self._undo.revert())
+
+    def set_symmetry(self, symmetry: Symmetry) -> None:
+        """Paint every stroke's images as well, from now on.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on.
+        """
+        self._refuse_in_stroke("another symmetry")
+        self.symmetry = symmetry
+
+    def set_mask(self, mask: Mask) -> None:
+        """Take paint only where the mask allows, from now on.
+
+        Raises
+        ------
+        InputError
+            If it names a face that is not there, or a stroke is going on.
+        """
+        self._refuse_in_stroke("another mask")
+        self._stencil = None if mask.is_open else Stencil(self.surface, mask)
+        self.mask = mask
+
+    @property
+    def tags(self) -> dict[str, object]:
+        """What every stroke from now on says as well; see `set_tags`."""
+        return dict(self._log.tags)
+
+    def set_tags(self, **tags: object) -> None:
+        """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
+        self._log.tags = dict(tags)
+
+    def _wipe_stencil(self) -> None:
+        if self._stencil is not None:
+            self._stencil.wipe(self._undo.before)
+
+    def _lift_images(self) -> None:
+        for image in self._images:
+            image.finish()
+        self._images = []
+
+    def _refuse_in_stroke(self, what: str) -> None:
+        if self.in_stroke:
+            raise InputError(f"{what} was asked for during a stroke; expected its end first")
+
+    def let_time_pass(self, seconds: float) -> None:
+        """Let wet ink spread and dry; see `PaintedSurface.diffuse`."""
+        self.surface.diffuse(seconds)
+        if self._stencil is not None and self.in_stroke:
+            self._undo.seal()  # what runs by itself is not the stencil's
+
+    def dry(self) -> None:
+        """Let all wet paint dry at once: a step that can be undone."""
+        self._refuse_in_stroke("drying")
+        self._paintable()
+        self._undo.begin("dry")
+        self.surface.dry()
+        self.modified = True
