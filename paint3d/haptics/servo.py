@@ -85,6 +85,11 @@ class ForceFeedback:
     calibration : DeviceCalibration, optional
         Where the device stands in the world.
 
+    Attributes
+    ----------
+    last_force : (3,) float64
+        Given in the last step that `take` returned, N.
+
     Raises
     ------
     DeviceError
@@ -106,6 +111,7 @@ class ForceFeedback:
         self._object_pose = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
         self._lost = 0
         self._closed = False
+        self.last_force = np.zeros(3)
         self.publish()
         task = ServoTask(
             port, block, self._board.name, calibration or DeviceCalibration(), os.getpid()
@@ -146,6 +152,8 @@ class ForceFeedback:
         """What the stylus did since the last call, in the world's frame (calibrated)."""
         rows, lost = self._board.take()
         self._lost += lost
+        if len(rows):
+            self.last_force = rows[-1, 9:12].copy()
         times = rows[:, :1].copy().view(np.int64)[:, 0]
         return [
             StylusReading(int(t), row[1:4].copy(), row[4:8].copy(), None, int(row[8]))

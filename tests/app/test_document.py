@@ -186,3 +186,21 @@ def test_a_painting_is_replayed_from_its_strokes_also_those_of_earlier_sittings(
     assert len(opened.replayed(1).strokes) == 1
     with pytest.raises(InputError, match="expected 0 to 3"):
         opened.replayed(4)
+
+
+def test_a_stroke_knows_whether_the_brush_was_dipped_before_it():
+    document = small_plane()
+    paint(document, (-20, 0), (20, 0))
+    paint(document, (-20, 9), (20, 9))
+    document.dip()
+    paint(document, (-20, 18), (20, 18))
+    assert [stroke.dipped for stroke in document.strokes] == [True, False, True]
+    document.undo()
+    paint(document, (-20, 27), (20, 27))
+    assert document.strokes[-1].dipped
+    document.undo()
+    document.undo()
+    document.swap_inks()
+    document.undo()
+    paint(document, (-20, 27), (20, 27))
+    assert [stroke.dipped for stroke in document.strokes] == [True]

@@ -85,6 +85,20 @@ def test_everything_comes_back_to_the_bit(tmp_path, new_base):
     assert recoverable(tmp_path) == []
 
 
+def test_ink_that_ran_by_the_clock_comes_back_to_the_bit(tmp_path):
+    document = small_plane(material="xuan")
+    easel = Easel(document, wet=True, sitting=Sitting(document, tmp_path))
+    for y in (-10, 10):
+        stroke(easel, (-20, y), (20, y))
+        time.sleep(0.15)
+    rested(easel)
+    easel.stop(keep=True)
+    assert document.surface.flow.steps > 0
+    again = recoverable(tmp_path)[0].recover().document
+    same_vertices(again.surface, document.surface)
+    assert again.surface.flow.water == document.surface.flow.water > 0.0
+
+
 def test_undo_past_the_base_makes_a_new_one(tmp_path):
     document = small_plane()
     easel = Easel(document, sitting=Sitting(document, tmp_path))

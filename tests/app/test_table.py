@@ -15,6 +15,7 @@ from paint3d.device.space_mouse import MouseEvent
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.mesh.solids import make_plane
+from paint3d.pose.two_hands import TwoHands
 from paint3d.stroke.glyph_sources import open_glyphs
 from paint3d.stroke.writing import Pen, write_text
 from tests.app.hands import UPRIGHT, line, sample, small_plane
@@ -180,6 +181,34 @@ def test_buttons_ask_the_document_or_steer_the_object():
     assert "rule" in views[1].message
     desk.stop()
     assert stand.mouse is None
+
+
+class Servo:
+    """Stands in for force feedback."""
+
+    last_force = np.array([0.0, 3.0, 4.0])
+    told = None
+
+    def take(self):
+        return [StylusReading(MS, np.array([1.0, 2.0, 3.0]), UPRIGHT, None)]
+
+    def publish(self, object_pose=None):
+        self.told = object_pose
+
+    def stop(self):
+        self.told = "stopped"
+
+
+def test_a_haptic_stylus_paints_and_its_force_is_shown():
+    servo, stand = Servo(), Stand()
+    desk = DeviceDesk(stand, clock=lambda: 20 * MS, hands=TwoHands(), feedback=servo)
+    (one,) = desk.take().samples
+    assert one.pressure is None
+    np.testing.assert_array_equal(one.position, [1, 2, 3])
+    assert desk.force_n == pytest.approx(5.0)
+    np.testing.assert_allclose(servo.told, [0, 0, 0, 1, 0, 0, 0])
+    desk.stop()
+    assert servo.told == "stopped"
 
 
 def test_a_stream_is_cut_into_strokes():

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.device.beat import find_beat
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find_actions
@@ -53,6 +54,21 @@ class Plugged(Protocol):
 
     def stop(self) -> None:
         """Close everything."""
+
+
+class Feedback(Protocol):
+    """What `haptics.servo.ForceFeedback` offers."""
+
+    last_force: NDArray
+
+    def take(self) -> list[StylusReading]:
+        """Readings of the haptic stylus since the last call."""
+
+    def publish(self, object_pose: NDArray | None = None) -> None:
+        """Tell where the object is, (7,), and that the program is alive."""
+
+    def stop(self) -> None:
+        """Stop the servo."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +123,9 @@ class DeviceDesk:
         Of the 6-DOF mouse's buttons; see `device.button_actions`.
     clock : callable
         Returns ns of the clock that readings are stamped by.
+    feedback : ForceFeedback, optional
+        Of a haptic stylus: its readings count, and it is told where the object is. It is stopped
+        by `stop`.
 
     Attributes
     ----------
@@ -119,9 +138,11 @@ class DeviceDesk:
         hands: TwoHands | None = None,
         actions: Mapping[int, str] = DEFAULT_ACTIONS,
         clock: Callable[[], int] = time.monotonic_ns,
+        feedback: Feedback | None = None,
     ) -> None:
         self.hands = hands or TwoHands(time_ns=clock())
         self._plugged = plugged
+        self._feedback = feedback
         self._actions = checked_actions(actions)
         self._clock = clock
         self._buttons = 0
@@ -140,6 +161,8 @@ class DeviceDesk:
     def take(self) -> Taken:
         """Take what the devices said, and do what the buttons ask of the object."""
         events, readings = self._plugged.take_mouse(), self._plugged.take_stylus()
+        if self._feedback is not None:
+            readings = sorted([*readings, *self._feedback.take()], key=lambda one: one.time_ns)
         commands: list[str] = []
         samples: list[DeviceSample] = []
         self.hands.add_stylus(readings)
@@ -151,10 +174,18 @@ class DeviceDesk:
             self._buttons = event.buttons
         self._heard["left"].extend(event.time_ns for event in events)
         self._heard["right"].extend(reading.time_ns for reading in readings)
-        if readings:
-            self._force = MAX_FORCE_N * (readings[-1].pressure or 0.0)
+        self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
         return Taken(samples, commands, self.hands.object_pose)
+
+    def _feel(self, readings: list[StylusReading]) -> None:
+        """Note the force, and tell the servo where the object is."""
+        if self._feedback is not None:
+            self._force = float(np.linalg.norm(self._feedback.last_force))
+            pose = self.hands.object_pose
+            self._feedback.publish(np.concatenate([pose.position, pose.orientation]))
+        elif readings:
+            self._force = MAX_FORCE_N * (readings[-1].pressure or 0.0)
 
     def _act(self, action: str) -> list[str]:
         """Do what concerns the object; what concerns the document."""
@@ -190,6 +221,8 @@ class DeviceDesk:
 
     def stop(self) -> None:
         """Close everything."""
+        if self._feedback is not None:
+            self._feedback.stop()
         self._plugged.stop()
 
 

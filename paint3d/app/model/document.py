@@ -84,13 +84,21 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self._recordings = tuple(saved.recordings if saved else ())
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
-        self._undo = UndoHistory(surface, undo_bytes, painter.keep, painter.restore)
+        self._dipped = True
+        self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
         self.symmetry = Symmetry()
         self.mask = Mask()
         self._stencil: Stencil | None = None
         self._images: list[ImagePainter] = []
         self._pending: list[NDArray] = []
-        self._dipped = True
+
+    def _keep(self) -> dict[str, object]:
+        """What undo brings back besides the surface."""
+        return {"painter": self.painter.keep(), "dipped": self._dipped}
+
+    def _restore(self, kept: Mapping[str, object]) -> None:
+        self.painter.restore(kept["painter"])
+        self._dipped = kept["dipped"]
 
     # -- opening and saving ---------------------------------------------------------------
 

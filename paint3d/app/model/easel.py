@@ -202,10 +202,14 @@ class Easel:
         with self._wake:
             if self._stopping:
                 raise RuntimeError("the easel was stopped")
-            self._jobs.append(job)
-            if self._scribe is not None:
-                self._scribe.put(job)
+            self._enqueue(job)
             self._wake.notify()
+
+    def _enqueue(self, job: _Job) -> None:
+        """Put a job into the queue and into the sitting, in one order; holds the lock."""
+        self._jobs.append(job)
+        if self._scribe is not None:
+            self._scribe.put(job)
 
     def _run(self) -> None:
         while True:
@@ -268,9 +272,13 @@ class Easel:
     def _let_time_pass(self) -> None:
         """Ask for the time since the last one, in its place among the samples."""
         now = time.perf_counter()
-        if now - self._last_wet >= _WET_STEP_S and not self._stopping:
-            self.post("let_time_pass", min(now - self._last_wet, _LONGEST_WET_S))
-            self._last_wet = now
+        gone = min(now - self._last_wet, _LONGEST_WET_S)
+        if gone < _WET_STEP_S:
+            return
+        self._last_wet = now
+        with self._wake:
+            if not self._stopping:
+                self._enqueue(_Job(now, (), "let_time_pass", (gone,), {}, Future()))
 
     # -- keeping ----------------------------------------------------------------------------
 

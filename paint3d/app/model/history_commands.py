@@ -28,6 +28,7 @@ class HistoryCommands:
     strokes: Sequence[Stroke]
     layers: tuple[Layer, ...]
     modified: bool
+    _dipped: bool
     _log: StrokeLog
     _undo: UndoHistory
     _note: Callable[[NDArray], None]
@@ -61,6 +62,7 @@ class HistoryCommands:
         if (self.painter.brush, self.painter.dipped) != chosen:
             self.painter.change_brush(chosen[0])
             self.painter.dip(chosen[1])
+            self._dipped = True
         return self._stepped(touched)
 
     def redo(self) -> NDArray:

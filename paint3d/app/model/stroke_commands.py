@@ -56,8 +56,8 @@ class StrokeCommands:
         layer = self._paintable()
         painter = self.painter
         stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped)
-        self._dipped = False
         self._undo.begin(stroke)
+        self._dipped = False
         self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
