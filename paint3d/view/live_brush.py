@@ -194,7 +194,7 @@ class LiveBrush:
         part.set_line(lifted, closed=True)
         self._seen["outline"] = lifted
         colour = _OUTLINE if stand.touches else _HOVER
-        part.set_colours(np.tile(np.uint8(colour), (len(line), 1)))
+        part.set_colours(np.tile(np.uint8(colour), (len(line) + 1, 1)))
         part.actor.VisibilityOn()
 
     def _landing(self, stand: BrushStand) -> NDArray:

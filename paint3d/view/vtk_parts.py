@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -58,17 +60,25 @@ class DrawnMesh:
 
     def set_line(self, points: NDArray, *, closed: bool) -> None:
         """Replace everything by one line through the points (K, 3)."""
-        from vtkmodules.util.numpy_support import numpy_to_vtk
+        ring = np.concatenate([points, points[:1]]) if closed else points
+        self.set_lines([ring])
+
+    def set_lines(self, lines: Sequence[NDArray]) -> None:
+        """Replace everything by lines, each through its own points (K, 3)."""
+        from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
         from vtkmodules.vtkCommonCore import vtkPoints
         from vtkmodules.vtkCommonDataModel import vtkCellArray
 
-        place, line, n = vtkPoints(), vtkCellArray(), len(points)
-        place.SetData(numpy_to_vtk(np.ascontiguousarray(points, np.float32), deep=True))
-        line.InsertNextCell(n + closed)
-        for k in range(n + closed):
-            line.InsertCellPoint(k % n)
+        points = np.concatenate([np.empty((0, 3), np.float32), *lines]).astype(np.float32)
+        starts = np.concatenate([[0], np.cumsum([len(line) for line in lines])])
+        place, cells = vtkPoints(), vtkCellArray()
+        place.SetData(numpy_to_vtk(points, deep=True))
+        cells.SetData(
+            numpy_to_vtkIdTypeArray(starts.astype(np.int64), deep=True),
+            numpy_to_vtkIdTypeArray(np.arange(len(points), dtype=np.int64), deep=True),
+        )
         self._data.SetPoints(place)
-        self._data.SetLines(line)
+        self._data.SetLines(cells)
 
     def set_colours(self, colours: NDArray) -> None:
         """Replace the colours (K, 3) or (K, 4) uint8 of the points."""

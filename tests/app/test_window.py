@@ -6,7 +6,9 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -14,11 +16,17 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.model.sitting import recoverable
+from paint3d.app.window.both_hands import BothHands, carried_camera
 from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.wording import choose_language
+from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.files.session import load_session
-from tests.app.gestures import ALT, BUTTON, drag, live, pen_stroke, wait_for
+from paint3d.frames import rotate
+from paint3d.pose.steering import ObjectPose
+from paint3d.view.camera import Camera
+from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, pen_stroke, wait_for
 
 ROOT = Path(__file__).parents[2]
 PAINTING = """
@@ -150,6 +158,120 @@ def test_history_goes_back_and_forth(window) -> None:
     window.panels.history.slider.setValue(there)
     settled(window)
     assert painted(window) == n
+
+
+def test_a_copybook_is_painted_over_and_judged(window) -> None:
+    assert window.copying.lay_out("一", 60.0, True)
+    ghost = window.panels.copybook.copybook.ghosts[0]
+    back = window.hand.camera
+    window.actions_by_name["look_top"].trigger()
+    boxes = [window.stage.scene.screen_box(ghost.medians[0][k][None]) for k in (0, -1)]
+    width, height = window.stage.scene.size
+    ends = [((b[0] + b[2]) / 2 / width, 1 - (b[1] + b[3]) / 2 / height) for b in boxes]
+    drag(window.canvas, *ends)
+    settled(window)
+    wait_for(lambda: window.panels.copybook.percent(0) is not None)
+    assert 5.0 < window.panels.copybook.percent(0) <= 100.0
+    window.copying.hide()
+    assert window.panels.copybook.list.count() == 0
+    window.hand.look(back)
+
+
+class Plugged:
+    """A stylus that is read again and again; no other device."""
+
+    failures: ClassVar[dict[str, str]] = {}
+
+    def __init__(self, readings) -> None:
+        self.readings = list(readings)
+
+    def nodes(self) -> list:
+        return []
+
+    mice = styli = take_mouse = nodes
+
+    def take_stylus(self) -> list:
+        taken, self.readings = self.readings[:5], self.readings[5:]
+        return taken
+
+    def stop(self) -> None:
+        self.readings = []
+
+
+def test_a_stylus_paints_through_the_desk(window) -> None:
+    now = time.monotonic_ns()
+    upright = np.array([1.0, 0.0, 0.0, 0.0])
+    readings = [
+        StylusReading(
+            now + 4_000_000 * k,
+            np.array([-40.0 + 2.0 * k, 60.0, 35.0]),
+            upright,
+            0.0 if k in (0, 29) else 0.4,
+        )
+        for k in range(30)
+    ]
+    settled(window)
+    n, there = painted(window), len(window.document.strokes)
+    window.both_hands = BothHands(window, Plugged(readings))
+    wait_for(lambda: len(window.document.strokes) == there + 1)
+    settled(window)
+    assert painted(window) > n
+    window.both_hands = BothHands(window)
+
+
+def test_the_camera_stays_in_the_world_while_the_object_is_turned() -> None:
+    camera = Camera(np.array([10.0, -300.0, 80.0]), np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.4)
+    half = np.sqrt(0.5)
+    before = ObjectPose(np.array([5.0, 6.0, 7.0]), np.array([half, 0.0, 0.0, half]))
+    after = ObjectPose(np.array([-2.0, 1.0, 3.0]), np.array([0.0, half, half, 0.0]))
+    moved = carried_camera(camera, before, after)
+    for name in ("position", "focus"):
+        was = rotate(before.orientation, getattr(camera, name)) + before.position
+        now = rotate(after.orientation, getattr(moved, name)) + after.position
+        np.testing.assert_allclose(now, was, atol=1e-9)
+
+
+def test_keys_that_are_held_size_the_brush_or_show_what_is_below(window) -> None:
+    length = window.document.painter.brush.length_mm
+    canvas = window.canvas
+    window.activateWindow()
+    canvas.setFocus()
+    live(0.1)
+    mouse(canvas, KIND.MouseMove, 300, 300)
+    window.hand.held.add("size")
+    mouse(canvas, KIND.MouseMove, 360, 300)
+    window.hand.held.clear()
+    wait_for(lambda: window.document.painter.brush.length_mm > 1.2 * length)
+    camera = window.hand.camera
+    window.keys.tapped.emit("frame_selected")
+    assert not np.allclose(window.hand.camera.position, camera.position)
+    window.hand.look(camera)
+
+
+def test_the_whole_surface_is_refined_on_demand(window) -> None:
+    with window.stage.easel.paused() as document:
+        before = document.surface.n_vertices
+    window.files.refine()
+    with window.stage.easel.paused() as document:
+        assert document.surface.n_vertices > 1.5 * before
+
+
+def test_it_fits_on_a_small_screen_in_both_themes_and_languages(window, program) -> None:
+    assert window.minimumSizeHint().height() <= 760
+    assert window.minimumSizeHint().width() <= 1280
+    window.actions_by_name["dark"].setChecked(True)
+    live(0.1)
+    dark = window.grab().toImage().pixelColor(5, 5).lightness()
+    window.actions_by_name["dark"].setChecked(False)
+    live(0.1)
+    assert dark < 80 < 180 < window.grab().toImage().pixelColor(5, 5).lightness()
+    choose_language("zh")
+    other = StudioWindow(program)
+    choose_language("en")
+    titles = [action.text() for action in other.menuBar().actions()]
+    assert "文件" in titles
+    assert other.minimumSizeHint().height() <= 760
+    other.close()
 
 
 def test_save_export_and_pictures(window, tmp_path: Path) -> None:

@@ -244,6 +244,11 @@ class StrokeCutter:
         self._before: DeviceSample | None = None
         self._down = False
 
+    @property
+    def is_down(self) -> bool:
+        """Whether a stroke is going on."""
+        return self._down
+
     def cut(self, samples: Iterable[DeviceSample]) -> list[str | list[DeviceSample]]:
         """The samples that belong to strokes, with "begin_stroke" and "end_stroke" between."""
         found: list[str | list[DeviceSample]] = []

@@ -105,7 +105,7 @@ class Files:
             done = run_beside(self._window, title, lambda _: Document.open(path))
         else:
             done = self._open_mesh(path, title, resolution, material)
-        if done is None or not self._went_well(done):
+        if done is None or not self.went_well(done):
             return False
         self._window.show_document(done.result())
         if path not in BUILT_IN_OBJECTS:
@@ -114,7 +114,7 @@ class Files:
 
     def _open_mesh(self, path: str, title: str, resolution: float, material: str) -> Future | None:
         loaded = run_beside(self._window, title, lambda _: load_mesh(path))
-        if not self._went_well(loaded):
+        if not self.went_well(loaded):
             return None
         mesh, unit = loaded.result(), None
         size = float(np.ptp(mesh.vertices, axis=0).max())
@@ -129,7 +129,7 @@ class Files:
 
         return run_beside(self._window, title, make)
 
-    def _went_well(self, done: Future) -> bool:
+    def went_well(self, done: Future) -> bool:
         """Whether work ended well; what went wrong is told."""
         if done.cancelled():
             return False
@@ -219,7 +219,7 @@ class Files:
     def _posted(self, title: str, command: str, *arguments: object) -> bool:
         """Have the easel do something that takes long, and wait for it with a bar."""
         future = self._window.stage.easel.post(command, *arguments)
-        return self._went_well(run_beside(self._window, title, lambda _: future.result()))
+        return self.went_well(run_beside(self._window, title, lambda _: future.result()))
 
     def _ask_target(self, title: str, kind: str, suffixes: tuple[str, ...]) -> Path | None:
         document = self._window.document
@@ -261,7 +261,7 @@ class Files:
         """Bring a painting back; what it was kept in is deleted once it is kept anew."""
         title = say("status.opening", name=named(one.object_name))
         done = run_beside(self._window, title, lambda _: one.recover())
-        if not self._went_well(done):
+        if not self.went_well(done):
             return False
         back = done.result()
         self._window.show_document(back.document)
@@ -286,7 +286,7 @@ class Files:
             )
             return
         done = run_beside(self._window, path.name, lambda _: save_recording(recording, path))
-        self._went_well(done)
+        self.went_well(done)
 
     def replay(self) -> None:
         """Ask for a recording, and paint it on what is here."""
@@ -300,7 +300,7 @@ class Files:
     def replay_file(self, path: str) -> None:
         """Paint a recording on what is here, stroke by stroke, as if by hand."""
         loaded = run_beside(self._window, Path(path).name, lambda _: load_recording(path))
-        if not self._went_well(loaded):
+        if not self.went_well(loaded):
             return
         samples = list(loaded.result().samples())
         easel = self._window.stage.easel
@@ -318,7 +318,7 @@ class Files:
             )
             future.result()
 
-        if self._went_well(run_beside(self._window, say("Refining the surface…"), work)):
+        if self.went_well(run_beside(self._window, say("Refining the surface…"), work)):
             count = self._window.document.surface.n_vertices
             self._window.tell(say("status.vertices", count=count), state="good")
 

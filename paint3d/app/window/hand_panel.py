@@ -31,7 +31,7 @@ class CurveEditor(QtWidgets.QWidget):
         self.theme, self.curve = theme, PressureCurve()
         self.pressure: float | None = None
         self._held = -1
-        self.setMinimumHeight(128)
+        self.setMinimumHeight(112)
         self.setToolTip(say("Drag points; click to add one, right button to take one away"))
 
     def _area(self) -> QtCore.QRectF:

@@ -10,6 +10,8 @@ from PySide6 import QtCore, QtWidgets
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.pressure_curve import PressureCurve
 from paint3d.app.window.brush_panel import BrushPanel
+from paint3d.app.window.copybook_panel import CopybookPanel
+from paint3d.app.window.device_panel import DevicePanel
 from paint3d.app.window.hand_panel import HandPanel
 from paint3d.app.window.history_panel import HistoryPanel
 from paint3d.app.window.ink_panel import InkPanel
@@ -35,8 +37,10 @@ class Panels:
         theme = window.theme
         self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
         self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
-        self.hand = HandPanel(theme)
+        self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
+        self.devices = DevicePanel(theme)
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
+        self._tall = (self.hand, self.copybook, self.devices)
         upper = [
             self._dock("brushes", "panel.brushes", self.brushes),
             self._dock("inks", "panel.inks", self.inks),
@@ -45,6 +49,8 @@ class Panels:
         lower = [
             self._dock("layers", "panel.layers", self.layers),
             self._dock("history", "panel.history", self.history),
+            self._dock("copybook", "panel.copybook", self.copybook),
+            self._dock("devices", "panel.devices", self.devices),
         ]
         for group in (upper, lower):
             for dock in group[1:]:
@@ -60,7 +66,7 @@ class Panels:
     def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
         dock = QtWidgets.QDockWidget(say(title), self._window)
         dock.setObjectName(f"dock-{name}")
-        dock.setWidget(panel)
+        dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
         dock.setMinimumWidth(_WIDTH)
         self._window.addDockWidget(_RIGHT, dock)
@@ -105,6 +111,7 @@ class Panels:
         self.inks.show_inks(document.inks)
         self.brushes.set_ink(document.inks[0])
         self.layers.show_layers(document.layers, document.active_layer)
+        self.copybook.show_copybook(None)
         self.history.show_strokes(document.strokes, document.oldest_stroke, can_redo=False)
 
     def follow(self, frame: Frame) -> None:
@@ -124,8 +131,12 @@ class Panels:
 
     def set_theme(self, theme: Theme) -> None:
         """Change the colours of what is painted by hand."""
-        for panel in (self.brushes, self.inks, self.layers, self.history, self.hand):
+        for panel in self._all():
             panel.set_theme(theme)
+
+    def _all(self) -> tuple[QtWidgets.QWidget, ...]:
+        upper = self.brushes, self.inks, self.hand
+        return *upper, self.layers, self.history, self.copybook, self.devices
 
     def toggle(self) -> None:
         """Hide all, or show them again."""
@@ -144,3 +155,13 @@ class Panels:
     def _dip(self, ink: object, reach: object) -> None:
         self._window.post("dip", ink, reach)
         self.brushes.set_ink(ink)
+
+
+def _scrolled(panel: QtWidgets.QWidget) -> QtWidgets.QScrollArea:
+    """A panel that scrolls where the window is too low for it."""
+    area = QtWidgets.QScrollArea()
+    area.setObjectName("plain")
+    area.setWidgetResizable(True)
+    area.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setWidget(panel)
+    return area

@@ -8,6 +8,7 @@ the renderer works.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
@@ -25,6 +26,7 @@ from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_scene import LIGHT, Box, LiveScene, Mood, joined_box
 from paint3d.view.studio import Gloss
+from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["Stage"]
 
@@ -59,6 +61,7 @@ class Stage:
         self._object: LiveObject | None = None
         self._brush: LiveBrush | None = None
         self._brush_name = ""
+        self._lines: dict[str, DrawnMesh] = {}
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
         self._stale = True
@@ -97,6 +100,8 @@ class Stage:
             self.easel.stop()
         if self._brush is not None:
             self._brush.remove()
+        for name in list(self._lines):
+            self.show_lines(name, (), (0, 0, 0, 0))
         self.easel = self.frame = self._object = self._brush = None
         self._brush_name = ""
 
@@ -185,6 +190,38 @@ class Stage:
         self._object.relight(baked)
         self.scene.set_ground(baked)
         self._take(_NONE)
+        self.touch()
+
+    # -- lines on the object ----------------------------------------------------------------
+
+    def show_lines(
+        self, name: str, lines: Sequence[NDArray], colour: tuple[int, ...], width: float = 1.5
+    ) -> None:
+        """Draw lines (K, 3), mm, on the object, in the place of those of that name.
+
+        Parameters
+        ----------
+        name : str
+        lines : sequence of (K, 3)
+            None to take them away.
+        colour : (4,) of 0 to 255
+            sRGB and how dense.
+        width : float
+            Pixels.
+        """
+        old = self._lines.pop(name, None)
+        if old is not None:
+            self.scene.remove(old)
+        if len(lines):
+            drawn = self._lines[name] = DrawnMesh()
+            drawn.set_lines(lines)
+            drawn.set_colours(np.tile(np.uint8(colour), (sum(map(len, lines)), 1)))
+            look = drawn.actor.GetProperty()
+            look.LightingOff()
+            look.SetLineWidth(width)
+            drawn.actor.ForceTranslucentOn()
+            drawn.draw_before()
+            self.scene.add(drawn)
         self.touch()
 
     # -- the brush --------------------------------------------------------------------------

@@ -12,7 +12,8 @@ from paint3d.app.model.settings import load_settings
 from paint3d.app.window.files import FINEST_MM
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
-from paint3d.errors import InputError
+from paint3d.device.hot_plug import PluggedDevices
+from paint3d.errors import InputError, Paint3DError
 
 __all__ = ["make_program", "run_studio"]
 
@@ -81,7 +82,7 @@ def run_studio(
     app = make_program()
     settings, problem = load_settings()
     choose_language(language or settings.language)
-    window = StudioWindow(app, settings)
+    window = StudioWindow(app, settings, plugged=_plugged())
     if problem is not None:
         window.tell(problem, state="bad")
     window.show()
@@ -92,6 +93,14 @@ def run_studio(
         window.close()
         raise
     return app.exec()
+
+
+def _plugged() -> PluggedDevices | None:
+    """The devices that are there or come; None where HID devices cannot be read."""
+    try:
+        return PluggedDevices()
+    except (Paint3DError, ImportError, OSError):
+        return None
 
 
 def _open_first(window: StudioWindow, target: str | None, resolution: float, material: str) -> None:

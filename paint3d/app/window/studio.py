@@ -8,9 +8,11 @@ from collections.abc import Callable
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.devices import Plugged
 from paint3d.app.model.document import Document
 from paint3d.app.model.settings import Settings, save_settings
 from paint3d.app.model.sitting import Sitting
+from paint3d.app.window.both_hands import BothHands
 from paint3d.app.window.canvas import Canvas
 from paint3d.app.window.commands import (
     CHECKABLE,
@@ -20,6 +22,7 @@ from paint3d.app.window.commands import (
     keys_of,
     text_of,
 )
+from paint3d.app.window.copying import Copying
 from paint3d.app.window.files import Files, named
 from paint3d.app.window.hand import CanvasHand
 from paint3d.app.window.hud import Hud
@@ -58,6 +61,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         A user's choices; what is chosen in the window is saved.
     dark : bool, optional
         Instead of the theme in the settings.
+    plugged : PluggedDevices, optional
+        Styli and 6-DOF mice.
     """
 
     def __init__(
@@ -66,6 +71,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         settings: Settings | None = None,
         *,
         dark: bool | None = None,
+        plugged: Plugged | None = None,
     ) -> None:
         super().__init__()
         self._app = app
@@ -86,6 +92,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.menus: dict[str, QtWidgets.QMenu] = {}
         self._make_actions()
         self.panels = Panels(self)
+        self.copying, self.both_hands = Copying(self), BothHands(self, plugged)
         self.keys.tapped.connect(lambda name: self.actions_by_name[name].trigger())
         for name, on in (("brush", True), ("dark", dark)):
             with QtCore.QSignalBlocker(self.actions_by_name[name]):
@@ -220,6 +227,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         if self.stage.easel is None:
             return
         now = time.perf_counter()
+        self.both_hands.tick()
+        self.copying.follow()
         frame = self.stage.follow()
         if frame is not None:
             self._show_state(frame)
@@ -264,6 +273,7 @@ class StudioWindow(QtWidgets.QMainWindow):
             event.ignore()
             return
         self._timer.stop()
+        self.both_hands.close()
         self.panels.close_down()
         self.keep(smoothing=self.hand.settings.smoothing)
         self.stage.close()

@@ -124,12 +124,12 @@ QListView, QTreeView, QTableView, QScrollArea {{ background: {field}; border: 1p
 QListView::item {{ padding: 2px; border-radius: 5px; border: 1px solid transparent; }}
 QListView::item:hover {{ background: {panel}; }}
 QListView::item:selected {{ background: {chosen}; color: {text}; border: 1px solid {accent}; }}
-QLineEdit, QSpinBox, QDoubleSpinBox, QComboBox, QPlainTextEdit {{ background: {field};
+QScrollArea#plain {{ background: {panel}; border: none; }}
+QScrollArea#plain > QWidget > QWidget {{ background: {panel}; }}
+QLineEdit {{ background: {field};
     border: 1px solid {line}; border-radius: 5px; padding: 4px 6px; min-height: 18px;
     selection-background-color: {accent}; selection-color: {on_accent}; }}
-QLineEdit:focus, QSpinBox:focus, QDoubleSpinBox:focus, QComboBox:focus {{
-    border-color: {accent}; }}
-QComboBox::drop-down {{ border: none; width: 18px; }}
+QLineEdit:focus {{ border-color: {accent}; }}
 QSlider::groove:horizontal {{ height: 4px; background: {line}; border-radius: 2px; }}
 QSlider::sub-page:horizontal {{ background: {accent}; border-radius: 2px; }}
 QSlider::handle:horizontal {{ background: {raised}; border: 1px solid {faint}; width: 13px;

@@ -1,0 +1,134 @@
+"""The copybook: characters as ghosts on the object, and how well each was met."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.copybook import Copybook, Score
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+
+__all__ = ["CopybookPanel"]
+
+_EXAMPLE = "永和九年"
+_GOOD = 85  # per cent: what counts as met
+
+
+class CopybookPanel(QtWidgets.QWidget):
+    """Ask for a text to write; say how like it is.
+
+    Signals
+    -------
+    asked : (str, float, bool)
+        Text, em in mm, and whether it runs in columns.
+    hidden : ()
+        The ghosts are to go.
+    """
+
+    asked = QtCore.Signal(str, float, bool)
+    hidden = QtCore.Signal()
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self._theme = theme
+        self.copybook: Copybook | None = None
+        self._coming: list[Future] = []
+        self._scores: dict[int, Score] = {}
+        self.text = QtWidgets.QLineEdit(_EXAMPLE)
+        self.size = QtWidgets.QDoubleSpinBox()
+        self.size.setRange(2.0, 1000.0)
+        self.size.setDecimals(0)
+        self.size.setValue(40.0)
+        self.size.setSuffix(" mm")
+        self.direction = QtWidgets.QComboBox()
+        self.direction.addItem(say("copybook.columns"), True)
+        self.direction.addItem(say("copybook.row"), False)
+        lay_out = QtWidgets.QPushButton(say("copybook.place"))
+        hide = QtWidgets.QPushButton(say("copybook.hide"))
+        lay_out.clicked.connect(self.ask)
+        hide.clicked.connect(self.hidden)
+        self.told = QtWidgets.QLabel()
+        self.told.setObjectName("title")
+        self.list = QtWidgets.QListWidget()
+        self.list.setObjectName("copybook")
+        form = QtWidgets.QFormLayout()
+        form.addRow(say("copybook.text"), self.text)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.size, 1)
+        row.addWidget(self.direction, 1)
+        form.addRow(say("copybook.size"), row)
+        buttons = QtWidgets.QHBoxLayout()
+        buttons.addWidget(lay_out, 1)
+        buttons.addWidget(hide, 1)
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(10, 6, 10, 8)
+        layout.addLayout(form)
+        layout.addLayout(buttons)
+        layout.addWidget(self.told)
+        layout.addWidget(self.list, 1)
+
+    def ask(self) -> None:
+        """Ask for what is written here."""
+        if self.text.text().strip():
+            self.asked.emit(
+                self.text.text().strip(), self.size.value(), self.direction.currentData()
+            )
+
+    def show_copybook(self, copybook: Copybook | None) -> None:
+        """Show another copybook, or none."""
+        self.copybook, self._scores, self._coming = copybook, {}, []
+        self._fill()
+
+    def expect(self, coming: Future) -> None:
+        """Show the score of a stroke when it is there."""
+        self._coming.append(coming)
+
+    def follow(self) -> bool:
+        """Take the scores that have come; True if there were any."""
+        done = [coming for coming in self._coming if coming.done()]
+        self._coming = [coming for coming in self._coming if not coming.done()]
+        scores = [one.result() for one in done if one.exception() is None]
+        scores = [score for score in scores if score is not None]
+        for score in scores:
+            self._scores[score.place] = score
+        if scores:
+            self._fill()
+        return bool(scores)
+
+    def percent(self, place: int) -> float | None:
+        """How like its copybook a character is, 0 to 100; None before it is written."""
+        score = self._scores.get(place)
+        if score is None or score.likeness is None:
+            return None
+        return 100.0 * score.likeness.iou
+
+    def _fill(self) -> None:
+        self.list.clear()
+        ghosts = self.copybook.ghosts if self.copybook is not None else ()
+        for place, ghost in enumerate(ghosts):
+            percent = self.percent(place)
+            n = len(ghost.strokes)
+            text = f"{ghost.text}   {n} / {len(ghost.glyph.strokes)}"
+            if percent is not None:
+                mark = "✓" if percent >= _GOOD else "·"
+                told = say("copybook.match", character=ghost.text, percent=percent)
+                text = f"{mark}  {told}   {ghost.seconds:.1f} s"
+            item = QtWidgets.QListWidgetItem(text)
+            if percent is not None and percent >= _GOOD:
+                item.setForeground(QtGui.QColor(self._theme.good))
+            self.list.addItem(item)
+        following = self.copybook.next if self.copybook is not None else None
+        if self.copybook is None:
+            self.told.setText("")
+        elif following is None:
+            self.told.setText(say("copybook.done"))
+        else:
+            self.told.setText(say("copybook.next", character=ghosts[following].text))
+            self.list.setCurrentRow(following)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self._theme = theme
+        self._fill()

@@ -1,0 +1,92 @@
+"""Writing after a copybook: ghosts on the object, each character judged when it is done."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from paint3d.app.model.copybook import Copybook
+from paint3d.app.window.jobs import run_beside
+from paint3d.app.window.wording import say
+from paint3d.stroke.layout import Layout
+
+if TYPE_CHECKING:
+    from paint3d.app.model.document import Document
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["Copying"]
+
+_OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
+_FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
+
+
+class Copying:
+    """For one window."""
+
+    def __init__(self, window: StudioWindow) -> None:
+        self._window = window
+        panel = window.panels.copybook
+        panel.asked.connect(self.lay_out)
+        panel.hidden.connect(self.hide)
+        window.hand.ended.connect(self._judge)
+
+    def lay_out(self, text: str, em_mm: float, columns: bool) -> bool:
+        """Lay a text on the object as ghosts; say whether that went well."""
+        window = self._window
+        mesh = window.document.surface.source
+        layout = Layout(order="columns" if columns else "row")
+
+        def make(_: object) -> Copybook:
+            copybook = Copybook(mesh, text, em_mm, layout)
+            for ghost in copybook.ghosts:
+                _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
+            return copybook
+
+        done = run_beside(window, say("copybook.place"), make)
+        if not window.files.went_well(done):
+            return False
+        window.panels.copybook.show_copybook(done.result())
+        self._draw()
+        return True
+
+    def hide(self) -> None:
+        """Take the ghosts away."""
+        self._window.panels.copybook.show_copybook(None)
+        self._draw()
+
+    def follow(self) -> None:
+        """Take what strokes were judged to be."""
+        panel = self._window.panels.copybook
+        if panel.follow():
+            self._draw()
+            for place, ghost in enumerate(panel.copybook.ghosts):
+                percent = panel.percent(place)
+                if percent is not None and place == self._last(panel.copybook):
+                    told = say("copybook.match", character=ghost.text, percent=percent)
+                    self._window.tell(told, state="good")
+
+    def _last(self, copybook: Copybook) -> int:
+        """Place of the character before the next one."""
+        following = copybook.next
+        return (len(copybook.ghosts) if following is None else following) - 1
+
+    def _judge(self) -> None:
+        copybook = self._window.panels.copybook.copybook
+        if copybook is None:
+            return
+
+        def note(document: Document) -> object:
+            copybook.follow(document.strokes)
+            return copybook.note(document.strokes[-1], document.surface)
+
+        self._window.panels.copybook.expect(self._window.stage.easel.post(note))
+
+    def _draw(self) -> None:
+        copybook, stage = self._window.panels.copybook.copybook, self._window.stage
+        ghosts = copybook.ghosts if copybook is not None else ()
+        following = copybook.next if copybook is not None else None
+        waiting = [g for k, g in enumerate(ghosts) if k != following]
+        current = [ghosts[following]] if following is not None else []
+        stage.show_lines("ghost frames", [g.frame for g in ghosts], _FRAME, 1.0)
+        stage.show_lines("ghosts", [line for g in waiting for line in g.outlines], _OUTLINE, 1.4)
+        stage.show_lines("next ghost", [line for g in current for line in g.outlines], _NEXT, 2.2)
+        stage.show_lines("next way", [line for g in current for line in g.medians], _MEDIAN, 1.2)
