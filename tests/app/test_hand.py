@@ -72,6 +72,48 @@ def test_a_stroke_comes_down_and_is_lifted(plane):
     assert document.surface.painted.any()
 
 
+def across(bowl, *targets):
+    """Samples of a stroke over places of the bowl, as the front of the picture shows them."""
+    eye = np.array([0.0, -400.0, 300.0])
+    events = [
+        PointerInput(10 * MS * (k + 1), origin=eye, direction=np.subtract(place, eye))
+        for k, place in enumerate(targets)
+    ]
+    hand = Hand(bowl, HandSettings(landing_s=0.0))
+    samples = hand.begin(events[0], BRUSH)
+    for event in events[1:]:
+        samples += hand.move(event, BRUSH)
+    return samples + hand.end(events[-1].time_ns, BRUSH)
+
+
+def test_the_brush_is_lifted_over_what_hides_the_rest():
+    bowl = ClosestPoints(load_mesh("bowl"))
+    low, high = bowl.mesh.bounds
+    inside = [(x, 0.6 * high[1], 0.7 * high[2]) for x in (0.0, 4.0)]
+    outside = [(x, low[1], 0.6 * high[2]) for x in (8.0, 12.0)]
+    away = [(16.0, 5.0 * low[1], -500.0)]  # beside the object
+    samples = across(bowl, *inside, *outside, *away, *outside)
+    pressed = [s.pressure > 0.0 for s in samples]
+    assert pressed == [False, True, False, False, True, False, False, True, False]
+    assert (np.diff([s.time_ns for s in samples]) > 0).all()
+    y = places(samples)[:, 1]
+    assert (y[:3] > 0.0).all()
+    assert (y[3:] < low[1]).all()
+
+
+def test_the_brush_stays_down_over_a_round_body(sphere):
+    eye, turn = np.array([0.0, -400.0, 0.0]), np.radians(np.arange(-60, 61, 30))
+    ring = 50.0 * np.column_stack([np.sin(turn), -np.cos(turn), np.zeros(5)])
+    hand = Hand(sphere, HandSettings(landing_s=0.0))
+    events = [
+        PointerInput(10 * MS * (k + 1), origin=eye, direction=p - eye) for k, p in enumerate(ring)
+    ]
+    samples = hand.begin(events[0], BRUSH)
+    for event in events[1:]:
+        samples += hand.move(event, BRUSH)
+    assert [s.pressure > 0.0 for s in samples] == [False, True, True, True, True]
+
+
 def test_the_tuft_trails_behind(plane):
     samples = draw(Hand(plane), [(x, 0) for x in range(0, 40, 2)], pressure=0.4)
     bends = rotate(np.array([s.orientation for s in samples]), np.array([1.0, 0.0, 0.0]))

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,9 @@ _HOVER = 0.25  # of the tuft's length: the gap under a brush that is lifted
 _STEP_NS = 1_000_000
 _GLIDE_MM_S = 150.0  # how fast a steadied brush is brought to the end of its string
 _GLIDE_STEP_MM = 0.5
+_LEAST_GAP_MM = 3.0
+_PLACES_BETWEEN = (0.25, 0.5, 0.75)
+_MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
 _FILTER_S = 0.03  # over which the pointer's speed is taken
 
 
@@ -139,6 +142,7 @@ class _State:
     tip: NDArray  # where the tuft's tip trails
     lean: NDArray  # unit, up the handle
     began_ns: int | None = None
+    beside: bool = False
     speed: float = 0.0
     pressure: float = 0.0
     twist: float | None = None
@@ -184,15 +188,25 @@ class Hand:
             return []
         state = self._state
         state.began_ns = event.time_ns
+        state.beside = False
         state.speed, state.sent_ns = 0.0, 0
         state.tip = state.point + _any_tangent(state.normal, state.tip - state.point)
         return [self._sample(brush, event.time_ns, pressure=0.0)]
 
     def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
-        """The pointer went on; no samples where it is beside the object or time stood still."""
+        """The pointer went on; no samples where it is beside the object or time stood still.
+
+        Where it comes back from beside the object, or from one part of it to another that lies
+        behind, the brush is lifted and put down again.
+        """
         state = self._state
         if state is None or state.began_ns is None or event.time_ns <= state.sent_ns:
             return []
+        found = self._meet(event)
+        if found is None:
+            state.beside = True
+        elif state.beside or self._is_apart(found[0]):
+            return self._step_over(event, brush)
         if not self._move(event, brush, pulled=True):
             return []
         return [self._sample(brush, event.time_ns, pressure=self._pressure(event))]
@@ -208,6 +222,22 @@ class Hand:
         return [*samples, self._sample(brush, at, pressure=0.0)]
 
     # -- steps ------------------------------------------------------------------------------
+
+    def _is_apart(self, point: NDArray) -> bool:
+        """Whether the way to a point leaves the surface, as from a rim to what is behind it."""
+        way = point - self._state.target
+        distance = float(np.linalg.norm(way))
+        if distance < _LEAST_GAP_MM:
+            return False
+        between = self._state.target + np.outer(_PLACES_BETWEEN, way)
+        off = np.linalg.norm(self._surface.find(between).points - between, axis=1)
+        return bool(off.max() > _MOST_OFF * distance)
+
+    def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
+        """Up where the brush is, and down where the pointer is now."""
+        lifted = self.end(self._state.sent_ns, brush)
+        landed = max(event.time_ns, self._state.sent_ns + _STEP_NS)
+        return lifted + self.begin(replace(event, time_ns=landed), brush)
 
     def _move(self, event: PointerInput, brush: BrushSpec, pulled: bool) -> bool:
         """Take the pointer's new place; False where it has none."""
