@@ -27,6 +27,7 @@ AROUND = 44  # points around a section of the tuft, and of the handle
 _PER_SEGMENT = 6  # sections to a straight segment of the spine
 _HAIR_RELIEF = 0.05  # of the radius: how far hairs stand out of a section
 _GATHERED = 0.5  # of the length from the root, over which the spread fades
+_POINTED = 0.07  # of the length: the more, the finer the tip of a tuft that hangs free
 _LIFT = 0.12  # mm that the lowest hairs are drawn above the surface, not to flicker with it
 _HANDLE = (  # distance up the handle over the tuft's length, radius over the root's, material
     (-0.04, 1.00, 0), (-0.02, 1.10, 0), (0.10, 1.14, 0), (0.32, 1.02, 0), (0.34, 0.93, 0),
@@ -141,6 +142,9 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
     if not stand.touches:
         along, up, angle = np.zeros_like(arc), arc, np.full_like(arc, 0.5 * np.pi)
     radius = 0.5 * tuft.diameters[-1] * (arc / tuft.length) ** tuft.taper
+    if not stand.touches:  # wet hairs that hang free draw together to a point
+        share = arc / tuft.length
+        radius = radius * (1.0 + _POINTED) * share / (share + _POINTED)
     # In the model all but the last segment spread alike; what does not touch is drawn gathered.
     fade = np.clip((1.0 - arc / tuft.length) / _GATHERED, 0.0, 1.0)
     fade = fade * fade * (3.0 - 2.0 * fade)

@@ -7,7 +7,8 @@ __all__ = ["CHINESE"]
 CHINESE = {
     "Show the brush": "显示毛笔", "Save the strokes as a recording…": "将笔画存为录制…",
     "Refine the whole surface now": "立即细分整个表面", "Dark theme": "深色界面", "Tools": "工具",
-    "Hand": "手", "Tuft": "笔头", "Water": "水", "Dip": "蘸墨", "Empty": "倒空", "Rinse": "洗笔",
+    "Hand": "手", "Absorbency": "吸水", "Grain": "粗糙", "Glaze": "釉",
+    "Tuft": "笔头", "Water": "水", "Dip": "蘸墨", "Empty": "倒空", "Rinse": "洗笔",
     "Only the tip": "只蘸笔尖", "Export…": "导出…",
     "Mixing dish: stir inks in with the right button": "调色碟：用右键把颜料调进来",
     "Click: dip. Right button or Ctrl: stir a part into the mixing dish":
@@ -34,7 +35,7 @@ CHINESE = {
     "Paint is taken in {n} regions": "只在 {n} 个区域着墨",
     "Object": "器物", "A mesh file…": "网格文件…", "Begin": "开始",
     "Objects and paintings": "器物与作品", "Recordings": "录制", "All files": "所有文件",
-    "Paintings": "作品", "Picture": "图片", "Film": "影片", "this painting": "这幅作品",
+    "Paintings": "作品", "Picture": "图片", "Film": "影片",
     "Brought back; save it to keep it": "已找回；请保存", "Everything": "一切",
     "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real one "
     "does.":

@@ -171,16 +171,20 @@ class Files:
             modified = document.modified
         if not modified:
             return True
-        button = QtWidgets.QMessageBox.StandardButton
         document = self._window.document
-        name = document.path.name if document.path else say("this painting")
-        answer = QtWidgets.QMessageBox.question(
-            self._window, "paint3d", say("ask.save_changes", name=name),
-            button.Save | button.Discard | button.Cancel, button.Save,
-        )  # fmt: skip
-        if answer == button.Save:
+        name = document.path.name if document.path else named(document.surface.source.name)
+        box = QtWidgets.QMessageBox(self._window)
+        box.setWindowTitle("paint3d")
+        box.setText(say("ask.save_changes", name=name))
+        role = QtWidgets.QMessageBox.ButtonRole
+        save = box.addButton(say("button.save"), role.AcceptRole)
+        discard = box.addButton(say("button.discard"), role.DestructiveRole)
+        box.setEscapeButton(box.addButton(say("button.cancel"), role.RejectRole))
+        box.setDefaultButton(save)
+        box.exec()
+        if box.clickedButton() is save:
             return self.save()
-        return answer == button.Discard
+        return box.clickedButton() is discard
 
     def save(self) -> bool:
         """Save where it was saved before, or ask where."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Hud"]
 
+_PORCELAIN = "#f3f0ea"
 _MARGIN, _HEIGHT, _WIDTH = 14, 46, 236
 
 
@@ -62,7 +63,7 @@ class Hud:
         theme = self._window.theme
         box = QtCore.QRectF(plate.left() + 9, plate.top() + 7, 32, 32)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.faint), 1.4))
-        painter.setBrush(QtGui.QColor(theme.field))
+        painter.setBrush(QtGui.QColor(_PORCELAIN))
         painter.drawEllipse(box)
         if ink is None or load <= 0.0:
             return

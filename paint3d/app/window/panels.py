@@ -16,6 +16,7 @@ from paint3d.app.window.hand_panel import HandPanel
 from paint3d.app.window.history_panel import HistoryPanel
 from paint3d.app.window.ink_panel import InkPanel
 from paint3d.app.window.layer_panel import LayerPanel
+from paint3d.app.window.surface_panel import SurfacePanel
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.brush.spec import BrushSpec
@@ -38,13 +39,14 @@ class Panels:
         self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
         self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
         self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
-        self.devices = DevicePanel(theme)
+        self.devices, self.surface = DevicePanel(theme), SurfacePanel(window)
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
-        self._tall = (self.hand, self.copybook, self.devices)
+        self._tall = (self.hand, self.copybook, self.devices, self.surface)
         upper = [
             self._dock("brushes", "panel.brushes", self.brushes),
             self._dock("inks", "panel.inks", self.inks),
             self._dock("hand", "Hand", self.hand),
+            self._dock("surface", "panel.surface", self.surface),
         ]
         lower = [
             self._dock("layers", "panel.layers", self.layers),
@@ -117,6 +119,7 @@ class Panels:
     def follow(self, frame: Frame) -> None:
         """Show what a frame says."""
         document = self._window.document
+        self.surface.show_surface(document.surface)
         self.layers.show_layers(document.layers, document.active_layer)
         self.history.follow(document, frame)
         if document.inks[0] != self.inks.ink:
@@ -136,7 +139,8 @@ class Panels:
 
     def _all(self) -> tuple[QtWidgets.QWidget, ...]:
         upper = self.brushes, self.inks, self.hand
-        return *upper, self.layers, self.history, self.copybook, self.devices
+        lower = self.layers, self.history, self.copybook, self.devices
+        return *upper, self.surface, *lower
 
     def toggle(self) -> None:
         """Hide all, or show them again."""

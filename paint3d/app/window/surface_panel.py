@@ -1,0 +1,80 @@
+"""The surface: what it is made of, how fine it is, whether ink runs on it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.surface.painted_surface import PaintedSurface
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["SurfacePanel"]
+
+_SWATCH = 44
+_NUMBERS = (("absorbency", "Absorbency"), ("grain", "Grain"), ("coat", "Glaze"))
+
+
+class SurfacePanel(QtWidgets.QWidget):
+    """What the object is made of, and what can be done to it as a whole."""
+
+    def __init__(self, window: StudioWindow) -> None:
+        super().__init__()
+        self._shown: tuple = ()
+        self.swatch = QtWidgets.QLabel()
+        self.name = QtWidgets.QLabel()
+        self.name.setObjectName("title")
+        self.size = QtWidgets.QLabel()
+        self.size.setObjectName("faint")
+        self.size.setWordWrap(True)
+        self._bars = {}
+        head = QtWidgets.QHBoxLayout()
+        head.addWidget(self.swatch)
+        words = QtWidgets.QVBoxLayout()
+        words.addWidget(self.name)
+        words.addWidget(self.size)
+        head.addLayout(words, 1)
+        form = QtWidgets.QFormLayout()
+        for key, text in _NUMBERS:
+            bar = self._bars[key] = QtWidgets.QProgressBar()
+            bar.setRange(0, 100)
+            bar.setFormat("%v %")
+            form.addRow(say(text), bar)
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(10, 8, 10, 8)
+        layout.addLayout(head)
+        layout.addLayout(form)
+        for name in ("wet", "dry", "refine"):
+            button = QtWidgets.QToolButton()
+            button.setDefaultAction(window.actions_by_name[name])
+            button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+            button.setSizePolicy(
+                QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed
+            )
+            layout.addWidget(button)
+        layout.addStretch(1)
+
+    def show_surface(self, surface: PaintedSurface) -> None:
+        """Show what this surface is."""
+        told = surface.material.name, surface.resolution, surface.n_vertices
+        if told == self._shown:
+            return
+        self._shown = told
+        material = surface.material
+        self.name.setText(say(f"surface.{material.name}"))
+        fine = "" if surface.resolution is None else f"{surface.resolution:g} mm  ·  "
+        self.size.setText(fine + say("status.vertices", count=surface.n_vertices))
+        for key, bar in self._bars.items():
+            bar.setValue(round(100 * getattr(material, key)))
+        red, green, blue = (int(code) for code in srgb_from_reflectance(material.reflectance))
+        pixels = QtGui.QPixmap(_SWATCH, _SWATCH)
+        pixels.fill(QtGui.QColor(red, green, blue))
+        self.swatch.setPixmap(pixels)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Nothing here is painted by hand."""

@@ -1,0 +1,52 @@
+"""paint3d paint where it cannot: one clear line, exit status 2."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from paint3d.cli.main import main
+
+
+def test_without_a_display_it_says_so(tmp_path: Path) -> None:
+    pytest.importorskip("PySide6", reason="PySide6 is not installed")
+    hidden = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
+    environment = {name: value for name, value in os.environ.items() if name not in hidden}
+    environment["XDG_CONFIG_HOME"] = str(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "paint3d", "paint", "--quiet"],
+        capture_output=True, text=True, env=environment, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith("paint3d: error: there is no display")
+    assert done.stderr.count("\n") == 1
+
+
+def test_without_pyside_it_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [name for name in sys.modules if name.startswith("paint3d.app.window")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "PySide6", None)
+    assert main(["paint", "bowl", "--quiet"]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "PySide6" in told
+    assert "paint3d[studio]" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"), [(["no.ply"], "no.ply"), (["bowl", "--material", "jelly"], "jelly")]
+)
+def test_what_is_not_there_is_named(
+    arguments: list[str], word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["paint", *arguments]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("paint3d: error:")
+    assert word in told
+    assert told.count("\n") == 1
