@@ -129,6 +129,11 @@ class BrushPanel(QtWidgets.QWidget):
         self.set_ink(self._ink)
 
     @property
+    def is_busy(self) -> bool:
+        """Whether previews are still being painted."""
+        return bool(self._coming)
+
+    @property
     def is_settling(self) -> bool:
         """Whether a size has been chosen that is not yet taken."""
         return self._settle.isActive()

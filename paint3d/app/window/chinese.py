@@ -17,7 +17,7 @@ CHINESE = {
         "拖动各点；单击添一点，右键去一点",
     "New layer": "新图层", "Remove layer": "删除图层", "Move up": "上移", "Move down": "下移",
     "Hide": "隐藏", "Show": "显示", "Lock": "锁定", "Unlock": "解锁", "undone": "已撤销",
-    "{n} strokes, {seconds:.1f} s": "{n} 笔，{seconds:.1f} 秒",
+    "Strokes: {n}, {seconds:.1f} s": "{n} 笔，{seconds:.1f} 秒",
     "{hair}, {length:g} mm long, {width:g} mm thick":
         "{hair}，长 {length:g} 毫米，粗 {width:g} 毫米",
     "full": "满毫", "slender": "细长", "calibrated": "标定", "xiaokai": "小楷", "zhongkai": "中楷",
@@ -27,7 +27,7 @@ CHINESE = {
         "左键或压感笔作画；按 Alt 或中键转动",
     "Open an object, or drop a file here": "打开一件器物，或把文件拖到这里",
     "ink {share:.0f} %": "含墨 {share:.0f}%", "behind by {ms:.0f} ms": "落后 {ms:.0f} 毫秒",
-    "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画",
+    "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画", "has caught up": "已跟上",
     "{fps:.0f} pictures/s": "每秒 {fps:.0f} 帧", "Stopped": "已停止",
     "The language changes with the next start": "下次启动时换用此语言",
     "Please wait": "请稍候", "Writing {name}…": "正在写出 {name}…",

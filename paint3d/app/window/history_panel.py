@@ -94,7 +94,7 @@ class HistoryPanel(QtWidgets.QWidget):
             self.slider.setRange(oldest, len(self._strokes))
             self.slider.setValue(there)
         seconds = sum(stroke.duration_s for stroke in strokes)
-        self.told.setText(say("{n} strokes, {seconds:.1f} s", n=there, seconds=seconds))
+        self.told.setText(say("Strokes: {n}, {seconds:.1f} s", n=there, seconds=seconds))
 
     def _fill(self, there: int) -> None:
         self.list.clear()

@@ -246,10 +246,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.actions_by_name["undo"].setEnabled(frame.can_undo)
         self.actions_by_name["redo"].setEnabled(frame.can_redo)
         self.setWindowModified(self.document.modified)
-        slow = frame.lag_s > _SLOW_S
+        slow = frame.lag_s > _SLOW_S and frame.queue_length > 0
+        caught_up = frame.lag_s > _SLOW_S and not slow
         word = "behind by {ms:.0f} ms" if slow else "keeps up, {ms:.1f} ms"
         state = "slow" if slow else "good"
-        text = say(word, ms=1e3 * frame.lag_s)
+        text = say("has caught up") if caught_up else say(word, ms=1e3 * frame.lag_s)
         seen = say("{fps:.0f} pictures/s", fps=1.0 / max(self.stage.scene.frame_s, 1e-3))
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}   ·   {seen}")
         self.state.setStyleSheet(f"color: {self.theme.state_colour(state)}")

@@ -1,0 +1,130 @@
+"""Pictures of the studio, painted and photographed in a real window.
+
+xvfb-run -a -s "-screen 0 1400x900x24" python scripts/gallery/studio.py --out docs/gallery
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.resources
+import os
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.navigation import dolly, orbit, pan
+from paint3d.app.window.start import make_program
+from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.wording import choose_language
+
+KIND, BUTTON = QtCore.QEvent.Type, QtCore.Qt.MouseButton
+
+
+def live(seconds: float) -> None:
+    """Let the program live for a while."""
+    until = time.perf_counter() + seconds
+    while time.perf_counter() < until:
+        QtWidgets.QApplication.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 20)
+
+
+def mouse(window: StudioWindow, kind: KIND, x: float, y: float, *, down: bool = False) -> None:
+    """One event of the mouse, in pixels of the canvas."""
+    held = BUTTON.LeftButton if down else BUTTON.NoButton
+    button = BUTTON.NoButton if kind == KIND.MouseMove else BUTTON.LeftButton
+    place = QtCore.QPointF(x, y)
+    event = QtGui.QMouseEvent(
+        kind, place, window.canvas.mapToGlobal(place), button, held,
+        QtCore.Qt.KeyboardModifier.NoModifier,
+    )  # fmt: skip
+    QtWidgets.QApplication.sendEvent(window.canvas, event)
+
+
+def follow(window: StudioWindow, line: np.ndarray) -> None:
+    """Paint along a line (N, 3) on the object."""
+    height = window.stage.scene.size[1]
+    boxes = [window.stage.scene.screen_box(point[None]) for point in line]
+    places = [((b[0] + b[2]) / 2, height - (b[1] + b[3]) / 2) for b in boxes]
+    mouse(window, KIND.MouseMove, *places[0])
+    mouse(window, KIND.MouseButtonPress, *places[0], down=True)
+    for place in places:
+        mouse(window, KIND.MouseMove, *place, down=True)
+        live(0.02)
+    mouse(window, KIND.MouseButtonRelease, *places[-1])
+    live(0.1)
+
+
+def opened(app: QtWidgets.QApplication, name: str, language: str, *, dark: bool) -> StudioWindow:
+    """A window with an object in it, lit."""
+    choose_language(language)
+    window = StudioWindow(app, dark=dark)
+    window.show()
+    window.files.quiet = True
+    window.files.open_path(name, asked=True)
+    while not window.stage.is_lit or window.panels.brushes.is_busy:
+        live(0.1)
+    return window
+
+
+def keep(window: StudioWindow, path: Path) -> None:
+    """Save what the window looks like, and close it."""
+    live(1.6)  # so that the picture is drawn finely
+    window.grab().save(str(path))
+    Image.open(path).convert("RGB").save(path, optimize=True)
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+def demo(app: QtWidgets.QApplication, path: Path) -> None:
+    """The four characters on the bowl, and the brush above them."""
+    window = opened(app, "bowl", "en", dark=False)
+    recording = importlib.resources.files("paint3d.stroke").joinpath("data/demo.jsonl.gz")
+    window.files.replay_file(str(recording))
+    window.stage.easel.post(lambda document: None).result()
+    height = window.canvas.height()
+    camera = orbit(window.hand.camera, -10.0, -120.0, height)
+    window.hand.look(dolly(pan(camera, 0.0, -20.0, height), 1.45))
+    window.post("dip", "cinnabar")
+    window.panels.docks["inks"].raise_()
+    window.panels.docks["history"].raise_()
+    live(0.5)
+    mouse(window, KIND.MouseMove, 0.63 * window.canvas.width(), 0.52 * height)
+    keep(window, path)
+
+
+def copybook(app: QtWidgets.QApplication, path: Path) -> None:
+    """Writing after a copybook on the vase, in Chinese and in the dark."""
+    window = opened(app, "vase", "zh", dark=True)
+    window.copying.lay_out("永和九年", 38.0, True)
+    window.panels.docks["copybook"].raise_()
+    window.post("set_brush", "zhongkai")
+    window.hand.look(dolly(pan(window.hand.camera, 20.0, -50.0, window.canvas.height()), 2.3))
+    window.hand.hand.force = 1.4
+    window.hand.set_settings(landing_s=0.01)
+    live(0.5)
+    ghosts = window.panels.copybook.copybook.ghosts
+    lines = [*ghosts[0].medians, *ghosts[1].medians[:3]]
+    for line in lines:
+        follow(window, line[:: max(1, len(line) // 16)])
+    live(1.0)
+    keep(window, path)
+
+
+def main() -> None:
+    """Make the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("docs/gallery"))
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ.update(XDG_CONFIG_HOME=folder, PAINT3D_STATE=folder)
+        app = make_program()
+        demo(app, options.out / "studio.png")
+        copybook(app, options.out / "studio_copybook.png")
+
+
+if __name__ == "__main__":
+    main()
