@@ -14,11 +14,11 @@ TABLES = ("energy", "measured")
 
 _RANGES = {
     "hair_mm": (0.01, 2.0),
-    "film_mm": (0.0, 2.0),
+    "film": (0.0, 0.2),
     "threshold_mm": (0.0, 1.0),
     "unevenness": (0.0, 0.2),
     "parting": (0.0, 1.0),
-    "splay": (0.0, 0.5),
+    "splay": (0.0, 1.0),
     "appetite": (0.0, 0.95),
     "levelling_mm": (0.1, 1e4),
     "set_share": (0.001, 0.5),
@@ -38,8 +38,9 @@ class BristleSpec:
         on a real brush (FastBrush).
     hair_mm : float
         Thickness of a dry hair, mm.
-    film_mm : float
-        Ink around a full hair, mm, on either side; hairs closer than that flow together.
+    film : float
+        Ink around a full hair on either side, as a share of the tuft's diameter at the root; hairs
+        closer than that flow together.
     threshold_mm : float
         How near the surface a hair must be to leave ink, mm.
     unevenness : float
@@ -47,7 +48,7 @@ class BristleSpec:
     parting : float
         How far the clumps of a dry tuft part, 0 to 1.
     splay : float
-        How far a dry tuft's tip opens, as a share of the root's radius.
+        How far the hairs of a dry tuft lie side by side instead of coming to a point, 0 to 1.
     appetite : float
         How differently hairs give, 0 (all alike) to 1.
     levelling_mm : float
@@ -64,11 +65,11 @@ class BristleSpec:
     n_hairs: int = 1000
     table: str = "energy"
     hair_mm: float = 0.12
-    film_mm: float = 0.15
+    film: float = 0.011
     threshold_mm: float = 0.15
     unevenness: float = 0.02
     parting: float = 0.9
-    splay: float = 0.12
+    splay: float = 0.85
     appetite: float = 0.6
     levelling_mm: float = 30.0
     set_share: float = 0.06

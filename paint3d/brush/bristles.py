@@ -49,7 +49,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
         shapes, fans = energy_shapes(spec, table)
     else:
         shapes, fans = measured_shapes(table.tilts, table.fractions)
-    n = hairs.n_hairs
+    n, noise = hairs.n_hairs, _noise()
     radius = 0.5 * hairs.hair_mm
     padded = np.minimum(np.arange(-(-n // BLOCK) * BLOCK), n - 1).reshape(-1, BLOCK)
     lengths = (1.0 - hairs.unevenness * _scatter(n)).astype(np.float32)
@@ -62,18 +62,19 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
         shapes=shapes,
         fans=fans,
         clumps=np.stack([_clump_middles(count) for count in _CLUMPS]),
-        appetite=_appetite(hairs.appetite),
+        appetite=(1.0 + hairs.appetite * noise / np.abs(noise).max()).astype(np.float32),
+        thirst=(np.argsort(np.argsort(noise)) / (_CELLS - 1.0)).astype(np.float32),
         lowest_tilt=LOWEST_TILT,
         greatest_fraction=GREATEST_FRACTION,
         hair_mm=radius,
-        film_mm=float(hairs.film_mm),
+        film_mm=float(hairs.film * spec.root_diameter_mm),
         threshold_mm=float(hairs.threshold_mm),
         parting=float(hairs.parting),
         splay=float(hairs.splay),
         levelling_mm=float(hairs.levelling_mm),
         set_mm=float(hairs.set_share * spec.length_mm),
     )
-    for array in bristles[1:8]:
+    for array in bristles[1:9]:
         array.setflags(write=False)
     return bristles
 
@@ -101,12 +102,11 @@ def _clump_middles(count: int) -> NDArray:
     return (0.5 * (edges[at] + edges[at + 1])).astype(np.float32)
 
 
-def _appetite(amount: float) -> NDArray:
-    """For `_CELLS` places, how readily hairs give: noise in three widths, mean 1."""
+def _noise() -> NDArray:
+    """For `_CELLS` places, how hairs differ there: noise in three widths, mean 0."""
     places = (np.arange(_CELLS) + 0.5) / _CELLS
     noise = np.zeros(_CELLS)
-    for count, weight, seed in ((9, 0.5, 0.11), (23, 0.35, 0.47), (61, 0.25, 0.83)):
+    for count, weight, seed in ((7, 0.45, 0.11), (19, 0.45, 0.47), (47, 0.25, 0.83)):
         values = 2.0 * _scatter(count + 1, seed) - 1.0
         noise += weight * np.interp(places * count, np.arange(count + 1), values)
-    noise -= noise.mean()
-    return (1.0 + amount * noise / np.abs(noise).max()).astype(np.float32)
+    return noise - noise.mean()

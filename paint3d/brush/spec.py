@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.arrays import as_array, as_number
+from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.errors import BrushError
 
 __all__ = ["HAIRS", "MAX_FORCE", "REFERENCE_LENGTH", "BrushSpec"]
@@ -73,6 +74,8 @@ class BrushSpec:
         rho, share of the bend that stays when the pen lifts, 0 (springs back) to 1.
     max_force : float
         Force at pe = 1, N.
+    bristles : BristleSpec, optional
+        What its tuft's hairs are, for a brush that paints with single hairs; None: a solid tuft.
 
     Raises
     ------
@@ -98,6 +101,7 @@ class BrushSpec:
     drag_fraction: float
     plasticity: float
     max_force: float = MAX_FORCE
+    bristles: BristleSpec | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -119,6 +123,11 @@ class BrushSpec:
                 f"brush {self.name!r}: n_segments is {self.n_segments}; expected a whole number"
             )
         object.__setattr__(self, "n_segments", int(self.n_segments))
+        if not isinstance(self.bristles, BristleSpec | None):
+            raise BrushError(
+                f"brush {self.name!r}: bristles is {type(self.bristles).__name__}; "
+                "expected a BristleSpec or nothing"
+            )
 
     def _check(self, parameter: str, low: float, high: float) -> None:
         what = f"brush {self.name!r}: {parameter}"

@@ -10,7 +10,7 @@ import sys
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from paint3d.cli.options import add_quiet_option, check_output_folder
+from paint3d.cli.options import add_quiet_option, check_output_folder, parse_hairs
 from paint3d.cli.painting import Wishes, paint, timed, write_report
 from paint3d.cli.results import write_result
 from paint3d.errors import ExportError
@@ -37,6 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-view", action="store_true", help="do not open the picture when it is written"
     )
+    parser.add_argument(
+        "--hairs", metavar="N", type=parse_hairs, help="paint with so many single hairs, 1 to 10000"
+    )
     add_quiet_option(parser)
 
 
@@ -55,7 +58,9 @@ def run(options: argparse.Namespace) -> None:
     with as_file(files("paint3d.stroke").joinpath(_RECORDING)) as path:
         recording = load_recording(path)
     painting = paint(
-        load_mesh("bowl"), recording, Wishes(resolution_mm=_RESOLUTION_MM, quiet=options.quiet)
+        load_mesh("bowl"),
+        recording,
+        Wishes(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs),
     )
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):

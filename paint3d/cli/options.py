@@ -14,6 +14,7 @@ __all__ = [
     "add_quiet_option",
     "check_output_file",
     "check_output_folder",
+    "parse_hairs",
     "parse_length_mm",
     "parse_place",
     "parse_resolution_mm",
@@ -21,6 +22,7 @@ __all__ = [
 ]
 
 UNITS = ("mm", "cm", "m", "in")
+_MOST_HAIRS = 10_000  # as `brush.bristle_spec.MOST_HAIRS`, known here before NumPy is loaded
 _FINEST_MM = 0.005  # the finest that `PaintedSurface` takes; known here before anything is loaded
 
 
@@ -54,6 +56,14 @@ def parse_resolution_mm(text: str) -> float:
     return resolution
 
 
+def parse_hairs(text: str) -> int:
+    """How many hairs a tuft has; 0 for a solid one."""
+    count = int(text) if text.isdecimal() and len(text) < 9 else -1
+    if not 0 <= count <= _MOST_HAIRS:
+        raise argparse.ArgumentTypeError(f"{text!r} hairs; expected 0 to {_MOST_HAIRS}")
+    return count
+
+
 def parse_place(text: str) -> tuple[float, float]:
     """A place on the object, ``U,V``, each 0 to 1."""
     try:
@@ -75,6 +85,12 @@ def add_quiet_option(parser: argparse.ArgumentParser) -> None:
 def add_painting_options(parser: argparse.ArgumentParser) -> None:
     """Add what describes brush, ink and surface; None means: as the recording says."""
     parser.add_argument("--brush", metavar="NAME", help="brush (default: the recording's)")
+    parser.add_argument(
+        "--hairs",
+        metavar="N",
+        type=parse_hairs,
+        help="paint with so many single hairs, 1 to 10000; 0: a solid tuft (default: the brush's)",
+    )
     parser.add_argument("--ink", metavar="NAME", help="ink (default: the recording's)")
     parser.add_argument(
         "--material",

@@ -31,7 +31,8 @@ DEFAULT_INK = "pine soot"
 class Wishes:
     """What the user asked for; brush and ink None stand for the recording's own.
 
-    With `spread_s` the ink spreads and dries while it is painted, and so many seconds more.
+    With `spread_s` the ink spreads and dries while it is painted, and so many seconds more. `hairs`
+    says of how many single hairs the tuft is; 0: solid, None: as the brush has it.
     """
 
     brush: str | None = None
@@ -40,6 +41,7 @@ class Wishes:
     resolution_mm: float = 0.4
     quiet: bool = False
     spread_s: float | None = None
+    hairs: int | None = None
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
     with timed(seconds, "prepare"):
         surface = PaintedSurface(mesh, resolution=wishes.resolution_mm, material=material)
         azimuth = recording.header["azimuth"]
-        painter = Painter(surface, brush=brush, ink=ink, azimuth=azimuth)
+        painter = Painter(surface, brush, ink, azimuth, hairs=wishes.hairs)
     with (
         timed(seconds, "paint"),
         ProgressBar("painting", enabled=not wishes.quiet) as progress,
@@ -108,6 +110,8 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
         if wishes.spread_s is not None:
             surface.diffuse(wishes.spread_s)
     settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}
+    if painter.hairs is not None:
+        settings["hairs"] = asdict(painter.hairs.spec)
     return Painting(surface, painter.report(), seconds, (recording,), settings)
 
 

@@ -84,6 +84,7 @@ def run(options: argparse.Namespace) -> None:
         ink=options.ink,
         material=options.material,
         resolution_mm=options.resolution,
+        hairs=options.hairs,
         quiet=options.quiet,
         spread_s=options.spread,
     )

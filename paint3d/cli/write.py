@@ -134,6 +134,7 @@ def run(options: argparse.Namespace) -> None:
         ink=options.ink,
         material=options.material,
         resolution_mm=options.resolution,
+        hairs=options.hairs,
         quiet=options.quiet,
     )
     mesh = load_mesh(

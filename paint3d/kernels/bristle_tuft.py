@@ -31,14 +31,14 @@ ARCS.setflags(write=False)
 _NODES = 3  # heights read from the table for one imprint
 _LIFT = 0.3  # mm, what a hair of the upper side rides above the surface at the tip
 
-_ZERO, _ONE, _TINY = np.float32(0.0), np.float32(1.0), np.float32(1e-12)
+_ZERO, _ONE, _TWO, _TINY = (np.float32(number) for number in (0.0, 1.0, 2.0, 1e-12))
 _elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
 # Rows of a block, one after another in one array: places that the compiler knows to be apart, so
 # that it can use vector instructions without asking.
 _X, _Y, _Z = 0, BLOCK, 2 * BLOCK  # of points
-_A, _B, _PULL, _PULL2, _OWN, _PER_OWN = (place * BLOCK for place in range(6))  # of hairs
-KNOWN = 6
+_A, _B, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT = (place * BLOCK for place in range(7))  # of hairs
+KNOWN = 7
 _NODE, _TOP, _UP, _PART = (place * BLOCK for place in range(4))  # scratch
 BLOCK_SIZE = 4 * BLOCK
 _TRIFLE = np.float32(0.02)  # mm, how far under the plane a point may be lifted off-hand
@@ -53,11 +53,11 @@ OFFSET_X = CURVE + 2 * SAMPLES * _NODES  # by a, SAMPLES
 OFFSET_Z = OFFSET_X + SAMPLES
 RIDE = OFFSET_Z + SAMPLES
 SIDE = RIDE + SAMPLES  # by b
-FREE = SIDE + SAMPLES  # how far a point is from the ferrule, 0 to 1
+FREE = SIDE + SAMPLES  # how freely a point moves aside, 0 in the ferrule to 1
 SHIFT_X = FREE + SAMPLES  # remembered bend
 SHIFT_Y = SHIFT_X + SAMPLES
-PART = SHIFT_Y + SAMPLES  # 2, how far the large and the small clumps have parted
-BEND_SIZE = PART + 2
+PART = SHIFT_Y + SAMPLES  # how far large and small clumps have parted; how flat the tuft is
+BEND_SIZE = PART + 3
 
 FLAT = np.zeros(6)  # the patch of a plane
 FLAT.setflags(write=False)
@@ -74,13 +74,14 @@ class Bristles(NamedTuple):
     fans: NDArray  # (tilts, heights, 2) float32: measured spread (rad), from which length on
     clumps: NDArray  # (2, cells) float32: where in [-1, 1] the middle of a place's clump is
     appetite: NDArray  # (cells,) float32: how readily the hairs at a place give, mean 1
+    thirst: NDArray  # (cells,) float32: how wet they must be to give at all, 0 to 1, evenly
     lowest_tilt: float  # rad
     greatest_fraction: float  # descent over the straight hair's height in the last column
     hair_mm: float  # radius of a dry hair
     film_mm: float  # what ink adds to it at the most
     threshold_mm: float  # over the surface, within which a hair leaves ink
     parting: float  # how far clumps part when dry, 0 to 1
-    splay: float  # how far a dry tuft opens, of the root's radius
+    splay: float  # how far a dry tuft's hairs lie side by side to their tips, 0 to 1
     levelling_mm: float  # way over which neighbours share their ink
     set_mm: float  # descent over which a remembered bend is pressed out
 
@@ -100,8 +101,9 @@ def turn_hairs(bristles, cosine, sine, out):
     cosine, sine : float
         Of the angle from the ferrule's first axis to the bend.
     out : (B / BLOCK, KNOWN BLOCK) float32
-        For a block of hairs: a (down), b (to the side), how far from b the middles of the clumps
-        are, large and small, the hairs' lengths, and one over them.
+        For a block of hairs: a (down), b (to the side), how far the middles of their clumps are,
+        large and small, their lengths, one over these, and how far they move where the tuft is
+        pressed flat.
     """
     c, s = np.float32(cosine), np.float32(sine)
     wide, narrow = bristles.clumps[0], bristles.clumps[1]
@@ -120,10 +122,13 @@ def turn_hairs(bristles, cosine, sine, out):
         for j in range(BLOCK):
             row[_PER_OWN + j] = one / own[j]
         for j in range(BLOCK):
-            b = row[_B + j]
-            cell = min(top, np.int32((b + one) * half))
-            row[_PULL + j] = wide[cell] - b
-            row[_PULL2 + j] = narrow[cell] - b
+            b = min(one, max(-one, row[_B + j]))
+            # the share of the disc on this side of b, as a place: pressed flat, hairs lie evenly
+            even = np.float32(2.0 / np.pi) * (np.arcsin(b) + b * np.sqrt(one - b * b))
+            cell = min(top, np.int32((even + one) * half))
+            row[_FLAT + j] = even - b
+            row[_PULL + j] = wide[cell] - even
+            row[_PULL2 + j] = narrow[cell] - even
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -188,6 +193,7 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
             lift = length * (ARCS[k - 1] + share * (ARCS[k] - ARCS[k - 1]))
             break
         before = over
+    broad = radius * (lift / length) ** tuft.taper * pressed
     for k in range(SAMPLES):
         arc = ARCS[k] * length
         angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
@@ -198,15 +204,18 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         bend[OFFSET_X + k] = -round_ / spread * np.sin(angle)
         bend[OFFSET_Z + k] = -round_ / spread * np.cos(angle)
         bend[RIDE + k] = max(round_ / spread, _LIFT) * free
-        side = round_ * spread + bristles.splay * dryness * radius * free * (1.0 - 0.5 * free)
+        side = round_ * spread
+        if arc < lift:  # dry hairs do not come together in a point: they lie side by side
+            side += bristles.splay * dryness * (broad - side)
         side += np.tan(fan) * max(0.0, fan_length - arc)
         bend[SIDE + k] = side
-        bend[FREE + k] = free
+        bend[FREE + k] = min(1.0, 1.6 * free)
         keep = free * free * np.exp(-max(descent, 0.0) / bristles.set_mm)
         bend[SHIFT_X + k] = set_x * keep
         bend[SHIFT_Y + k] = set_y * keep
-    bend[PART] = min(1.0, 2.0 * parted)
-    bend[PART + 1] = max(0.0, 2.0 * parted - 1.0)
+    bend[PART] = 0.5 * parted
+    bend[PART + 1] = (1.0 - 0.5 * parted) * 0.85 * parted
+    bend[PART + 2] = min(1.0, 3.0 * pe)
 
     curved = 0.0
     reach = length * _row(bristles.shapes, i, v, column, 0)
@@ -257,6 +266,7 @@ def _start_block(bend, known, w, here):
     dx, dz = np.float32(bend[OFFSET_X + SAMPLES - 1]), np.float32(bend[OFFSET_Z + SAMPLES - 1])
     side = np.float32(bend[SIDE + SAMPLES - 1])
     part, part2 = np.float32(bend[PART]), np.float32(bend[PART + 1])
+    flat = np.float32(bend[PART + 2])
     for j in range(BLOCK):
         a, b, own = known[_A + j], known[_B + j], known[_OWN + j]
         fraction = _ONE - (height - (g0 + b * (g1 + b * g2))) * per_height * known[_PER_OWN + j]
@@ -266,7 +276,7 @@ def _start_block(bend, known, w, here):
         t = t if t < _ONE else _ONE
         w[_NODE + j] = t
         w[_TOP + j] = height - own * (d0 + t * (d1 + t * d2))
-        w[_PART + j] = known[_PULL + j] * part + known[_PULL2 + j] * part2
+        w[_PART + j] = known[_PULL + j] * part + known[_PULL2 + j] * part2 + known[_FLAT + j] * flat
         w[_UP + j] = _ZERO if a > _ZERO else -a
         here[_X + j] = a * dx
         here[_Y + j] = b * side
@@ -278,7 +288,7 @@ def _lay(bend, k, known, rest, w, above, here):
     """The next points of hairs on a plane, every piece at its length; those under it stay so.
 
     They go along the hairs' own curves, to where these lie in height and to the side: what a hair
-    is longer or shorter than its curve shows at its tip.
+    is longer than its curve takes it ahead, what it is shorter leaves it behind.
     """
     at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
     c0 = np.float32(bend[at] - bend[at + _NODES])
@@ -298,9 +308,16 @@ def _lay(bend, k, known, rest, w, above, here):
         least = w[_UP + j] * ride
         ez = (low if low > least else least) - z1
         run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
-        here[_X + j] = x1 + ex * run
-        here[_Y + j] = y1 + ey * run
-        here[_Z + j] = z1 + ez * run
+        over = run - _ONE if run > _ONE else _ZERO
+        led = _TWO * ex / rest[j]  # the more it points ahead, the less of the rest goes aside
+        led = led if led > _ZERO else _ZERO
+        aside = ey * (run - over * (led if led < _ONE else _ONE))
+        drop = ez * run
+        room = rest[j] * rest[j] - aside * aside - drop * drop
+        ahead = np.sqrt(room if room > _ZERO else _ZERO)
+        here[_X + j] = x1 + (ahead if ex > _ZERO else -ahead)
+        here[_Y + j] = y1 + aside
+        here[_Z + j] = z1 + drop
 
 
 @_elementwise
@@ -328,9 +345,16 @@ def _lay_patch(bend, k, known, rest, w, above, here):
         least = s0 + px * (s1 + s3 * px + s4 * py) + py * (s2 + s5 * py) + w[_UP + j] * ride
         ez = (low if low > least else least) - z1
         run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
-        here[_X + j] = x1 + ex * run
-        here[_Y + j] = y1 + ey * run
-        here[_Z + j] = z1 + ez * run
+        over = run - _ONE if run > _ONE else _ZERO
+        led = _TWO * ex / rest[j]  # the more it points ahead, the less of the rest goes aside
+        led = led if led > _ZERO else _ZERO
+        aside = ey * (run - over * (led if led < _ONE else _ONE))
+        drop = ez * run
+        room = rest[j] * rest[j] - aside * aside - drop * drop
+        ahead = np.sqrt(room if room > _ZERO else _ZERO)
+        here[_X + j] = x1 + (ahead if ex > _ZERO else -ahead)
+        here[_Y + j] = y1 + aside
+        here[_Z + j] = z1 + drop
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz", "reassoc"})

@@ -17,12 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.arrays import as_number
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.kernels import placement, stroke
+from paint3d.kernels.bristle_stroke import paint_with_hairs
 from paint3d.kernels.deposit import PAINTED, VISITED
 from paint3d.kernels.pickup import CAPACITY, PICKUP, REACH
 from paint3d.kernels.tuft_load import level_stations
@@ -30,6 +32,7 @@ from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
 from paint3d.projection.room import Room, grow_room, make_room
+from paint3d.stroke.hair_tuft import HairTuft
 from paint3d.stroke.laying import DIP
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -57,6 +60,8 @@ class Painter:
     pickup : float, optional
         Share of the wet ink under the brush that it takes back per mm of travel at full pressure
         (0.05 is a thirsty brush); 0: it stays clean. None: as before, 0 on a new surface.
+    hairs : int or BristleSpec, optional
+        Paint with so many single hairs, or with these; 0 for a solid tuft. None: as the brush is.
 
     Raises
     ------
@@ -73,12 +78,15 @@ class Painter:
         ink: str | Pigment | Mapping | None = "pine soot",
         azimuth: str = "commanded",
         pickup: float | None = None,
+        hairs: int | BristleSpec | None = None,
     ) -> None:
         if azimuth not in ("commanded", "dragged"):
             raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
         self.surface = surface
         self.brush = load_brush(brush) if isinstance(brush, str) else brush
         self.tuft = build_tuft(self.brush)
+        self._wanted_hairs = hairs
+        self.hairs = self._make_hairs()
         self.azimuth = azimuth
         self.loaded = 0.0
         self.seconds = {"poses": 0.0, "stroke": 0.0, "colour": 0.0}
@@ -107,7 +115,8 @@ class Painter:
             An ink, or parts of several that are stirred: ``{"pine soot": 0.2, "water": 0.8}``.
         reach : float, optional
             Dip only so much of the tuft's length, from the tip, 0 to 1; the rest keeps what it
-            holds: first the belly in light ink, then the tip in dark.
+            holds: first the belly in light ink, then the tip in dark. In a tuft of single hairs
+            both mix along every hair. A whole dip also brings these to a point.
 
         Raises
         ------
@@ -115,8 +124,13 @@ class Painter:
             If a part is not a number above 0, or the reach is not between 0 and 1.
         """
         parts = self._mixture(self._dipped if ink is None else ink)
-        if reach is not None:
-            self._dip_tip(parts, as_number(reach, "reach", 0.0, 1.0))
+        share = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
+        if self.hairs is not None:
+            self._hold(self.hairs.dip(parts * self.tuft.load, share))
+            if reach is None:
+                self.hairs.shape()
+        elif reach is not None:
+            self._dip_tip(parts, share)
         else:
             self._hold(parts * self.tuft.load)
         if ink is not None:
@@ -151,7 +165,10 @@ class Painter:
         """
         share = as_number(share, "share", 0.0, 1.0)
         ink = self.surface.ink
-        if len(ink.stations) > 1:
+        if self.hairs is not None:
+            self.hairs.hold(ink.load * (1.0 - share))
+            self._hold(self.hairs.held())
+        elif len(ink.stations) > 1:
             self._hold_along(ink.stations * (1.0 - share))
         else:
             self._hold(ink.load * (1.0 - share))
@@ -167,7 +184,25 @@ class Painter:
         brush = load_brush(brush) if isinstance(brush, str) else brush
         self.tuft = build_tuft(brush)
         self.brush = brush
+        self.hairs = self._make_hairs()
         self.dip()
+
+    def _make_hairs(self) -> HairTuft | None:
+        wanted = self._wanted_hairs
+        if wanted is None:
+            wanted = self.brush.bristles
+        elif isinstance(wanted, int) and not isinstance(wanted, bool) and wanted != 0:
+            wanted = dataclasses.replace(self.brush.bristles or BristleSpec(), n_hairs=wanted)
+        if wanted is None or (wanted == 0 and not isinstance(wanted, bool)):
+            return None
+        if not isinstance(wanted, BristleSpec):
+            raise InputError(f"hairs is {wanted!r:.60}; expected a number or a BristleSpec")
+        return HairTuft(self.brush, wanted)
+
+    def shape(self) -> None:
+        """Bring a tuft of single hairs to a point, as on the rim of an inkstone."""
+        if self.hairs is not None:
+            self.hairs.shape()
 
     @property
     def dipped(self) -> str | Pigment | Mapping:
@@ -176,13 +211,18 @@ class Painter:
 
     def keep(self) -> dict[str, object]:
         """What `restore` takes: all that is remembered between strokes, apart from the surface."""
-        names = ("brush", "tuft", "loaded", "ink", "_dipped")
-        return {name: getattr(self, name) for name in names}
+        names = ("brush", "tuft", "loaded", "ink", "_dipped", "hairs")
+        kept = {name: getattr(self, name) for name in names}
+        return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
 
     def restore(self, kept: Mapping[str, object]) -> None:
         """Be as when it was kept; the surface is brought back by `surface.undo`."""
+        of_hairs = kept.get("of_hairs")
         for name, value in kept.items():
-            setattr(self, name, value)
+            if name != "of_hairs":
+                setattr(self, name, value)
+        if self.hairs is not None and of_hairs is not None:
+            self.hairs.restore(of_hairs)
         self._room = self._make_room()
 
     def _mixture(self, ink: str | Pigment | Mapping) -> NDArray:
@@ -345,24 +385,26 @@ class Painter:
         ):
             self._room = self._make_room()
         while True:
-            state = stroke.paint_samples(
-                samples,
-                last,
-                self.azimuth == "dragged",
-                self.tuft,
-                surface.contact_tree,
-                surface.paint_mesh.arrays,
-                surface.ink,
-                self._progress,
-                self._counters,
-                self._pose,
-                self._room,
-            )
+            state = self._run_kernel(samples, last)
             if state == stroke.FINISHED:
                 break
             surface.make_room()
             self._room = self._make_room()
         self.seconds["stroke"] += time.perf_counter() - started
+
+    def _run_kernel(self, samples: stroke.Samples, last: int) -> int:
+        surface, dragged = self.surface, self.azimuth == "dragged"
+        tree, field = surface.contact_tree, surface.paint_mesh.arrays
+        work = (self._progress, self._counters, self._pose, self._room)
+        if self.hairs is None:
+            return stroke.paint_samples(
+                samples, last, dragged, self.tuft, tree, field, surface.ink, *work
+            )
+        hairs = self.hairs.work(surface)
+        return paint_with_hairs(
+            samples, last, dragged, self.tuft, self.hairs.bristles, tree, field, surface.ink,
+            *work, hairs,
+        )  # fmt: skip
 
     def _make_room(self) -> Room:
         mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
@@ -393,6 +435,7 @@ class Painter:
             "brush": self.brush.name,
             "ink": self.ink.name,
             "azimuth": self.azimuth,
+            "hairs": 0 if self.hairs is None else self.hairs.spec.n_hairs,
             "samples": self._n_samples,
             "samples_in_contact": int(self._counters[stroke.SAMPLES]),
             "footprints": int(self._counters[stroke.FOOTPRINTS]),

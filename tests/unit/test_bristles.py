@@ -174,7 +174,7 @@ def test_an_unpressed_tuft_is_straight():
         ({"n_hairs": 10_001}, "n_hairs is 10001"),
         ({"n_hairs": 2.5}, "whole number"),
         ({"table": "guessed"}, "table is 'guessed'; expected energy or measured"),
-        ({"film_mm": -0.1}, "film_mm is -0.1"),
+        ({"film": -0.1}, "film is -0.1"),
         ({"parting": 2.0}, "parting is 2"),
     ],
 )

@@ -1,0 +1,169 @@
+"""One sweep of a tuft of hairs: the vertices under its way get what the hairs over them leave."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from paint3d.kernels import stamp as st
+from paint3d.kernels import sweep as sw
+from paint3d.kernels.bristle_imprint import look_up
+from paint3d.kernels.bristle_ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
+from paint3d.kernels.gathering import gather
+from paint3d.kernels.pickup import CAPACITY, PICKUP, contact_level, take_up_ink, thin_contact
+from paint3d.kernels.projecting import project_ids
+from paint3d.kernels.stamp import outline_motion
+from paint3d.kernels.transfer import landing_share, weighed_area
+
+__all__ = ["PAINTED", "sweep_hairs"]
+
+PAINTED = 3  # counter: vertices that ink was left on
+_FAINTEST = 2e-3  # share covered below which a vertex is left alone
+_AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _ask_imprints(before, after, found, share, cover, n, field, room, hairs):
+    """Weigh vertices by the imprints of both stamps; return how many hairs reached.
+
+    Their share of the ink is the mean of both, what they are covered the greater of both.
+    """
+    xs, ys, stretch = room.rows[0], room.rows[1], room.rows[2]
+    size = xs.shape[0]
+    now, then = after.values[st.TOUCHES] > 0.0, before.values[st.TOUCHES] > 0.0
+    turn = room.frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
+    both = 0.5 if now and then else 1.0
+    kept = 0
+    for first in range(0, n, size):
+        last = min(n, first + size)
+        for k in range(first, last):
+            room.ids[k - first] = found[k]
+        project_ids(
+            field.px, field.py, field.pz, field.nx, field.ny, field.nz, room.ids, 0, last - first,
+            room.frame, xs, ys, stretch,
+        )  # fmt: skip
+        for k in range(first, last):
+            x, y = np.float64(xs[k - first]), np.float64(ys[k - first])
+            ink = covered = 0.0
+            lane = 0
+            if then:
+                dx, dy = x - turn[0], y - turn[1]
+                ink, covered, lane = look_up(
+                    hairs.before, turn[2] * dx + turn[3] * dy, turn[2] * dy - turn[3] * dx
+                )
+            if now:
+                more, covered_now, lane_now = look_up(hairs.after, x, y)
+                ink += more
+                if covered_now >= covered:
+                    covered, lane = covered_now, lane_now
+            if covered > _FAINTEST:
+                found[kept] = found[k]
+                share[kept] = share[k] * np.float32(both * ink)
+                cover[kept] = cover[k] * np.float32(covered)
+                hairs.lanes[kept] = lane
+                kept += 1
+    return kept
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _leave(imprint, landing, found, share, cover, n, area_units, unit, lanes, weights, ink):
+    """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
+    n_pigments = landing.shape[0]
+    for p in range(n_pigments):
+        weights[p] = 0.0
+        if landing[p] <= 0.0:
+            continue
+        total = np.int64(0)  # in whole numbers: the order of the vertices changes nothing
+        for k in range(n):
+            part = share[k] * imprint.mix[lanes[k], p]
+            total += np.int64(part * area_units[found[k]] * unit * _AREA_STEPS)
+        if total > 0:
+            weights[p] = landing[p] / (total / _AREA_STEPS)
+            landing[p] = 0.0
+    for p in range(n_pigments):
+        if weights[p] > 0.0:
+            for k in range(n):
+                part = share[k] * imprint.mix[lanes[k], p]
+                ink.amounts[found[k], p] += np.float32(weights[p] * part)
+    count = ink.n_dirty[0]
+    for k in range(n):
+        v = found[k]
+        if cover[k] > ink.coverage[v]:
+            ink.coverage[v] = cover[k]
+        if ink.dirty[v] == 0:
+            ink.dirty[v] = 1
+            ink.dirty_ids[count] = v
+            count += 1
+    ink.n_dirty[0] = count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, room):
+    """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
+
+    Parameters
+    ----------
+    before, after : Stamp
+    ready : float
+        What the hairs are ready to give on the way, coats x mm2: the sum of `hairs.given`.
+    bristles, hairs, field, ink, counters, room : as for `kernels.bristle_stroke`
+
+    Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`.
+    """
+    width = field.numbers[2]
+    unit = field.numbers[3]
+    found = gather(before, after, field, width, 1.0 / width, counters, room)
+    if found < 0:
+        return False
+    a, b = before.values, after.values
+    area = 0.5 * (a[st.AREA] + b[st.AREA])
+    if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
+        area = max(a[st.AREA] * a[st.TOUCHES], b[st.AREA] * b[st.TOUCHES])
+    weighed = weighed_area(field.area_units, unit, room.found, room.share, found)
+    scale = 0.0 if area < width * width and found == 0 else 1.0
+    lands = landing_share(area, width, weighed, found)
+    found = _ask_imprints(
+        before, after, room.found, room.share, room.cover, found, field, room, hairs
+    )
+    level = contact_level(before, after, ink)
+    if level < 1.0 and found > 0:  # hairs that run dry give less, and only to the heights
+        whole = weighed_area(field.area_units, unit, room.found, room.share, found)
+        found = _thin(level, room.found, room.share, room.cover, hairs.lanes, found, field)
+        rest = weighed_area(field.area_units, unit, room.found, room.share, found)
+        scale *= rest / whole if whole > 0.0 else 0.0
+    room.taken[:] = 0.0
+    if ink.habit[PICKUP] > 0.0:
+        take_up_ink(
+            before, after, ready * scale, room.found, room.share, found, field.area_units, unit,
+            ink, room.taken,
+        )  # fmt: skip
+    take_from_hairs(hairs.load, hairs.given, scale, hairs.released)
+    for p in range(hairs.left.shape[0]):
+        hairs.left[p] = hairs.released[p] * lands
+        ink.off_surface[p] += hairs.released[p] - hairs.left[p]
+    imprint = hairs.after if b[st.TOUCHES] > 0.0 else hairs.before
+    _leave(
+        imprint, hairs.left, room.found, room.share, room.cover, found, field.area_units, unit,
+        hairs.lanes, room.part, ink,
+    )  # fmt: skip
+    ink.off_surface[:] += hairs.left  # what found no vertex
+    if ink.habit[PICKUP] > 0.0:
+        give_to_hairs(hairs.load, hairs.contact, room.taken)
+    each = ink.habit[CAPACITY] / hairs.load.shape[0]
+    level_hairs(bristles, hairs.turned, hairs.load, each, outline_motion(before, after), hairs.bins)
+    sum_hairs(hairs.load, ink.load)
+    counters[PAINTED] += found
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _thin(level, found, share, cover, lanes, n, field):
+    """`thin_contact`, with the lanes of the vertices that stay."""
+    kept = 0
+    for k in range(n):
+        lane = lanes[k]
+        found[kept], share[kept], cover[kept] = found[k], share[k], cover[k]
+        if thin_contact(level, found[kept:], share[kept:], cover[kept:], 1, field) == 1:
+            lanes[kept] = lane
+            kept += 1
+    return kept

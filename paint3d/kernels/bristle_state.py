@@ -1,0 +1,86 @@
+"""What a tuft of hairs remembers, and the scratch arrays that its kernels work in."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.kernels import bristle_tuft as bt
+from paint3d.kernels.bristle_imprint import LANES, Imprint, make_imprint
+from paint3d.kernels.bristle_ink import LEVEL_BINS
+from paint3d.kernels.bristle_patch import PATCH_SIZE
+
+__all__ = [
+    "MEMORY_SIZE",
+    "PARTED",
+    "SET_X",
+    "SET_Y",
+    "TRACKED",
+    "TRACKED_POINTS",
+    "WAY",
+    "Hairs",
+    "make_hairs",
+]
+
+SET_X, SET_Y, PARTED, WAY = 0, 1, 2, 3  # places in Hairs.memory
+MEMORY_SIZE = 4
+TRACKED = 48  # hairs whose motion is watched: the outermost ones, all around
+TRACKED_POINTS = 5  # of each, from the tip
+
+
+class Hairs(NamedTuple):
+    """Hairs of one painter (B hairs, P pigments)."""
+
+    load: NDArray  # (B, P) float64, ink in each, coats x mm2
+    memory: NDArray  # (4,) float64: bend that stays, along the handle's axes (mm); how far clumps
+    # have parted, 0 to 1; way since the last dip (mm)
+    pace: NDArray  # (2,) float64: how far between two samples, and the next step's share of it
+    roll: NDArray  # (2,) float64, direction of the bend in the handle's axes, of `turned`
+    turned: NDArray  # of `turn_hairs`
+    bend: NDArray  # (BEND_SIZE,)
+    block: NDArray  # (BLOCK_SIZE,) float32
+    points: NDArray  # (B / BLOCK, SAMPLES, 3 BLOCK) float32
+    slopes: NDArray  # (SAMPLES,)
+    patch: NDArray  # (6,)
+    patch_work: NDArray  # (12, 6)
+    contact: NDArray  # (2, B) float32
+    given: NDArray  # (B,)
+    sums: NDArray  # (4, LANES + 1)
+    bins: NDArray  # (LEVEL_BINS, P + 1)
+    released: NDArray  # (P,)
+    left: NDArray  # (P,)
+    track: NDArray  # (2, TRACKED, TRACKED_POINTS, 4): where outer hairs were and are; near or not
+    lanes: NDArray  # (cap + 1,) int16, lanes of the vertices found
+    before: Imprint
+    after: Imprint
+
+
+def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: int) -> Hairs:
+    """Arrays for painting with these hairs on a mesh with room for `capacity` vertices."""
+    count, n_pigments = load.shape
+    blocks = len(bristles.lengths)
+    return Hairs(
+        load=load,
+        memory=memory,
+        pace=np.array([0.0, 1.0]),
+        roll=np.full(2, np.nan),
+        turned=np.zeros((blocks, bt.KNOWN * bt.BLOCK), np.float32),
+        bend=np.zeros(bt.BEND_SIZE),
+        block=bt.make_block(),
+        points=np.zeros((blocks, bt.SAMPLES, 3 * bt.BLOCK), np.float32),
+        slopes=np.zeros(bt.SAMPLES),
+        patch=np.zeros(PATCH_SIZE),
+        patch_work=np.zeros((12, PATCH_SIZE)),
+        contact=np.full((2, count), -1.0, np.float32),
+        given=np.zeros(count),
+        sums=np.zeros((4, LANES + 1)),
+        bins=np.zeros((LEVEL_BINS, n_pigments + 1)),
+        released=np.zeros(n_pigments),
+        left=np.zeros(n_pigments),
+        track=np.zeros((2, TRACKED, TRACKED_POINTS, 4)),
+        lanes=np.zeros(capacity + 1, np.int16),
+        before=make_imprint(n_pigments),
+        after=make_imprint(n_pigments),
+    )

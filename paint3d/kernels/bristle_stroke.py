@@ -1,0 +1,263 @@
+"""A stroke with a tuft of hairs: place, bend, draw the imprint, sweep, deposit.
+
+As `kernels.stroke`, but the way between two samples is cut by the fastest hair: no two imprints lie
+further apart than the surface's vertices, wherever in the tuft that is measured, and also while the
+brush turns on the spot or is pressed. The steps follow one another: one that went too far is
+halved and taken again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from paint3d.kernels import stamp as st
+from paint3d.kernels.bristle_deposit import sweep_hairs
+from paint3d.kernels.bristle_imprint import copy_imprint, draw_imprint, find_contact_pieces
+from paint3d.kernels.bristle_ink import ask_hairs
+from paint3d.kernels.bristle_patch import fit_patch
+from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
+from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_bend, turn_hairs
+from paint3d.kernels.pickup import CAPACITY, mean_pressure
+from paint3d.kernels.placement import place_stamp
+from paint3d.kernels.stamp import outline_motion
+from paint3d.kernels.stroke import (
+    FINISHED,
+    FOOTPRINTS,
+    NEEDS_ROOM,
+    _copy,
+    _interpolate,
+)
+from paint3d.kernels.stroke import (
+    SAMPLES as SAMPLE_COUNT,
+)
+
+__all__ = ["paint_with_hairs"]
+
+_SPACING = 0.95  # of the vertex spacing: the most that a hair moves from imprint to imprint
+_NEAR = 0.5  # mm over the surface: nearer points of hairs count
+_SHORTEST = 1.0 / 128.0  # of the way between two samples
+_EASE = 1.6  # how much a step may grow on the last
+_PARTS_OVER = 6.0  # mm of way over which clumps part
+_JOINS_OVER = 25.0  # mm over which wet ones join
+_SETS_OVER = 12.0  # mm of way over which a tuft takes on the bend that it has
+_SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
+_DRY = (0.12, 0.45)  # of the load: dry, and wet
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _wetness(ink):
+    total = 0.0
+    for p in range(ink.load.shape[0]):
+        total += ink.load[p]
+    return total / ink.habit[CAPACITY] if ink.habit[CAPACITY] > 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find_roll(pose, values, roll):
+    """Direction of the bend in the handle's axes, laid into the plane."""
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
+    c = ax * values[st.BEND_X] + ay * values[st.BEND_Y] + az * values[st.BEND_Z]
+    s = 0.0
+    for axis, part in enumerate((ax, ay, az)):
+        s += part * values[st.CROSS_X + axis]
+    norm = np.hypot(c, s)
+    if norm < 1e-9:
+        c, s, norm = 1.0, 0.0, 1.0
+    return c / norm, -s / norm
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _place_hairs(pose, stamp, tuft, bristles, hairs, field, ink, room):
+    """Bend the hairs over a stamp that touches; False where none of them does."""
+    values = stamp.values
+    cosine, sine = _find_roll(pose, values, hairs.roll)
+    if abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1]) < 1e-6:
+        cosine, sine = hairs.roll[0], hairs.roll[1]
+    else:
+        hairs.roll[0], hairs.roll[1] = cosine, sine
+        turn_hairs(bristles, cosine, sine, hairs.turned)
+    fit_patch(values, field, room, hairs.patch_work, hairs.patch)
+    dryness = 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
+    memory = hairs.memory
+    fill_bend(
+        bristles, tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], hairs.patch,
+        dryness, memory[PARTED], cosine * memory[SET_X] + sine * memory[SET_Y],
+        cosine * memory[SET_Y] - sine * memory[SET_X], hairs.bend,
+    )  # fmt: skip
+    bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find_slopes(tuft, points, slopes):
+    """Slope of the tuft at its points, from its first hair: half of the pieces above and below."""
+    for k in range(SAMPLES):
+        low, high = max(k - 1, 0), min(k + 1, SAMPLES - 1)
+        rise = points[0, high, 2 * points.shape[2] // 3] - points[0, low, 2 * points.shape[2] // 3]
+        slopes[k] = rise / (tuft.length * (ARCS[high] - ARCS[low]))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw(stamp, before, tuft, bristles, hairs, field, ink, room):
+    """Contacts, what the hairs give on the way here, and the imprint; returns what they give."""
+    count = hairs.load.shape[0]
+    _find_slopes(tuft, hairs.points, hairs.slopes)
+    touching, low, high = find_contact_pieces(
+        bristles, hairs.bend, hairs.slopes, hairs.points, count, hairs.contact
+    )
+    if touching == 0:
+        stamp.values[st.TOUCHES] = 0.0
+        return 0.0
+    # what a hair gives in the map does not depend on how long the way is
+    each = ink.habit[CAPACITY] / count
+    ready = ask_hairs(
+        bristles, hairs.turned, hairs.contact, hairs.load, each, hairs.memory[WAY], 1e-3,
+        hairs.given,
+    )  # fmt: skip
+    draw_imprint(
+        stamp, bristles, hairs, hairs.load, hairs.given, each, field.numbers[0], low, high,
+        room.reach, room.half_width,
+    )  # fmt: skip
+    return ready
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _remember(before, after, tuft, bristles, hairs, ink):
+    """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
+    values = after.values
+    way = outline_motion(before, after)
+    wet = min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
+    pe = values[st.PRESSURE]
+    wanted = bristles.parting * min(
+        1.0, (1.0 - wet) * (0.5 + 0.5 * pe) + 0.5 * max(0.0, pe - 0.7) / 0.3
+    )
+    memory = hairs.memory
+    memory[WAY] += way
+    over = _PARTS_OVER if wanted > memory[PARTED] else _JOINS_OVER / max(wet, 0.02)
+    memory[PARTED] += (wanted - memory[PARTED]) * (1.0 - np.exp(-way / over))
+    reach = values[st.TIP] - tuft.length * np.cos(values[st.TILT])
+    stays = _SET_SHARE * tuft.plasticity * max(0.0, reach)
+    share = 1.0 - np.exp(-way / _SETS_OVER)
+    memory[SET_X] += share * (hairs.roll[0] * stays - memory[SET_X])
+    memory[SET_Y] += share * (hairs.roll[1] * stays - memory[SET_Y])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _track(stamp, hairs, rows):
+    """Where the outer hairs' points are in space, and which are on the surface or near it."""
+    values, points = stamp.values, hairs.points
+    count = hairs.load.shape[0]
+    for n in range(TRACKED):
+        i = max(0, count - 1 - n)
+        g, j = i // BLOCK, i % BLOCK
+        for k in range(TRACKED_POINTS):
+            x, y = np.float64(points[g, k, j]), np.float64(points[g, k, BLOCK + j])
+            z = np.float64(points[g, k, 2 * BLOCK + j])
+            for axis in range(3):
+                rows[n, k, axis] = (
+                    values[st.ORIGIN_X + axis] + x * values[st.BEND_X + axis]
+                    + y * values[st.CROSS_X + axis] + z * values[st.NORMAL_X + axis]
+                )  # fmt: skip
+            rows[n, k, 3] = 1.0 if z < _NEAR else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fastest(before, after, track):
+    """How far the fastest hair moved on the surface between two stamps, mm."""
+    if before.values[st.TOUCHES] <= 0.0 or after.values[st.TOUCHES] <= 0.0:
+        return outline_motion(before, after)
+    most = 0.0
+    for n in range(TRACKED):
+        for k in range(TRACKED_POINTS):
+            if track[0, n, k, 3] > 0.0 and track[1, n, k, 3] > 0.0:
+                d2 = 0.0
+                for axis in range(3):
+                    d2 += (track[1, n, k, axis] - track[0, n, k, axis]) ** 2
+                most = max(most, d2)
+    return np.sqrt(most)
+
+
+@njit(cache=True, nogil=True)
+def paint_with_hairs(
+    samples, last, dragged, tuft, bristles, tree, field, ink, progress, counters, pose, room, hairs
+):
+    """Paint from where `progress` stands up to sample `last`; see `kernels.stroke.paint_samples`.
+
+    Parameters
+    ----------
+    bristles : Bristles
+    hairs : Hairs
+    others : as for `paint_samples`
+
+    Returns
+    -------
+    int
+        FINISHED, or NEEDS_ROOM: call again after the mesh's arrays have grown.
+    """
+    at, before, after = progress.at, progress.before, progress.after
+    pace = hairs.pace
+    most = _SPACING * field.numbers[0]
+    while at[0] < last:
+        i = at[0]
+        if not samples.joined[i + 1] or (
+            at[2] == 0 and samples.pressure[i] <= 0.0 and samples.pressure[i + 1] <= 0.0
+        ):
+            before.values[st.TOUCHES] = 0.0
+            at[0] += 1
+            at[2] = 0
+            continue
+        if at[2] == 0:
+            counters[SAMPLE_COUNT] += 1
+            pace[0], pace[1] = 0.0, 1.0
+            at[2] = 1
+            if before.values[st.TOUCHES] == 0.0:
+                _interpolate(samples, i, 0.0, pose)
+                place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
+                if before.values[st.TOUCHES] > 0.0:
+                    _place_hairs(pose, before, tuft, bristles, hairs, field, ink, room)
+                    _draw(before, before, tuft, bristles, hairs, field, ink, room)
+                    copy_imprint(hairs.after, hairs.before)
+                    _track(before, hairs, hairs.track[0])
+                if samples.joined[i]:
+                    before.values[st.TOUCHES] = 0.0
+        while pace[0] < 1.0:
+            step = min(pace[1], 1.0 - pace[0])
+            ready = 0.0
+            while True:
+                _interpolate(samples, i, pace[0] + step, pose)
+                place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
+                ready = 0.0
+                if after.values[st.TOUCHES] > 0.0:
+                    _place_hairs(pose, after, tuft, bristles, hairs, field, ink, room)
+                    ready = _draw(after, before, tuft, bristles, hairs, field, ink, room)
+                    _track(after, hairs, hairs.track[1])
+                touches = after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0
+                moved = _fastest(before, after, hairs.track) if touches else 0.0
+                if moved <= most or step <= _SHORTEST:
+                    break
+                step = max(_SHORTEST, step * max(0.2, min(0.7, 0.9 * most / moved)))
+            if ready > 0.0:
+                rate = tuft.transfer_per_mm * mean_pressure(before, after)
+                rate *= outline_motion(before, after)
+                ready = ask_hairs(
+                    bristles, hairs.turned, hairs.contact, hairs.load,
+                    ink.habit[CAPACITY] / hairs.load.shape[0], hairs.memory[WAY], rate, hairs.given,
+                )  # fmt: skip
+                if not sweep_hairs(
+                    before, after, ready, bristles, hairs, field, ink, counters, room
+                ):
+                    pace[1] = step
+                    return NEEDS_ROOM
+                counters[FOOTPRINTS] += 1
+                _remember(before, after, tuft, bristles, hairs, ink)
+            _copy(after, before)
+            copy_imprint(hairs.after, hairs.before)
+            hairs.track[0] = hairs.track[1]
+            pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step
+            grown = _EASE if moved <= 0.0 else min(_EASE, 0.9 * most / moved)
+            pace[1] = max(_SHORTEST, step * grown)
+        at[0] += 1
+        at[2] = 0
+    return FINISHED
