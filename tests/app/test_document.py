@@ -5,6 +5,7 @@ import pytest
 
 from paint3d.app.model.document import Document
 from paint3d.errors import ExportError, InputError, SessionError
+from paint3d.ink.pigments import load_pigment
 from tests.app.hands import line, paint, same_vertices, sample, small_plane
 
 
@@ -144,6 +145,26 @@ def test_saving_needs_a_name_and_keeps_everything(tmp_path):
     np.testing.assert_array_equal(
         np.sort(again.surface.amounts, axis=0), np.sort(document.surface.amounts, axis=0)
     )
+
+
+def test_an_opened_painting_goes_on_with_what_the_brush_was_dipped_in(tmp_path):
+    document = small_plane()
+    document.dip({"pine soot": 1.0, "water": 3.0})
+    document.dip({"cinnabar": 1.0}, 0.5)
+    document.dip({"pine soot": 2.0, "water": 1.0}, 0.2)
+    paint(document, (-20, 0), (20, 0))
+    document.save(tmp_path / "a.p3d")
+    again = Document.open(tmp_path / "a.p3d")
+    assert again.painter.dipped == {
+        again.surface.pigments[again.surface.column_of(load_pigment(name))]: weight
+        for name, weight in (("pine soot", 2.0), ("water", 1.0))
+    }
+    for each in (document, again):
+        each.dip()
+    np.testing.assert_array_equal(again.surface.ink.load, document.surface.ink.load)
+    paint(again, (-20, 9), (20, 9))
+    again.undo()
+    assert [stroke.ink for stroke in again.strokes] == [document.strokes[0].ink]
 
 
 def test_what_cannot_be_opened_is_told(tmp_path):

@@ -149,6 +149,13 @@ def test_a_mouse_gets_its_pressure_from_keys_by_the_time_they_are_held(plane):
     assert hand.force == 0.0
 
 
+def test_a_mouse_comes_down_softly(plane):
+    samples = draw(Hand(plane, force=3.95), [(k, 0) for k in range(12)])
+    pressures = [s.pressure for s in samples[:-1]]
+    assert pressures[:4] == pytest.approx([0.0, 0.5 / 6, 1.0 / 6, 0.25])
+    assert pressures[7:] == pytest.approx([0.5] * 5)
+
+
 def test_by_speed_a_hasty_mouse_presses_less(plane):
     pressures = []
     for step in (0.2, 4.0):
@@ -271,6 +278,9 @@ def test_images_are_painted_and_the_ledger_closes():
     accounts = document.painter.ledger()
     loaded = accounts.pop("loaded")
     assert sum(accounts.values()) == pytest.approx(loaded, rel=1e-6)
+    alone = small_plane()
+    paint(alone, (20, 25), (50, 25))
+    assert document.painter.in_brush() == alone.painter.in_brush()
     document.undo()
     assert not surface.painted.any()
     assert document.painter.ledger()["loaded"] == pytest.approx(6000.0)

@@ -183,6 +183,23 @@ def same(now, then):
         np.testing.assert_array_equal(one[: len(two)], two)
 
 
+def test_water_waits_on_the_layers_that_are_not_painted_on():
+    document = small_plane(material="xuan")
+    paint(document, *ACROSS)
+    document.let_time_pass(0.3)
+    surface = document.surface
+    water, amounts = surface.flow.water, surface.amounts.copy()
+    document.add_layer()
+    assert surface.flow.water == 0.0
+    paint(document, *ALONG)
+    document.let_time_pass(30.0)
+    document.select_layer(0)
+    assert surface.flow.water == water > 0.0
+    np.testing.assert_array_equal(surface.amounts[: len(amounts)], amounts)
+    document.let_time_pass(1.0)
+    assert surface.flow.water < water
+
+
 def test_a_locked_or_hidden_layer_takes_no_paint():
     document = small_plane()
     document.set_locked(0)

@@ -162,6 +162,25 @@ def test_old_steps_go_to_the_disk_and_come_back():
     assert not surface.painted.any()
 
 
+def test_rows_that_were_taken_back_are_as_new_for_what_dries_next():
+    def dried(again):
+        surface = PaintedSurface(load_mesh("plane"), 1.5)
+        surface.refine_all()
+        painter = Painter(surface)
+        history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+        for y in [0, 15] if again else [15]:
+            history.begin(y)
+            act(surface, painter, "stroke", (-10, y, 10, y))
+            surface.dry()
+            if y == 0:
+                history.undo()
+        return surface.dry_layers
+
+    once, again = dried(False), dried(True)
+    np.testing.assert_array_equal(again.amounts, once.amounts)
+    np.testing.assert_array_equal(again.share, once.share)
+
+
 @pytest.mark.parametrize("memory", [0, 1 << 30])
 def test_reverting_forgets_the_step(memory):
     surface = PaintedSurface(load_mesh("plane"), 1.5)

@@ -107,7 +107,7 @@ class Easel:
         self._events: deque[Event] = deque()
         self._watch = GrowthWatch(document.surface)
         self._hovering: DeviceSample | None = None
-        self._stopping = False
+        self._stopping = self._working = False
         self._stale = True
         self._number = 0
         self._lag = 0.0
@@ -166,6 +166,12 @@ class Easel:
         """Batches of samples and commands that wait."""
         return len(self._jobs)
 
+    @property
+    def is_still(self) -> bool:
+        """Whether all that was asked for is done, shown, and the last frame taken."""
+        with self._wake:
+            return not (self._working or self._jobs or self._stale or self._slot is not None)
+
     @contextmanager
     def paused(self) -> Iterator[Document]:
         """Hold the painting still between two steps, to read the document."""
@@ -218,10 +224,13 @@ class Easel:
                 if self._stopping and not self._jobs:
                     return
                 yielding = self._wanting > 0
+                self._working = True
             if yielding:
                 time.sleep(0.0005)  # let who waits in `paused` have the document
             with self._busy:
                 self._work()
+            with self._wake:
+                self._working = False
 
     def _has_work(self) -> bool:
         return bool(self._jobs) or self._stopping or (self._stale and self._slot is None)
