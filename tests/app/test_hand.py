@@ -13,6 +13,7 @@ from paint3d.brush.presets import brush_names, load_brush
 from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh
 from paint3d.frames import rotate
+from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
 from paint3d.mesh.closest import ClosestPoints
 from tests.app.hands import line, paint, sample, small_plane
 
@@ -60,7 +61,8 @@ def test_the_brush_stands_on_the_normal_where_the_ray_meets_the_object(sphere):
 
 
 def test_a_stroke_comes_down_and_is_lifted(plane):
-    samples = draw(Hand(plane), [(0, 0), (5, 0), (10, 0)], pressure=0.4)
+    hand = Hand(plane, HandSettings(centred=False))
+    samples = draw(hand, [(0, 0), (5, 0), (10, 0)], pressure=0.4)
     assert [s.pressure for s in samples] == pytest.approx([0.0, 0.4, 0.4, 0.0])
     np.testing.assert_allclose(places(samples)[:, 0], [0, 5, 10, 10], atol=1e-5)
     times = [s.time_ns for s in samples]
@@ -70,6 +72,25 @@ def test_a_stroke_comes_down_and_is_lifted(plane):
     document.feed(samples)
     document.end_stroke()
     assert document.surface.painted.any()
+
+
+@pytest.mark.parametrize("pressure", [0.2, 0.6])
+def test_the_middle_of_the_footprint_lies_under_the_pointer(plane, pressure):
+    samples = draw(Hand(plane), [(2 * k, k) for k in range(12)], pressure=pressure)
+    painter = small_plane().painter
+    for k, sample in enumerate(samples[1:-1], 1):
+        contact = painter.contact(sample.position, sample.orientation, sample.pressure)
+        middle = contact.foot + contact.bend * _middle(painter.tuft, contact)
+        np.testing.assert_allclose(middle, [2.0 * k, k, 0.0], atol=0.3)
+
+
+def _middle(tuft, contact):
+    """From the foot to the middle of the footprint, mm, by the contact that painting has."""
+    reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
+    n = trace_outline(
+        tuft, contact.descent, contact.tilt, contact.pressure, np.empty(SCRATCH_SIZE), reach, half
+    )
+    return 0.5 * (reach[0] + reach[n - 1])
 
 
 def across(bowl, *targets):
@@ -172,7 +193,7 @@ WAYS = st.lists(st.tuples(st.floats(-40, 40), st.floats(-40, 40)), min_size=2, m
 @settings(deadline=None, max_examples=20)
 @given(STRENGTHS, WAYS)
 def test_a_steadied_stroke_starts_and_ends_where_the_pointer_did(plane_once, strength, way):
-    hand = Hand(plane_once, HandSettings(smoothing=strength))
+    hand = Hand(plane_once, HandSettings(smoothing=strength, centred=False))
     samples = draw(hand, way, pressure=0.5)
     at = places(samples)[:, :2]
     np.testing.assert_allclose(at[0], way[0], atol=1e-3)

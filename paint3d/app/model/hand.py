@@ -19,11 +19,19 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.pressure_curve import PressureCurve
 from paint3d.arrays import as_array, as_number
+from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.frames import quaternions_from_matrices
+from paint3d.kernels.tuft import (
+    OUTLINE_CAPACITY,
+    SCRATCH_SIZE,
+    Tuft,
+    greatest_descent,
+    trace_outline,
+)
 from paint3d.mesh.closest import ClosestPoints
 
 __all__ = ["Hand", "HandSettings", "PointerInput"]
@@ -37,6 +45,7 @@ _GLIDE_STEP_MM = 0.5
 _LEAST_GAP_MM = 3.0
 _PLACES_BETWEEN = (0.25, 0.5, 0.75)
 _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
+_LEAD_S = 0.05  # over which the root goes ahead as the pressure changes
 _FILTER_S = 0.03  # over which the pointer's speed is taken
 
 
@@ -104,6 +113,9 @@ class HandSettings:
         By speed: that at which the pressure has fallen to a half of the set one.
     landing_s : float
         Over which the pressure of a device that has none rises when it goes down.
+    centred : bool
+        Whether the middle of the footprint is brought under the pointer; else the foot of the
+        tuft's root, behind which the tip trails.
 
     Raises
     ------
@@ -120,6 +132,7 @@ class HandSettings:
     newtons_per_notch: float = 0.25
     steady_mm_s: float = 150.0
     landing_s: float = 0.06
+    centred: bool = True
 
     def __post_init__(self) -> None:
         as_number(self.smoothing, "smoothing", 0.0, 1.0)
@@ -148,6 +161,7 @@ class _State:
     twist: float | None = None
     buttons: int = 0
     sent_ns: int = 0
+    lead: float = 0.0  # mm that the root goes ahead, so that the footprint lies under the pointer
 
 
 class Hand:
@@ -190,6 +204,7 @@ class Hand:
         state.began_ns = event.time_ns
         state.beside = False
         state.speed, state.sent_ns = 0.0, 0
+        state.lead = self._wanted_lead(event, brush)
         state.tip = state.point + _any_tangent(state.normal, state.tip - state.point)
         return [self._sample(brush, event.time_ns, pressure=0.0)]
 
@@ -209,6 +224,7 @@ class Hand:
             return self._step_over(event, brush)
         if not self._move(event, brush, pulled=True):
             return []
+        self._follow_lead(event, brush, (event.time_ns - state.sent_ns) * 1e-9)
         return [self._sample(brush, event.time_ns, pressure=self._pressure(event))]
 
     def end(self, time_ns: int, brush: BrushSpec) -> list[DeviceSample]:
@@ -342,6 +358,27 @@ class Hand:
         state.pressure = pressure
         return pressure
 
+    def _wanted_lead(self, event: PointerInput, brush: BrushSpec) -> float:
+        """How far from the foot the footprint's middle lies, mm, at the pressure of an event.
+
+        A pressure that is still rising with the landing counts as what it rises to: the root does
+        not jump while ink flows.
+        """
+        if not self.settings.centred:
+            return 0.0
+        pressure = self.force / MAX_FORCE_N
+        if event.pressure is not None:
+            pressure = self.settings.curve(min(max(event.pressure, 0.0), 1.0))
+        state = self._state
+        tilt = math.asin(min(1.0, max(0.5, float(state.lean @ state.normal))))
+        return _middle_reach(build_tuft(brush), pressure, tilt)
+
+    def _follow_lead(self, event: PointerInput, brush: BrushSpec, seconds: float) -> None:
+        """Let the root go ahead as far as the pressure asks, without haste."""
+        state = self._state
+        weight = 1.0 - math.exp(-max(0.0, seconds) / _LEAD_S)
+        state.lead += weight * (self._wanted_lead(event, brush) - state.lead)
+
     def _trail(self, brush: BrushSpec) -> float:
         return self.settings.trail * brush.length_mm
 
@@ -358,15 +395,24 @@ class Hand:
         height = brush.length_mm - pressure * brush.full_press_mm
         height += _HOVER * brush.length_mm if lifted else 0.0
         state.sent_ns = time_ns
+        lead = 0.0 if lifted else state.lead
         return DeviceSample(
             time_ns,
-            state.point + height * state.normal,
+            state.point + height * state.normal - lead * _any_tangent(state.normal, x),
             orientation,
             pressure,
             state.buttons,
             np.zeros(3),
             _REST,
         )
+
+
+def _middle_reach(tuft: Tuft, pressure: float, tilt: float) -> float:
+    """How far along the bend the middle of a footprint lies from the foot, mm; 0 for none."""
+    reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
+    descent = min(pressure * tuft.full_press, greatest_descent(tuft, tilt))
+    n = trace_outline(tuft, descent, tilt, pressure, np.empty(SCRATCH_SIZE), reach, half)
+    return 0.5 * float(reach[0] + reach[n - 1]) if n else 0.0
 
 
 def _lean(normal: NDArray, event: PointerInput) -> NDArray:
