@@ -78,8 +78,8 @@ def test_a_stroke_comes_down_and_is_lifted(plane):
 def test_the_middle_of_the_footprint_lies_under_the_pointer(plane, pressure):
     samples = draw(Hand(plane), [(2 * k, k) for k in range(12)], pressure=pressure)
     painter = small_plane().painter
-    for k, sample in enumerate(samples[1:-1], 1):
-        contact = painter.contact(sample.position, sample.orientation, sample.pressure)
+    for k, one in enumerate(samples[1:-1], 1):
+        contact = painter.contact(one.position, one.orientation, one.pressure)
         middle = contact.foot + contact.bend * _middle(painter.tuft, contact)
         np.testing.assert_allclose(middle, [2.0 * k, k, 0.0], atol=0.3)
 
