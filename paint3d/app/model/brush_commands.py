@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
+from paint3d.app.model.brush_words import brush_from_words
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment
@@ -33,7 +34,7 @@ class BrushCommands:
             If a stroke is going on, or there is no such brush.
         """
         self._refuse_in_stroke("another brush")
-        self.painter.change_brush(BrushSpec(**brush) if isinstance(brush, Mapping) else brush)
+        self.painter.change_brush(brush_from_words(brush) if isinstance(brush, Mapping) else brush)
         self._dipped = True
 
     def scale_brush(self, factor: float) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry
+from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import SessionError
 from paint3d.ink.pigments import Pigment
@@ -28,7 +29,8 @@ COMMANDS = frozenset(
 """Methods of `Document` that change the painting: what a journal must know."""
 
 _CLASSES = (
-    BrushSpec, Pigment, Symmetry, MirrorPlane, RadialSymmetry, Mask, AngleMask, RegionPick
+    BrushSpec, BristleSpec, Pigment, Symmetry, MirrorPlane, RadialSymmetry, Mask, AngleMask,
+    RegionPick,
 )  # fmt: skip
 _KINDS = {kind.__name__: kind for kind in _CLASSES}
 _KIND = "@"

@@ -8,13 +8,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.brush_commands import BrushCommands, Ink
+from paint3d.app.model.brush_words import (
+    brush_from_words,
+    brush_words,
+    hair_words,
+    restore_hairs,
+)
 from paint3d.app.model.history_commands import HistoryCommands
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.layer_commands import LayerCommands
@@ -153,6 +158,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         painter = Painter(surface, brush, ink, azimuth)
         if "dipped" in settings:
             _remember_dip(painter, settings["dipped"])
+        restore_hairs(painter, settings.get("hairs"))
         return cls(surface, painter, Path(path), session, str(settings.get("unit", "mm")))
 
     def save(self, path: str | os.PathLike[str] | None = None) -> None:
@@ -173,12 +179,13 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self.path, self.modified = path, False
 
     def _session(self) -> Session:
-        settings = {**self.settings, "brush": asdict(self.painter.brush)}
+        settings = {**self.settings, "brush": brush_words(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
         settings["azimuth"] = self.painter.azimuth
+        settings["hairs"] = hair_words(self.painter)
         settings["dipped"] = weights_of(self.painter.dipped)
         settings["inks"] = [weights_of(ink) for ink in self.inks]
-        settings["brushes"] = {s.brush.name: asdict(s.brush) for s in self.strokes}
+        settings["brushes"] = {s.brush.name: brush_words(s.brush) for s in self.strokes}
         strokes = tuple(stroke.recording() for stroke in self.strokes)
         return Session(self.surface, self._recordings, settings, strokes)
 
@@ -228,7 +235,7 @@ def _remember_dip(painter: Painter, saved: object) -> None:
 
 def _brush_of(saved: object) -> BrushSpec:
     if isinstance(saved, Mapping):
-        return BrushSpec(**saved)
+        return brush_from_words(saved)
     return load_brush(saved if isinstance(saved, str) else _BRUSH)
 
 

@@ -32,8 +32,11 @@ class ImagePainter:
         self._painter = painter
         self._surface = painter.surface
         self._image = image
-        self._twin = Painter(self._surface, painter.brush, None, painter.azimuth)
-        self._twin.restore({**painter.keep(), "loaded": 0.0})
+        hairs = 0 if painter.hairs is None else painter.hairs.spec
+        self._twin = Painter(self._surface, painter.brush, None, painter.azimuth, hairs=hairs)
+        kept = painter.keep()
+        del kept["hairs"]  # the twin has its own, in which the same is
+        self._twin.restore({**kept, "loaded": 0.0})
         ink = self._surface.ink
         self._held = ink.load.copy(), ink.stations.copy()
         painter.loaded += painter.in_brush()

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from paint3d.app.model.brush_words import brush_from_words
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import Recording
@@ -216,7 +217,7 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping]) -> Stroke:
     header = recording.header
     try:
         name = header["brush"]
-        brush = BrushSpec(**brushes[name]) if name in brushes else load_brush(name)
+        brush = brush_from_words(brushes[name]) if name in brushes else load_brush(name)
         ink = {str(k): float(w) for k, w in header["parts"].items()}
         return Stroke(
             float(header["time_s"]), brush, ink, str(header["layer"]), bool(header["dipped"]),

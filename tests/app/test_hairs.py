@@ -1,0 +1,104 @@
+"""Tufts of single hairs in the studio: undo, images, sessions and recovery keep every hair."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from paint3d.app.model.brush_size import scaled
+from paint3d.app.model.commands import decode_command, encode_command
+from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.sitting import Sitting, recoverable
+from paint3d.app.model.symmetry import MirrorPlane, Symmetry
+from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.presets import load_brush
+from paint3d.errors import BrushError, SessionError
+from tests.app.hands import line, paint, same_vertices, small_plane
+
+HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=40))
+
+
+def hairy_plane(**options):
+    return small_plane(brush=HAIRY, **options)
+
+
+def hairs_of(document):
+    kept = document.painter.hairs.keep()
+    return kept["load"], kept["memory"]
+
+
+def test_undo_brings_every_hair_back():
+    document = hairy_plane()
+    seen = []
+    for y in (-10, 10):
+        seen.append((*hairs_of(document), document.painter.ledger()))
+        paint(document, (-20, y), (20, y))
+    for load, memory, ledger in reversed(seen):
+        document.undo()
+        np.testing.assert_array_equal(hairs_of(document)[0], load)
+        np.testing.assert_array_equal(hairs_of(document)[1], memory)
+        assert document.painter.ledger() == ledger
+    assert not document.surface.painted.any()
+
+
+def test_images_have_hairs_of_their_own():
+    document = hairy_plane()
+    document.surface.refine_all()
+    document.set_symmetry(Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),)))
+    paint(document, (-20, 30), (20, 30))
+    alone = hairy_plane()
+    alone.surface.refine_all()
+    paint(alone, (-20, 30), (20, 30))
+    np.testing.assert_array_equal(hairs_of(document)[0], hairs_of(alone)[0])
+    accounts = document.painter.ledger()
+    loaded = accounts.pop("loaded")
+    assert sum(accounts.values()) == pytest.approx(loaded, rel=1e-6)
+    y = document.surface.paint_mesh.vertices[:, 1]
+    inked = document.surface.amounts[:, 0] * document.surface.vertex_areas
+    assert inked[y < 0].sum() == pytest.approx(inked[y > 0].sum(), rel=0.1)
+
+
+def test_a_session_keeps_every_hair(tmp_path):
+    document = hairy_plane()
+    paint(document, (-20, 0), (20, 0))
+    document.save(tmp_path / "a.p3d")
+    again = Document.open(tmp_path / "a.p3d")
+    assert again.painter.brush == HAIRY
+    assert again.strokes[0].brush == HAIRY
+    for one, two in zip(hairs_of(document), hairs_of(again), strict=True):
+        np.testing.assert_array_equal(one, two)
+    for each in (document, again):
+        paint(each, (-20, 9), (20, 9))
+    same_vertices(again.surface, document.surface)
+    again.settings["hairs"] = None
+    for bad in ({}, {"load": [[1.0]], "memory": []}, {"load": 5, "memory": 5}):
+        again.painter.hairs.keep = lambda bad=bad: {k: np.array(v) for k, v in bad.items()}
+        again.save(tmp_path / "b.p3d")
+        with pytest.raises(SessionError, match="hairs"):
+            Document.open(tmp_path / "b.p3d")
+
+
+def test_a_kill_gives_every_hair_back(tmp_path):
+    document = hairy_plane()
+    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    for y in (-10, 0, 10):
+        easel.post("begin_stroke")
+        easel.feed(line((-20, y), (20, y)))
+        easel.post("end_stroke").result(timeout=60)
+        easel._base_due = y == 0
+    easel.stop(keep=True)
+    again = recoverable(tmp_path)[0].recover().document
+    same_vertices(again.surface, document.surface)
+    np.testing.assert_array_equal(hairs_of(again)[0], hairs_of(document)[0])
+
+
+def test_a_hairy_brush_is_scaled_and_written_down():
+    large = scaled(HAIRY, 1.5)
+    assert large.bristles == HAIRY.bristles
+    assert decode_command(encode_command("set_brush", [large], {}))[1] == [large]
+    document = small_plane()
+    document.set_brush(dataclasses.asdict(large))
+    assert document.painter.brush == large
+    with pytest.raises(BrushError, match="no brush"):
+        document.set_brush({"name": "x"})
