@@ -6,6 +6,7 @@ import functools
 import importlib.resources
 import json
 
+from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import UnknownNameError
 
@@ -18,6 +19,8 @@ def _read_presets() -> dict[str, BrushSpec]:
     specs = {}
     for name, parameters in json.loads(text).items():
         parameters.pop("note")
+        if "bristles" in parameters:
+            parameters["bristles"] = BristleSpec(**parameters["bristles"])
         specs[name] = BrushSpec(name=name, **parameters)
     return specs
 

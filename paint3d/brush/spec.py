@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.arrays import as_array, as_number
 from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.input_curves import InputCurves, check_curves
 from paint3d.errors import BrushError
 
 __all__ = ["HAIRS", "MAX_FORCE", "REFERENCE_LENGTH", "BrushSpec"]
@@ -76,6 +77,9 @@ class BrushSpec:
         Force at pe = 1, N.
     bristles : BristleSpec, optional
         What its tuft's hairs are, for a brush that paints with single hairs; None: a solid tuft.
+    inputs : mapping, optional
+        Curves by which the hand drives the brush: ``{setting: {input: [[x, factor], ...]}}``; see
+        `brush.input_curves`.
 
     Raises
     ------
@@ -102,6 +106,7 @@ class BrushSpec:
     plasticity: float
     max_force: float = MAX_FORCE
     bristles: BristleSpec | None = None
+    inputs: InputCurves = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -123,6 +128,7 @@ class BrushSpec:
                 f"brush {self.name!r}: n_segments is {self.n_segments}; expected a whole number"
             )
         object.__setattr__(self, "n_segments", int(self.n_segments))
+        object.__setattr__(self, "inputs", check_curves(self.inputs, self.name))
         if not isinstance(self.bristles, BristleSpec | None):
             raise BrushError(
                 f"brush {self.name!r}: bristles is {type(self.bristles).__name__}; "

@@ -18,6 +18,7 @@ from paint3d.kernels.bristle_ink import ask_hairs
 from paint3d.kernels.bristle_patch import fit_patch
 from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
 from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_bend, turn_hairs
+from paint3d.kernels.input_curves import drive
 from paint3d.kernels.pickup import CAPACITY, mean_pressure
 from paint3d.kernels.placement import place_stamp
 from paint3d.kernels.stamp import outline_motion
@@ -181,8 +182,9 @@ def _fastest(before, after, track):
 
 @njit(cache=True, nogil=True)
 def paint_with_hairs(
-    samples, last, dragged, tuft, bristles, tree, field, ink, progress, counters, pose, room, hairs
-):
+    samples, last, dragged, brush, curves, bristles, tree, field, ink, progress, counters, pose,
+    room, hairs,
+):  # fmt: skip
     """Paint from where `progress` stands up to sample `last`; see `kernels.stroke.paint_samples`.
 
     Parameters
@@ -214,6 +216,7 @@ def paint_with_hairs(
             at[2] = 1
             if before.values[st.TOUCHES] == 0.0:
                 _interpolate(samples, i, 0.0, pose)
+                tuft = drive(samples, i, 0.0, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
                 if before.values[st.TOUCHES] > 0.0:
                     _place_hairs(pose, before, tuft, bristles, hairs, field, ink, room)
@@ -227,6 +230,7 @@ def paint_with_hairs(
             ready = 0.0
             while True:
                 _interpolate(samples, i, pace[0] + step, pose)
+                tuft = drive(samples, i, pace[0] + step, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
                 ready = 0.0
                 if after.values[st.TOUCHES] > 0.0:

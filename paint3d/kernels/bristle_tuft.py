@@ -31,7 +31,7 @@ ARCS.setflags(write=False)
 _NODES = 3  # heights read from the table for one imprint
 _LIFT = 0.3  # mm, what a hair of the upper side rides above the surface at the tip
 
-_ZERO, _ONE, _TWO, _TINY = (np.float32(number) for number in (0.0, 1.0, 2.0, 1e-12))
+_ZERO, _ONE, _TINY = np.float32(0.0), np.float32(1.0), np.float32(1e-12)
 _elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
 # Rows of a block, one after another in one array: places that the compiler knows to be apart, so
@@ -57,7 +57,8 @@ FREE = SIDE + SAMPLES  # how freely a point moves aside, 0 in the ferrule to 1
 SHIFT_X = FREE + SAMPLES  # remembered bend
 SHIFT_Y = SHIFT_X + SAMPLES
 PART = SHIFT_Y + SAMPLES  # how far large and small clumps have parted; how flat the tuft is
-BEND_SIZE = PART + 3
+PER_STEP = PART + 3  # 2 over the length of the piece above a point, 1/mm
+BEND_SIZE = PER_STEP + SAMPLES - 1
 
 FLAT = np.zeros(6)  # the patch of a plane
 FLAT.setflags(write=False)
@@ -209,6 +210,8 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
             side += bristles.splay * dryness * (broad - side)
         side += np.tan(fan) * max(0.0, fan_length - arc)
         bend[SIDE + k] = side
+        if k < SAMPLES - 1:
+            bend[PER_STEP + k] = 2.0 / ((ARCS[k + 1] - ARCS[k]) * length)
         bend[FREE + k] = min(1.0, 1.6 * free)
         keep = free * free * np.exp(-max(descent, 0.0) / bristles.set_mm)
         bend[SHIFT_X + k] = set_x * keep
@@ -298,7 +301,7 @@ def _lay(bend, k, known, rest, w, above, here):
     dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
     sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
     side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
-    ride = np.float32(bend[RIDE + k])
+    ride, per_step = np.float32(bend[RIDE + k]), np.float32(bend[PER_STEP + k])
     for j in range(BLOCK):
         t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
         x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
@@ -309,7 +312,7 @@ def _lay(bend, k, known, rest, w, above, here):
         ez = (low if low > least else least) - z1
         run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
         over = run - _ONE if run > _ONE else _ZERO
-        led = _TWO * ex / rest[j]  # the more it points ahead, the less of the rest goes aside
+        led = ex * per_step  # the more it points ahead, the less of the rest goes aside
         led = led if led > _ZERO else _ZERO
         aside = ey * (run - over * (led if led < _ONE else _ONE))
         drop = ez * run
@@ -331,7 +334,7 @@ def _lay_patch(bend, k, known, rest, w, above, here):
     dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
     sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
     side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
-    ride = np.float32(bend[RIDE + k])
+    ride, per_step = np.float32(bend[RIDE + k]), np.float32(bend[PER_STEP + k])
     s0, s1, s2 = np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2])
     s3, s4 = np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4])
     s5 = np.float32(bend[PATCH + 5])
@@ -346,7 +349,7 @@ def _lay_patch(bend, k, known, rest, w, above, here):
         ez = (low if low > least else least) - z1
         run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
         over = run - _ONE if run > _ONE else _ZERO
-        led = _TWO * ex / rest[j]  # the more it points ahead, the less of the rest goes aside
+        led = ex * per_step  # the more it points ahead, the less of the rest goes aside
         led = led if led > _ZERO else _ZERO
         aside = ey * (run - over * (led if led < _ONE else _ONE))
         drop = ez * run

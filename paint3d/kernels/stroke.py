@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from paint3d.kernels import stamp as st
 from paint3d.kernels.deposit import sweep_deposit
 from paint3d.kernels.drag import drag_length
+from paint3d.kernels.input_curves import drive
 from paint3d.kernels.placement import place_stamp
 from paint3d.kernels.stamp import Stamp, outline_motion
 
@@ -161,7 +162,9 @@ def _copy(source, target):
 
 
 @njit(cache=True, nogil=True)
-def paint_samples(samples, last, dragged, tuft, tree, field, ink, progress, counters, pose, room):
+def paint_samples(
+    samples, last, dragged, brush, curves, tree, field, ink, progress, counters, pose, room
+):
     """Paint from where `progress` stands up to sample `last`.
 
     Parameters
@@ -171,7 +174,10 @@ def paint_samples(samples, last, dragged, tuft, tree, field, ink, progress, coun
         Stop when this sample is reached.
     dragged : bool
         Whether the surface pulls the tip or the pose's roll commands the azimuth.
-    tuft, tree, field, ink : NamedTuples of the brush, the contact tree, the refined mesh, the ink
+    brush : Tuft
+        As it is; `curves` drive it.
+    curves : Curves
+    tree, field, ink : NamedTuples of the contact tree, the refined mesh, the ink
     progress : Progress
     counters : (8,) int64
     pose : (9,) float64 scratch
@@ -201,18 +207,22 @@ def paint_samples(samples, last, dragged, tuft, tree, field, ink, progress, coun
             counters[SAMPLES] += 1
             if before.values[st.TOUCHES] == 0.0:
                 _interpolate(samples, i, 0.0, pose)
+                tuft = drive(samples, i, 0.0, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
                 if samples.joined[i]:
                     before.values[st.TOUCHES] = 0.0
                 # else the stroke begins pressed: the footprint stands there from the start
             _interpolate(samples, i, 1.0, pose)
+            tuft = drive(samples, i, 1.0, pose, before, brush, ink, curves)
             place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
             at[1] = 1
             bow = _bow(samples, i, pose)
             at[2] = _sweeps(before, after, bow, dragged, tuft, field.numbers[0])
+        tuft = drive(samples, i, 1.0, pose, before, brush, ink, curves)
         while at[1] <= at[2]:
             if at[2] > 1:  # a single sweep ends where the sample is: placed above
                 _interpolate(samples, i, at[1] / at[2], pose)
+                tuft = drive(samples, i, at[1] / at[2], pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
             if after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0:
                 if not sweep_deposit(before, after, tuft, field, ink, counters, room):

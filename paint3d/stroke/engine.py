@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from paint3d.arrays import as_number
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.input_curves import build_curves
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
@@ -85,6 +86,7 @@ class Painter:
         self.surface = surface
         self.brush = load_brush(brush) if isinstance(brush, str) else brush
         self.tuft = build_tuft(self.brush)
+        self._curves = build_curves(self.brush.inputs)
         self._wanted_hairs = hairs
         self.hairs = self._make_hairs()
         self.azimuth = azimuth
@@ -184,6 +186,7 @@ class Painter:
         brush = load_brush(brush) if isinstance(brush, str) else brush
         self.tuft = build_tuft(brush)
         self.brush = brush
+        self._curves = build_curves(brush.inputs)
         self.hairs = self._make_hairs()
         self.dip()
 
@@ -211,7 +214,7 @@ class Painter:
 
     def keep(self) -> dict[str, object]:
         """What `restore` takes: all that is remembered between strokes, apart from the surface."""
-        names = ("brush", "tuft", "loaded", "ink", "_dipped", "hairs")
+        names = ("brush", "tuft", "loaded", "ink", "_dipped", "hairs", "_curves")
         kept = {name: getattr(self, name) for name in names}
         return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
 
@@ -390,6 +393,7 @@ class Painter:
                 break
             surface.make_room()
             self._room = self._make_room()
+        surface.ink.habit[CAPACITY] = self.tuft.load  # whatever curves made of it
         self.seconds["stroke"] += time.perf_counter() - started
 
     def _run_kernel(self, samples: stroke.Samples, last: int) -> int:
@@ -398,12 +402,12 @@ class Painter:
         work = (self._progress, self._counters, self._pose, self._room)
         if self.hairs is None:
             return stroke.paint_samples(
-                samples, last, dragged, self.tuft, tree, field, surface.ink, *work
+                samples, last, dragged, self.tuft, self._curves, tree, field, surface.ink, *work
             )
         hairs = self.hairs.work(surface)
         return paint_with_hairs(
-            samples, last, dragged, self.tuft, self.hairs.bristles, tree, field, surface.ink,
-            *work, hairs,
+            samples, last, dragged, self.tuft, self._curves, self.hairs.bristles, tree, field,
+            surface.ink, *work, hairs,
         )  # fmt: skip
 
     def _make_room(self) -> Room:
