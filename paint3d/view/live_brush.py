@@ -233,7 +233,7 @@ def _look(part: DrawnMesh, name: str) -> None:
         part.actor.ForceTranslucentOn()
         part.draw_before()
         return
-    look.SetAmbient(0.42)
+    look.SetAmbient(0.55)
     look.SetDiffuse(0.72)
     look.SetSpecular(0.15 if name == "tuft" else 0.22)
     look.SetSpecularPower(24.0)

@@ -27,11 +27,10 @@ _MARGIN = 4  # pixels around what has changed: lines are wide, edges are smoothe
 _FINE = 2  # times as many pixels across, averaged, once nothing moves any more
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
 _SAMPLES = 4  # a pixel, where a graphics card draws
-_LIGHTS = (  # of what shines and of the brush, as the object's own light is baked; and if mirrored
-    ((-0.55, 0.75, 1.0), 0.85, (1.0, 0.985, 0.96), True),
-    ((0.9, 0.25, 0.45), 0.35, (0.93, 0.96, 1.0), True),
-    ((0.1, 0.5, -0.7), 0.3, (1.0, 1.0, 1.0), False),
-    ((-0.2, -0.8, 0.6), 0.45, (1.0, 0.99, 0.97), False),
+_LIGHTS = (  # of what shines and of the brush; the object's own light is baked
+    ((-0.55, 0.75, 1.0), 0.85, (1.0, 0.985, 0.96)),
+    ((0.9, 0.25, 0.45), 0.35, (0.93, 0.96, 1.0)),
+    ((0.1, 0.5, -0.7), 0.3, (1.0, 1.0, 1.0)),
 )
 
 
@@ -91,11 +90,8 @@ class LiveScene:
             np.array([0.0, -4.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, 1.0]), np.radians(24.0)
         )
         self._pixels: NDArray | None = None
-        for position, intensity, colour, mirrored in _LIGHTS:
-            light = camera_light(position, intensity, colour)
-            if not mirrored:
-                light.SetSpecularColor(0.0, 0.0, 0.0)
-            self.renderer.AddLight(light)
+        for position, intensity, colour in _LIGHTS:
+            self.renderer.AddLight(camera_light(position, intensity, colour))
         self.set_mood(mood)
         self.renderer_name = self._start()
         self.is_software = any(word in self.renderer_name.lower() for word in _SOFTWARE)

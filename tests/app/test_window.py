@@ -177,6 +177,24 @@ def test_a_copybook_is_painted_over_and_judged(window) -> None:
     window.hand.look(back)
 
 
+def test_a_recording_is_replayed_at_the_speed_that_is_asked_for(window) -> None:
+    stroke = window.document.strokes[0]
+    there, n = len(window.document.strokes), len(stroke.samples)
+    window.player.play(stroke.samples, 1e-3)
+    live(0.05)
+    assert window.player.is_playing
+    window.player.stop()
+    settled(window)
+    again = window.document.strokes[there]
+    assert 0 < len(again.samples) < n
+    window.player.play(stroke.samples, None)
+    assert not window.player.is_playing
+    settled(window)
+    assert len(window.document.strokes[there + 1].samples) == n
+    choose(window, "undo")
+    choose(window, "undo")
+
+
 class Plugged:
     """A stylus that is read again and again; no other device."""
 
@@ -198,7 +216,20 @@ class Plugged:
         self.readings = []
 
 
-def test_a_stylus_paints_through_the_desk(window) -> None:
+class Felt(Plugged):
+    """A haptic stylus that pushes back with 2 N."""
+
+    last_force = np.array([0.0, 0.0, 2.0])
+
+    def take(self) -> list:
+        return self.take_stylus()
+
+    def publish(self, object_pose=None) -> None:
+        self.object_pose = object_pose
+
+
+@pytest.mark.parametrize("haptic", [False, True])
+def test_a_stylus_paints_through_the_desk(window, haptic: bool) -> None:
     now = time.monotonic_ns()
     upright = np.array([1.0, 0.0, 0.0, 0.0])
     readings = [
@@ -212,10 +243,17 @@ def test_a_stylus_paints_through_the_desk(window) -> None:
     ]
     settled(window)
     n, there = painted(window), len(window.document.strokes)
-    window.both_hands = BothHands(window, Plugged(readings))
+    if haptic:
+        felt = Felt(readings)
+        window.both_hands = BothHands(window, Plugged([]), lambda document: felt)
+        window.both_hands.open(window.document)
+    else:
+        window.both_hands = BothHands(window, Plugged(readings))
     wait_for(lambda: len(window.document.strokes) == there + 1)
     settled(window)
-    assert painted(window) > n
+    assert painted(window) >= n > 0
+    assert window.both_hands.desk.force_n == pytest.approx(2.0 if haptic else 0.0)
+    window.both_hands.close()
     window.both_hands = BothHands(window)
 
 

@@ -10,11 +10,15 @@ import numpy as np
 from paint3d.app.model.devices import DeviceDesk, StrokeCutter
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
+from paint3d.errors import Paint3DError
 from paint3d.frames import matrices_from_quaternions, multiply_quaternions, rotate
 from paint3d.pose.steering import ObjectPose
 
 if TYPE_CHECKING:
-    from paint3d.app.model.devices import Plugged
+    from collections.abc import Callable
+
+    from paint3d.app.model.devices import Feedback, Plugged
+    from paint3d.app.model.document import Document
     from paint3d.app.window.studio import StudioWindow
     from paint3d.view.camera import Camera
 
@@ -47,15 +51,43 @@ class BothHands:
     window : StudioWindow
     plugged : PluggedDevices, optional
         None where there are none to look for.
+    feel : callable, optional
+        Starts the force feedback of a haptic stylus on a document; None where there is no such
+        stylus. It is asked whenever a document is opened.
     """
 
-    def __init__(self, window: StudioWindow, plugged: Plugged | None = None) -> None:
+    def __init__(
+        self,
+        window: StudioWindow,
+        plugged: Plugged | None = None,
+        feel: Callable[[Document], Feedback | None] | None = None,
+    ) -> None:
         self._window = window
-        actions = window.settings.buttons
-        self.desk = DeviceDesk(plugged, actions=actions) if plugged is not None else None
+        self._plugged, self._feel = plugged, feel
+        self._feedback: Feedback | None = None
+        self.desk = self._make_desk()
         self._cutter = StrokeCutter(self._touches)
         self._pose = ObjectPose()
         self._ticks = 0
+
+    def open(self, document: Document) -> None:
+        """Let the haptic stylus feel another object."""
+        if self._feedback is not None:
+            self._feedback.stop()
+            self._feedback = None
+        if self._feel is None or self._plugged is None:
+            return
+        try:
+            self._feedback = self._feel(document)
+        except Paint3DError as error:
+            self._window.tell(str(error), state="bad")
+        self.desk = self._make_desk()
+
+    def _make_desk(self) -> DeviceDesk | None:
+        if self._plugged is None:
+            return None
+        actions = self._window.settings.buttons
+        return DeviceDesk(self._plugged, actions=actions, feedback=self._feedback)
 
     def tick(self) -> None:
         """Take what the devices said; show them now and then."""

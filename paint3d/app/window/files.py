@@ -299,19 +299,22 @@ class Files:
             self._window, say("action.replay"), "", kinds
         )
         if path:
-            self.replay_file(path)
+            self.replay_file(path, self._window.panels.history.speed())
 
-    def replay_file(self, path: str) -> None:
-        """Paint a recording on what is here, stroke by stroke, as if by hand."""
+    def replay_file(self, path: str, speed: float | None = None) -> bool:
+        """Paint a recording on what is here, as if by hand; say whether that began.
+
+        Parameters
+        ----------
+        path : str
+        speed : float, optional
+            Of the recording's own time; by default as fast as it goes.
+        """
         loaded = run_beside(self._window, Path(path).name, lambda _: load_recording(path))
         if not self.went_well(loaded):
-            return
-        samples = list(loaded.result().samples())
-        easel = self._window.stage.easel
-        easel.post("begin_stroke")
-        for at in range(0, len(samples), 64):
-            easel.feed(samples[at : at + 64])
-        easel.post("end_stroke")
+            return False
+        self._window.player.play(list(loaded.result().samples()), speed)
+        return True
 
     def refine(self) -> None:
         """Refine the whole surface now, with a bar; if it is stopped, what was done stays."""

@@ -16,6 +16,8 @@ from paint3d.app.window.wording import say
 __all__ = ["HistoryPanel"]
 
 _ICON = 22
+_SPEEDS = (("¼ x", 0.25), ("½ x", 0.5), ("1 x", 1.0), ("4 x", 4.0), ("16 x", 16.0), ("max", None))
+_LEAST_MS = 40  # a stroke is shown at least so long
 
 
 class HistoryPanel(QtWidgets.QWidget):
@@ -46,6 +48,11 @@ class HistoryPanel(QtWidgets.QWidget):
         self.slider.valueChanged.connect(self._go)
         self.told = QtWidgets.QLabel()
         self.told.setObjectName("faint")
+        self.pace = QtWidgets.QComboBox()
+        for text, speed in _SPEEDS:
+            self.pace.addItem(text, speed)
+        self.pace.setCurrentIndex(2)
+        self.pace.setToolTip(say("history.speed"))
         play = QtWidgets.QPushButton(say("action.replay"))
         export = QtWidgets.QPushButton(say("Export…"))
         play.clicked.connect(self._play)
@@ -56,11 +63,12 @@ class HistoryPanel(QtWidgets.QWidget):
         layout.addWidget(self.slider)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(self.told, 1)
+        row.addWidget(self.pace)
         row.addWidget(play)
         row.addWidget(export)
         layout.addLayout(row)
         self._player = QtCore.QTimer(self)
-        self._player.setInterval(240)
+        self._player.setSingleShot(True)
         self._player.timeout.connect(self._step)
 
     # -- showing ----------------------------------------------------------------------------
@@ -120,17 +128,26 @@ class HistoryPanel(QtWidgets.QWidget):
     def _go(self, upto: int) -> None:
         self.asked.emit("replay_history", int(upto), None)
 
+    def speed(self) -> float | None:
+        """How fast things are replayed, of their own time; None for as fast as it goes."""
+        return self.pace.currentData()
+
     def _play(self) -> None:
-        """Show the strokes one after the other, from the first."""
+        """Show the strokes one after the other, from the first, each for as long as it took."""
         self.slider.setValue(self.slider.minimum())
-        self._player.start()
+        self._wait()
+
+    def _wait(self) -> None:
+        """Wait as long as the next stroke took."""
+        at = self.slider.value()
+        if at >= self.slider.maximum():
+            return
+        seconds = self._strokes[at].duration_s / self.speed() if self.speed() else 0.0
+        self._player.start(max(_LEAST_MS, round(1e3 * seconds)))
 
     def _step(self) -> None:
-        value = self.slider.value()
-        if value >= self.slider.maximum():
-            self._player.stop()
-        else:
-            self.slider.setValue(value + 1)
+        self.slider.setValue(self.slider.value() + 1)
+        self._wait()
 
 
 def _dish_icon(parts: dict[str, float], theme: Theme) -> QtGui.QIcon:

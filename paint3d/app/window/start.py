@@ -8,12 +8,17 @@ import sys
 import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.document import Document
 from paint3d.app.model.settings import load_settings
 from paint3d.app.window.files import FINEST_MM
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from paint3d.device.force_port import HidForcePort
+from paint3d.device.hid_nodes import list_nodes
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.errors import InputError, Paint3DError
+from paint3d.haptics.servo import ForceFeedback
+from paint3d.haptics.settings import HapticSettings
 
 __all__ = ["make_program", "run_studio"]
 
@@ -82,7 +87,7 @@ def run_studio(
     app = make_program()
     settings, problem = load_settings()
     choose_language(language or settings.language)
-    window = StudioWindow(app, settings, plugged=_plugged())
+    window = StudioWindow(app, settings, plugged=_plugged(), feel=_feel)
     if problem is not None:
         window.tell(problem, state="bad")
     window.show()
@@ -96,11 +101,20 @@ def run_studio(
 
 
 def _plugged() -> PluggedDevices | None:
-    """The devices that are there or come; None where HID devices cannot be read."""
+    """Pens and 6-DOF mice that are there or come; None where HID devices cannot be read."""
     try:
-        return PluggedDevices()
+        return PluggedDevices(find=lambda: list_nodes(("mouse", "pen")))
     except (Paint3DError, ImportError, OSError):
         return None
+
+
+def _feel(document: Document) -> ForceFeedback | None:
+    """The force feedback of the first haptic stylus there is."""
+    nodes = list_nodes(("stylus",))
+    if not nodes:
+        return None
+    settings = HapticSettings.for_brush(document.painter.brush)
+    return ForceFeedback(HidForcePort(nodes[0]), document.surface.contact_tree, settings)
 
 
 def _open_first(window: StudioWindow, target: str | None, resolution: float, material: str) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.devices import Plugged
+from paint3d.app.model.devices import Feedback, Plugged
 from paint3d.app.model.document import Document
 from paint3d.app.model.settings import Settings, save_settings
 from paint3d.app.model.sitting import Sitting
@@ -30,6 +30,7 @@ from paint3d.app.window.icons import make_icon
 from paint3d.app.window.keys import HeldKeys
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
+from paint3d.app.window.player import Player
 from paint3d.app.window.stage import Stage
 from paint3d.app.window.theme import (
     DARK_THEME,
@@ -62,7 +63,9 @@ class StudioWindow(QtWidgets.QMainWindow):
     dark : bool, optional
         Instead of the theme in the settings.
     plugged : PluggedDevices, optional
-        Styli and 6-DOF mice.
+        Pens and 6-DOF mice.
+    feel : callable, optional
+        Starts the force feedback of a haptic stylus; see `BothHands`.
     """
 
     def __init__(
@@ -72,6 +75,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         *,
         dark: bool | None = None,
         plugged: Plugged | None = None,
+        feel: Callable[[Document], Feedback | None] | None = None,
     ) -> None:
         super().__init__()
         self._app = app
@@ -87,12 +91,13 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.hand = CanvasHand(self.canvas, self.stage)
         self.keys = HeldKeys(self, self.hand)
         self.files = Files(self)
+        self.player = Player(self)
         self.painting, self.viewing = PaintActions(self), ViewActions(self)
         self.actions_by_name: dict[str, QtGui.QAction] = {}
         self.menus: dict[str, QtWidgets.QMenu] = {}
         self._make_actions()
         self.panels = Panels(self)
-        self.copying, self.both_hands = Copying(self), BothHands(self, plugged)
+        self.copying, self.both_hands = Copying(self), BothHands(self, plugged, feel)
         self.keys.tapped.connect(lambda name: self.actions_by_name[name].trigger())
         for name, on in (("brush", True), ("dark", dark)):
             with QtCore.QSignalBlocker(self.actions_by_name[name]):
@@ -198,10 +203,12 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def show_document(self, document: Document) -> None:
         """Paint on this from now on; what was painted on before is let go of."""
+        self.player.stop()
         wet = self.actions_by_name["wet"].isChecked()
         self.stage.close_document()
         self.stage.open(document, wet=wet, sitting=self._sitting(document))
         self.hand.open()
+        self.both_hands.open(document)
         self.panels.open()
         self.show_title()
 
@@ -228,6 +235,7 @@ class StudioWindow(QtWidgets.QMainWindow):
             return
         now = time.perf_counter()
         self.both_hands.tick()
+        self.player.tick()
         self.copying.follow()
         frame = self.stage.follow()
         if frame is not None:
