@@ -99,9 +99,9 @@ def test_absurd_polygons_are_refused():
 def test_outlines_that_cross_themselves_are_cut_all_the_same():
     rng = np.random.default_rng(4)
     points = np.c_[rng.uniform(size=(8, 2)), np.zeros(8)]
-    corners = rng.integers(0, 8, 4000)  # from one corner to another, again and again
-    faces = triangulate(points, corners, np.array([4000]))
-    assert faces.shape == (3998, 3)
+    corners = rng.integers(0, 8, 1500)  # from one corner to another, again and again
+    faces = triangulate(points, corners, np.array([1500]))
+    assert faces.shape == (1498, 3)
     assert set(faces.ravel()) <= set(range(8))
 
 
