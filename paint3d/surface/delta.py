@@ -73,8 +73,16 @@ class SurfaceDelta:
         arrays = [self.vertex_ids, self.amounts, self.coverage, *self.dry[1:6], *self.dry.over]
         return sum(array.nbytes for array in [*arrays, *(self.flow or {}).values()])
 
-    def exchange(self, surface: PaintedSurface) -> tuple[SurfaceDelta, NDArray]:
+    def exchange(
+        self, surface: PaintedSurface, water: Mapping[str, NDArray] | None
+    ) -> tuple[SurfaceDelta, NDArray]:
         """Bring the surface there.
+
+        Parameters
+        ----------
+        surface : PaintedSurface
+        water : mapping or None
+            What `PaintedSurface.keep_flow` gives now.
 
         Returns
         -------
@@ -84,7 +92,6 @@ class SurfaceDelta:
             Vertices whose colours may have changed.
         """
         ink, ids, dry = surface.ink, self.vertex_ids, surface.dry_layers
-        kept = surface.keep_flow()
         back = ink.amounts[ids], ink.coverage[ids], BrushLoad.of(surface)
         missing = len(surface.pigments) - self.amounts.shape[1]
         ink.amounts[ids] = np.pad(self.amounts, ((0, 0), (0, missing)))
@@ -95,13 +102,21 @@ class SurfaceDelta:
         touched = np.unique(np.concatenate([ids, gone, rows.vertex_ids, self.dry.vertex_ids]))
         touched = touched.astype(np.int32)
         surface.touch(touched)
-        self._move_water(surface)
-        return SurfaceDelta(ids, back[0], back[1], rows, back[2], kept), touched
+        if self.flow is not water:
+            self._move_water(surface)
+        return SurfaceDelta(ids, back[0], back[1], rows, back[2], water), touched
 
     def _move_water(self, surface: PaintedSurface) -> None:
         surface.drop_flow()
         if self.flow is not None:
             surface.restore_flow(self.flow)
+
+
+def _same(one: Mapping[str, NDArray] | None, two: Mapping[str, NDArray] | None) -> bool:
+    """Whether the water was kept twice as it is."""
+    if one is None or two is None:
+        return one is two
+    return all(np.array_equal(one[name], two[name]) for name in one)
 
 
 class DeltaRecorder:
@@ -125,13 +140,18 @@ class DeltaRecorder:
         self._clear()
         painted = np.flatnonzero((ink.coverage > 0.0) | ink.amounts.any(axis=1))
         self._surface.take_changed()
-        self._follow(painted)
+        self._follow(painted, self._surface.keep_flow())
 
-    def accept(self, vertex_ids: NDArray) -> None:
-        """Take what was brought to these vertices (N,) as what there is, and all else as it was."""
+    @property
+    def water(self) -> Mapping[str, NDArray] | None:
+        """What `PaintedSurface.keep_flow` gave when this was last asked."""
+        return self._flow
+
+    def accept(self, vertex_ids: NDArray, water: Mapping[str, NDArray] | None) -> None:
+        """Take what was brought to these vertices (N,), and this water, as what there is."""
         self._surface.take_changed()
         self._fit()
-        self._follow(vertex_ids)
+        self._follow(vertex_ids, water)
 
     def before(self, vertex_ids: NDArray) -> tuple[NDArray, NDArray]:
         """Amounts (N, P) and coverage (N,) of vertices (N,) when this was last asked."""
@@ -155,16 +175,17 @@ class DeltaRecorder:
             self._brush,
             self._flow,
         )
-        self._follow(ids[at])
+        water = surface.keep_flow()
+        self._follow(ids[at], self._flow if _same(self._flow, water) else water)
         return delta
 
-    def _follow(self, ids: NDArray) -> None:
+    def _follow(self, ids: NDArray, water: Mapping[str, NDArray] | None) -> None:
         surface = self._surface
         self._amounts[ids] = surface.ink.amounts[ids]
         self._coverage[ids] = surface.ink.coverage[ids]
         surface.dry_layers.mark()
         self._brush = BrushLoad.of(surface)
-        self._flow = surface.keep_flow()
+        self._flow = water
 
     def _clear(self) -> None:
         """Remember no paint, with room for all vertices: memory is taken only where it comes."""

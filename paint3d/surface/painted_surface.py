@@ -93,6 +93,7 @@ class PaintedSurface:
         self._bare = srgb_from_reflectance(self.material.reflectance)
         self._mesh_colours: MeshColours | None = None
         self._flow: Flow | None = None
+        self._still: Flow | None = None  # one that was dropped: its graph may serve again
         self._fresh: list[NDArray] = []
         self._changed: list[NDArray] | None = None
         self._allocate(0)
@@ -274,7 +275,7 @@ class PaintedSurface:
         if self._flow is None:
             from paint3d.surface.flow import Flow
 
-            self._flow = Flow(self)
+            self._flow, self._still = Flow(self), None
             self._fresh = [np.flatnonzero(self.coverage > 0.0).astype(np.int32)]
         return self._flow
 
@@ -294,11 +295,14 @@ class PaintedSurface:
         for name in ("pigment", "written"):  # pigments may have come since
             missing = count - kept[name].shape[1]
             kept[name] = np.pad(kept[name], ((0, 0), (0, missing)))
+        if self._flow is None and self._still is not None:
+            self._flow, self._still = self._still, None
         self.flow.restore(kept)
         self._fresh = [kept["fresh"]]
 
     def drop_flow(self) -> None:
         """Let there be no water in motion."""
+        self._still = self._flow or self._still
         self._flow, self._fresh = None, []
 
     def diffuse(self, seconds: float, step: float | None = None) -> None:

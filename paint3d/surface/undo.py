@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pickle
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
@@ -178,30 +178,34 @@ class UndoHistory:
     def _exchange(self, step: _Step) -> NDArray:
         """Bring the surface to the other end of a step, and turn the step round."""
         back, touched = [], [np.empty(0, np.int32)]
+        water = self._recorder.water
         for part in reversed(step.parts):
             if isinstance(part, _Painting):
-                other, ids = self._exchange_painting(part)
+                other, ids, water = self._exchange_painting(part, water)
             else:
                 other, ids = part.exchange(self._surface)
+                water = self._surface.keep_flow()
             back.append(other)
             touched.append(ids)
         step.parts = back
         everything = np.unique(np.concatenate(touched)).astype(np.int32)
         if all(isinstance(part, _Painting) for part in back):
-            self._recorder.accept(everything)
+            self._recorder.accept(everything, water)
         else:  # another layer may lie open
             self._recorder.restart()
         self._kept = self._keep()
         return everything
 
-    def _exchange_painting(self, part: _Painting) -> tuple[_Painting, NDArray]:
+    def _exchange_painting(
+        self, part: _Painting, water: Mapping[str, NDArray] | None
+    ) -> tuple[_Painting, NDArray, Mapping[str, NDArray] | None]:
         delta = part.delta
         if isinstance(delta, _Place):
             delta = self._file.read(delta)
         kept = self._keep()
-        back, ids = delta.exchange(self._surface)
+        back, ids = delta.exchange(self._surface, water)
         self._restore(part.kept)
-        return _Painting(back, kept, back.n_bytes), ids
+        return _Painting(back, kept, back.n_bytes), ids, delta.flow
 
     def _steps(self) -> list[_Step]:
         return [*self._done, *self._undone]

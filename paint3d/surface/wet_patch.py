@@ -79,31 +79,51 @@ class WetPatch:
         """What `restore` takes, vertex by vertex."""
         self._know_pigments()
         node = self.node_of
-        _, first = np.unique(node, return_index=True)
+        first = np.empty(len(self.water), np.int64)
+        first[node[::-1]] = np.arange(len(node))[::-1]  # of its vertices
         kept = {name: getattr(self, name)[node] for name in _KEPT}
         return kept | {
             "vertices": self.vertices,
             "rim": np.zeros(0, np.uint8) if self.graph is None else self.graph.rim[node],
-            "written": self._written,
+            "written": self._written.copy(),
             "order": self.vertices[first[self.order]],
         }
 
     def restore(self, kept: Mapping[str, NDArray]) -> None:
-        """Take over what another patch kept, on the same vertices of the same surface."""
-        mesh = self._surface.paint_mesh
-        fields, n = mesh.arrays, mesh.n_vertices
-        sheets = np.zeros(mesh.n_sheets, bool)
-        sheets[fields.vertex_sheet[kept["vertices"][kept["rim"] == 0]]] = True
-        in_patch = sheets[fields.vertex_sheet[:n]]
-        self._take_over(build_flow_graph(fields, mesh.leaf_faces(), mesh.vertex_areas, in_patch))
+        """Take over what another patch kept, on the same vertices of the same surface.
+
+        Where this patch reaches beyond all that is wet, it stays: how far changes nothing.
+        """
         place = self._places(kept["vertices"])
+        holds = np.zeros(len(place), bool)
+        for name in (*_KEPT, "written"):
+            holds |= kept[name].any(axis=tuple(range(1, kept[name].ndim)))
+        outside = (place < 0) | self._on_rim(place)
+        if self.graph is None or (holds & outside).any():
+            self._reach(kept)
+            self._find_grain()
+            place = self._places(kept["vertices"])
+        self._know_pigments()
+        for name in _KEPT:
+            getattr(self, name)[:] = 0.0
+        self._written[:] = 0.0
         here = place >= 0
         for name in _KEPT:
             getattr(self, name)[self.node_of[place[here]]] = kept[name][here]
         self._written[place[here]] = kept["written"][here]
         order = self._places(kept["order"])
         self.order = self.node_of[order[order >= 0]].astype(np.int32)
-        self._find_grain()
+        self.entry = np.where(self.soaked >= 1.0, 0.0, self._dry_entry)
+        self.changed[:] = False
+
+    def _reach(self, kept: Mapping[str, NDArray]) -> None:
+        """Be as large as the patch that was kept."""
+        mesh = self._surface.paint_mesh
+        fields, n = mesh.arrays, mesh.n_vertices
+        sheets = np.zeros(mesh.n_sheets, bool)
+        sheets[fields.vertex_sheet[kept["vertices"][kept["rim"] == 0]]] = True
+        in_patch = sheets[fields.vertex_sheet[:n]]
+        self._take_over(build_flow_graph(fields, mesh.leaf_faces(), mesh.vertex_areas, in_patch))
 
     def is_wet(self) -> bool:
         """Whether there is any water left."""

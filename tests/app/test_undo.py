@@ -129,6 +129,34 @@ def test_what_was_undone_goes_when_something_new_comes():
     assert (history.done, history.undone) == (["a", "c"], [])
 
 
+@pytest.mark.parametrize("redo", [False, True])
+def test_time_goes_on_after_undo_as_if_the_step_had_never_been(redo):
+    surfaces = []
+    for again in (False, True):
+        surface = PaintedSurface(load_mesh("plane"), 2.0, "xuan")
+        surface.refine_all()
+        painter = Painter(surface)
+        history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
+        history.begin("a")
+        act(surface, painter, "stroke", (-10, 0, 10, 0))
+        surface.diffuse(0.3)
+        surface.refresh()
+        if again:
+            history.begin("b")
+            act(surface, painter, "stroke", (-10, 20, 10, -20))
+            surface.diffuse(2.0)
+            history.undo()
+        if again and redo:  # also from where no water had ever moved
+            history.undo()
+            history.redo()
+        surface.diffuse(3.0)
+        surfaces.append(surface)
+    one, two = surfaces
+    np.testing.assert_array_equal(two.amounts, one.amounts)
+    np.testing.assert_array_equal(two.srgb, one.srgb)
+    assert two.flow.water == pytest.approx(one.flow.water, rel=1e-12)
+
+
 def test_redo_first_takes_back_what_the_clock_did_since():
     surface = PaintedSurface(load_mesh("plane"), 1.5, "xuan")
     painter = Painter(surface)
