@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.surface.dry_layers import DryRows
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.vertex_sets import union
 
 __all__ = ["BrushLoad", "DeltaRecorder", "SurfaceDelta"]
 
@@ -99,8 +100,8 @@ class SurfaceDelta:
         gone = dry.vertex_ids[self.dry.count :].copy()
         rows = dry.exchange(self.dry, surface.paint_mesh.capacity)
         self.brush.put(surface)
-        touched = np.unique(np.concatenate([ids, gone, rows.vertex_ids, self.dry.vertex_ids]))
-        touched = touched.astype(np.int32)
+        dried = (gone, rows.vertex_ids, self.dry.vertex_ids)
+        touched = union([ids, *dried], surface.paint_mesh.capacity)
         surface.touch(touched)
         if self.flow is not water:
             self._move_water(surface)

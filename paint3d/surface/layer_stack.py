@@ -22,6 +22,7 @@ from paint3d.colour.spectra import N_BANDS
 from paint3d.errors import InputError
 from paint3d.kernels.layering import GROUNDS, see_through
 from paint3d.surface.dry_layers import DryLayers
+from paint3d.surface.vertex_sets import union
 
 if TYPE_CHECKING:
     from paint3d.surface.painted_surface import PaintedSurface
@@ -74,7 +75,7 @@ class StackState(NamedTuple):
         stack = surface.layers
         back, before = stack.state(), stack.painted_ids()
         stack.put(self)
-        touched = np.union1d(before, stack.painted_ids()).astype(np.int32)
+        touched = union([before, stack.painted_ids()], surface.paint_mesh.capacity)
         surface.touch(touched)
         return back, touched
 
@@ -288,7 +289,7 @@ class LayerStack:
         found = [np.flatnonzero(surface.coverage > 0.0), surface.dry_layers.vertex_ids]
         for content in self._others():
             found += [content.ids, content.dry_ids]
-        return np.unique(np.concatenate(found)).astype(np.int32)
+        return union(found, surface.paint_mesh.capacity)
 
     def parts_at(self, vertex_id: int) -> NDArray:
         """(P,) ink on a vertex in the highest visible layer that has any there: wet, else dry."""

@@ -23,6 +23,7 @@ from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.mesh_colours import MeshColours
+from paint3d.surface.vertex_sets import union
 
 if TYPE_CHECKING:
     from paint3d.kernels.contact import ContactTree
@@ -215,8 +216,8 @@ class PaintedSurface:
         if self._changed is None:
             self._changed = []
             return np.flatnonzero(self.ink.amounts.any(axis=1) | (self.ink.coverage > 0.0))
-        changed, self._changed = np.unique(np.concatenate([*self._changed, dirty])), []
-        return changed.astype(np.int32)
+        changed, self._changed = self._changed, []
+        return union([*changed, dirty], self.paint_mesh.capacity)
 
     def _know_vertices(self) -> None:
         """Give vertices that have appeared on a mesh with colours theirs."""
@@ -287,7 +288,7 @@ class PaintedSurface:
         if self._flow is None:
             return None
         fresh = [*self._fresh, self.ink.dirty_ids[: int(self.ink.n_dirty[0])]]
-        return {**self._flow.keep(), "fresh": np.unique(np.concatenate(fresh))}
+        return {**self._flow.keep(), "fresh": union(fresh, self.paint_mesh.capacity)}
 
     def restore_flow(self, kept: Mapping[str, NDArray]) -> None:
         """Let the water go on as on the surface that it was kept from."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from paint3d.surface.delta import DeltaRecorder, SurfaceDelta
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.vertex_sets import union
 
 __all__ = ["Part", "UndoHistory"]
 
@@ -166,7 +167,10 @@ class UndoHistory:
         second = self._exchange(step)
         self._done.append(step)
         self._spill()
-        return np.unique(np.concatenate([first, second])).astype(np.int32)
+        return self._union([first, second])
+
+    def _union(self, sets: list[NDArray]) -> NDArray:
+        return union(sets, self._surface.paint_mesh.capacity)
 
     def revert(self) -> NDArray:
         """Take back the step that goes on and forget it, as when a stroke is cancelled."""
@@ -188,7 +192,7 @@ class UndoHistory:
             back.append(other)
             touched.append(ids)
         step.parts = back
-        everything = np.unique(np.concatenate(touched)).astype(np.int32)
+        everything = self._union(touched)
         if all(isinstance(part, _Painting) for part in back):
             self._recorder.accept(everything, water)
         else:  # another layer may lie open

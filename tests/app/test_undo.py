@@ -9,6 +9,7 @@ from paint3d.files.load import load_mesh
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
+from paint3d.surface.vertex_sets import union
 from tests.app.hands import line
 
 ACTIONS = st.sampled_from(
@@ -219,3 +220,11 @@ def test_reverting_forgets_the_step(memory):
     history.revert()
     assert (history.done, history.undone) == ([], [])
     assert not surface.painted.any()
+
+
+@pytest.mark.parametrize("capacity", [6, 10_000])
+def test_sets_of_vertices_are_joined_by_marks_or_by_sorting(capacity):
+    joined = union([np.array([5, 1], np.int32), np.array([1, 3])], capacity)
+    assert joined.dtype == np.int32
+    assert joined.tolist() == [1, 3, 5]
+    assert union([], capacity).tolist() == []

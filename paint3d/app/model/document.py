@@ -10,7 +10,6 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.brush_commands import BrushCommands, Ink
@@ -38,6 +37,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
+from paint3d.surface.vertex_sets import union
 
 __all__ = ["Document"]
 
@@ -212,7 +212,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         pending, self._pending = self._pending, []
         if len(pending) == 1:
             return pending[0]
-        return np.unique(np.concatenate([np.empty(0, np.int32), *pending])).astype(np.int32)
+        return union(pending, self.surface.paint_mesh.capacity)
 
     def _gather(self) -> None:
         """Remember what a refresh finds, whoever asks for colours."""

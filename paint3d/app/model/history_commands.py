@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Self
 
-import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.stroke_log import Stroke, StrokeLog
@@ -16,6 +15,7 @@ from paint3d.stroke.engine import Painter
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
+from paint3d.surface.vertex_sets import union
 
 __all__ = ["HistoryCommands"]
 
@@ -106,12 +106,12 @@ class HistoryCommands:
             raise InputError(
                 f"stroke {upto} of the history; expected {self.oldest_stroke} to {most}"
             )
-        touched = [np.empty(0, np.int32)]
+        touched: list[NDArray] = []
         while len(self.strokes) > upto:
             touched.append(self.undo())
         while len(self.strokes) < upto:
             touched.append(self.redo())
-        return np.unique(np.concatenate(touched)).astype(np.int32)
+        return union(touched, self.surface.paint_mesh.capacity)
 
     def replayed(self, upto: int | None = None) -> Self:
         """The first strokes painted once more on the bare object, as another document.

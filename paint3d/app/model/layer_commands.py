@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import count
 
-import numpy as np
-
 from paint3d.errors import InputError
 from paint3d.stroke.engine import Painter
 from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
+from paint3d.surface.vertex_sets import union
 
 __all__ = ["LayerCommands"]
 
@@ -114,7 +113,7 @@ class LayerCommands:
         self._undo.change(stack.state, lambda: action(stack))
         painter.loaded += surface.wet_ink() + surface.dry_ink() - before
         if step is not None:
-            surface.touch(np.union1d(shown, stack.painted_ids()).astype(np.int32))
+            surface.touch(union([shown, stack.painted_ids()], surface.paint_mesh.capacity))
         self.modified = True
 
     def _paintable(self) -> Layer:
