@@ -1,30 +1,45 @@
-"""Bending the hairs of a tuft: one imprint on a plane and on a curved patch, on one core."""
+"""Bending the hairs of a tuft, and painting with them, on one core.
+
+One imprint bent on a plane and on a curved patch; and a stroke in the bowl, with 1,000 hairs and
+with a solid tuft.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
-from paint3d.bench.stopwatch import alternate
+from paint3d.bench.stopwatch import alternate, best_of
+from paint3d.bench.strokes import make_dab, record_dabs
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
+from paint3d.device.recorded import Recording
+from paint3d.files.load import load_mesh
 from paint3d.kernels import bristle_tuft as bt
 from paint3d.kernels.bristle_standing import bend_often
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["HairBend", "measure"]
+__all__ = ["HairBend", "measure", "time_strokes"]
 
 _BRUSH = "full"
 _COUNTS = (1, 10, 100, 1_000, 10_000)
 _WANTED_MS = {1_000: 0.010, 10_000: 0.080}
 _MOST_CURVED = 2.5  # times the plane
+_VERTICES = 1_000_000
+_SAMPLES = 600
 _ROUNDS = 60
 _HAIRS_A_ROUND = 1_000_000
+_VERTICES = 1_000_000
+_SAMPLES = 600
 _CURVED = np.array([0.0, 0.02, -0.01, -0.01, 0.0, -0.01])  # a ball of 50 mm radius
 
 
@@ -57,8 +72,35 @@ class HairBend:
         )  # fmt: skip
 
 
+def _in_the_bowl(surface: PaintedSurface, n: int) -> Recording:
+    """A stroke of circles on the floor of the bowl, one sample a millisecond."""
+    floor = surface.mesh.vertices[surface.mesh.normals[:, 2] > 0.9]
+    dab = make_dab(_BRUSH, 0.4)
+    turn = np.linspace(0.0, 0.01 * n, n)
+    centres = np.column_stack([8.0 * np.cos(turn), 8.0 * np.sin(turn), np.zeros(n)])
+    centres[:, 2] = float(floor[np.hypot(floor[:, 0], floor[:, 1]) < 10.0, 2].max())
+    recording = record_dabs(dab, centres)
+    return replace(recording, time_ns=recording.time_ns // 5)
+
+
+def time_strokes(share: float = 1.0) -> dict[int, tuple[float, int, int]]:
+    """By hairs (0: solid), CPU ms an imprint in the bowl, imprints, and the bowl's vertices."""
+    surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * share)))
+    recording = _in_the_bowl(surface, max(60, int(_SAMPLES * share)))
+    found = {}
+    for n in (0, 1_000):
+        painter = Painter(surface, _BRUSH, hairs=n)
+        painter.replay(recording)
+        before = painter.report()["footprints"]
+        painter.replay(recording)
+        imprints = painter.report()["footprints"] - before
+        best = best_of(3, partial(painter.replay, recording), before=painter.dip)
+        found[n] = 1e3 * best.cpu_s / imprints, imprints, surface.n_vertices
+    return found
+
+
 def measure(share: float = 1.0) -> Result:
-    """Milliseconds of CPU per imprint for 1 to 10,000 hairs, on a plane and on a curved patch."""
+    """CPU per imprint: 1 to 10,000 hairs bent on a plane and on a patch, 1,000 in the bowl."""
     rounds = max(2, int(_ROUNDS * share))
     rows, checks = [], []
     for n in _COUNTS:
@@ -72,9 +114,17 @@ def measure(share: float = 1.0) -> Result:
         if n in _WANTED_MS:
             checks.append(Check(f"{n:,} hairs on a plane", plane, _WANTED_MS[n], unit="ms"))
             checks.append(Check(f"{n:,} hairs, curved over plane", curved / plane, _MOST_CURVED))
+    strokes = time_strokes(share)
+    solid, (hairs, imprints, vertices) = strokes[0][0], strokes[1_000]
+    checks.append(Check("cores for 500 imprints/s of 1,000 hairs in the bowl", 0.5 * hairs, 0.5))
     return Result(
         "An imprint of hairs: deformation, contact and 8 points a hair, on one core",
         ["hairs", "plane, CPU ms", "curved, CPU ms", "curved/plane", "plane, ns/hair"],
         rows,
         checks,
+        [
+            f"Painting in a bowl of {vertices:,} vertices, all included: {hairs:.3f} ms an imprint "
+            f"with 1,000 hairs ({imprints:,} imprints), {solid:.3f} ms a footprint of the solid "
+            f"tuft ({strokes[0][1]:,})."
+        ],
     )

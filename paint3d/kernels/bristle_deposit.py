@@ -9,6 +9,7 @@ from paint3d.kernels import stamp as st
 from paint3d.kernels import sweep as sw
 from paint3d.kernels.bristle_imprint import look_up
 from paint3d.kernels.bristle_ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
+from paint3d.kernels.bristle_state import UNLEVELLED
 from paint3d.kernels.gathering import gather
 from paint3d.kernels.pickup import CAPACITY, PICKUP, contact_level, take_up_ink, thin_contact
 from paint3d.kernels.projecting import project_ids
@@ -18,6 +19,7 @@ from paint3d.kernels.transfer import landing_share, weighed_area
 __all__ = ["PAINTED", "sweep_hairs"]
 
 PAINTED = 3  # counter: vertices that ink was left on
+_LEVELS_EVERY = 2.0  # mm of way
 _FAINTEST = 2e-3  # share covered below which a vertex is left alone
 _AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 
@@ -150,7 +152,11 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     if ink.habit[PICKUP] > 0.0:
         give_to_hairs(hairs.load, hairs.contact, room.taken)
     each = ink.habit[CAPACITY] / hairs.load.shape[0]
-    level_hairs(bristles, hairs.turned, hairs.load, each, outline_motion(before, after), hairs.bins)
+    hairs.memory[UNLEVELLED] += outline_motion(before, after)
+    if hairs.memory[UNLEVELLED] >= _LEVELS_EVERY:
+        way = hairs.memory[UNLEVELLED]
+        level_hairs(bristles, hairs.turned, hairs.load, each, way, hairs.bins)
+        hairs.memory[UNLEVELLED] = 0.0
     sum_hairs(hairs.load, ink.load)
     counters[PAINTED] += found
     return True

@@ -20,10 +20,11 @@ from paint3d.kernels.bristle_tuft import BLOCK, CURVED, PATCH, SAMPLES
 __all__ = ["LANES", "Imprint", "copy_imprint", "draw_imprint", "find_contact_pieces", "look_up",
            "make_imprint"]  # fmt: skip
 
-SUB = 4  # stations to a piece of hair
+SUB = 3  # stations to a piece of hair
 STATIONS = SUB * (SAMPLES - 1) + 1
 LANES = 128  # across the tuft
 _CELLS = 64  # along the imprint, for finding the station of a place
+_OUTER = 96  # hairs that tell how wide the tuft is: the last ones stand at the rim, all around
 _BINS = 48  # along the imprint, for its outline
 _Y = BLOCK
 _Z = 2 * BLOCK
@@ -127,10 +128,12 @@ def find_contact_pieces(bristles, bend, slopes, points, count, contact):
             start -= (near - clear[first]) / (over - clear[first])
         if last < SAMPLES - 1:
             # a hair leaves the surface as a parabola that has the slope of its next point
-            over = clear[last + 1]
+            here, over = max(clear[last], np.float32(0.0)), clear[last + 1]
             rest = bristles.rests[g, last, j]
             bow = min(1.0, 2.0 * over / (rest * max(slopes[last + 1], 1e-3)))
-            end += np.float32(1.0 - bow + bow * np.sqrt(near / over))
+            flat = (1.0 - bow) * (1.0 - here / near) if near > 0.0 else 1.0 - bow
+            left = np.sqrt(max(near - here, np.float32(0.0)) / (over - here))
+            end += np.float32(flat + (1.0 - flat) * left)
         contact[0, i], contact[1, i] = start, end
         touching += 1
         for at in (start, end):
@@ -143,13 +146,13 @@ def find_contact_pieces(bristles, bend, slopes, points, count, contact):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _widest(points, count, widths, margin):
-    """Half the tuft's width at every station, with a margin."""
+    """Half the tuft's width at every station, by its outermost hairs, with a margin."""
     for k in range(SAMPLES):
         most = np.float32(0.0)
-        for i in range(count):
+        for i in range(max(0, count - _OUTER), count):
             y = abs(points[i // BLOCK, k, _Y + i % BLOCK])
             most = y if y > most else most
-        widths[min(k * SUB, STATIONS - 1)] = most + margin
+        widths[k * SUB] = np.float32(1.03) * most + margin
     for k in range(SAMPLES - 1):
         a, b = widths[k * SUB], widths[(k + 1) * SUB]
         for s in range(1, SUB):

@@ -14,7 +14,7 @@ from numba import njit
 
 from paint3d.kernels.bristle_tuft import BLOCK
 
-__all__ = ["LEVEL_BINS", "ask_hairs", "give_to_hairs", "level_hairs", "sum_hairs",
+__all__ = ["LEVEL_BINS", "ask_hairs", "give_to_hairs", "level_hairs", "settle_gifts", "sum_hairs",
            "take_from_hairs"]  # fmt: skip
 
 LEVEL_BINS = 64  # across the tuft, within which hairs share
@@ -29,8 +29,8 @@ _SIDE = BLOCK  # place of b in the rows of `turned`
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def ask_hairs(bristles, turned, contact, load, capacity, way_done, rate, given):
-    """What each hair is ready to give over a way; returns the sum.
+def ask_hairs(bristles, turned, contact, load, capacity, way_done, given):
+    """What the hairs are ready to give, as against one another; returns the sum of their wishes.
 
     Parameters
     ----------
@@ -42,36 +42,51 @@ def ask_hairs(bristles, turned, contact, load, capacity, way_done, rate, given):
         Ink in a full hair.
     way_done : float
         Of the tuft since it was dipped, mm: streaks come and go along it.
-    rate : float
-        eta' pe ds.
     given : (B,) float64
-        Filled, coats x mm2.
+        Filled: its wish times its ink, coats x mm2.
     """
     count, n_pigments = load.shape
     cells = bristles.appetite.shape[0]
-    wanted = 0.0
     stage = int(way_done / _STAGE)
     fraction = way_done / _STAGE - stage
+    wanted = 0.0
     for i in range(count):
         given[i] = 0.0
         piece = contact[1, i]
-        if piece >= 0.0:
-            b = turned[i // BLOCK, _SIDE + i % BLOCK]
-            cell = min(cells - 1, max(0, int((b + 1.0) * 0.5 * cells)))
-            held = 0.0
-            for p in range(n_pigments):
-                held += load[i, p]
-            place = _STEP * (cell // _STEP) + 1
-            now = bristles.thirst[(place * (stage + 7) * 31) % cells]
-            soon = bristles.thirst[(place * (stage + 8) * 31) % cells]
-            thirst = (1.0 - _PASSING) * bristles.thirst[cell]
-            thirst += _PASSING * ((1.0 - fraction) * now + fraction * soon)
-            flow = (held / capacity - _THIRST * thirst) / _SOFT
-            given[i] = min(1.0, 0.2 + np.float64(piece - contact[0, i])) * bristles.appetite[cell]
-            given[i] *= min(1.0, max(0.0, flow))
-            wanted += given[i]
-    if wanted <= 0.0:
-        return 0.0
+        if piece < 0.0:
+            continue
+        b = turned[i // BLOCK, _SIDE + i % BLOCK]
+        cell = min(cells - 1, max(0, int((b + 1.0) * 0.5 * cells)))
+        held = 0.0
+        for p in range(n_pigments):
+            held += load[i, p]
+        place = _STEP * (cell // _STEP) + 1
+        now = bristles.thirst[(place * (stage + 7) * 31) % cells]
+        soon = bristles.thirst[(place * (stage + 8) * 31) % cells]
+        thirst = (1.0 - _PASSING) * bristles.thirst[cell]
+        thirst += _PASSING * ((1.0 - fraction) * now + fraction * soon)
+        flow = min(1.0, max(0.0, (held / capacity - _THIRST * thirst) / _SOFT))
+        wish = min(1.0, 0.2 + np.float64(piece - contact[0, i])) * bristles.appetite[cell] * flow
+        wanted += wish
+        given[i] = wish * held
+    return wanted
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def settle_gifts(load, wanted, rate, given):
+    """Turn wishes into what each hair gives over a way; returns the sum.
+
+    Parameters
+    ----------
+    load : (B, P) float64
+    wanted : float
+        Sum of the wishes, from `ask_hairs`.
+    rate : float
+        eta' pe ds.
+    given : (B,) float64
+        From `ask_hairs`; overwritten, coats x mm2.
+    """
+    count, n_pigments = load.shape
     each = min(count / wanted, _MOST_PER_HAIR) * rate
     total = 0.0
     for i in range(count):
@@ -79,7 +94,7 @@ def ask_hairs(bristles, turned, contact, load, capacity, way_done, rate, given):
             held = 0.0
             for p in range(n_pigments):
                 held += load[i, p]
-            given[i] = held * (1.0 - np.exp(-each * given[i]))
+            given[i] = held * (1.0 - np.exp(-each * given[i] / held))
             total += given[i]
     return total
 

@@ -24,8 +24,8 @@ __all__ = [
     "make_hairs",
 ]
 
-SET_X, SET_Y, PARTED, WAY = 0, 1, 2, 3  # places in Hairs.memory
-MEMORY_SIZE = 4
+SET_X, SET_Y, PARTED, WAY, UNLEVELLED = 0, 1, 2, 3, 4  # places in Hairs.memory
+MEMORY_SIZE = 5
 TRACKED = 48  # hairs whose motion is watched: the outermost ones, all around
 TRACKED_POINTS = 5  # of each, from the tip
 
@@ -34,8 +34,9 @@ class Hairs(NamedTuple):
     """Hairs of one painter (B hairs, P pigments)."""
 
     load: NDArray  # (B, P) float64, ink in each, coats x mm2
-    memory: NDArray  # (4,) float64: bend that stays, along the handle's axes (mm); how far clumps
-    # have parted, 0 to 1; way since the last dip (mm)
+    memory: NDArray  # (5,) float64: bend that stays, along the handle's axes (mm); how far clumps
+    # have parted, 0 to 1; ways since the last dip and since
+    # hairs last shared their ink (mm)
     pace: NDArray  # (2,) float64: how far between two samples, and the next step's share of it
     roll: NDArray  # (2,) float64, direction of the bend in the handle's axes, of `turned`
     turned: NDArray  # of `turn_hairs`

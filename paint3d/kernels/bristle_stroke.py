@@ -14,7 +14,7 @@ from numba import njit
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_deposit import sweep_hairs
 from paint3d.kernels.bristle_imprint import copy_imprint, draw_imprint, find_contact_pieces
-from paint3d.kernels.bristle_ink import ask_hairs
+from paint3d.kernels.bristle_ink import ask_hairs, settle_gifts
 from paint3d.kernels.bristle_patch import fit_patch
 from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
 from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_bend, turn_hairs
@@ -102,7 +102,7 @@ def _find_slopes(tuft, points, slopes):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _draw(stamp, before, tuft, bristles, hairs, field, ink, room):
-    """Contacts, what the hairs give on the way here, and the imprint; returns what they give."""
+    """Contacts, what the hairs would give, and the imprint; returns how much they wish to."""
     count = hairs.load.shape[0]
     _find_slopes(tuft, hairs.points, hairs.slopes)
     touching, low, high = find_contact_pieces(
@@ -111,17 +111,15 @@ def _draw(stamp, before, tuft, bristles, hairs, field, ink, room):
     if touching == 0:
         stamp.values[st.TOUCHES] = 0.0
         return 0.0
-    # what a hair gives in the map does not depend on how long the way is
     each = ink.habit[CAPACITY] / count
-    ready = ask_hairs(
-        bristles, hairs.turned, hairs.contact, hairs.load, each, hairs.memory[WAY], 1e-3,
-        hairs.given,
-    )  # fmt: skip
+    wanted = ask_hairs(
+        bristles, hairs.turned, hairs.contact, hairs.load, each, hairs.memory[WAY], hairs.given
+    )
     draw_imprint(
         stamp, bristles, hairs, hairs.load, hairs.given, each, field.numbers[0], low, high,
         room.reach, room.half_width,
     )  # fmt: skip
-    return ready
+    return wanted
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -227,28 +225,25 @@ def paint_with_hairs(
                     before.values[st.TOUCHES] = 0.0
         while pace[0] < 1.0:
             step = min(pace[1], 1.0 - pace[0])
-            ready = 0.0
+            wanted = 0.0
             while True:
                 _interpolate(samples, i, pace[0] + step, pose)
                 tuft = drive(samples, i, pace[0] + step, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
-                ready = 0.0
+                wanted = 0.0
                 if after.values[st.TOUCHES] > 0.0:
                     _place_hairs(pose, after, tuft, bristles, hairs, field, ink, room)
-                    ready = _draw(after, before, tuft, bristles, hairs, field, ink, room)
+                    wanted = _draw(after, before, tuft, bristles, hairs, field, ink, room)
                     _track(after, hairs, hairs.track[1])
                 touches = after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0
                 moved = _fastest(before, after, hairs.track) if touches else 0.0
                 if moved <= most or step <= _SHORTEST:
                     break
                 step = max(_SHORTEST, step * max(0.2, min(0.7, 0.9 * most / moved)))
-            if ready > 0.0:
+            if wanted > 0.0:
                 rate = tuft.transfer_per_mm * mean_pressure(before, after)
                 rate *= outline_motion(before, after)
-                ready = ask_hairs(
-                    bristles, hairs.turned, hairs.contact, hairs.load,
-                    ink.habit[CAPACITY] / hairs.load.shape[0], hairs.memory[WAY], rate, hairs.given,
-                )  # fmt: skip
+                ready = settle_gifts(hairs.load, wanted, rate, hairs.given)
                 if not sweep_hairs(
                     before, after, ready, bristles, hairs, field, ink, counters, room
                 ):

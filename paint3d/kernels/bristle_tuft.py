@@ -29,6 +29,7 @@ BLOCK = 256  # hairs bent together: what they take stays in the fastest memory
 ARCS = (np.arange(SAMPLES) / (SAMPLES - 1.0)) ** 1.5  # of the length, from the tip
 ARCS.setflags(write=False)
 _NODES = 3  # heights read from the table for one imprint
+_NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahead, not aside
 _LIFT = 0.3  # mm, what a hair of the upper side rides above the surface at the tip
 
 _ZERO, _ONE, _TINY = np.float32(0.0), np.float32(1.0), np.float32(1e-12)
@@ -324,6 +325,32 @@ def _lay(bend, k, known, rest, w, above, here):
 
 
 @_elementwise
+def _lay_free(bend, k, known, rest, w, above, here):
+    """`_lay` for pieces far from the tip: what is longer or shorter is so in every direction."""
+    at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
+    c0 = np.float32(bend[at] - bend[at + _NODES])
+    c1 = np.float32(bend[at + 1] - bend[at + 1 + _NODES])
+    c2 = np.float32(bend[at + 2] - bend[at + 2 + _NODES])
+    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
+    dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
+    sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
+    side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
+    ride = np.float32(bend[RIDE + k])
+    for j in range(BLOCK):
+        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
+        ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
+        ey = known[_B + j] * side + (w[_PART + j] * part + (sy - y1))
+        low = own * (d0 + t * (d1 + t * d2)) + (a * dz + w[_TOP + j])
+        least = w[_UP + j] * ride
+        ez = (low if low > least else least) - z1
+        run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
+        here[_X + j] = x1 + ex * run
+        here[_Y + j] = y1 + ey * run
+        here[_Z + j] = z1 + ez * run
+
+
+@_elementwise
 def _lay_patch(bend, k, known, rest, w, above, here):
     """`_lay`, with the ground asked for where the hairs' curves lead to."""
     at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
@@ -448,7 +475,10 @@ def bend_hairs(rests, turned, bend, block, out):
                 _lay_patch(bend, k, known, rest, block, above, here)
                 _raise_patch(bend, rest, above, here)
             else:
-                _lay(bend, k, known, rest, block, above, here)
+                if k > _NEAR_TIP:
+                    _lay_free(bend, k, known, rest, block, above, here)
+                else:
+                    _lay(bend, k, known, rest, block, above, here)
                 under, far = _sunk(here)
                 if far > _ZERO:
                     _raise(rest, above, here)

@@ -29,8 +29,8 @@ class HairTuft:
     ----------
     load : (B, P) float64
         Ink in each hair, coats x mm2.
-    memory : (4,) float64
-        See `kernels.bristle_state`: the bend that stays, how far clumps have parted, the way.
+    memory : (5,) float64
+        See `kernels.bristle_state`: the bend that stays, how far clumps have parted, and ways.
 
     Raises
     ------
@@ -55,7 +55,7 @@ class HairTuft:
         Above that it keeps what it held; either part mixes along the hair. Returns the sum (P,).
         """
         self._fit(len(load))
-        self.memory[WAY] = 0.0
+        self.memory[WAY:] = 0.0
         self.load *= 1.0 - reach
         self.load += reach * load / len(self.load)
         return self.held()

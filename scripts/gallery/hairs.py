@@ -1,22 +1,14 @@
-#!/usr/bin/env python
-"""Draw the gallery's pictures of single hairs.
-
-Usage: python scripts/gallery/hairs.py [NAME ...] [--out FOLDER]
-
-bristles       1, 10, 100, 1,000 and 10,000 hairs and a solid tuft, from wet to dry
-feibai         the same dry strokes on a bowl, with 1,000 hairs and with a solid tuft
-"""
+"""The gallery's pictures of single hairs: how many, how wet, and flying white on a bowl."""
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from ink import OUT, draw, join, sheet, sheet_chart, stroke
+from ink import draw, join, sheet, sheet_chart, stroke
 
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import make_chart
@@ -26,11 +18,11 @@ from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 COUNTS = (1, 10, 100, 1_000, 10_000, 0)
-LOADS = (1.0, 0.3, 0.17, 0.09)
+LOADS = (1.0, 0.36, 0.25, 0.18)
 COLUMN, ROW = 62.0, 17.0  # mm
 
 
-def bristles(folder: Path) -> None:
+def bristles(file: Path, _glyphs: Path) -> None:
     """Rows by hairs (the last is solid), columns by how much ink is left."""
     mesh = sheet(COLUMN * len(LOADS), ROW * len(COUNTS))
     surface, chart = PaintedSurface(mesh, 0.22, "xuan"), sheet_chart(mesh)
@@ -44,10 +36,10 @@ def bristles(folder: Path) -> None:
             painter = Painter(surface, "full", "pine soot", hairs=count)
             painter.wipe(1.0 - load)
             painter.replay(stroke(chart, way, press))
-    draw(surface, folder / "bristles.png", (1500, 720))
+    draw(surface, file, (1500, 720))
 
 
-def feibai(folder: Path) -> None:
+def feibai(file: Path, _glyphs: Path) -> None:
     """Two sweeping strokes on the outside of the bowl, the brush half dry."""
     paths = []
     for name, count in (("hairs", 1_000), ("solid", 0)):
@@ -55,32 +47,17 @@ def feibai(folder: Path) -> None:
         surface, closest = PaintedSurface(mesh, 0.3, "porcelain"), ClosestPoints(mesh)
         chart = make_chart(closest, place(closest, (0.5, 0.5)), 55.0, 30.0)
         painter = Painter(surface, "full", "pine soot", hairs=count)
-        painter.wipe(0.84)
+        painter.wipe(0.74)
         turn = np.linspace(0.0, 1.0, 30)
         arch = np.column_stack([-46.0 + 92.0 * turn, 6.0 + 9.0 * np.sin(np.pi * turn)])
         press = 0.62 * np.clip(np.minimum(6.0 * turn, 9.0 * (1.0 - turn)), 0.0, 1.0)
         painter.replay(stroke(chart, arch, press))
         hook = np.column_stack([-30.0 + 66.0 * turn, -8.0 - 9.0 * turn + 5.0 * np.sin(5 * turn)])
         painter.replay(stroke(chart, hook, 0.8 * press))
-        path = folder / f"feibai_{name}.png"
+        path = file.with_name(f"feibai_{name}.png")
         draw(surface, path, (900, 760))
         paths.append(path)
-    join(paths, folder / "feibai.png")
+    join(paths, file)
 
 
-SCENES = {f.__name__: f for f in (bristles, feibai)}
-
-
-def main() -> None:
-    """Run as the module's first lines say."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", metavar="NAME", nargs="*", default=list(SCENES), choices=SCENES)
-    parser.add_argument("--out", type=Path, default=OUT)
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    for name in options.names:
-        SCENES[name](options.out)
-
-
-if __name__ == "__main__":
-    main()
+PICTURES = {"bristles.png": bristles, "feibai.png": feibai}
