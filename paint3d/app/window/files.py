@@ -15,6 +15,7 @@ from paint3d.app.model.sitting import Unfinished, recoverable
 from paint3d.app.window.dialogs import NewDialog, ask_unit, implausible
 from paint3d.app.window.jobs import Progress, run_beside
 from paint3d.app.window.turntable import write_turntable
+from paint3d.app.window.warming import warm_up
 from paint3d.app.window.wording import say
 from paint3d.errors import Paint3DError
 from paint3d.files.atomic import write_atomically
@@ -98,6 +99,11 @@ class Files:
             Whether it was asked already what becomes of the painting that is open.
         """
         if not asked and self._window.stage.easel is not None and not self.may_leave():
+            return False
+        compiled = run_beside(
+            self._window, say("status.compiling"), lambda progress: warm_up(progress.check)
+        )
+        if not self.went_well(compiled):
             return False
         name = Path(path).name
         title = say("status.opening", name=named(name))

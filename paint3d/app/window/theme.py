@@ -91,6 +91,7 @@ def _palette(theme: Theme) -> QtGui.QPalette:
 _SHEET = """
 QMainWindow, QDialog {{ background: {panel}; }}
 QMainWindow::separator {{ background: {window}; width: 4px; height: 4px; }}
+QDialogButtonBox {{ dialogbuttonbox-buttons-have-icons: 0; }}
 QMenuBar {{ background: {panel}; padding: 2px 6px; border-bottom: 1px solid {line}; }}
 QMenuBar::item {{ padding: 4px 9px; border-radius: 4px; background: transparent; }}
 QMenuBar::item:selected {{ background: {chosen}; }}

@@ -1,0 +1,66 @@
+"""Compiling, ahead of the first stroke, what the window's own thread will run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.hand import Hand, PointerInput
+from paint3d.kernels.drape import drape_points
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.view.brush_shape import BrushStand, tuft_rings
+from paint3d.view.live_object import LiveObject
+
+__all__ = ["warm_up"]
+
+_MS = 1_000_000
+_warm: list[bool] = []
+
+
+def warm_up(progress: Callable[[], None] = lambda: None) -> None:
+    """Paint a stroke that nobody sees; once, some tenths of a second, a minute the first time.
+
+    Parameters
+    ----------
+    progress : callable
+        Called between the steps; what it raises stops them.
+    """
+    if _warm:
+        return
+    document = Document.new("plane", 4.0, "xuan")
+    hand, brush = Hand(ClosestPoints(document.surface.source)), document.painter.brush
+    shown = LiveObject(document.surface)
+    shown.uploads(document.refresh())
+    progress()
+    document.begin_stroke()
+    samples = hand.begin(_over(0), brush)
+    for k in range(1, 6):
+        samples += hand.move(_over(k), brush)
+    document.feed(samples)
+    progress()
+    document.end_stroke()
+    shown.uploads(document.refresh())
+    _stand(document, samples[-1])
+    progress()
+    document.undo()
+    _warm.append(True)
+
+
+def _over(k: int) -> PointerInput:
+    """A pen over the sheet."""
+    place, down = (2.0 * k, 0.0, 90.0), (0.0, 0.0, -1.0)
+    return PointerInput(10 * _MS * (k + 1), origin=place, direction=down, pressure=0.5)
+
+
+def _stand(document: Document, sample) -> None:
+    """Find how the brush stands, as for drawing it."""
+    painter, tree = document.painter, document.surface.contact_tree
+    contact = painter.contact(sample.position, sample.orientation, 0.4)
+    stand = BrushStand.of(painter.tuft, sample.position, np.eye(3), contact)
+    rings, _ = tuft_rings(painter.tuft, stand)
+    points = np.ascontiguousarray(rings[:, 0])
+    out, landed = np.zeros((len(points), 6)), np.zeros(len(points), np.uint8)
+    drape_points(tree, points, np.array([0.0, 0.0, -1.0]), 50.0, out, landed)
+    stand.outline(painter.tuft)
