@@ -31,6 +31,19 @@ def wait_for(condition, seconds: float = 20.0) -> None:
         live(0.02)
 
 
+def answer(press) -> None:
+    """Let `press` deal with the dialog that opens next; it is called with it."""
+
+    def look() -> None:
+        dialog = QtWidgets.QApplication.activeModalWidget()
+        if dialog is None or not dialog.isVisible():
+            QtCore.QTimer.singleShot(30, look)
+        else:
+            press(dialog)
+
+    QtCore.QTimer.singleShot(30, look)
+
+
 def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):
     """Send one mouse event."""
     place = QtCore.QPointF(x, y)

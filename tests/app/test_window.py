@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import ClassVar
 
@@ -15,6 +16,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+import paint3d
 from paint3d.app.model.sitting import recoverable
 from paint3d.app.window.both_hands import BothHands, carried_camera
 from paint3d.app.window.studio import StudioWindow
@@ -24,9 +26,10 @@ from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.files.session import load_session
 from paint3d.frames import rotate
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.steering import ObjectPose
 from paint3d.view.camera import Camera
-from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, pen_stroke, wait_for
+from tests.app.gestures import ALT, BUTTON, KIND, answer, drag, live, mouse, pen_stroke, wait_for
 
 ROOT = Path(__file__).parents[2]
 PAINTING = """
@@ -286,6 +289,41 @@ def test_keys_that_are_held_size_the_brush_or_show_what_is_below(window) -> None
     window.hand.look(camera)
 
 
+def test_refining_can_be_stopped_half_way(window, program) -> None:
+    other = StudioWindow(program)
+    other.show()
+    other.files.quiet = True
+    assert other.files.open_path("sphere", 0.3, asked=True)
+    with other.stage.easel.paused() as document:
+        before = document.surface.n_vertices
+    answer(lambda bar: bar.canceled.emit())
+    other.files.refine()
+    assert isinstance(other.files.error, CancelledError)
+    with other.stage.easel.paused() as document:
+        assert before < document.surface.n_vertices
+        cells = document.surface.paint_mesh.arrays.done
+        assert 0 < cells.sum() < len(cells)
+        assert len(document.surface.codes) == document.surface.paint_mesh.capacity
+        document.modified = False
+    other.close()
+
+
+def test_an_implausible_object_is_asked_for_its_unit(window, tmp_path: Path) -> None:
+    small = tmp_path / "small.ply"
+    ball = load_mesh("sphere")
+    paint3d.export(TriangleMesh(ball.vertices * 1e-3, ball.faces), small)
+    before = window.document
+    answer(lambda dialog: dialog.reject())
+    assert not window.files.open_path(str(small), asked=True)
+    assert window.document is before
+    answer(lambda dialog: dialog.accept())  # the likeliest is chosen already
+    assert window.files.open_path(str(small), 2.0, asked=True)
+    np.testing.assert_allclose(np.ptp(window.stage.points, axis=0), [150.0] * 3, rtol=0.01)
+    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    drag(window.canvas, (0.35, 0.45), (0.6, 0.45))
+    settled(window)
+
+
 def test_the_whole_surface_is_refined_on_demand(window) -> None:
     with window.stage.easel.paused() as document:
         before = document.surface.n_vertices
@@ -350,7 +388,8 @@ def test_after_kill_nine_the_stroke_is_offered_back(window, places: Path, screen
     process.stdout.close()
     left = recoverable()
     assert len(left) == 1
-    assert window.files.recover(left[0])
+    answer(lambda dialog: dialog.defaultButton().click())
+    assert window.files.offer_recovery()
     live(0.3)
     strokes = window.document.strokes
     assert len(strokes) == 2

@@ -173,14 +173,23 @@ class Easel:
             return not (self._working or self._jobs or self._stale or self._slot is not None)
 
     @contextmanager
-    def paused(self) -> Iterator[Document]:
-        """Hold the painting still between two steps, to read the document."""
+    def paused(self, seconds: float = -1.0) -> Iterator[Document | None]:
+        """Hold the painting still between two steps, to read the document.
+
+        Parameters
+        ----------
+        seconds : float
+            How long to wait for the step that is going on; None is given where it lasts longer.
+            Below 0: as long as it takes.
+        """
         with self._wake:
             self._wanting += 1
+        held = self._busy.acquire(timeout=seconds)
         try:
-            with self._busy:
-                yield self.document
+            yield self.document if held else None
         finally:
+            if held:
+                self._busy.release()
             with self._wake:
                 self._wanting -= 1
                 self._stale = True

@@ -18,6 +18,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.frame import BrushView, Frame
 from paint3d.app.model.sitting import Sitting
+from paint3d.brush.spec import BrushSpec
 from paint3d.frames import matrices_from_quaternions
 from paint3d.view.brush_shape import BrushStand
 from paint3d.view.camera import Camera
@@ -31,6 +32,7 @@ from paint3d.view.vtk_parts import DrawnMesh
 __all__ = ["Stage"]
 
 _CALM_S = 0.35  # after which the picture is drawn finely
+_PATIENCE_S = 0.02  # that the picture waits for a step of the painting
 _NONE = np.empty(0, np.int32)
 
 
@@ -60,12 +62,14 @@ class Stage:
         self.shows_brush = True
         self._object: LiveObject | None = None
         self._brush: LiveBrush | None = None
-        self._brush_name = ""
+        self._brush_spec: BrushSpec | None = None
         self._lines: dict[str, DrawnMesh] = {}
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
         self._stale = True
         self._changed: list[Box | None] = []
+        self._pending: list[NDArray] = []
+        self._stood: tuple = ()
         self._fine = False
         self._moved = time.perf_counter()
 
@@ -103,7 +107,7 @@ class Stage:
         for name in list(self._lines):
             self.show_lines(name, (), (0, 0, 0, 0))
         self.easel = self.frame = self._object = self._brush = None
-        self._brush_name = ""
+        self._brush_spec, self._stood, self._pending = None, (), []
 
     def close(self) -> None:
         """Let go of everything."""
@@ -150,11 +154,15 @@ class Stage:
         self._take_light()
         frame = self.easel.take_frame()
         if frame is None:
+            if self._pending:
+                self._take()
             return None
-        self._take(frame.vertex_ids)
-        before = self._brush.screen_box() if self._brush is not None else None
+        self._pending.append(frame.vertex_ids)
+        if self._pending[1:] or len(frame.vertex_ids) or frame.growth is not None:
+            self._take()
+        else:
+            self._pending.clear()
         self._show_brush(frame.brush)
-        self._changed += [before, self._brush.screen_box()]
         self.frame = frame
         return frame
 
@@ -176,10 +184,14 @@ class Stage:
         """(H, W, 4) uint8 pixels as they are now, the first row at the bottom."""
         return self.scene.draw(fine=fine)
 
-    def _take(self, vertex_ids: NDArray) -> None:
-        with self.easel.paused() as document:
-            ids = np.concatenate([vertex_ids, document.refresh()])
+    def _take(self) -> None:
+        """Copy what has changed; later, where a step of the painting lasts too long."""
+        with self.easel.paused(_PATIENCE_S) as document:
+            if document is None:
+                return
+            ids = np.concatenate([*self._pending, document.refresh()])
             uploads = self._object.uploads(ids)
+        self._pending.clear()
         self.scene.apply(uploads)
         self._changed += [self.scene.patch_box(upload.patch) for upload in uploads]
 
@@ -189,7 +201,7 @@ class Stage:
         baked, self._baking = self._baking.result(), None
         self._object.relight(baked)
         self.scene.set_ground(baked)
-        self._take(_NONE)
+        self._pending.append(_NONE)
         self.touch()
 
     # -- lines on the object ----------------------------------------------------------------
@@ -227,12 +239,22 @@ class Stage:
     # -- the brush --------------------------------------------------------------------------
 
     def _show_brush(self, seen: BrushView | None) -> None:
+        """Draw the brush where it is now, if it is anywhere else or otherwise than before."""
         painter = self.easel.document.painter
-        if self._brush is None or self._brush_name != painter.brush.name:
+        stood = (painter.brush, self.shows_brush)
+        if seen is not None:
+            held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
+            stood += (*seen.position, *seen.orientation, *held)
+        if stood == self._stood:
+            return
+        self._stood = stood
+        if self._brush is None or self._brush_spec != painter.brush:
             if self._brush is not None:
+                self._changed.append(self._brush.screen_box())
                 self._brush.remove()
             self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair)
-            self._brush_name = painter.brush.name
+            self._brush_spec = painter.brush
+        self._changed.append(self._brush.screen_box())
         if seen is None or not self.shows_brush:
             self._brush.hide()
             return
@@ -241,9 +263,11 @@ class Stage:
         tree = self.easel.document.surface.contact_tree
         ink = tuple(int(code) for code in seen.srgb)
         self._brush.show(stand, tree, self._object.light.axes, ink, seen.load)
+        self._changed.append(self._brush.screen_box())
 
     def hide_brush(self) -> None:
         """Let the brush leave the picture, as the pointer did."""
         if self._brush is not None:
             self._changed.append(self._brush.screen_box())
             self._brush.hide()
+            self._stood = ()
