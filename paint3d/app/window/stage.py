@@ -31,7 +31,8 @@ from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["Stage"]
 
-_CALM_S = 0.35  # after which the picture is drawn finely
+_CALM_S = 0.35  # after which the picture is drawn finely,
+_AFFORDED_S = 0.15  # unless a plain one took longer: the hand must not wait a second for it
 _PATIENCE_S = 0.02  # that the picture waits for a step of the painting
 _NONE = np.empty(0, np.int32)
 
@@ -70,6 +71,7 @@ class Stage:
         self._changed: list[Box | None] = []
         self._pending: list[NDArray] = []
         self._stood: tuple = ()
+        self._whole_s = 0.0
         self._fine = False
         self._moved = time.perf_counter()
 
@@ -174,8 +176,13 @@ class Stage:
             only = None if self._stale else box
             self._stale = self._fine = False
             self._moved = now
-            return self.scene.draw(only=only)
+            pixels = self.scene.draw(only=only)
+            if only is None:
+                self._whole_s = self.scene.frame_s
+            return pixels
         if self._fine or not self.scene.is_software or now - self._moved < _CALM_S:
+            return None
+        if self._whole_s > _AFFORDED_S:
             return None
         self._fine = True
         return self.scene.draw(fine=True)
