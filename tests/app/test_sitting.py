@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -120,6 +121,18 @@ def test_a_sitting_that_was_closed_leaves_nothing(tmp_path):
     stroke(easel, (-20, 0), (20, 0))
     easel.stop()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("done", [False, True])
+def test_a_sitting_is_offered_only_if_something_was_done(tmp_path, done):
+    sitting = Sitting(small_plane(), tmp_path)
+    if done:
+        sitting.note(encode_command("dip", ["cinnabar"], {}))
+    left = tmp_path / "left"
+    shutil.copytree(sitting.folder, left)  # as a kill leaves it
+    sitting.close()
+    assert [one.folder for one in recoverable(tmp_path)] == [left] * done
+    assert left.exists() == done
 
 
 def test_a_page_is_turned_before_its_base_is_there(tmp_path):

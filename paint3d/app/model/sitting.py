@@ -116,10 +116,15 @@ class Sitting:
             "object": document.surface.source.name,
             "path": None if document.path is None else str(document.path),
             "time_s": time.time(),
+            "modified": document.modified,
+            "opening_bytes": self._journal_bytes(),
         }
         temporary = self.folder / f".{_ABOUT}"
         temporary.write_text(json.dumps(about), encoding="utf-8")
         os.replace(temporary, self.folder / _ABOUT)
+
+    def _journal_bytes(self) -> int:
+        return sum(path.stat().st_size for _, path in _numbered(self.folder, "journal-"))
 
     def close(self, keep: bool = False) -> None:
         """End it: nothing is left to recover, unless it is to be kept."""
@@ -203,7 +208,10 @@ class Unfinished:
 
 
 def recoverable(folder: Path | None = None) -> list[Unfinished]:
-    """Sittings that ended without being closed, the newest first; those that go on are left out."""
+    """Sittings that ended without being closed, the newest first.
+
+    Those that go on are left out; those in which nothing was done are deleted.
+    """
     root = recovery_folder() if folder is None else folder
     found = []
     with suppress(OSError):
@@ -216,6 +224,10 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
 def _unfinished(folder: Path) -> list[Unfinished]:
     try:
         about = json.loads((folder / _ABOUT).read_text(encoding="utf-8"))
+        n_bytes = sum(path.stat().st_size for _, path in _numbered(folder, "journal-"))
+        if not about.get("modified", True) and n_bytes <= about.get("opening_bytes", 0):
+            shutil.rmtree(folder, ignore_errors=True)
+            return []
         path = None if about["path"] is None else Path(about["path"])
         written = max(file.stat().st_mtime for file in folder.iterdir())
         return [Unfinished(folder, str(about["object"]), path, written)]
