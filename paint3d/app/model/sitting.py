@@ -231,7 +231,7 @@ def _unfinished(folder: Path) -> list[Unfinished]:
         path = None if about["path"] is None else Path(about["path"])
         written = max(file.stat().st_mtime for file in folder.iterdir())
         return [Unfinished(folder, str(about["object"]), path, written)]
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
 
 
