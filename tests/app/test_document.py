@@ -1,10 +1,13 @@
 """A painting in the studio: strokes, the way back, files."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from paint3d.app.model.document import Document
 from paint3d.errors import ExportError, InputError, SessionError
+from paint3d.files.session import load_session, save_session
 from paint3d.ink.pigments import load_pigment
 from tests.app.hands import line, paint, same_vertices, sample, small_plane
 
@@ -155,10 +158,7 @@ def test_an_opened_painting_goes_on_with_what_the_brush_was_dipped_in(tmp_path):
     paint(document, (-20, 0), (20, 0))
     document.save(tmp_path / "a.p3d")
     again = Document.open(tmp_path / "a.p3d")
-    assert again.painter.dipped == {
-        again.surface.pigments[again.surface.column_of(load_pigment(name))]: weight
-        for name, weight in (("pine soot", 2.0), ("water", 1.0))
-    }
+    assert again.painter.dipped == {"pine soot": 2.0, "water": 1.0}
     for each in (document, again):
         each.dip()
     np.testing.assert_array_equal(again.surface.ink.load, document.surface.ink.load)
@@ -186,6 +186,55 @@ def test_bad_samples_are_refused_and_the_stroke_goes_on():
     alone = small_plane()
     paint(alone, (-20, 0), (20, 0))
     np.testing.assert_array_equal(document.surface.amounts, alone.surface.amounts)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"brush": {"name": "x"}}, "no brush"),
+        ({"brush": "besom"}, "besom"),
+        ({"dipped": 5}, "an ink is 5"),
+        ({"dipped": {"pine soot": -1.0}}, "weight of pine soot"),
+        ({"inks": [3, 4]}, "an ink is 3"),
+        ({"inks": {"a": 1}}, "expected two"),
+        ({"azimuth": 7}, "azimuth is 7"),
+        ({"brushes": {"full": {"hair": 1}}}, "no brush"),
+    ],
+)
+def test_settings_from_strangers_are_checked(tmp_path, changes, message):
+    document = small_plane()
+    paint(document, (-20, 0), (20, 0))
+    document.save(tmp_path / "a.p3d")
+    session = load_session(tmp_path / "a.p3d")
+    session.settings.update(changes)
+    save_session(session, tmp_path / "b.p3d")
+    with pytest.raises(SessionError, match=message):
+        Document.open(tmp_path / "b.p3d")
+
+
+def test_settings_that_do_not_matter_are_passed_over(tmp_path):
+    document = small_plane()
+    paint(document, (-20, 0), (20, 0))
+    document.save(tmp_path / "a.p3d")
+    session = load_session(tmp_path / "a.p3d")
+    session.settings.update({"unit": "parsec", "brushes": None, "inks": None})
+    save_session(session, tmp_path / "b.p3d")
+    again = Document.open(tmp_path / "b.p3d")
+    assert again.unit == "mm"
+    again.swap_inks()
+    assert again.painter.ink.name == "cinnabar"
+
+
+def test_an_ink_of_ones_own_is_at_hand_again(tmp_path):
+    document = small_plane()
+    own = dataclasses.replace(load_pigment("cinnabar"), name="my red")
+    document.dip({own: 1.0})
+    paint(document, (-20, 0), (20, 0))
+    document.swap_inks()
+    document.save(tmp_path / "a.p3d")
+    again = Document.open(tmp_path / "a.p3d")
+    again.swap_inks()
+    assert again.painter.ink.name == "my red"
 
 
 def test_a_painting_is_replayed_from_its_strokes_also_those_of_earlier_sittings(tmp_path):

@@ -13,22 +13,23 @@ from pathlib import Path
 from numpy.typing import NDArray
 
 from paint3d.app.model.brush_commands import BrushCommands, Ink
-from paint3d.app.model.brush_words import (
-    brush_from_words,
-    brush_words,
-    hair_words,
-    restore_hairs,
-)
+from paint3d.app.model.brush_words import brush_words, hair_words
 from paint3d.app.model.history_commands import HistoryCommands
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.layer_commands import LayerCommands
 from paint3d.app.model.mask import Mask, Stencil
+from paint3d.app.model.saved_settings import (
+    DEFAULT_BRUSH,
+    DEFAULT_INKS,
+    saved_inks,
+    saved_painter,
+    saved_unit,
+)
 from paint3d.app.model.stroke_commands import StrokeCommands
 from paint3d.app.model.stroke_log import StrokeLog, weights_of
 from paint3d.app.model.symmetry import Symmetry
-from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
-from paint3d.errors import ExportError, SessionError
+from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.export import check_export_path, export
 from paint3d.files.load import load_mesh
 from paint3d.files.session import Session, is_session_path, load_session, save_session
@@ -40,8 +41,6 @@ from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
 from paint3d.surface.vertex_sets import union
 
 __all__ = ["Document"]
-
-_BRUSH, _INKS = "full", ("pine soot", "cinnabar")
 
 
 class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
@@ -84,7 +83,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self.path = path
         self.unit = unit
         self.settings = dict(saved.settings if saved else {})
-        self.inks: list[Ink] = list(self.settings.get("inks", [painter.dipped, _INKS[1]]))
+        at_hand = saved_inks(surface, self.settings) or [painter.dipped, DEFAULT_INKS[1]]
+        self.inks: list[Ink] = list(at_hand)
         self.modified = False
         self._recordings = tuple(saved.recordings if saved else ())
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
@@ -115,8 +115,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         material: str | Material = "porcelain",
         *,
         unit: str | None = None,
-        brush: str | BrushSpec = _BRUSH,
-        ink: Ink = _INKS[0],
+        brush: str | BrushSpec = DEFAULT_BRUSH,
+        ink: Ink = DEFAULT_INKS[0],
     ) -> Document:
         """Start a painting on a mesh, its file, or a built-in object.
 
@@ -151,15 +151,12 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         if not is_session_path(path):
             return cls.new(path, resolution, material, unit=unit)
         session = load_session(path)
-        surface, settings = session.surface, session.settings
-        brush = _brush_of(settings.get("brush"))
-        ink = None if surface.pigments else _ink_named(settings.get("ink"))
-        azimuth = settings.get("azimuth", "commanded")
-        painter = Painter(surface, brush, ink, azimuth)
-        if "dipped" in settings:
-            _remember_dip(painter, settings["dipped"])
-        restore_hairs(painter, settings.get("hairs"))
-        return cls(surface, painter, Path(path), session, str(settings.get("unit", "mm")))
+        try:
+            painter = saved_painter(session.surface, session.settings)
+            unit = saved_unit(session.settings)
+            return cls(session.surface, painter, Path(path), session, unit)
+        except Paint3DError as cause:
+            raise SessionError(f"{path}: {cause}") from None
 
     def save(self, path: str | os.PathLike[str] | None = None) -> None:
         """Save everything to a session, by default to the one it came from.
@@ -221,23 +218,3 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
     def _note(self, vertex_ids: NDArray) -> None:
         if len(vertex_ids):
             self._pending.append(vertex_ids)
-
-
-def _remember_dip(painter: Painter, saved: object) -> None:
-    """Let a brush that lies there know what it was dipped in last."""
-    known = {pigment.name: pigment for pigment in painter.surface.pigments}
-    try:
-        dipped = {known.get(name, name): float(weight) for name, weight in saved.items()}
-    except (AttributeError, TypeError, ValueError):
-        raise SessionError(f"the brush was dipped in {saved!r:.60}; expected inks") from None
-    painter.restore({**painter.keep(), "_dipped": dipped})
-
-
-def _brush_of(saved: object) -> BrushSpec:
-    if isinstance(saved, Mapping):
-        return brush_from_words(saved)
-    return load_brush(saved if isinstance(saved, str) else _BRUSH)
-
-
-def _ink_named(saved: object) -> str:
-    return saved if isinstance(saved, str) else _INKS[0]

@@ -97,7 +97,8 @@ class StrokeLog:
     def __init__(
         self, before: Sequence[Recording] = (), brushes: Mapping[str, Mapping] | None = None
     ) -> None:
-        self._before = [_stroke_of(recording, brushes or {}) for recording in before]
+        known = brushes if isinstance(brushes, Mapping) else {}
+        self._before = [_stroke_of(recording, known) for recording in before]
         self.strokes: list[Stroke] = list(self._before)
         self.current: Stroke | None = None
         self.tags: dict[str, object] = {}
