@@ -53,8 +53,9 @@ class Hud:
         painter.drawText(text, left, f"{say(plain_name(brush))}  ·  {brush.length_mm:.3g} mm")
         painter.setPen(QtGui.QColor(theme.faint))
         below = plate.adjusted(52, _HEIGHT / 2 - 2, -8, -4)
-        share = say("ink {share:.0f} %", share=100 * load)
-        painter.drawText(below, left, f"{window.panels.ink_name()}  ·  {share}")
+        told = f"{say('ink {share:.0f} %', share=100 * load)}  ·  {window.panels.ink_name()}"
+        right = QtCore.Qt.TextElideMode.ElideRight
+        painter.drawText(below, left, painter.fontMetrics().elidedText(told, right, below.width()))
 
     def _paint_drop(
         self, painter: QtGui.QPainter, plate: QtCore.QRectF, ink: QtGui.QColor | None, load: float

@@ -168,6 +168,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.statusBar().addWidget(self.told, 1)
         self.statusBar().addPermanentWidget(self.state)
         self.statusBar().setSizeGripEnabled(False)
+        self.statusBar().setContentsMargins(8, 0, 12, 0)
         self.tell(say("Paint with the left button or a pen; turn with Alt or the middle button"))
 
     # -- choices ----------------------------------------------------------------------------
