@@ -45,7 +45,7 @@ _GLIDE_STEP_MM = 0.5
 _LEAST_GAP_MM = 3.0
 _PLACES_BETWEEN = (0.25, 0.5, 0.75)
 _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
-_LEAD_S = 0.05  # over which the root goes ahead as the pressure changes
+_RISE_STEPS = 6  # in which a centred brush is lifted
 _FILTER_S = 0.03  # over which the pointer's speed is taken
 
 
@@ -161,7 +161,6 @@ class _State:
     twist: float | None = None
     buttons: int = 0
     sent_ns: int = 0
-    lead: float = 0.0  # mm that the root goes ahead, so that the footprint lies under the pointer
 
 
 class Hand:
@@ -204,7 +203,7 @@ class Hand:
         state.began_ns = event.time_ns
         state.beside = False
         state.speed, state.sent_ns = 0.0, 0
-        state.lead = self._wanted_lead(event, brush)
+        state.pressure = 0.0
         state.tip = state.point + _any_tangent(state.normal, state.tip - state.point)
         return [self._sample(brush, event.time_ns, pressure=0.0)]
 
@@ -224,7 +223,6 @@ class Hand:
             return self._step_over(event, brush)
         if not self._move(event, brush, pulled=True):
             return []
-        self._follow_lead(event, brush, (event.time_ns - state.sent_ns) * 1e-9)
         return [self._sample(brush, event.time_ns, pressure=self._pressure(event))]
 
     def end(self, time_ns: int, brush: BrushSpec) -> list[DeviceSample]:
@@ -235,7 +233,7 @@ class Hand:
         samples = self._glide(brush)
         state.began_ns = None
         at = max(time_ns, state.sent_ns + _STEP_NS)
-        return [*samples, self._sample(brush, at, pressure=0.0)]
+        return samples + self._rise(brush, at)
 
     # -- steps ------------------------------------------------------------------------------
 
@@ -358,26 +356,22 @@ class Hand:
         state.pressure = pressure
         return pressure
 
-    def _wanted_lead(self, event: PointerInput, brush: BrushSpec) -> float:
-        """How far from the foot the footprint's middle lies, mm, at the pressure of an event.
-
-        A pressure that is still rising with the landing counts as what it rises to: the root does
-        not jump while ink flows.
-        """
-        if not self.settings.centred:
+    def _lead(self, brush: BrushSpec, pressure: float) -> float:
+        """How far the root goes ahead, mm, for the footprint's middle to lie under the pointer."""
+        if not self.settings.centred or pressure <= 0.0:
             return 0.0
-        pressure = self.force / MAX_FORCE_N
-        if event.pressure is not None:
-            pressure = self.settings.curve(min(max(event.pressure, 0.0), 1.0))
         state = self._state
         tilt = math.asin(min(1.0, max(0.5, float(state.lean @ state.normal))))
         return _middle_reach(build_tuft(brush), pressure, tilt)
 
-    def _follow_lead(self, event: PointerInput, brush: BrushSpec, seconds: float) -> None:
-        """Let the root go ahead as far as the pressure asks, without haste."""
-        state = self._state
-        weight = 1.0 - math.exp(-max(0.0, seconds) / _LEAD_S)
-        state.lead += weight * (self._wanted_lead(event, brush) - state.lead)
+    def _rise(self, brush: BrushSpec, time_ns: int) -> list[DeviceSample]:
+        """The brush goes up where it is; the footprint shrinks about its own middle."""
+        pressure, samples = self._state.pressure, []
+        for k in range(1, _RISE_STEPS if self.settings.centred and pressure > 0.0 else 1):
+            share = 1.0 - k / _RISE_STEPS
+            samples.append(self._sample(brush, time_ns, pressure=share * pressure))
+            time_ns += _STEP_NS
+        return [*samples, self._sample(brush, time_ns, pressure=0.0)]
 
     def _trail(self, brush: BrushSpec) -> float:
         return self.settings.trail * brush.length_mm
@@ -395,7 +389,7 @@ class Hand:
         height = brush.length_mm - pressure * brush.full_press_mm
         height += _HOVER * brush.length_mm if lifted else 0.0
         state.sent_ns = time_ns
-        lead = 0.0 if lifted else state.lead
+        lead = self._lead(brush, pressure)
         return DeviceSample(
             time_ns,
             state.point + height * state.normal - lead * _any_tangent(state.normal, x),
