@@ -6,7 +6,6 @@ import numpy as np
 from numba import njit
 
 from paint3d.kernels import stamp as st
-from paint3d.kernels import sweep as sw
 from paint3d.kernels.bristle_imprint import look_up
 from paint3d.kernels.bristle_ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
 from paint3d.kernels.bristle_state import UNLEVELLED
@@ -25,16 +24,14 @@ _AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _ask_imprints(before, after, found, share, cover, n, field, room, hairs):
-    """Weigh vertices by the imprints of both stamps; return how many hairs reached.
+def _ask_imprint(imprint, found, share, cover, n, field, room, lanes):
+    """Weigh vertices by the imprint where the way ends; return how many the hairs reached.
 
-    Their share of the ink is the mean of both, what they are covered the greater of both.
+    The way is no longer than the vertices lie apart: what the hairs left behind on it, the imprint
+    before has drawn.
     """
     xs, ys, stretch = room.rows[0], room.rows[1], room.rows[2]
     size = xs.shape[0]
-    now, then = after.values[st.TOUCHES] > 0.0, before.values[st.TOUCHES] > 0.0
-    turn = room.frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
-    both = 0.5 if now and then else 1.0
     kept = 0
     for first in range(0, n, size):
         last = min(n, first + size)
@@ -45,24 +42,12 @@ def _ask_imprints(before, after, found, share, cover, n, field, room, hairs):
             room.frame, xs, ys, stretch,
         )  # fmt: skip
         for k in range(first, last):
-            x, y = np.float64(xs[k - first]), np.float64(ys[k - first])
-            ink = covered = 0.0
-            lane = 0
-            if then:
-                dx, dy = x - turn[0], y - turn[1]
-                ink, covered, lane = look_up(
-                    hairs.before, turn[2] * dx + turn[3] * dy, turn[2] * dy - turn[3] * dx
-                )
-            if now:
-                more, covered_now, lane_now = look_up(hairs.after, x, y)
-                ink += more
-                if covered_now >= covered:
-                    covered, lane = covered_now, lane_now
+            ink, covered, lane = look_up(imprint, np.float64(xs[k - first]), ys[k - first])
             if covered > _FAINTEST:
                 found[kept] = found[k]
-                share[kept] = share[k] * np.float32(both * ink)
+                share[kept] = share[k] * np.float32(ink)
                 cover[kept] = cover[k] * np.float32(covered)
-                hairs.lanes[kept] = lane
+                lanes[kept] = lane
                 kept += 1
     return kept
 
@@ -106,6 +91,7 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     Parameters
     ----------
     before, after : Stamp
+        `after` touches.
     ready : float
         What the hairs are ready to give on the way, coats x mm2: the sum of `hairs.given`.
     bristles, hairs, field, ink, counters, room : as for `kernels.bristle_stroke`
@@ -124,8 +110,8 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     weighed = weighed_area(field.area_units, unit, room.found, room.share, found)
     scale = 0.0 if area < width * width and found == 0 else 1.0
     lands = landing_share(area, width, weighed, found)
-    found = _ask_imprints(
-        before, after, room.found, room.share, room.cover, found, field, room, hairs
+    found = _ask_imprint(
+        hairs.imprint, room.found, room.share, room.cover, found, field, room, hairs.lanes
     )
     level = contact_level(before, after, ink)
     if level < 1.0 and found > 0:  # hairs that run dry give less, and only to the heights
@@ -143,10 +129,9 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     for p in range(hairs.left.shape[0]):
         hairs.left[p] = hairs.released[p] * lands
         ink.off_surface[p] += hairs.released[p] - hairs.left[p]
-    imprint = hairs.after if b[st.TOUCHES] > 0.0 else hairs.before
     _leave(
-        imprint, hairs.left, room.found, room.share, room.cover, found, field.area_units, unit,
-        hairs.lanes, room.part, ink,
+        hairs.imprint, hairs.left, room.found, room.share, room.cover, found, field.area_units,
+        unit, hairs.lanes, room.part, ink,
     )  # fmt: skip
     ink.off_surface[:] += hairs.left  # what found no vertex
     if ink.habit[PICKUP] > 0.0:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_tuft import BLOCK, CURVED, PATCH, SAMPLES
 
-__all__ = ["LANES", "Imprint", "copy_imprint", "draw_imprint", "find_contact_pieces", "look_up",
+__all__ = ["LANES", "Imprint", "draw_imprint", "find_contact_pieces", "look_up",
            "make_imprint"]  # fmt: skip
 
 SUB = 3  # stations to a piece of hair
@@ -56,16 +56,6 @@ def make_imprint(n_pigments: int) -> Imprint:
         np.zeros(_CELLS + 1, np.float32),
         np.zeros(4),
     )
-
-
-@njit(cache=True, nogil=True)
-def copy_imprint(source, target):
-    """Copy all arrays."""
-    target.map[:] = source.map
-    target.mix[:] = source.mix
-    target.widths[:] = source.widths
-    target.cells[:] = source.cells
-    target.numbers[:] = source.numbers
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -226,7 +216,7 @@ def draw_imprint(
         Gets the outline.
     bristles : Bristles
     hairs : Hairs
-        With the hairs' points and contacts; its `after` is drawn.
+        With the hairs' points and contacts; its imprint is drawn.
     load : (B, P) float64
         Ink of the hairs, coats x mm2.
     given : (B,) float64
@@ -239,7 +229,7 @@ def draw_imprint(
         From `find_contact_pieces`.
     reach, half_width : arrays as for `kernels.tuft.trace_outline`
     """
-    imprint, points, contact = hairs.after, hairs.points, hairs.contact
+    imprint, points, contact = hairs.imprint, hairs.points, hairs.contact
     count, n_pigments = load.shape
     cells = imprint.map
     cells[:] = 0.0

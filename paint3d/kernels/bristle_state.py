@@ -54,8 +54,7 @@ class Hairs(NamedTuple):
     left: NDArray  # (P,)
     track: NDArray  # (2, TRACKED, TRACKED_POINTS, 4): where outer hairs were and are; near or not
     lanes: NDArray  # (cap + 1,) int16, lanes of the vertices found
-    before: Imprint
-    after: Imprint
+    imprint: Imprint
 
 
 def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: int) -> Hairs:
@@ -82,6 +81,5 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         left=np.zeros(n_pigments),
         track=np.zeros((2, TRACKED, TRACKED_POINTS, 4)),
         lanes=np.zeros(capacity + 1, np.int16),
-        before=make_imprint(n_pigments),
-        after=make_imprint(n_pigments),
+        imprint=make_imprint(n_pigments),
     )

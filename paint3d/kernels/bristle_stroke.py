@@ -13,7 +13,7 @@ from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_deposit import sweep_hairs
-from paint3d.kernels.bristle_imprint import copy_imprint, draw_imprint, find_contact_pieces
+from paint3d.kernels.bristle_imprint import draw_imprint, find_contact_pieces
 from paint3d.kernels.bristle_ink import ask_hairs, settle_gifts
 from paint3d.kernels.bristle_patch import fit_patch
 from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
@@ -219,7 +219,6 @@ def paint_with_hairs(
                 if before.values[st.TOUCHES] > 0.0:
                     _place_hairs(pose, before, tuft, bristles, hairs, field, ink, room)
                     _draw(before, before, tuft, bristles, hairs, field, ink, room)
-                    copy_imprint(hairs.after, hairs.before)
                     _track(before, hairs, hairs.track[0])
                 if samples.joined[i]:
                     before.values[st.TOUCHES] = 0.0
@@ -252,7 +251,6 @@ def paint_with_hairs(
                 counters[FOOTPRINTS] += 1
                 _remember(before, after, tuft, bristles, hairs, ink)
             _copy(after, before)
-            copy_imprint(hairs.after, hairs.before)
             hairs.track[0] = hairs.track[1]
             pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step
             grown = _EASE if moved <= 0.0 else min(_EASE, 0.9 * most / moved)

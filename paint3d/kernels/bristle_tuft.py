@@ -30,9 +30,9 @@ ARCS = (np.arange(SAMPLES) / (SAMPLES - 1.0)) ** 1.5  # of the length, from the 
 ARCS.setflags(write=False)
 _NODES = 3  # heights read from the table for one imprint
 _NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahead, not aside
-_LIFT = 0.3  # mm, what a hair of the upper side rides above the surface at the tip
+_LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
 
-_ZERO, _ONE, _TINY = np.float32(0.0), np.float32(1.0), np.float32(1e-12)
+_ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
 _elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
 # Rows of a block, one after another in one array: places that the compiler knows to be apart, so
@@ -58,7 +58,7 @@ FREE = SIDE + SAMPLES  # how freely a point moves aside, 0 in the ferrule to 1
 SHIFT_X = FREE + SAMPLES  # remembered bend
 SHIFT_Y = SHIFT_X + SAMPLES
 PART = SHIFT_Y + SAMPLES  # how far large and small clumps have parted; how flat the tuft is
-PER_STEP = PART + 3  # 2 over the length of the piece above a point, 1/mm
+PER_STEP = PART + 3  # 4 over the length of the piece above a point, 1/mm
 BEND_SIZE = PER_STEP + SAMPLES - 1
 
 FLAT = np.zeros(6)  # the patch of a plane
@@ -212,7 +212,7 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         side += np.tan(fan) * max(0.0, fan_length - arc)
         bend[SIDE + k] = side
         if k < SAMPLES - 1:
-            bend[PER_STEP + k] = 2.0 / ((ARCS[k + 1] - ARCS[k]) * length)
+            bend[PER_STEP + k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
         bend[FREE + k] = min(1.0, 1.6 * free)
         keep = free * free * np.exp(-max(descent, 0.0) / bristles.set_mm)
         bend[SHIFT_X + k] = set_x * keep
@@ -316,7 +316,8 @@ def _lay(bend, k, known, rest, w, above, here):
         led = ex * per_step  # the more it points ahead, the less of the rest goes aside
         led = led if led > _ZERO else _ZERO
         aside = ey * (run - over * (led if led < _ONE else _ONE))
-        drop = ez * run
+        rides = _FOUR * w[_UP + j]  # and hairs of the upper side stay on those below
+        drop = ez * (run - over * (rides if rides < _ONE else _ONE))
         room = rest[j] * rest[j] - aside * aside - drop * drop
         ahead = np.sqrt(room if room > _ZERO else _ZERO)
         here[_X + j] = x1 + (ahead if ex > _ZERO else -ahead)
@@ -379,7 +380,8 @@ def _lay_patch(bend, k, known, rest, w, above, here):
         led = ex * per_step  # the more it points ahead, the less of the rest goes aside
         led = led if led > _ZERO else _ZERO
         aside = ey * (run - over * (led if led < _ONE else _ONE))
-        drop = ez * run
+        rides = _FOUR * w[_UP + j]  # and hairs of the upper side stay on those below
+        drop = ez * (run - over * (rides if rides < _ONE else _ONE))
         room = rest[j] * rest[j] - aside * aside - drop * drop
         ahead = np.sqrt(room if room > _ZERO else _ZERO)
         here[_X + j] = x1 + (ahead if ex > _ZERO else -ahead)

@@ -103,7 +103,5 @@ class HairTuft:
             if work is not None and work.load.shape == self.load.shape:  # a stroke goes on
                 for name in ("pace", "roll", "turned", "track"):
                     getattr(new, name)[:] = getattr(work, name)
-                for old, fresh in zip(work.before, new.before, strict=True):
-                    fresh[:] = old
             self._work = new
         return self._work
