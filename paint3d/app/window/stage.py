@@ -51,15 +51,14 @@ class Stage:
     easel : Easel or None
     frame : Frame or None
         The last one.
-    ink_s : float
-        From the coming of the last painted samples to their being seen, s.
+    picture_s : float
+        What the last plain picture took, s.
     """
 
     def __init__(self, size: tuple[int, int], mood: Mood = LIGHT) -> None:
         self.scene = LiveScene(size, mood)
         self.easel: Easel | None = None
         self.frame: Frame | None = None
-        self.ink_s = 0.0
         self.shows_brush = True
         self._object: LiveObject | None = None
         self._brush: LiveBrush | None = None
@@ -71,7 +70,7 @@ class Stage:
         self._changed: list[Box | None] = []
         self._pending: list[NDArray] = []
         self._stood: tuple = ()
-        self._whole_s = 0.0
+        self._whole_s = self.picture_s = 0.0
         self._fine = False
         self._moved = time.perf_counter()
 
@@ -177,8 +176,9 @@ class Stage:
             self._stale = self._fine = False
             self._moved = now
             pixels = self.scene.draw(only=only)
+            self.picture_s = self.scene.frame_s
             if only is None:
-                self._whole_s = self.scene.frame_s
+                self._whole_s = self.picture_s
             return pixels
         if self._fine or not self.scene.is_software or now - self._moved < _CALM_S:
             return None

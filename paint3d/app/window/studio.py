@@ -260,7 +260,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         word = "behind by {ms:.0f} ms" if slow else "keeps up, {ms:.1f} ms"
         state = "slow" if slow else "good"
         text = say("has caught up") if caught_up else say(word, ms=1e3 * frame.lag_s)
-        seen = say("{fps:.0f} pictures/s", fps=1.0 / max(self.stage.scene.frame_s, 1e-3))
+        seen = say("{fps:.0f} pictures/s", fps=1.0 / max(self.stage.picture_s, 1e-3))
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}   ·   {seen}")
         self.state.setStyleSheet(f"color: {self.theme.state_colour(state)}")
 
