@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from argparse import ArgumentTypeError
 
 import numpy as np
 import pytest
 
-from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
+from paint3d.cli.options import parse_hairs
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.frames import quaternions_from_matrices
@@ -279,6 +281,13 @@ def test_hairs_paint_curved_surfaces(mesh):
     assert len(points) > 300
     if mesh == "bowl":  # the outer side stays bare
         assert (np.linalg.norm(points, axis=1) < 61.0).all()
+
+
+def test_the_command_line_knows_how_many_hairs_there_can_be():
+    assert [parse_hairs(text) for text in ("0", "1", str(MOST_HAIRS))] == [0, 1, MOST_HAIRS]
+    for text in ("-1", str(MOST_HAIRS + 1), "2.5", "many", "", "9" * 30):
+        with pytest.raises(ArgumentTypeError, match="expected 0 to 10000"):
+            parse_hairs(text)
 
 
 @pytest.mark.parametrize("hairs", [-3, 20_000, 2.5, "many", True])
