@@ -131,7 +131,8 @@ def test_what_was_undone_goes_when_something_new_comes():
 
 
 @pytest.mark.parametrize("redo", [False, True])
-def test_time_goes_on_after_undo_as_if_the_step_had_never_been(redo):
+@pytest.mark.parametrize("place", [(-3, 2, 3, -2), (-10, 20, 10, -20), (-10, 70, 10, 60)])
+def test_time_goes_on_after_undo_as_if_the_step_had_never_been(place, redo):
     surfaces = []
     for again in (False, True):
         surface = PaintedSurface(load_mesh("plane"), 2.0, "xuan")
@@ -144,7 +145,7 @@ def test_time_goes_on_after_undo_as_if_the_step_had_never_been(redo):
         surface.refresh()
         if again:
             history.begin("b")
-            act(surface, painter, "stroke", (-10, 20, 10, -20))
+            act(surface, painter, "stroke", place)
             surface.diffuse(2.0)
             history.undo()
         if again and redo:  # also from where no water had ever moved
