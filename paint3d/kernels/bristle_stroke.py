@@ -55,7 +55,7 @@ def _wetness(ink):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _find_roll(pose, values, roll):
+def _find_roll(pose, values):
     """Direction of the bend in the handle's axes, laid into the plane."""
     w, x, y, z = pose[3], pose[4], pose[5], pose[6]
     ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
@@ -71,9 +71,9 @@ def _find_roll(pose, values, roll):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _place_hairs(pose, stamp, tuft, bristles, hairs, field, ink, room):
-    """Bend the hairs over a stamp that touches; False where none of them does."""
+    """Bend the hairs under a stamp that touches, and lay them on the surface there."""
     values = stamp.values
-    cosine, sine = _find_roll(pose, values, hairs.roll)
+    cosine, sine = _find_roll(pose, values)
     if abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1]) < 1e-6:
         cosine, sine = hairs.roll[0], hairs.roll[1]
     else:
@@ -88,7 +88,6 @@ def _place_hairs(pose, stamp, tuft, bristles, hairs, field, ink, room):
         cosine * memory[SET_Y] - sine * memory[SET_X], hairs.bend,
     )  # fmt: skip
     bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
-    return True
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
