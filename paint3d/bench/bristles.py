@@ -38,8 +38,6 @@ _VERTICES = 1_000_000
 _SAMPLES = 600
 _ROUNDS = 60
 _HAIRS_A_ROUND = 1_000_000
-_VERTICES = 1_000_000
-_SAMPLES = 600
 _CURVED = np.array([0.0, 0.02, -0.01, -0.01, 0.0, -0.01])  # a ball of 50 mm radius
 
 
