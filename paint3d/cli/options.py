@@ -12,6 +12,7 @@ from paint3d.errors import ExportError
 __all__ = [
     "add_painting_options",
     "add_quiet_option",
+    "add_surface_options",
     "check_output_file",
     "check_output_folder",
     "parse_hairs",
@@ -82,16 +83,8 @@ def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="print errors only")
 
 
-def add_painting_options(parser: argparse.ArgumentParser) -> None:
-    """Add what describes brush, ink and surface; None means: as the recording says."""
-    parser.add_argument("--brush", metavar="NAME", help="brush (default: the recording's)")
-    parser.add_argument(
-        "--hairs",
-        metavar="N",
-        type=parse_hairs,
-        help="paint with so many single hairs, 1 to 10000; 0: a solid tuft (default: the brush's)",
-    )
-    parser.add_argument("--ink", metavar="NAME", help="ink (default: the recording's)")
+def add_surface_options(parser: argparse.ArgumentParser) -> None:
+    """Add what a surface is made of, and how fine."""
     parser.add_argument(
         "--material",
         metavar="NAME",
@@ -105,6 +98,19 @@ def add_painting_options(parser: argparse.ArgumentParser) -> None:
         default=0.4,
         help="vertex spacing wanted where paint is (default: 0.4)",
     )
+
+
+def add_painting_options(parser: argparse.ArgumentParser) -> None:
+    """Add what describes brush, ink and surface; None means: as the recording says."""
+    parser.add_argument("--brush", metavar="NAME", help="brush (default: the recording's)")
+    parser.add_argument(
+        "--hairs",
+        metavar="N",
+        type=parse_hairs,
+        help="paint with so many single hairs, 1 to 10000; 0: a solid tuft (default: the brush's)",
+    )
+    parser.add_argument("--ink", metavar="NAME", help="ink (default: the recording's)")
+    add_surface_options(parser)
     parser.add_argument(
         "--unit",
         choices=UNITS,

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from paint3d.cli.first_run import say_if_compiling
-from paint3d.cli.options import add_quiet_option, parse_resolution_mm
+from paint3d.cli.options import add_quiet_option, add_surface_options
 from paint3d.errors import InputError, MeshError
 
 HELP = "the desktop studio"
@@ -24,19 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what to paint on: a mesh file, a saved painting, or bowl, plate, vase, sphere, "
         "plane (default: what a crash left, or a bowl)",
     )
-    parser.add_argument(
-        "--material",
-        metavar="NAME",
-        default="porcelain",
-        help="of the surface: porcelain, bisque, xuan or plaster (default: porcelain)",
-    )
-    parser.add_argument(
-        "--resolution",
-        metavar="MM",
-        type=parse_resolution_mm,
-        default=0.4,
-        help="vertex spacing wanted where paint is (default: 0.4)",
-    )
+    add_surface_options(parser)
     parser.add_argument("--language", choices=_LANGUAGES, help="of the window (default: as chosen)")
     add_quiet_option(parser)
 

@@ -225,19 +225,8 @@ def read_journal(path: str | os.PathLike[str]) -> tuple[Recording, Loss]:
     SessionError
         If it is no journal, or not one sample can be read.
     """
-    data = _read(path)
-    header: object = None
-    tables: list[NDArray] = []
-    at, closed = len(MAGIC), False
-    for kind, content, end in _blocks(data):
-        if kind == HEADER and header is None:
-            header = _header(content)
-        elif kind == SAMPLES and not len(content) % SAMPLE.itemsize:
-            tables.append(np.frombuffer(content, SAMPLE))
-        at, closed = end, kind == END
-    if not isinstance(header, dict):
-        raise SessionError(f"{path}: its header is damaged")
-    return _recording(path, header, tables, _loss(len(data), at, closed))
+    header, pieces, loss = _read_pieces(path)
+    return _recording(path, header, [p for p in pieces if not isinstance(p, dict)], loss)
 
 
 def read_events(
@@ -252,25 +241,37 @@ def read_events(
     SessionError
         If it is no journal, or its header is damaged.
     """
-    data = _read(path)
-    header: object = None
+    header, pieces, loss = _read_pieces(path)
     events: list[Recording | dict[str, object]] = []
     tables: list[NDArray] = []
+    for piece in pieces:
+        if isinstance(piece, dict):
+            events += [*_gathered(path, tables), piece]
+            tables = []
+        else:
+            tables.append(piece)
+    return header, events + _gathered(path, tables), loss
+
+
+def _read_pieces(
+    path: str | os.PathLike[str],
+) -> tuple[dict[str, object], list[NDArray | dict[str, object]], Loss]:
+    """Return a journal's header, its tables of samples and its notes in order, and what is lost."""
+    data = _read(path)
+    header: object = None
+    pieces: list[NDArray | dict[str, object]] = []
     at, closed = len(MAGIC), False
     for kind, content, end in _blocks(data):
         if kind == HEADER and header is None:
             header = _header(content)
         elif kind == SAMPLES and not len(content) % SAMPLE.itemsize:
-            tables.append(np.frombuffer(content, SAMPLE))
-        elif kind == NOTE:
-            events += _gathered(path, tables)
-            tables, note = [], _header(content)
-            events += [note] if isinstance(note, dict) else []
+            pieces.append(np.frombuffer(content, SAMPLE))
+        elif kind == NOTE and isinstance(note := _header(content), dict):
+            pieces.append(note)
         at, closed = end, kind == END
-    events += _gathered(path, tables)
     if not isinstance(header, dict):
         raise SessionError(f"{path}: its header is damaged")
-    return header, events, _loss(len(data), at, closed)
+    return header, pieces, _loss(len(data), at, closed)
 
 
 def _gathered(path: str | os.PathLike[str], tables: list[NDArray]) -> list[Recording]:
