@@ -288,61 +288,101 @@ def _start_block(bend, known, w, here):
 
 
 @_elementwise
-def _lay(bend, k, known, rest, w, above, here):
-    """The next points of hairs on a plane, every piece at its length; those under it stay so.
-
-    They go along the hairs' own curves, to where these lie in height and to the side: what a hair
-    is longer than its curve takes it ahead, what it is shorter leaves it behind.
-    """
+def _piece(bend, k):
+    """What all hairs share on the way to their point k: their curve, its offsets, its widths."""
     at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
-    c0 = np.float32(bend[at] - bend[at + _NODES])
-    c1 = np.float32(bend[at + 1] - bend[at + 1 + _NODES])
-    c2 = np.float32(bend[at + 2] - bend[at + 2 + _NODES])
-    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
-    dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
-    sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
-    side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
+    ahead = (
+        np.float32(bend[at] - bend[at + _NODES]),
+        np.float32(bend[at + 1] - bend[at + 1 + _NODES]),
+        np.float32(bend[at + 2] - bend[at + 2 + _NODES]),
+        np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]),
+        np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]),
+    )
+    aside = (
+        np.float32(bend[SIDE + k]),
+        np.float32(bend[SIDE + k] * bend[FREE + k]),
+        np.float32(bend[SHIFT_Y + k]),
+    )
+    height = (
+        np.float32(bend[up]),
+        np.float32(bend[up + 1]),
+        np.float32(bend[up + 2]),
+        np.float32(bend[OFFSET_Z + k]),
+    )
+    return ahead, aside, height
+
+
+@_elementwise
+def _aim(piece, t, own, a, b, part, top, y1):
+    """Where a hair's own curve leads: ahead and aside from its last point, and to what height."""
+    (c0, c1, c2, dx, sx), (side, parting, sy), (d0, d1, d2, dz) = piece
+    ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
+    ey = b * side + (part * parting + (sy - y1))
+    return ex, ey, own * (d0 + t * (d1 + t * d2)) + (a * dz + top)
+
+
+@_elementwise
+def _keep_length(ex, ey, ez, rest, up, per_step):
+    """A step (ex, ey, ez) at the piece's length.
+
+    What a hair is longer than its curve takes it ahead, what it is shorter leaves it behind.
+    """
+    run = rest / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
+    over = run - _ONE if run > _ONE else _ZERO
+    led = ex * per_step  # the more it points ahead, the less of the rest goes aside
+    led = led if led > _ZERO else _ZERO
+    aside = ey * (run - over * (led if led < _ONE else _ONE))
+    rides = _FOUR * up  # and hairs of the upper side stay on those below
+    drop = ez * (run - over * (rides if rides < _ONE else _ONE))
+    room = rest * rest - aside * aside - drop * drop
+    ahead = np.sqrt(room if room > _ZERO else _ZERO)
+    return (ahead if ex > _ZERO else -ahead), aside, drop
+
+
+@_elementwise
+def _ground(patch, x, y):
+    """Height of the curved patch."""
+    s0, s1, s2, s3, s4, s5 = patch
+    return s0 + x * (s1 + s3 * x + s4 * y) + y * (s2 + s5 * y)
+
+
+@_elementwise
+def _patch(bend):
+    return (
+        np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2]),
+        np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4]), np.float32(bend[PATCH + 5]),
+    )  # fmt: skip
+
+
+@_elementwise
+def _lay(bend, k, known, rest, w, above, here):
+    """The next points of hairs on a plane, every piece at its length; those under it stay so."""
+    piece = _piece(bend, k)
     ride, per_step = np.float32(bend[RIDE + k]), np.float32(bend[PER_STEP + k])
     for j in range(BLOCK):
-        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
-        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
-        ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
-        ey = known[_B + j] * side + (w[_PART + j] * part + (sy - y1))
-        low = own * (d0 + t * (d1 + t * d2)) + (a * dz + w[_TOP + j])
-        least = w[_UP + j] * ride
+        x1, y1, z1, up = above[_X + j], above[_Y + j], above[_Z + j], w[_UP + j]
+        ex, ey, low = _aim(
+            piece, w[_NODE + j], known[_OWN + j], known[_A + j], known[_B + j], w[_PART + j],
+            w[_TOP + j], y1,
+        )  # fmt: skip
+        least = up * ride
         ez = (low if low > least else least) - z1
-        run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
-        over = run - _ONE if run > _ONE else _ZERO
-        led = ex * per_step  # the more it points ahead, the less of the rest goes aside
-        led = led if led > _ZERO else _ZERO
-        aside = ey * (run - over * (led if led < _ONE else _ONE))
-        rides = _FOUR * w[_UP + j]  # and hairs of the upper side stay on those below
-        drop = ez * (run - over * (rides if rides < _ONE else _ONE))
-        room = rest[j] * rest[j] - aside * aside - drop * drop
-        ahead = np.sqrt(room if room > _ZERO else _ZERO)
-        here[_X + j] = x1 + (ahead if ex > _ZERO else -ahead)
-        here[_Y + j] = y1 + aside
-        here[_Z + j] = z1 + drop
+        x, y, z = _keep_length(ex, ey, ez, rest[j], up, per_step)
+        here[_X + j] = x1 + x
+        here[_Y + j] = y1 + y
+        here[_Z + j] = z1 + z
 
 
 @_elementwise
 def _lay_free(bend, k, known, rest, w, above, here):
     """`_lay` for pieces far from the tip: what is longer or shorter is so in every direction."""
-    at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
-    c0 = np.float32(bend[at] - bend[at + _NODES])
-    c1 = np.float32(bend[at + 1] - bend[at + 1 + _NODES])
-    c2 = np.float32(bend[at + 2] - bend[at + 2 + _NODES])
-    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
-    dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
-    sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
-    side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
-    ride = np.float32(bend[RIDE + k])
+    piece, ride = _piece(bend, k), np.float32(bend[RIDE + k])
     for j in range(BLOCK):
-        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
         x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
-        ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
-        ey = known[_B + j] * side + (w[_PART + j] * part + (sy - y1))
-        low = own * (d0 + t * (d1 + t * d2)) + (a * dz + w[_TOP + j])
+        ex, ey, low = _aim(
+            piece, w[_NODE + j], known[_OWN + j], known[_A + j], known[_B + j], w[_PART + j],
+            w[_TOP + j], y1,
+        )  # fmt: skip
         least = w[_UP + j] * ride
         ez = (low if low > least else least) - z1
         run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
@@ -354,39 +394,21 @@ def _lay_free(bend, k, known, rest, w, above, here):
 @_elementwise
 def _lay_patch(bend, k, known, rest, w, above, here):
     """`_lay`, with the ground asked for where the hairs' curves lead to."""
-    at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
-    c0 = np.float32(bend[at] - bend[at + _NODES])
-    c1 = np.float32(bend[at + 1] - bend[at + 1 + _NODES])
-    c2 = np.float32(bend[at + 2] - bend[at + 2 + _NODES])
-    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
-    dx, dz = np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]), np.float32(bend[OFFSET_Z + k])
-    sx, sy = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]), np.float32(bend[SHIFT_Y + k])
-    side, part = np.float32(bend[SIDE + k]), np.float32(bend[SIDE + k] * bend[FREE + k])
+    piece = _piece(bend, k)
     ride, per_step = np.float32(bend[RIDE + k]), np.float32(bend[PER_STEP + k])
-    s0, s1, s2 = np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2])
-    s3, s4 = np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4])
-    s5 = np.float32(bend[PATCH + 5])
+    patch = _patch(bend)
     for j in range(BLOCK):
-        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
-        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
-        ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
-        ey = known[_B + j] * side + (w[_PART + j] * part + (sy - y1))
-        low = own * (d0 + t * (d1 + t * d2)) + (a * dz + w[_TOP + j])
-        px, py = x1 + ex, y1 + ey
-        least = s0 + px * (s1 + s3 * px + s4 * py) + py * (s2 + s5 * py) + w[_UP + j] * ride
+        x1, y1, z1, up = above[_X + j], above[_Y + j], above[_Z + j], w[_UP + j]
+        ex, ey, low = _aim(
+            piece, w[_NODE + j], known[_OWN + j], known[_A + j], known[_B + j], w[_PART + j],
+            w[_TOP + j], y1,
+        )  # fmt: skip
+        least = _ground(patch, x1 + ex, y1 + ey) + up * ride
         ez = (low if low > least else least) - z1
-        run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
-        over = run - _ONE if run > _ONE else _ZERO
-        led = ex * per_step  # the more it points ahead, the less of the rest goes aside
-        led = led if led > _ZERO else _ZERO
-        aside = ey * (run - over * (led if led < _ONE else _ONE))
-        rides = _FOUR * w[_UP + j]  # and hairs of the upper side stay on those below
-        drop = ez * (run - over * (rides if rides < _ONE else _ONE))
-        room = rest[j] * rest[j] - aside * aside - drop * drop
-        ahead = np.sqrt(room if room > _ZERO else _ZERO)
-        here[_X + j] = x1 + (ahead if ex > _ZERO else -ahead)
-        here[_Y + j] = y1 + aside
-        here[_Z + j] = z1 + drop
+        x, y, z = _keep_length(ex, ey, ez, rest[j], up, per_step)
+        here[_X + j] = x1 + x
+        here[_Y + j] = y1 + y
+        here[_Z + j] = z1 + z
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz", "reassoc"})
@@ -430,21 +452,19 @@ def _raise(rest, above, here):
 @_elementwise
 def _raise_patch(bend, rest, above, here):
     """`_raise` to a curved patch: the ground is asked for where the point came, and once more."""
-    s0, s1, s2 = np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2])
-    s3, s4 = np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4])
-    s5 = np.float32(bend[PATCH + 5])
+    patch = _patch(bend)
     for j in range(BLOCK):
         x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
         px, py, z = here[_X + j], here[_Y + j], here[_Z + j]
         ex, ey = px - x1, py - y1
-        ground = s0 + px * (s1 + s3 * px + s4 * py) + py * (s2 + s5 * py)
+        ground = _ground(patch, px, py)
         z = z if z > ground else ground
         drop = z - z1
         room = rest[j] * rest[j] - drop * drop
         room = room if room > _ZERO else _ZERO
         run = np.sqrt(room / (ex * ex + (ey * ey + _TINY)))
         px, py = x1 + ex * run, y1 + ey * run
-        ground = s0 + px * (s1 + s3 * px + s4 * py) + py * (s2 + s5 * py)
+        ground = _ground(patch, px, py)
         here[_X + j] = px
         here[_Y + j] = py
         here[_Z + j] = z if z > ground else ground
