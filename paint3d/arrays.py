@@ -1,4 +1,4 @@
-"""Checks at the public boundary: arrays of the right shape, finite, and in range."""
+"""Arrays of the right shape, finite, in range: checks at the public boundary; and in memory."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from paint3d.errors import InputError
 
-__all__ = ["as_array", "as_number"]
+__all__ = ["as_array", "as_number", "zeros_on_lines"]
+
+_LINE = 64  # bytes of a cache line
 
 
 def as_array(
@@ -82,3 +84,12 @@ def as_number(
             expected = f"{low:g} to {high:g}"
         raise error(f"{name} is {number:g}; expected {expected}")
     return number
+
+
+def zeros_on_lines(shape: int | tuple[int, ...], dtype: DTypeLike) -> NDArray:
+    """Zeros whose first element begins a cache line, so that vector loops cross none."""
+    kind = np.dtype(dtype)
+    size = int(np.prod(shape)) * kind.itemsize
+    memory = np.zeros(size + _LINE, np.uint8)
+    start = -memory.ctypes.data % _LINE
+    return memory[start : start + size].view(kind).reshape(shape)

@@ -56,10 +56,10 @@ class HairBend:
         self._tuft, hairs = build_tuft(spec), BristleSpec(n_hairs=n_hairs)
         self._bristles = build_bristles(spec, hairs)
         blocks = len(self._bristles.lengths)
-        self._turned = np.zeros((blocks, bt.KNOWN * bt.BLOCK), np.float32)
+        self._turned = bt.make_turned(blocks)
         bt.turn_hairs(self._bristles, 1.0, 0.0, self._turned)
         self._bend, self._block = np.zeros(bt.BEND_SIZE), bt.make_block()
-        self.points = np.zeros((blocks, bt.SAMPLES, 3 * bt.BLOCK), np.float32)
+        self.points = bt.make_points(blocks)
         self._patch, self._descent = patch, 0.45 * spec.full_press_mm
 
     def run(self, times: int) -> None:

@@ -8,6 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.arrays import zeros_on_lines
 from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, BendingTable
 from paint3d.brush.bristle_shapes import energy_shapes, measured_shapes
 from paint3d.brush.bristle_spec import BristleSpec
@@ -64,6 +65,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
         clumps=np.stack([_clump_middles(count) for count in _CLUMPS]),
         appetite=(1.0 + hairs.appetite * noise / np.abs(noise).max()).astype(np.float32),
         thirst=(np.argsort(np.argsort(noise)) / (_CELLS - 1.0)).astype(np.float32),
+        shortest=float(lengths.min()),
         lowest_tilt=LOWEST_TILT,
         greatest_fraction=GREATEST_FRACTION,
         hair_mm=radius,
@@ -85,7 +87,9 @@ def _rest_lengths(spec: BrushSpec, places: NDArray, lengths: NDArray) -> NDArray
     along, out = np.diff(arcs), np.diff(0.5 * spec.diameters(arcs))
     off = np.sum(places.astype(np.float64) ** 2, axis=0)[:, None, :]
     rests = np.sqrt(along[:, None] ** 2 + off * out[:, None] ** 2) * lengths[:, None, :]
-    return rests.astype(np.float32)
+    on_lines = zeros_on_lines(rests.shape, np.float32)
+    on_lines[:] = rests
+    return on_lines
 
 
 def _scatter(n: int, seed: float = 0.5) -> NDArray:

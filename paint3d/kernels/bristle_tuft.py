@@ -19,13 +19,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from paint3d.arrays import zeros_on_lines
+
 __all__ = [
-    "ARCS", "BEND_SIZE", "BLOCK", "FLAT", "KNOWN", "SAMPLES", "Bristles", "bend_hairs", "fill_bend",
-    "make_block", "turn_hairs",
+    "ARCS", "BEND_SIZE", "BLOCK", "FLAT", "SAMPLES", "Bristles", "bend_hairs", "fill_bend",
+    "make_block", "make_points", "make_turned", "turn_hairs",
 ]  # fmt: skip
 
 SAMPLES = 8  # points of a hair
-BLOCK = 256  # hairs bent together: what they take stays in the fastest memory
+BLOCK = 336  # hairs bent together: what they take stays in the fastest memory, and few places of
+# the last block stay empty for 1,000 hairs (8 of 1,008) and 10,000 (80)
 ARCS = (np.arange(SAMPLES) / (SAMPLES - 1.0)) ** 1.5  # of the length, from the tip
 ARCS.setflags(write=False)
 _NODES = 3  # heights read from the table for one imprint
@@ -33,23 +36,32 @@ _NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahe
 _LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
 
 _ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
-_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+# A root and a division cost as much as all the rest of a piece: `arcp` and `afn` let the compiler
+# take the processor's estimate of 1 / sqrt(x) and one step of Newton's, right to 2e-7.
+# And loops are kept short, with a row of scratch between them: a long chain of steps that wait for
+# one another fills the processor's window, and a hair's whole piece in one loop takes half as long
+# again.
+_elementwise = njit(
+    cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "afn"}
+)
 
 # Rows of a block, one after another in one array: places that the compiler knows to be apart, so
 # that it can use vector instructions without asking.
 _X, _Y, _Z = 0, BLOCK, 2 * BLOCK  # of points
-_A, _B, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT = (place * BLOCK for place in range(7))  # of hairs
-KNOWN = 7
-_NODE, _TOP, _UP, _PART = (place * BLOCK for place in range(4))  # scratch
-BLOCK_SIZE = 4 * BLOCK
-_TRIFLE = np.float32(0.02)  # mm, how far under the plane a point may be lifted off-hand
+_KNOWN = 8  # of hairs:
+_A, _B, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT, _UP = (at * BLOCK for at in range(_KNOWN))
+_NODE, _TOP, _PART, _RUN, _LIFTED = (at * BLOCK for at in range(5))  # scratch
+BLOCK_SIZE = 5 * BLOCK
+_TRIFLE = np.float32(-0.02)  # mm, height from which a point may be lifted to the plane off-hand
+_UNDER, _FAR_UNDER = np.array([-0.0, _TRIFLE], np.float32).view(np.uint32)  # see `_lowest`
 
 # Places in the numbers of one imprint's bend.
 HEIGHT, PER_HEIGHT, FIRST, PER_SPAN = 0, 1, 2, 3
 GROUND = 4  # 4-6 height of the surface under the hairs' bellies: constant, by b, by b^2
 PATCH = 7  # 7-12 surface: constant, by x, by y, by x^2, by x y, by y^2
 CURVED = 13  # 1.0 where it is not the plane
-CURVE = 14  # 2 coordinates x SAMPLES x NODES
+REACH = 14  # how many points, from the tip, are far enough from the root to come to the plane
+CURVE = 15  # 2 coordinates x SAMPLES x NODES
 OFFSET_X = CURVE + 2 * SAMPLES * _NODES  # by a, SAMPLES
 OFFSET_Z = OFFSET_X + SAMPLES
 RIDE = OFFSET_Z + SAMPLES
@@ -70,13 +82,14 @@ class Bristles(NamedTuple):
 
     count: int  # hairs; the last block is filled up with copies of the last one
     places: NDArray  # (2, B / BLOCK, BLOCK) float32, where each is in the ferrule's unit disc
-    lengths: NDArray  # (B / BLOCK, BLOCK) float32, over the tuft's
+    lengths: NDArray  # (B / BLOCK, BLOCK) float32, over the tuft's, at most 1
     rests: NDArray  # (B / BLOCK, SAMPLES - 1, BLOCK) float32, of the pieces from the tip up, mm
     shapes: NDArray  # (tilts, heights, 3 SAMPLES) float32: x, z over the length, angle (rad)
     fans: NDArray  # (tilts, heights, 2) float32: measured spread (rad), from which length on
     clumps: NDArray  # (2, cells) float32: where in [-1, 1] the middle of a place's clump is
     appetite: NDArray  # (cells,) float32: how readily the hairs at a place give, mean 1
     thirst: NDArray  # (cells,) float32: how wet they must be to give at all, 0 to 1, evenly
+    shortest: float  # of `lengths`
     lowest_tilt: float  # rad
     greatest_fraction: float  # descent over the straight hair's height in the last column
     hair_mm: float  # radius of a dry hair
@@ -90,7 +103,17 @@ class Bristles(NamedTuple):
 
 def make_block() -> NDArray:
     """Scratch of `bend_hairs`."""
-    return np.zeros(BLOCK_SIZE, np.float32)
+    return zeros_on_lines(BLOCK_SIZE, np.float32)
+
+
+def make_turned(blocks: int) -> NDArray:
+    """Room for what `turn_hairs` gives for so many blocks of hairs."""
+    return zeros_on_lines((blocks, _KNOWN * BLOCK), np.float32)
+
+
+def make_points(blocks: int) -> NDArray:
+    """Room for the points of so many blocks of hairs."""
+    return zeros_on_lines((blocks, SAMPLES, 3 * BLOCK), np.float32)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -102,10 +125,10 @@ def turn_hairs(bristles, cosine, sine, out):
     bristles : Bristles
     cosine, sine : float
         Of the angle from the ferrule's first axis to the bend.
-    out : (B / BLOCK, KNOWN BLOCK) float32
+    out : (B / BLOCK, 8 BLOCK) float32
         For a block of hairs: a (down), b (to the side), how far the middles of their clumps are,
-        large and small, their lengths, one over these, and how far they move where the tuft is
-        pressed flat.
+        large and small, their lengths, one over these, how far they move where the tuft is pressed
+        flat, and how far they are on its upper side.
     """
     c, s = np.float32(cosine), np.float32(sine)
     wide, narrow = bristles.clumps[0], bristles.clumps[1]
@@ -119,6 +142,8 @@ def turn_hairs(bristles, cosine, sine, out):
             row[_A + j] = -(c * u[j] + s * v[j])
         for j in range(BLOCK):
             row[_B + j] = c * v[j] - s * u[j]
+        for j in range(BLOCK):
+            row[_UP + j] = max(np.float32(0.0), -row[_A + j])
         for j in range(BLOCK):
             row[_OWN + j] = own[j]
         for j in range(BLOCK):
@@ -181,6 +206,8 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
     column = min(np.sqrt(max(descent, 0.0) / tall) * per_column, n_columns - 1.0)
 
     radius = 0.5 * tuft.diameters[-1]
+    for k in range(SAMPLES):
+        bend[SIDE + k] = radius * ARCS[k] ** tuft.taper
     before = 0.0
     fan = _row(bristles.fans, i, v, column, 0)
     fan_length = _row(bristles.fans, i, v, column, 1) * length
@@ -189,17 +216,21 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
     for k in range(1, SAMPLES):
         angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
         over = length * _row(bristles.shapes, i, v, column, SAMPLES + k)
-        over -= radius * ARCS[k] ** tuft.taper / pressed * np.cos(angle)
+        over -= bend[SIDE + k] / pressed * np.cos(angle)
         if over > 0.0:
             share = before / (before - over) if before < 0.0 else 0.0
             lift = length * (ARCS[k - 1] + share * (ARCS[k] - ARCS[k - 1]))
             break
         before = over
     broad = radius * (lift / length) ** tuft.taper * pressed
+    stays = np.exp(-max(descent, 0.0) / bristles.set_mm)
+    bend[REACH] = 0.0
     for k in range(SAMPLES):
         arc = ARCS[k] * length
         angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
-        round_ = radius * ARCS[k] ** tuft.taper
+        round_ = bend[SIDE + k]
+        if height - radius < length - arc + radius - round_:
+            bend[REACH] = k + 1.0
         # what spreads is the part that is pressed; above it the hairs gather into the ferrule
         spread = 1.0 + (pressed - 1.0) * min(1.0, (length - arc) / (length - lift))
         free = 1.0 - ARCS[k]
@@ -214,7 +245,7 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         if k < SAMPLES - 1:
             bend[PER_STEP + k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
         bend[FREE + k] = min(1.0, 1.6 * free)
-        keep = free * free * np.exp(-max(descent, 0.0) / bristles.set_mm)
+        keep = free * free * stays
         bend[SHIFT_X + k] = set_x * keep
         bend[SHIFT_Y + k] = set_y * keep
     bend[PART] = 0.5 * parted
@@ -236,10 +267,7 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
     for b in (-1.0, -0.5, 0.5, 1.0):
         rise = b * (bend[GROUND + 1] + b * bend[GROUND + 2])
         low, high = min(low, rise), max(high, rise)
-    shortest = 1.0
-    for k in range(BLOCK):  # the first block has the whole range
-        shortest = min(shortest, np.float64(bristles.lengths[0, k]))
-    span_low = 1.0 - (height - bend[GROUND] - low) / (shortest * tall)
+    span_low = 1.0 - (height - bend[GROUND] - low) / (bristles.shortest * tall)
     span_high = 1.0 - (height - bend[GROUND] - high) / tall
     first = min(np.sqrt(max(span_low, 0.0)) * per_column, n_columns - 1.0)
     final = min(np.sqrt(max(span_high, 0.0)) * per_column, n_columns - 1.0)
@@ -272,16 +300,18 @@ def _start_block(bend, known, w, here):
     part, part2 = np.float32(bend[PART]), np.float32(bend[PART + 1])
     flat = np.float32(bend[PART + 2])
     for j in range(BLOCK):
-        a, b, own = known[_A + j], known[_B + j], known[_OWN + j]
+        b = known[_B + j]
         fraction = _ONE - (height - (g0 + b * (g1 + b * g2))) * per_height * known[_PER_OWN + j]
         fraction = fraction if fraction > _ZERO else _ZERO
-        t = (np.sqrt(fraction) - first) * per_span
+        w[_NODE + j] = np.sqrt(fraction)
+    for j in range(BLOCK):
+        a, b, own = known[_A + j], known[_B + j], known[_OWN + j]
+        t = (w[_NODE + j] - first) * per_span
         t = t if t > _ZERO else _ZERO
         t = t if t < _ONE else _ONE
         w[_NODE + j] = t
         w[_TOP + j] = height - own * (d0 + t * (d1 + t * d2))
         w[_PART + j] = known[_PULL + j] * part + known[_PULL2 + j] * part2 + known[_FLAT + j] * flat
-        w[_UP + j] = _ZERO if a > _ZERO else -a
         here[_X + j] = a * dx
         here[_Y + j] = b * side
         here[_Z + j] = height + a * dz
@@ -289,61 +319,118 @@ def _start_block(bend, known, w, here):
 
 @_elementwise
 def _piece(bend, k):
-    """What all hairs share on the way to their point k: their curve, its offsets, its widths."""
-    at, up = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
+    """What all hairs share on the way to their point k.
+
+    Returns how far their curves lead ahead, and up: constant, by t, by t^2, by a; how far the
+    remembered bend leads ahead; and their widths.
+    """
+    at, rise = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
     ahead = (
         np.float32(bend[at] - bend[at + _NODES]),
         np.float32(bend[at + 1] - bend[at + 1 + _NODES]),
         np.float32(bend[at + 2] - bend[at + 2 + _NODES]),
         np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]),
-        np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1]),
     )
+    shift = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1])
     aside = (
         np.float32(bend[SIDE + k]),
         np.float32(bend[SIDE + k] * bend[FREE + k]),
         np.float32(bend[SHIFT_Y + k]),
     )
-    height = (
-        np.float32(bend[up]),
-        np.float32(bend[up + 1]),
-        np.float32(bend[up + 2]),
+    up = (
+        np.float32(bend[rise]),
+        np.float32(bend[rise + 1]),
+        np.float32(bend[rise + 2]),
         np.float32(bend[OFFSET_Z + k]),
     )
-    return ahead, aside, height
+    return ahead, shift, aside, up
 
 
 @_elementwise
-def _aim(piece, t, own, a, b, part, top, y1):
-    """Where a hair's own curve leads: ahead and aside from its last point, and to what height."""
-    (c0, c1, c2, dx, sx), (side, parting, sy), (d0, d1, d2, dz) = piece
-    ex = own * (c0 + t * (c1 + t * c2)) + (a * dx + sx)
-    ey = b * side + (part * parting + (sy - y1))
-    return ex, ey, own * (d0 + t * (d1 + t * d2)) + (a * dz + top)
+def _place(curve, t, own, a, base):
+    """Where a hair's own curve leads in one direction."""
+    c0, c1, c2, offset = curve
+    return own * (c0 + t * (c1 + t * c2)) + (a * offset + base)
 
 
 @_elementwise
-def _keep_length(ex, ey, ez, rest, up, per_step):
-    """A step (ex, ey, ez) at the piece's length.
+def _aim(bend, k, known, w, above, here):
+    """Where the hairs' own curves lead over a plane, as steps from their last points."""
+    ahead, sx, (side, parting, sy), up = _piece(bend, k)
+    ride = np.float32(bend[RIDE + k])
+    for j in range(BLOCK):
+        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        here[_X + j] = _place(ahead, t, own, a, sx)
+    for j in range(BLOCK):
+        here[_Y + j] = known[_B + j] * side + (w[_PART + j] * parting + (sy - above[_Y + j]))
+    for j in range(BLOCK):
+        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        low = _place(up, t, own, a, w[_TOP + j])
+        least = known[_UP + j] * ride  # hairs of the upper side lie on those below
+        here[_Z + j] = (low if low > least else least) - above[_Z + j]
+
+
+@_elementwise
+def _aim_patch(bend, k, known, w, above, here):
+    """`_aim` over a curved patch, asked for where the hairs' curves lead to."""
+    ahead, sx, (side, parting, sy), up = _piece(bend, k)
+    ride = np.float32(bend[RIDE + k])
+    s0, s1, s2, s3, s4, s5 = _patch(bend)
+    for j in range(BLOCK):
+        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        here[_X + j] = _place(ahead, t, own, a, sx)
+        here[_Y + j] = known[_B + j] * side + (w[_PART + j] * parting + (sy - above[_Y + j]))
+        here[_Z + j] = _place(up, t, own, a, w[_TOP + j])
+    for j in range(BLOCK):
+        x, y = above[_X + j] + here[_X + j], above[_Y + j] + here[_Y + j]
+        ground = s0 + x * (s1 + s3 * x + s4 * y) + y * (s2 + s5 * y)
+        least, low = ground + known[_UP + j] * ride, here[_Z + j]
+        here[_Z + j] = (low if low > least else least) - above[_Z + j]
+
+
+@_elementwise
+def _step_free(rest, above, here):
+    """Take steps at the pieces' lengths: what is longer or shorter is so in every direction."""
+    for j in range(BLOCK):
+        ex, ey, ez = here[_X + j], here[_Y + j], here[_Z + j]
+        run = rest[j] * _per_root(ex * ex + (ey * ey + (ez * ez + _TINY)))
+        here[_X + j] = above[_X + j] + ex * run
+        here[_Y + j] = above[_Y + j] + ey * run
+        here[_Z + j] = above[_Z + j] + ez * run
+
+
+@_elementwise
+def _step(bend, k, known, rest, w, above, here):
+    """Take steps at the pieces' lengths.
 
     What a hair is longer than its curve takes it ahead, what it is shorter leaves it behind.
     """
-    run = rest / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
-    over = run - _ONE if run > _ONE else _ZERO
-    led = ex * per_step  # the more it points ahead, the less of the rest goes aside
-    led = led if led > _ZERO else _ZERO
-    aside = ey * (run - over * (led if led < _ONE else _ONE))
-    rides = _FOUR * up  # and hairs of the upper side stay on those below
-    drop = ez * (run - over * (rides if rides < _ONE else _ONE))
-    room = rest * rest - aside * aside - drop * drop
-    ahead = np.sqrt(room if room > _ZERO else _ZERO)
-    return (ahead if ex > _ZERO else -ahead), aside, drop
+    per_step = np.float32(bend[PER_STEP + k])
+    for j in range(BLOCK):
+        ex, ey, ez = here[_X + j], here[_Y + j], here[_Z + j]
+        w[_RUN + j] = rest[j] * _per_root(ex * ex + (ey * ey + (ez * ez + _TINY)))
+    for j in range(BLOCK):
+        run = w[_RUN + j]
+        over = run - _ONE if run > _ONE else _ZERO
+        led = here[_X + j] * per_step  # the more it points ahead, the less of the rest goes aside
+        led = led if led > _ZERO else _ZERO
+        rides = _FOUR * known[_UP + j]  # and hairs of the upper side stay on those below
+        here[_Y + j] *= run - over * (led if led < _ONE else _ONE)
+        here[_Z + j] *= run - over * (rides if rides < _ONE else _ONE)
+    for j in range(BLOCK):
+        ex, aside, drop = here[_X + j], here[_Y + j], here[_Z + j]
+        room = rest[j] * rest[j] - aside * aside - drop * drop
+        room = room if room > _TINY else _TINY
+        ahead = room * _per_root(room)
+        here[_X + j] = above[_X + j] + (ahead if ex > _ZERO else -ahead)
+        here[_Y + j] = above[_Y + j] + aside
+        here[_Z + j] = above[_Z + j] + drop
 
 
 @_elementwise
-def _ground(patch, x, y):
-    """Height of the curved patch."""
-    s0, s1, s2, s3, s4, s5 = patch
-    return s0 + x * (s1 + s3 * x + s4 * y) + y * (s2 + s5 * y)
+def _per_root(x):
+    """1 / sqrt(x)."""
+    return _ONE / np.sqrt(x)
 
 
 @_elementwise
@@ -355,75 +442,17 @@ def _patch(bend):
 
 
 @_elementwise
-def _lay(bend, k, known, rest, w, above, here):
-    """The next points of hairs on a plane, every piece at its length; those under it stay so."""
-    piece = _piece(bend, k)
-    ride, per_step = np.float32(bend[RIDE + k]), np.float32(bend[PER_STEP + k])
-    for j in range(BLOCK):
-        x1, y1, z1, up = above[_X + j], above[_Y + j], above[_Z + j], w[_UP + j]
-        ex, ey, low = _aim(
-            piece, w[_NODE + j], known[_OWN + j], known[_A + j], known[_B + j], w[_PART + j],
-            w[_TOP + j], y1,
-        )  # fmt: skip
-        least = up * ride
-        ez = (low if low > least else least) - z1
-        x, y, z = _keep_length(ex, ey, ez, rest[j], up, per_step)
-        here[_X + j] = x1 + x
-        here[_Y + j] = y1 + y
-        here[_Z + j] = z1 + z
+def _lowest(here):
+    """Bits of the lowest height: above `_UNDER` where any point is under the plane.
 
-
-@_elementwise
-def _lay_free(bend, k, known, rest, w, above, here):
-    """`_lay` for pieces far from the tip: what is longer or shorter is so in every direction."""
-    piece, ride = _piece(bend, k), np.float32(bend[RIDE + k])
-    for j in range(BLOCK):
-        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
-        ex, ey, low = _aim(
-            piece, w[_NODE + j], known[_OWN + j], known[_A + j], known[_B + j], w[_PART + j],
-            w[_TOP + j], y1,
-        )  # fmt: skip
-        least = w[_UP + j] * ride
-        ez = (low if low > least else least) - z1
-        run = rest[j] / np.sqrt(ex * ex + (ey * ey + (ez * ez + _TINY)))
-        here[_X + j] = x1 + ex * run
-        here[_Y + j] = y1 + ey * run
-        here[_Z + j] = z1 + ez * run
-
-
-@_elementwise
-def _lay_patch(bend, k, known, rest, w, above, here):
-    """`_lay`, with the ground asked for where the hairs' curves lead to."""
-    piece = _piece(bend, k)
-    ride, per_step = np.float32(bend[RIDE + k]), np.float32(bend[PER_STEP + k])
-    patch = _patch(bend)
-    for j in range(BLOCK):
-        x1, y1, z1, up = above[_X + j], above[_Y + j], above[_Z + j], w[_UP + j]
-        ex, ey, low = _aim(
-            piece, w[_NODE + j], known[_OWN + j], known[_A + j], known[_B + j], w[_PART + j],
-            w[_TOP + j], y1,
-        )  # fmt: skip
-        least = _ground(patch, x1 + ex, y1 + ey) + up * ride
-        ez = (low if low > least else least) - z1
-        x, y, z = _keep_length(ex, ey, ez, rest[j], up, per_step)
-        here[_X + j] = x1 + x
-        here[_Y + j] = y1 + y
-        here[_Z + j] = z1 + z
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz", "reassoc"})
-def _sunk(here):
-    """Sums of how far points are under the plane, and more than a trifle under it.
-
-    Only whether they are above 0 is asked, and that is the same in any order of adding.
+    As whole numbers without a sign, numbers below 0 come after all others, the lower the later;
+    and the greatest of whole numbers is found eight at a time.
     """
-    under, far = _ZERO, _ZERO
+    bits = here[_Z : _Z + BLOCK].view(np.uint32)
+    most = np.uint32(0)
     for j in range(BLOCK):
-        z = -here[_Z + j]
-        under += z if z > _ZERO else _ZERO
-        z -= _TRIFLE
-        far += z if z > _ZERO else _ZERO
-    return under, far
+        most = bits[j] if bits[j] > most else most
+    return most
 
 
 @_elementwise
@@ -435,38 +464,41 @@ def _lift(here):
 
 
 @_elementwise
-def _raise(rest, above, here):
+def _raise(rest, w, above, here):
     """Lift points under the plane to it and slide them on, so that the piece keeps its length."""
     for j in range(BLOCK):
-        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
-        ex, ey, z = here[_X + j] - x1, here[_Y + j] - y1, here[_Z + j]
+        ex, ey, z1 = here[_X + j] - above[_X + j], here[_Y + j] - above[_Y + j], above[_Z + j]
         room = rest[j] * rest[j] - z1 * z1
-        room = room if room > _ZERO else _ZERO
-        run = np.sqrt(room / (ex * ex + (ey * ey + _TINY)))
-        run = run if z < _ZERO else _ONE
-        here[_X + j] = x1 + ex * run
-        here[_Y + j] = y1 + ey * run
+        room = room if room > _TINY else _TINY
+        run = room * _per_root(room * (ex * ex + (ey * ey + _TINY)))
+        w[_RUN + j] = run if here[_Z + j] < _ZERO else _ONE
+    for j in range(BLOCK):
+        x1, y1, z, run = above[_X + j], above[_Y + j], here[_Z + j], w[_RUN + j]
+        here[_X + j] = x1 + (here[_X + j] - x1) * run
+        here[_Y + j] = y1 + (here[_Y + j] - y1) * run
         here[_Z + j] = z if z > _ZERO else _ZERO
 
 
 @_elementwise
-def _raise_patch(bend, rest, above, here):
+def _raise_patch(bend, rest, w, above, here):
     """`_raise` to a curved patch: the ground is asked for where the point came, and once more."""
-    patch = _patch(bend)
+    s0, s1, s2, s3, s4, s5 = _patch(bend)
     for j in range(BLOCK):
-        x1, y1, z1 = above[_X + j], above[_Y + j], above[_Z + j]
-        px, py, z = here[_X + j], here[_Y + j], here[_Z + j]
-        ex, ey = px - x1, py - y1
-        ground = _ground(patch, px, py)
-        z = z if z > ground else ground
-        drop = z - z1
+        x, y, z = here[_X + j], here[_Y + j], here[_Z + j]
+        ground = s0 + x * (s1 + s3 * x + s4 * y) + y * (s2 + s5 * y)
+        w[_LIFTED + j] = z if z > ground else ground
+    for j in range(BLOCK):
+        ex, ey = here[_X + j] - above[_X + j], here[_Y + j] - above[_Y + j]
+        drop = w[_LIFTED + j] - above[_Z + j]
         room = rest[j] * rest[j] - drop * drop
-        room = room if room > _ZERO else _ZERO
-        run = np.sqrt(room / (ex * ex + (ey * ey + _TINY)))
-        px, py = x1 + ex * run, y1 + ey * run
-        ground = _ground(patch, px, py)
-        here[_X + j] = px
-        here[_Y + j] = py
+        room = room if room > _TINY else _TINY
+        w[_RUN + j] = room * _per_root(room * (ex * ex + (ey * ey + _TINY)))
+    for j in range(BLOCK):
+        x1, y1, z, run = above[_X + j], above[_Y + j], w[_LIFTED + j], w[_RUN + j]
+        x, y = x1 + (here[_X + j] - x1) * run, y1 + (here[_Y + j] - y1) * run
+        ground = s0 + x * (s1 + s3 * x + s4 * y) + y * (s2 + s5 * y)
+        here[_X + j] = x
+        here[_Y + j] = y
         here[_Z + j] = z if z > ground else ground
 
 
@@ -478,7 +510,7 @@ def bend_hairs(rests, turned, bend, block, out):
     ----------
     rests : (B / BLOCK, SAMPLES - 1, BLOCK) float32
         Of `Bristles`.
-    turned : (B / BLOCK, KNOWN BLOCK) float32
+    turned : (B / BLOCK, 8 BLOCK) float32
         From `turn_hairs`.
     bend : (BEND_SIZE,) float64
         From `fill_bend`.
@@ -488,22 +520,25 @@ def bend_hairs(rests, turned, bend, block, out):
         By blocks, and from the tip up: x, y, z of the hairs' points, mm.
     """
     curved = bend[CURVED] > 0.0
+    reach = int(bend[REACH])
     for g in range(turned.shape[0]):
         known, above = turned[g], out[g, SAMPLES - 1]
         _start_block(bend, known, block, above)
         for k in range(SAMPLES - 2, -1, -1):
             rest, here = rests[g, k], out[g, k]
             if curved:
-                _lay_patch(bend, k, known, rest, block, above, here)
-                _raise_patch(bend, rest, above, here)
+                _aim_patch(bend, k, known, block, above, here)
+                _step(bend, k, known, rest, block, above, here)
+                _raise_patch(bend, rest, block, above, here)
             else:
+                _aim(bend, k, known, block, above, here)
                 if k > _NEAR_TIP:
-                    _lay_free(bend, k, known, rest, block, above, here)
+                    _step_free(rest, above, here)
                 else:
-                    _lay(bend, k, known, rest, block, above, here)
-                under, far = _sunk(here)
-                if far > _ZERO:
-                    _raise(rest, above, here)
-                elif under > _ZERO:
+                    _step(bend, k, known, rest, block, above, here)
+                lowest = _lowest(here) if k < reach else _UNDER
+                if lowest > _FAR_UNDER:
+                    _raise(rest, block, above, here)
+                elif lowest > _UNDER:
                     _lift(here)
             above = here
