@@ -32,7 +32,7 @@ HOMES = {
     "hid": {"device"},
     "hidraw": {"device"},
     "websockets": {"device"},
-    "open3d": {"files", "mesh"},
+    "open3d": {"files"},
     "pyvista": {"view"},
     "vtk": {"view"},
     "vtkmodules": {"view"},

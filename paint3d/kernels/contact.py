@@ -37,13 +37,13 @@ class ContactTree(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def build_boxes(triangles, points, boxes):
-    """Fill the boxes of a heap-ordered tree whose leaves hold LEAF_SIZE triangles each."""
+def build_boxes(triangles, points, boxes, leaf_size):
+    """Fill the boxes of a heap-ordered tree whose leaves hold so many triangles each."""
     n_leaves = boxes.shape[0] // 2
     boxes[:, :3] = np.inf
     boxes[:, 3:] = -np.inf
     for k in range(triangles.shape[0]):
-        node = n_leaves + k // LEAF_SIZE
+        node = n_leaves + k // leaf_size
         for corner in range(3):
             v = triangles[k, corner]
             for axis in range(3):

@@ -1,4 +1,4 @@
-"""The contact tree of a paint mesh: built once, asked once for every footprint."""
+"""Box trees over triangles, and the contact tree of a paint mesh that is asked for footprints."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from paint3d.kernels.contact import LEAF_SIZE, ContactTree, build_boxes
 from paint3d.mesh.paint_mesh import PaintMesh
 
-__all__ = ["build_contact_tree"]
+__all__ = ["build_box_tree", "build_contact_tree"]
 
 
 def build_contact_tree(mesh: PaintMesh) -> ContactTree:
@@ -17,14 +17,39 @@ def build_contact_tree(mesh: PaintMesh) -> ContactTree:
     n_base = mesh.n_base_vertices
     points = np.ascontiguousarray(mesh.vertices[:n_base], dtype=np.float32)
     normals = np.ascontiguousarray(mesh.normals[:n_base], dtype=np.float32)
+    order, boxes, triangles = build_box_tree(points, triangles, LEAF_SIZE)
+    return ContactTree(order, boxes, triangles, points, normals)
+
+
+def build_box_tree(
+    points: NDArray, triangles: NDArray, leaf_size: int
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Build a box tree over triangles.
+
+    Parameters
+    ----------
+    points : (V, 3) float32
+    triangles : (T, 3) int32
+    leaf_size : int
+        Triangles to each leaf.
+
+    Returns
+    -------
+    order : (T,) int32
+        The triangles in Morton order of their centres.
+    boxes : (2 L, 6) float32
+        Low and high corners in heap order, the triangles lying in the latter half, the leaves.
+    triangles : (T, 3) int32
+        Vertex ids in that order.
+    """
     order = _morton_order(points, triangles)
     n_leaves = 1
-    while n_leaves * LEAF_SIZE < len(triangles):
+    while n_leaves * leaf_size < len(triangles):
         n_leaves *= 2
     triangles = np.ascontiguousarray(triangles[order])
     boxes = np.empty((2 * n_leaves, 6), np.float32)
-    build_boxes(triangles, points, boxes)
-    return ContactTree(order, boxes, triangles, points, normals)
+    build_boxes(triangles, points, boxes, leaf_size)
+    return order, boxes, triangles
 
 
 def _morton_order(points: NDArray, triangles: NDArray) -> NDArray:
