@@ -96,6 +96,35 @@ def test_hairs_keep_their_length_and_none_is_under_the_surface(
     assert np.isfinite(points).all()
 
 
+@given(press=st.floats(0.0, 0.61), tilt=st.floats(30.0, 90.0), upper=st.floats(-3.0, 3.0))
+@FEW
+def test_points_too_near_the_root_to_come_to_the_plane_never_do(press, tilt, upper):
+    spec, slope = load_brush("full"), math.radians(tilt)
+    bristles, tuft = build_bristles(spec, BristleSpec(n_hairs=400)), build_tuft(spec)
+    turned, bend, block = bt.make_turned(2), np.zeros(bt.BEND_SIZE), bt.make_block()
+    bt.turn_hairs(bristles, 1.0, 0.0, turned)
+    descent = press * spec.length_mm * math.sin(slope)
+    pe = min(1.0, descent / spec.full_press_mm)
+    bt.fill_bend(bristles, tuft, descent, slope, pe, bt.FLAT, 0.5, 0.5, upper, upper, bend)
+    assert 0 < bend[bt.REACH] < bt.SAMPLES or press > 0.3
+    points, asked = bt.make_points(2), bt.make_points(2)
+    bt.bend_hairs(bristles.rests, turned, bend, block, points)
+    bend[bt.REACH] = bt.SAMPLES  # ask every point
+    bt.bend_hairs(bristles.rests, turned, bend, block, asked)
+    assert (points == asked).all()
+
+
+def test_pressed_flat_the_hairs_lie_evenly_side_by_side():
+    row = bt.make_turned(1)[0]
+    b = np.linspace(-1.0, 1.0, bt.BLOCK)
+    row[bt.BLOCK : 2 * bt.BLOCK] = b
+    bt._find_even(row)
+    even = row[6 * bt.BLOCK : 7 * bt.BLOCK]
+    np.testing.assert_allclose(
+        even, 2.0 / np.pi * (np.arcsin(b) + b * np.sqrt(1.0 - b * b)), atol=1e-6
+    )
+
+
 def test_hairs_start_from_their_places_in_the_ferrule():
     spec = load_brush("full")
     points, _ = hairs_of(n=500, descent=6.0, tilt=60.0)
