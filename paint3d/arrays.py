@@ -42,7 +42,7 @@ def as_array(
     """
     try:
         array = np.ascontiguousarray(values, dtype=dtype)
-    except (TypeError, ValueError) as cause:
+    except (TypeError, ValueError, OverflowError) as cause:
         raise error(f"{name} is not an array of numbers: {cause}") from None
     fits = array.ndim == len(shape) and all(
         want is None or want == got for want, got in zip(shape, array.shape, strict=True)
@@ -72,7 +72,10 @@ def as_number(
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         raise error(f"{name} is {value!r}; expected a number")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise error(f"{name} is a whole number of over 300 digits; expected a number") from None
     if not math.isfinite(number):
         raise error(f"{name} is {number}; expected a finite number")
     if not low <= number <= high:

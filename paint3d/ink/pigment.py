@@ -15,6 +15,7 @@ __all__ = ["BANDS_NM", "Pigment"]
 BANDS_NM = np.arange(400.0, 701.0, 10.0)
 """(31,) wavelengths of K and S, nm."""
 BANDS_NM.flags.writeable = False
+_STRONGEST = 1e6  # K and S of a coat; measured inks stay below 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,7 @@ class Pigment:
     ----------
     name, chinese : str
     K, S : (31,) array_like
-        Absorption and scattering per full coat at 400, 410, ... 700 nm, finite, >= 0.
+        Absorption and scattering per full coat at 400, 410, ... 700 nm, 0 to a million.
     source, basis, licence : str
         Whose measurement; how K and S came from it, and for what it stands in; its terms.
     saunderson : bool
@@ -35,7 +36,7 @@ class Pigment:
     Raises
     ------
     PigmentError
-        If the name is empty, or K or S has the wrong length, is negative or not finite.
+        If the name is empty, or K or S has the wrong length or is not between 0 and a million.
     """
 
     name: str
@@ -54,11 +55,11 @@ class Pigment:
             values = as_array(
                 getattr(self, letter), f"{letter} of {self.name}", (31,), error=PigmentError
             ).copy()
-            if values.min() < 0:
-                worst = int(values.argmin())
+            if not 0.0 <= values.min() <= values.max() <= _STRONGEST:
+                worst = int(values.argmin() if values.min() < 0.0 else values.argmax())
                 raise PigmentError(
                     f"{letter} of {self.name} is {values[worst]:g} at {BANDS_NM[worst]:.0f} nm; "
-                    "expected at least 0"
+                    f"expected 0 to {_STRONGEST:g}"
                 )
             values.flags.writeable = False
             object.__setattr__(self, letter, values)

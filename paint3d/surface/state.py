@@ -32,6 +32,8 @@ _HABIT = (PICKUP, CAPACITY, REACH)
 _VERTICES = ("vertices", "order", "fresh")  # of a flow: numbers of vertices
 _OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
+_MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
+_FASTEST_MM_S = 1e6  # that water rises or falls
 _LONGEST_PACE = 3600.0  # s
 
 State = dict[str, object]
@@ -284,6 +286,8 @@ def _put_water(surface: PaintedSurface, state: State, now: NDArray) -> None:
     if kept["rim"].dtype != np.uint8 or kept["rim"].shape != shape:
         raise SessionError(f"flow_rim is {kept['rim'].dtype} {kept['rim'].shape}")
     kept["speed"] = as_array(state["flow_speed"], "flow_speed", shape, np.float64, SessionError)
+    if np.abs(kept["speed"]).max(initial=0.0) > _FASTEST_MM_S:
+        raise SessionError(f"flow_speed exceeds {_FASTEST_MM_S:g} mm/s")
     shape = (*shape, len(surface.pigments))
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
@@ -304,7 +308,7 @@ def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:
 
 
 def _amounts(
-    state: State, name: str, shape: tuple[int, ...], dtype: type, most: float = np.inf
+    state: State, name: str, shape: tuple[int, ...], dtype: type, most: float = _MOST_INK
 ) -> NDArray:
     values = as_array(state[name], name, shape, dtype, SessionError)
     if values.size and not 0.0 <= values.min() <= values.max() <= most:

@@ -185,6 +185,10 @@ def test_a_pigment_checks_itself():
     good = np.ones(31)
     with pytest.raises(PigmentError, match="S of x is -1 at 420 nm"):
         Pigment("x", "", good, np.where(BANDS_NM == 420, -1, 1))
+    with pytest.raises(PigmentError, match="S of x is 1e\\+07 at 420 nm; expected 0 to 1e\\+06"):
+        Pigment("x", "", good, np.where(BANDS_NM == 420, 1e7, 1))
+    with pytest.raises(PigmentError, match="K of x is not an array of numbers"):
+        Pigment("x", "", [10**400] * 31, good)
     with pytest.raises(PigmentError, match="shape"):
         Pigment("x", "", good[:5], good)
     with pytest.raises(PigmentError, match="no name"):

@@ -151,6 +151,22 @@ def test_water_goes_on_where_it_was_saved(tmp_path, paint_between):
     assert again.flow.water == surface.flow.water
 
 
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [("flow_pigment", "flow_pigment holds 0 to 1e\\+300"), ("flow_speed", "flow_speed exceeds")],
+)
+def test_water_beyond_all_measure_is_refused(part, message):
+    mesh = sheet(flat, (40.0, 40.0), 5.0)
+    surface = PaintedSurface(mesh, 0.8, "xuan")
+    Painter(surface, "full", "pine soot").replay(stroke())
+    surface.diffuse(0.5)
+    state = dict(surface_state(surface))
+    state[part] = np.array(state[part])
+    state[part].flat[0] = 1e300
+    with pytest.raises(SessionError, match=message):
+        restore_surface(mesh, state)
+
+
 def test_the_numbers_kept_do_not_depend_on_the_lattice(monkeypatch):
     surface = painted(creased_mesh())
     state = surface_state(surface)
@@ -249,6 +265,11 @@ BAD = {
     "no material": ({"surface": {"material": None}}, "material is None"),
     "light": ({"surface": {"pigments": [{"name": "x", "chinese": "", "K": [-1] * 31,
                                          "S": [0] * 31}]}}, "K of x is -1"),
+    "black": ({"surface": {"pigments": [{"name": "x", "chinese": "", "K": [1e300] * 31,
+                                         "S": [0] * 31}]}}, "K of x is 1e\\+300 at 400 nm"),
+    "digits": ({"surface": {"pigments": [{"name": "x", "chinese": "", "K": [10**400] * 31,
+                                          "S": [0] * 31}]}}, "K of x is not an array of numbers"),
+    "flood": ({"surface/load": np.array([1e300, 0, 0])}, "load holds 0 to 1e\\+300"),
     "spectra": ({"surface": {"pigments": [{"name": "x"}]}}, "incomplete near"),
     "fine": ({"surface": {"resolution": 1e-9}}, "resolution"),
     "words": ({"mesh/vertices": np.array([["a"] * 3])}, "is no array of plain numbers"),
