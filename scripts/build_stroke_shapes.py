@@ -23,7 +23,8 @@ from shapely import Polygon, intersection, linestrings, prepare
 from paint3d.errors import Paint3DError
 from paint3d.stroke.glyph_sources import open_glyph_folder
 from paint3d.stroke.glyphs import Glyph, GlyphStroke
-from paint3d.stroke.kanjivg import find_kanjivg, load_lines
+from paint3d.stroke.kanjivg import load_lines
+from paint3d.stroke.kanjivg_folder import find_kanjivg
 from paint3d.stroke.legs import BODY, ZONE, corners_of, cut_line, is_hooked
 
 SOURCE = (

@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> None:
         failed.append(outcome.line)
         _tell_failure(options.table, outcome)
     with ProgressBar("painting rows", enabled=not options.quiet) as progress:
-        for done, outcome in enumerate(_outcomes(left, options), 1):
+        for done, outcome in enumerate(_outcomes(left, finished, options), 1):
             if outcome.message:
                 failed.append(outcome.line)
                 _tell_failure(options.table, outcome)
@@ -99,21 +99,25 @@ def run(options: argparse.Namespace) -> None:
         )
 
 
-def _outcomes(rows: list[Row], options: argparse.Namespace) -> Iterator[Outcome]:
+def _outcomes(
+    rows: list[Row], finished: FinishedRows, options: argparse.Namespace
+) -> Iterator[Outcome]:
+    from paint3d.cli.batch_order import longest_first
     from paint3d.cli.batch_workers import run_here, run_on_cluster, usable_cores
 
     if not rows:
         return iter(())
     if options.scheduler is not None:
-        return run_on_cluster(rows, options.scheduler)
+        return run_on_cluster(longest_first(rows, finished), options.scheduler)
     from paint3d.cli.first_run import say_if_compiling
 
     say_if_compiling(quiet=options.quiet)
-    return run_here(rows, options.processes or usable_cores())
+    processes = options.processes or usable_cores()
+    return run_here(longest_first(rows, finished) if processes > 1 else rows, processes)
 
 
 def _finish(row: Row, outcome: Outcome, finished: FinishedRows, *, quiet: bool) -> None:
-    finished.add(row)
+    finished.add(row, outcome.seconds)
     if not quiet:
         sys.stdout.write(f"{row.output} ({outcome.seconds:.1f} s)\n")
         sys.stdout.flush()

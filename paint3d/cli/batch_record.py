@@ -25,6 +25,7 @@ class FinishedRows:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._known: dict[str, tuple[int, int]] = {}
+        self._seconds: dict[str, float] = {}
         try:
             lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
         except FileNotFoundError:
@@ -35,15 +36,20 @@ class FinishedRows:
             try:
                 entry = json.loads(line)
                 self._known[str(entry["row"])] = (int(entry["size"]), int(entry["changed_ns"]))
+                self._seconds[str(entry["output"])] = float(entry["seconds"])
             except (ValueError, KeyError, TypeError, RecursionError):
-                continue
+                continue  # what came before the fault counts: older records know no seconds
 
     def has(self, row: Row) -> bool:
         """Whether the row was finished as it stands, and its output has not been touched since."""
         return self._known.get(fingerprint(row), ()) == _state(row.output)
 
-    def add(self, row: Row) -> None:
-        """Note that a row is finished.
+    def seconds(self, row: Row) -> float | None:
+        """How long the row's output took when it was last made; None where that is not known."""
+        return self._seconds.get(row.output)
+
+    def add(self, row: Row, seconds: float) -> None:
+        """Note that a row is finished, and in what time.
 
         Raises
         ------
@@ -54,7 +60,7 @@ class FinishedRows:
         if state is None:
             return
         entry = {"row": fingerprint(row), "output": row.output}
-        entry |= {"size": state[0], "changed_ns": state[1]}
+        entry |= {"size": state[0], "changed_ns": state[1], "seconds": round(seconds, 3)}
         try:
             with open(self.path, "a", encoding="utf-8") as file:
                 file.write(json.dumps(entry) + "\n")

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
+from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 
 from paint3d.cli.batch_rows import Outcome, Row, run_row
@@ -18,6 +19,7 @@ from paint3d.errors import InputError
 __all__ = ["run_here", "run_on_cluster", "usable_cores"]
 
 PATIENCE_S = 30
+_WARM = "paint3d.cli.batch_warm"
 
 
 def usable_cores() -> int:
@@ -48,6 +50,15 @@ def run_here(rows: Sequence[Row], processes: int) -> Iterator[Outcome]:
             worker.stop()
 
 
+def _context() -> BaseContext:
+    """How processes come to be: forked from one that has imported all, where that is safe."""
+    if not sys.platform.startswith("linux"):  # elsewhere system libraries do not survive a fork
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([_WARM])
+    return context
+
+
 class _Worker:
     """A process that runs one row after the other; started anew when it has died."""
 
@@ -58,7 +69,7 @@ class _Worker:
 
     def start(self, row: Row) -> None:
         if self._process is None:
-            context = multiprocessing.get_context("spawn")
+            context = _context()
             self.connection, theirs = context.Pipe()
             self._process = context.Process(target=_serve, args=(theirs,), daemon=False)
             self._process.start()
@@ -94,7 +105,6 @@ def _serve(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent stops us
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
-    os.environ.setdefault("NUMBA_NUM_THREADS", "1")  # the rows share the cores
     while True:
         try:
             row = Row(*connection.recv())

@@ -45,6 +45,8 @@ _COMMANDS = {
     "bench": bench,
     "report": report,
 }
+# Linear algebra in threads of its own gains nothing here: they would only wait, at full load.
+_ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _FAILED = 2
 _INTERRUPTED = 130
 
@@ -125,6 +127,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         The exit status: 0, 2 or 130.
     """
+    for name in _ONE_THREAD:
+        os.environ.setdefault(name, "1")
     debug = os.environ.get("PAINT3D_DEBUG", "") not in ("", "0")
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")

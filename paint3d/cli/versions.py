@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import sys
+from functools import cache
 
 __all__ = ["find_versions"]
 
@@ -24,12 +25,15 @@ _PACKAGES = (
 
 def find_versions() -> dict[str, str]:
     """Versions by name; a package that is absent is listed as ``not installed``."""
+    found = {"python": sys.version.split()[0], "system": platform.platform()}
+    return found | {package: _version(package) for package in _PACKAGES}
+
+
+@cache
+def _version(package: str) -> str:
     from importlib.metadata import PackageNotFoundError, version
 
-    found = {"python": sys.version.split()[0], "system": platform.platform()}
-    for package in _PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"

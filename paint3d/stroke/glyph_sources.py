@@ -8,7 +8,8 @@ from typing import Protocol
 
 from paint3d.errors import InputError
 from paint3d.stroke.glyphs import Glyph, load_glyph
-from paint3d.stroke.kanjivg import find_kanjivg, load_lines
+from paint3d.stroke.kanjivg import load_lines
+from paint3d.stroke.kanjivg_folder import find_kanjivg
 from paint3d.stroke.stroke_shapes import SOURCE_OF_SHAPES, shape_strokes
 
 __all__ = [

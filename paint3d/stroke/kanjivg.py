@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -19,7 +17,7 @@ from numpy.typing import NDArray
 from paint3d.errors import InputError
 from paint3d.stroke.glyphs import DESCENDER, EM_UNITS
 
-__all__ = ["LineStroke", "find_kanjivg", "load_lines", "parse_lines"]
+__all__ = ["LineStroke", "load_lines", "parse_lines"]
 
 _BOX = 109.0
 _TOKEN = re.compile(r"([MmCcSsLlZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|[\s,]+")
@@ -41,17 +39,6 @@ class LineStroke:
 
     kind: str
     line: NDArray[np.float64]
-
-
-@lru_cache(maxsize=1)
-def find_kanjivg() -> Path | None:
-    """The folder with the characters, or None where the package is not installed."""
-    try:
-        package = distribution("kanjivg")
-    except PackageNotFoundError:
-        return None
-    folder = Path(str(package.locate_file("kanji")))
-    return folder if folder.is_dir() else None
 
 
 def load_lines(folder: Path, text: str) -> list[LineStroke]:

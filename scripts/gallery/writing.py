@@ -17,7 +17,8 @@ from paint3d.kernels import raster
 from paint3d.stroke.brush_choice import choose_brush
 from paint3d.stroke.engine import Painter
 from paint3d.stroke.glyph_sources import open_glyphs
-from paint3d.stroke.kanjivg import find_kanjivg, load_lines
+from paint3d.stroke.kanjivg import load_lines
+from paint3d.stroke.kanjivg_folder import find_kanjivg
 from paint3d.stroke.layout import Layout
 from paint3d.stroke.planning import TECHNIQUES, PlanSettings
 from paint3d.stroke.recording import Recording

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from paint3d.cli import batch_workers
+from paint3d.cli.batch_order import longest_first
 from paint3d.cli.batch_record import FinishedRows
 from paint3d.cli.batch_rows import Row, fingerprint, run_row
 from paint3d.cli.batch_table import read_table
@@ -100,13 +101,14 @@ def test_a_row_is_finished_until_it_its_files_or_its_output_change(tmp_path):
     recording.write_text("{}")
     row = Row(2, str(output), ("replay", "--on=bowl", f"--out={output}", "--", str(recording)))
     finished = FinishedRows(tmp_path / "finished")
-    finished.add(row)  # there is no output: nothing is noted
+    finished.add(row, 2.5)  # there is no output: nothing is noted
     assert not (tmp_path / "finished").exists()
     output.write_text("painted")
-    finished.add(row)
+    finished.add(row, 2.5)
     with open(tmp_path / "finished", "a", encoding="utf-8") as file:
         file.write('[]\n{"row": 3}\n\xff\n{"row": "cut sho')
     assert FinishedRows(tmp_path / "finished").has(row)
+    assert FinishedRows(tmp_path / "finished").seconds(row) == 2.5
     assert FinishedRows(tmp_path / "finished").has(row._replace(line=9))
     changed = row._replace(arguments=(*row.arguments[:1], "--ink=墨", *row.arguments[1:]))
     assert not FinishedRows(tmp_path / "finished").has(changed)
@@ -114,7 +116,7 @@ def test_a_row_is_finished_until_it_its_files_or_its_output_change(tmp_path):
     os.utime(recording, ns=(1, 1))
     assert fingerprint(row) != before
     assert not FinishedRows(tmp_path / "finished").has(row)
-    finished.add(row)
+    finished.add(row, 2.5)
     output.write_text("touched by another")
     assert not FinishedRows(tmp_path / "finished").has(row)
     with pytest.raises(ExportError, match="cannot read it"):
@@ -126,9 +128,28 @@ def test_a_finished_row_stays_so_when_other_files_come_into_the_folder(tmp_path,
     Path("t.csv").write_text("text,object,output\n\u6c38,bowl,a.ply\n", encoding="utf-8")
     (row,), _ = read_table(Path("t.csv"))
     Path("a.ply").write_bytes(b"ply")
-    FinishedRows(Path("t.csv.finished")).add(row)
+    FinishedRows(Path("t.csv.finished")).add(row, 1.0)
     Path("b.ply").write_bytes(b"ply")
     assert FinishedRows(Path("t.csv.finished")).has(row)
+
+
+def test_long_rows_are_started_first(tmp_path):
+    text = "text,object,output,recording\n"
+    text += "一,bowl,a.ply,\n鬱,bowl,b.ply,\n一二三,bowl,c.ply,\n一,bowl,d.ply,\n"
+    for name, size in (("short", 1000), ("long", 40_000_000)):
+        (tmp_path / f"{name}.jsonl").touch()
+        os.truncate(tmp_path / f"{name}.jsonl", size)
+        text += f",bowl,{name}.ply,{tmp_path / name}.jsonl\n"
+    rows, _ = table(tmp_path, text)
+    record = tmp_path / "finished"
+    names = [row.output[0] for row in longest_first(rows, FinishedRows(record))]
+    assert names == ["l", "b", "c", "a", "d", "s"]
+    record.write_text(
+        '{"row": "", "size": 1, "changed_ns": 1, "output": "d.ply", "seconds": 99}\n'
+        '{"row": "", "size": 1, "changed_ns": 1, "output": "c.ply"}\n'
+    )
+    names = [row.output[0] for row in longest_first(rows, FinishedRows(record))]
+    assert names == ["d", "l", "b", "c", "a", "s"]
 
 
 def test_a_scheduler_that_is_not_there(monkeypatch):

@@ -8,7 +8,8 @@ from shapely import LineString, Point, Polygon
 
 from paint3d.errors import InputError
 from paint3d.stroke.glyph_sources import KanjiVGLines, load_glyphs, open_glyphs
-from paint3d.stroke.kanjivg import LineStroke, find_kanjivg, parse_lines
+from paint3d.stroke.kanjivg import LineStroke, parse_lines
+from paint3d.stroke.kanjivg_folder import find_kanjivg
 from paint3d.stroke.legs import BODY, ZONE, corners_of, cut_line
 from paint3d.stroke.stroke_shapes import shape_strokes
 
