@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
     add_painting_options,
     add_quiet_option,
@@ -68,16 +69,13 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
-    from paint3d.files.load import load_mesh
     from paint3d.stroke.recording import load_recording
 
     check_output_file(options.out, result_suffixes())
     if options.report is not None:
         check_output_file(options.report, (".json",))
     recording = load_recording(options.recording)
-    mesh = load_mesh(
-        options.on, options.unit, from_points=options.from_points, texture=options.texture
-    )
+    mesh = load_object(options)
     recording = lay_on(mesh, recording, options.at, options.size)
     wishes = Wishes(
         brush=options.brush,

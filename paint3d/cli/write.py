@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
     add_painting_options,
     add_quiet_option,
@@ -122,7 +123,6 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
-    from paint3d.files.load import load_mesh
     from paint3d.stroke.recording import save_recording
 
     check_output_file(options.out, (*result_suffixes(), ".svg"))
@@ -137,9 +137,7 @@ def run(options: argparse.Namespace) -> None:
         hairs=options.hairs,
         quiet=options.quiet,
     )
-    mesh = load_mesh(
-        options.on, options.unit, from_points=options.from_points, texture=options.texture
-    )
+    mesh = load_object(options)
     as_outlines = options.out.name.lower().endswith(".svg")
     if as_outlines:
         check_is_plane(mesh)

@@ -12,6 +12,7 @@ import math
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,8 +127,11 @@ def lay_out(
     fixed = layout.at is not None or layout.around
     fault: Paint3DError
     try:
-        middle = place(surface, layout.at or _MIDDLE, side=layout.side)
-        grid = _Grid(surface, em_mm, layout, limits, middle)
+        if layout.at is None:
+            grid = _middle_grid(surface, em_mm, layout, limits)
+        else:
+            middle = place(surface, layout.at, side=layout.side)
+            grid = _Grid(surface, em_mm, layout, limits, middle)
     except MeshError as cause:
         fault = cause
     else:
@@ -140,6 +144,14 @@ def lay_out(
     if fixed:
         raise fault
     return _searched(surface, lines, em_mm, layout, limits, fault)
+
+
+@lru_cache(maxsize=1)
+def _middle_grid(
+    surface: ClosestPoints, em_mm: float, layout: Layout, limits: SquareLimits
+) -> _Grid:
+    """The grid around the middle; the last is kept, as texts on one object often follow."""
+    return _Grid(surface, em_mm, layout, limits, place(surface, _MIDDLE, side=layout.side))
 
 
 def _searched(

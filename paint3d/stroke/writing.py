@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,7 +127,7 @@ def write_text(
     """
     as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
     glyphs = load_glyphs(source, "".join(text.split()))
-    surface = ClosestPoints(mesh)
+    surface = _surface_of(mesh)
     limits = SquareLimits(room_mm=pen.brush.length_mm)
     placed = lay_out(surface, text, pen.em_mm, layout, limits)
     tuft = build_tuft(pen.brush)
@@ -151,6 +152,12 @@ def write_text(
         "characters": told,
     }
     return Written(_recording(hand, pen, entries), told)
+
+
+@lru_cache(maxsize=1)
+def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
+    """The mesh's closest points; the last are kept, as texts on one object often follow."""
+    return ClosestPoints(mesh)
 
 
 # -- planning -----------------------------------------------------------------------------------

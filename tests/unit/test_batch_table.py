@@ -1,6 +1,7 @@
 """Batch: the tables there are, the words that rows become, and what is finished."""
 
 import os
+from argparse import Namespace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,8 @@ from paint3d.cli.batch_order import longest_first
 from paint3d.cli.batch_record import FinishedRows
 from paint3d.cli.batch_rows import Row, fingerprint, run_row
 from paint3d.cli.batch_table import read_table
-from paint3d.errors import ExportError, InputError
+from paint3d.cli.objects import load_object
+from paint3d.errors import ExportError, InputError, MeshError
 
 
 def table(tmp_path, text):
@@ -150,6 +152,23 @@ def test_long_rows_are_started_first(tmp_path):
     )
     names = [row.output[0] for row in longest_first(rows, FinishedRows(record))]
     assert names == ["d", "l", "b", "c", "a", "s"]
+
+
+def test_an_object_is_read_once_until_its_file_changes(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    corners = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 9 9 0\n"
+    Path("jug.obj").write_text(corners + "f 1 2 3\n")
+    options = Namespace(on="jug.obj", unit=None, from_points=None, texture=False)
+    mesh = load_object(options)
+    assert load_object(options) is mesh
+    assert load_object(Namespace(**{**vars(options), "unit": "cm"})).area == 100.0 * mesh.area
+    assert load_object(options).area == mesh.area
+    Path("jug.obj").write_text(corners + "f 1 2 3\nf 2 4 3\n")
+    assert load_object(options).area == 2.0 * mesh.area
+    Path("other").mkdir()
+    monkeypatch.chdir("other")
+    with pytest.raises(MeshError, match="no such file"):
+        load_object(options)
 
 
 def test_a_scheduler_that_is_not_there(monkeypatch):
