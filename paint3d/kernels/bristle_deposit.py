@@ -6,12 +6,11 @@ import numpy as np
 from numba import njit
 
 from paint3d.kernels import stamp as st
-from paint3d.kernels.bristle_imprint import look_up
 from paint3d.kernels.bristle_ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
+from paint3d.kernels.bristle_lookup import ask_imprint
 from paint3d.kernels.bristle_state import UNLEVELLED
 from paint3d.kernels.gathering import gather
 from paint3d.kernels.pickup import CAPACITY, PICKUP, contact_level, take_up_ink, thin_contact
-from paint3d.kernels.projecting import project_ids
 from paint3d.kernels.stamp import outline_motion
 from paint3d.kernels.transfer import landing_share, weighed_area
 
@@ -19,37 +18,7 @@ __all__ = ["PAINTED", "sweep_hairs"]
 
 PAINTED = 3  # counter: vertices that ink was left on
 _LEVELS_EVERY = 2.0  # mm of way
-_FAINTEST = 2e-3  # share covered below which a vertex is left alone
 _AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _ask_imprint(imprint, found, share, cover, n, field, room, lanes):
-    """Weigh vertices by the imprint where the way ends; return how many the hairs reached.
-
-    The way is no longer than the vertices lie apart: what the hairs left behind on it, the imprint
-    before has drawn.
-    """
-    xs, ys, stretch = room.rows[0], room.rows[1], room.rows[2]
-    size = xs.shape[0]
-    kept = 0
-    for first in range(0, n, size):
-        last = min(n, first + size)
-        for k in range(first, last):
-            room.ids[k - first] = found[k]
-        project_ids(
-            field.px, field.py, field.pz, field.nx, field.ny, field.nz, room.ids, 0, last - first,
-            room.frame, xs, ys, stretch,
-        )  # fmt: skip
-        for k in range(first, last):
-            ink, covered, lane = look_up(imprint, np.float64(xs[k - first]), ys[k - first])
-            if covered > _FAINTEST:
-                found[kept] = found[k]
-                share[kept] = share[k] * np.float32(ink)
-                cover[kept] = cover[k] * np.float32(covered)
-                lanes[kept] = lane
-                kept += 1
-    return kept
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -93,7 +62,7 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     before, after : Stamp
         `after` touches.
     ready : float
-        What the hairs are ready to give on the way, coats x mm2: the sum of `hairs.given`.
+        What the hairs are ready to give on the way, coats x mm2: what `settle_gifts` found.
     bristles, hairs, field, ink, counters, room : as for `kernels.bristle_stroke`
 
     Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`.
@@ -110,7 +79,7 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     weighed = weighed_area(field.area_units, unit, room.found, room.share, found)
     scale = 0.0 if area < width * width and found == 0 else 1.0
     lands = landing_share(area, width, weighed, found)
-    found = _ask_imprint(
+    found = ask_imprint(
         hairs.imprint, room.found, room.share, room.cover, found, field, room, hairs.lanes
     )
     level = contact_level(before, after, ink)
@@ -125,7 +94,7 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
             before, after, ready * scale, room.found, room.share, found, field.area_units, unit,
             ink, room.taken,
         )  # fmt: skip
-    take_from_hairs(hairs.load, hairs.given, scale, hairs.released)
+    take_from_hairs(hairs.load, hairs.findings, scale, hairs.whole_sums, hairs.released)
     for p in range(hairs.left.shape[0]):
         hairs.left[p] = hairs.released[p] * lands
         ink.off_surface[p] += hairs.released[p] - hairs.left[p]
@@ -135,7 +104,7 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     )  # fmt: skip
     ink.off_surface[:] += hairs.left  # what found no vertex
     if ink.habit[PICKUP] > 0.0:
-        give_to_hairs(hairs.load, hairs.contact, room.taken)
+        give_to_hairs(hairs.load, hairs.findings, room.taken)
     each = ink.habit[CAPACITY] / hairs.load.shape[0]
     hairs.memory[UNLEVELLED] += outline_motion(before, after)
     if hairs.memory[UNLEVELLED] >= _LEVELS_EVERY:

@@ -4,6 +4,9 @@ The map runs along the hairs (stations, `SUB` to a piece, from the tip) and acro
 of its width there), for hairs lie side by side and keep their places: a streak stays a streak. In
 each cell stand the ink that the hairs leave, and the share that they cover. A hair covers its own
 thickness and a film that grows with its ink; where hairs and films are close, they flow together.
+
+Hairs are laid into the map a station and a block at a time: where they lie and what they leave
+there in vector instructions, and only the adding to the lanes hair by hair.
 """
 
 from __future__ import annotations
@@ -14,27 +17,30 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from paint3d.arrays import zeros_on_lines
 from paint3d.kernels import stamp as st
-from paint3d.kernels.bristle_tuft import BLOCK, CURVED, PATCH, SAMPLES
+from paint3d.kernels.bristle_contact import BEGIN, DOT, END, GIVES, LAID, THICK, add_up
+from paint3d.kernels.bristle_outline import BINS, CELLS, draw_outline, index_stations
+from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
 
-__all__ = ["LANES", "Imprint", "draw_imprint", "find_contact_pieces", "look_up",
-           "make_imprint"]  # fmt: skip
+__all__ = ["LANES", "STATIONS", "SUB", "Imprint", "draw_imprint", "make_imprint"]
 
 SUB = 3  # stations to a piece of hair
 STATIONS = SUB * (SAMPLES - 1) + 1
 LANES = 128  # across the tuft
-_CELLS = 64  # along the imprint, for finding the station of a place
 _OUTER = 96  # hairs that tell how wide the tuft is: the last ones stand at the rim, all around
-_BINS = 48  # along the imprint, for its outline
 _Y = BLOCK
-_Z = 2 * BLOCK
 _BARE = (0.25, 0.4)  # share of a lane's width below which films leave it bare: wet, and dry
 _JOINED = (0.65, 1.0)  # share from which they join
-_FULL = 0.5  # of it, from which the film is as thick as it gets
 _EVEN = (0.2, 0.6)  # of it: from streaks of their own to one film of even thickness
+_MOST_INK = np.float32(4.0)  # times what the share covered would hold
+_EDGE = LANES // 2  # lanes that films may spread over, at the most
 
-# Places in Imprint.numbers.
-TIP, PER_CELL, N_STATIONS = 0, 1, 2
+# Rows that hairs are laid in: what they add to their lanes, and sums over the blocks.
+_ADDS, _COVERS, _SUM_X, _SUM_N, _LOW, _HIGH, _WIDE = (place * BLOCK for place in range(7))
+_NEVER = np.float32(1e30)
+_ZERO, _QUARTER, _HALF, _ONE = np.float32([0.0, 0.25, 0.5, 1.0])
+_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
 
 class Imprint(NamedTuple):
@@ -42,172 +48,162 @@ class Imprint(NamedTuple):
 
     map: NDArray  # (STATIONS, LANES, 2) float32: ink (mean 1), share covered
     mix: NDArray  # (LANES, P) float32: what the ink there is made of, shares of sum 1
-    widths: NDArray  # (STATIONS,) float32: half the map's width, mm
-    cells: NDArray  # (_CELLS + 1,) float32: station by the place along the bend, from the tip
-    numbers: NDArray  # (4,) float64
+    widths: NDArray  # (STATIONS, 2) float32: half the map's width, and how much more it is at the
+    # next station, mm
+    cells: NDArray  # (CELLS, 2) float32: station by the place along the bend, from the tip, and
+    # how much more it is a cell on
+    numbers: NDArray  # (4,) float64, see `bristle_outline`
+    laid: NDArray  # (2, STATIONS, LANES) float32: ink and share covered while hairs are laid
+    rows: NDArray  # (7 BLOCK,) float32, scratch
+    lanes: NDArray  # (BLOCK,) int32, scratch
+    places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm
+    fronts: NDArray  # (STATIONS,) float64: half-way from there to the foremost of them, mm
+    sides: NDArray  # (STATIONS,) float64: how far to the side they reach there, mm
+    reaches: NDArray  # (BINS,) float64: half widths of the outline
+    running: NDArray  # (2, LANES + 2 EDGE + 1) float64, scratch
 
 
 def make_imprint(n_pigments: int) -> Imprint:
     """An empty imprint."""
     return Imprint(
-        np.zeros((STATIONS, LANES, 2), np.float32),
-        np.zeros((LANES, n_pigments), np.float32),
-        np.ones(STATIONS, np.float32),
-        np.zeros(_CELLS + 1, np.float32),
-        np.zeros(4),
+        map=np.zeros((STATIONS, LANES, 2), np.float32),
+        mix=np.zeros((LANES, n_pigments), np.float32),
+        widths=np.ones((STATIONS, 2), np.float32),
+        cells=np.zeros((CELLS, 2), np.float32),
+        numbers=np.zeros(4),
+        laid=zeros_on_lines((2, STATIONS, LANES), np.float32),
+        rows=zeros_on_lines(7 * BLOCK, np.float32),
+        lanes=zeros_on_lines(BLOCK, np.int32),
+        places=np.zeros(STATIONS),
+        fronts=np.zeros(STATIONS),
+        sides=np.zeros(STATIONS),
+        reaches=np.zeros(BINS),
+        running=np.zeros((2, LANES + 2 * _EDGE + 1)),
     )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def find_contact_pieces(bristles, bend, slopes, points, count, contact):
-    """Which piece of each hair is near enough to the surface to leave ink.
-
-    Parameters
-    ----------
-    bristles : Bristles
-    bend : (BEND_SIZE,) float64
-    slopes : (SAMPLES,) float64
-        Sine of the hairs' angle to the plane at their points.
-    points : (B / BLOCK, SAMPLES, 3 BLOCK) float32
-        Laid on the plane meanwhile: x and y become those of a point's foot along the normal.
-    count : int
-        Hairs.
-    contact : (2, B) float32
-        First and last place on the hair, in points from the tip; the last is below 0 for a hair
-        that does not touch.
-
-    Returns
-    -------
-    touching : int
-    low, high : float
-        Where along the bend the touching pieces reach, mm.
-    """
-    near = np.float32(bristles.threshold_mm)
-    patch = bend[PATCH : PATCH + 6]
-    curved = bend[CURVED] > 0.0
-    clear = np.empty(SAMPLES, np.float32)
-    touching = 0
-    low, high = np.inf, -np.inf
-    for i in range(count):
-        g, j = i // BLOCK, i % BLOCK
-        first = last = -1
-        for k in range(SAMPLES):
-            row = points[g, k]
-            z = row[_Z + j]
-            if curved:
-                x, y = np.float64(row[j]), np.float64(row[_Y + j])
-                ground = patch[0] + patch[1] * x + patch[2] * y + patch[3] * x * x
-                ground += patch[4] * x * y + patch[5] * y * y
-                row[j] = x + ground * (patch[1] + 2.0 * patch[3] * x + patch[4] * y)
-                row[_Y + j] = y + ground * (patch[2] + 2.0 * patch[5] * y + patch[4] * x)
-                z -= np.float32(ground)
-            clear[k] = z
-            if z <= near:
-                if first < 0:
-                    first = k
-                if last == k - 1 or first == k:
-                    last = k
-            elif first >= 0 and k > last + 1:
-                break
-        contact[1, i] = -1.0
-        if first < 0:
-            continue
-        start, end = np.float32(first), np.float32(last)
-        if first > 0:
-            over = clear[first - 1]
-            start -= (near - clear[first]) / (over - clear[first])
-        if last < SAMPLES - 1:
-            # a hair leaves the surface as a parabola that has the slope of its next point
-            here, over = max(clear[last], np.float32(0.0)), clear[last + 1]
-            rest = bristles.rests[g, last, j]
-            bow = min(1.0, 2.0 * over / (rest * max(slopes[last + 1], 1e-3)))
-            flat = (1.0 - bow) * (1.0 - here / near) if near > 0.0 else 1.0 - bow
-            left = np.sqrt(max(near - here, np.float32(0.0)) / (over - here))
-            end += np.float32(flat + (1.0 - flat) * left)
-        contact[0, i], contact[1, i] = start, end
-        touching += 1
-        for at in (start, end):
-            k = min(int(at), SAMPLES - 2)
-            t = at - k
-            x = (1.0 - t) * points[g, k, j] + t * points[g, k + 1, j]
-            low, high = min(low, x), max(high, x)
-    return touching, low, high
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _widest(points, count, widths, margin):
-    """Half the tuft's width at every station, by its outermost hairs, with a margin."""
-    for k in range(SAMPLES):
+def _widest(points, count, widths, margin, last):
+    """Half the tuft's width at the stations, by its outermost hairs, with a margin."""
+    pieces = min(last // SUB + 2, SAMPLES - 1)
+    for k in range(pieces + 1):
         most = np.float32(0.0)
         for i in range(max(0, count - _OUTER), count):
             y = abs(points[i // BLOCK, k, _Y + i % BLOCK])
             most = y if y > most else most
-        widths[k * SUB] = np.float32(1.03) * most + margin
-    for k in range(SAMPLES - 1):
-        a, b = widths[k * SUB], widths[(k + 1) * SUB]
-        for s in range(1, SUB):
-            widths[k * SUB + s] = a + (b - a) * np.float32(s / SUB)
+        widths[k * SUB, 0] = np.float32(1.03) * most + margin
+    for k in range(pieces):
+        a, b = widths[k * SUB, 0], widths[(k + 1) * SUB, 0]
+        for s in range(SUB):
+            widths[k * SUB + s, 0] = a + (b - a) * np.float32(s / SUB)
+            widths[k * SUB + s, 1] = (b - a) * np.float32(1.0 / SUB)
+    widths[pieces * SUB, 1] = 0.0
+
+
+@_elementwise
+def _lay_station(station, share, scale, near, far, row, rows, lanes):
+    """What the hairs of a block leave at a station: in which lane, how much ink, how wide."""
+    per_piece, shortest = np.float32(SUB), _QUARTER
+    above, below = station + _HALF, station - _HALF
+    per_station = np.float32(1.0 / SUB)
+    middle, top = np.float32(0.5 * LANES), np.float32(LANES - 1)
+    for j in range(BLOCK):
+        dx = far[j] - near[j]
+        x = near[j] + share * dx
+        y = near[_Y + j] + share * (far[_Y + j] - near[_Y + j])
+        begin, end = row[BEGIN + j] * per_piece, row[END + j] * per_piece
+        least = begin + shortest
+        finish = end if end > least else least
+        first = begin if begin > below else below
+        final = finish if finish < above else above
+        part = final - first  # the station stands for half a step to either side
+        here = (part > _ZERO) & (end >= _ZERO)
+        part = part if here else _ZERO
+        lane = y * scale + middle
+        lane = lane if lane > _ZERO else _ZERO
+        lanes[j] = np.int32(lane if lane < top else top)
+        rows[_ADDS + j] = part * row[LAID + j] * scale
+        thick = row[THICK + j]
+        rows[_COVERS + j] = part * thick * scale
+        rows[_SUM_X + j] += x if here else _ZERO
+        rows[_SUM_N + j] += _ONE if here else _ZERO
+        dx *= per_station
+        one, other = x + (first - station) * dx, x + (final - station) * dx
+        low, high = rows[_LOW + j], rows[_HIGH + j]
+        less = one if one < other else other
+        more = one if one > other else other
+        less, more = less if here else _NEVER, more if here else -_NEVER
+        rows[_LOW + j] = less if less < low else low
+        rows[_HIGH + j] = more if more > high else high
+        wide = abs(y) + row[DOT + j]
+        wide = wide if (part > _QUARTER) & (thick > _ZERO) else _ZERO
+        widest = rows[_WIDE + j]
+        rows[_WIDE + j] = wide if wide > widest else widest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _spread(row, half, channel, sums):
-    """Mean of a row's lanes over `half` lanes to either side (a share of the outermost)."""
-    sums[0] = 0.0
-    for v in range(LANES):
-        sums[v + 1] = sums[v] + row[v, channel]
-    whole = int(half)
-    part = half - whole
-    width = 2.0 * half + 1.0
-    for v in range(LANES):
-        a, b = v - whole, v + whole + 1
-        total = sums[min(b, LANES)] - sums[max(a, 0)]
-        total += part * (sums[min(b + 1, LANES)] - sums[min(b, LANES)])
-        total += part * (sums[max(a, 0)] - sums[max(a - 1, 0)])
-        row[v, channel] = total / width
+def _add_to_lanes(n, lanes, rows, ink, cover):
+    """Add what a block leaves to its lanes, hair after hair."""
+    for j in range(n):
+        lane = np.uint32(lanes[j])
+        ink[lane] += rows[_ADDS + j]
+        cover[lane] += rows[_COVERS + j]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _fill_outline(stamp, low, high, margin, reaches, reach, half_width):
-    """Let the stamp's outline be that of the touching hairs; `reaches` (_BINS,) their half widths.
-
-    Bins without a hair are bridged: within the outline the map says what is covered.
-    """
-    step = (high - low) / _BINS
-    before = -1
-    for b in range(_BINS):
-        if reaches[b] > 0.0:
-            for c in range(before + 1, b):
-                share = (c - before) / (b - before)
-                left = reaches[before] if before >= 0 else reaches[b]
-                reaches[c] = (1.0 - share) * left + share * reaches[b]
-            before = b
-    for c in range(before + 1, _BINS):
-        reaches[c] = reaches[max(before, 0)]
-    n = 0
-    reach[n], half_width[n] = high + margin, 0.0
-    n += 1
-    for b in range(_BINS - 1, -1, -1):
-        beside = 0.5 * (reaches[max(b - 1, 0)] + reaches[min(b + 1, _BINS - 1)])
-        around = max(reaches[b], beside)
-        reach[n], half_width[n] = low + (b + 0.5) * step, around
-        n += 1
-    reach[n], half_width[n] = low - margin, 0.0
-    st.fill_profile(stamp, reach, half_width, n + 1)
-    values = stamp.values
-    for along in (values[st.TIP], values[st.HEEL]):
-        for across in (values[st.WIDEST], -values[st.WIDEST]):
-            d2 = 0.0
-            for axis in range(3):
-                d = values[st.ORIGIN_X + axis] - values[st.SPHERE_X + axis]
-                d += along * values[st.BEND_X + axis] + across * values[st.CROSS_X + axis]
-                d2 += d * d
-            values[st.RADIUS] = max(values[st.RADIUS], np.sqrt(d2))
+def _extreme(row, sign):
+    """The greatest of a block's numbers times `sign`; the row is used up."""
+    size = BLOCK
+    for j in range(size):
+        row[j] *= sign
+    while size > 1:
+        half = (size + 1) // 2
+        for j in range(size - half):
+            a, b = row[j], row[half + j]
+            row[j] = a if a > b else b
+        size = half
+    return row[0] * sign
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def draw_imprint(
-    stamp, bristles, hairs, load, given, capacity, resolution, low, high, reach, half_width
-):
+def _lay_hairs(hairs, count, last):
+    """Lay all hairs into the map's stations; returns where along the bend they reach, mm."""
+    imprint, points, findings, depths = hairs.imprint, hairs.points, hairs.findings, hairs.depths
+    rows, places = imprint.rows, imprint.places
+    imprint.laid[:, : last + 1] = _ZERO
+    rows[_LOW : _LOW + BLOCK] = _NEVER
+    high = -np.inf
+    for s in range(last + 1):
+        k = min(s // SUB, SAMPLES - 2)
+        share, scale = np.float32(s / SUB - k), np.float32(0.5 * LANES) / imprint.widths[s, 0]
+        rows[_SUM_X : _SUM_X + BLOCK] = _ZERO
+        rows[_SUM_N : _SUM_N + BLOCK] = _ZERO
+        rows[_HIGH : _HIGH + BLOCK] = -_NEVER
+        rows[_WIDE : _WIDE + BLOCK] = _ZERO
+        for g in range(points.shape[0]):
+            if depths[g] * SUB + 0.25 <= s - 0.5:
+                continue
+            _lay_station(
+                np.float32(s), share, scale, points[g, k], points[g, k + 1], findings[g], rows,
+                imprint.lanes,
+            )  # fmt: skip
+            _add_to_lanes(
+                min(BLOCK, count - g * BLOCK), imprint.lanes, rows, imprint.laid[0, s],
+                imprint.laid[1, s],
+            )  # fmt: skip
+        there = np.float64(add_up(rows[_SUM_N : _SUM_N + BLOCK], BLOCK))
+        sum_x = np.float64(add_up(rows[_SUM_X : _SUM_X + BLOCK], BLOCK))
+        places[s] = sum_x / there if there > 0.0 else np.nan
+        front = np.float64(_extreme(rows[_HIGH : _HIGH + BLOCK], _ONE))
+        high = max(high, front)
+        imprint.fronts[s] = 0.5 * (places[s] + front)
+        imprint.sides[s] = np.float64(_extreme(rows[_WIDE : _WIDE + BLOCK], _ONE))
+    low = np.float64(_extreme(rows[_LOW : _LOW + BLOCK], -_ONE))
+    return low, high
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def draw_imprint(stamp, bristles, hairs, load, wet, dot, resolution, reach, half_width):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
     Parameters
@@ -216,119 +212,124 @@ def draw_imprint(
         Gets the outline.
     bristles : Bristles
     hairs : Hairs
-        With the hairs' points and contacts; its imprint is drawn.
+        With the hairs' points and what was found of them; its imprint is drawn.
     load : (B, P) float64
         Ink of the hairs, coats x mm2.
-    given : (B,) float64
-        How much of it each hair gives.
-    capacity : float
-        Ink in a full hair.
+    wet, dot : float
+        Means over the hairs that touch: how full they are, and their radius with their film, mm.
     resolution : float
         Vertex spacing, mm: nothing finer than a quarter of it is drawn.
-    low, high : float
-        From `find_contact_pieces`.
     reach, half_width : arrays as for `kernels.tuft.trace_outline`
     """
-    imprint, points, contact = hairs.imprint, hairs.points, hairs.contact
-    count, n_pigments = load.shape
-    cells = imprint.map
-    cells[:] = 0.0
-    imprint.mix[:] = 0.0
-    radius, film = np.float32(bristles.hair_mm), np.float32(bristles.film_mm)
+    imprint, count = hairs.imprint, load.shape[0]
+    deepest = np.float64(hairs.depths[0])
+    for g in range(1, hairs.depths.shape[0]):
+        deepest = max(deepest, np.float64(hairs.depths[g]))
+    last = min(int(deepest * SUB + 0.75), STATIONS - 1)
     finest = 0.25 * resolution
-    margin = np.float32(radius + film + finest)
-    _widest(points, count, imprint.widths, margin)
-    sum_x, sum_n, reaches = hairs.sums[0], hairs.sums[1], hairs.sums[2]
-    sum_x[:] = 0.0
-    sum_n[:] = 0.0
-    reaches[:_BINS] = 0.0
-    per_bin = _BINS / max(high - low, 1e-6)
-    wet_sum = dot_sum = 0.0
-    touching = 0
-    last_station = 0
-    for i in range(count):
-        end = contact[1, i]
-        if end < 0.0:
-            continue
-        g, j = i // BLOCK, i % BLOCK
-        held = 0.0
-        for p in range(n_pigments):
-            held += load[i, p]
-        wet = np.float32(held / capacity)
-        dot = radius + film * min(np.float32(1.0), wet / np.float32(_FULL))
-        cover = np.float32(2.0) * dot
-        touching += 1
-        wet_sum += wet
-        dot_sum += dot
-        cover = cover if given[i] > 0.0 else np.float32(0.0)
-        # stations stand for half a step to either side, the outer ones for what the hair touches
-        begin = contact[0, i] * SUB
-        finish = max(end * SUB, begin + np.float32(0.25))
-        first, last = int(begin + 0.5), min(int(finish + 0.5), STATIONS - 1)
-        ink = np.float32(given[i] / (finish - begin))
-        if cover > 0.0:
-            for at in (begin, finish):
-                k = min(int(at / SUB), SAMPLES - 2)
-                t = at / SUB - k
-                x = (1.0 - t) * points[g, k, j] + t * points[g, k + 1, j]
-                y = (1.0 - t) * points[g, k, _Y + j] + t * points[g, k + 1, _Y + j]
-                b = min(_BINS - 1, max(0, int((x - low) * per_bin)))
-                reaches[b] = max(reaches[b], abs(y) + dot)
-        for s in range(first, last + 1):
-            part = min(finish, np.float32(s + 0.5)) - max(begin, np.float32(s - 0.5))
-            k = min(s // SUB, SAMPLES - 2)
-            t = np.float32(s / SUB - k)
-            near, far = points[g, k], points[g, k + 1]
-            x = near[j] + t * (far[j] - near[j])
-            y = near[_Y + j] + t * (far[_Y + j] - near[_Y + j])
-            width = imprint.widths[s]
-            lane = min(LANES - 1, max(0, int((y / width + 1.0) * (0.5 * LANES))))
-            per_lane = np.float32(0.5 * LANES) / width
-            cells[s, lane, 0] += part * ink * per_lane
-            cells[s, lane, 1] += part * cover * per_lane
-            sum_x[s] += x
-            sum_n[s] += 1.0
-            if cover > 0.0 and part > 0.5:
-                b = min(_BINS - 1, max(0, int((x - low) * per_bin)))
-                reaches[b] = max(reaches[b], abs(y) + dot)
-            if n_pigments > 1 and s == first and held > 0.0:
-                for p in range(n_pigments):
-                    imprint.mix[lane, p] += np.float32(given[i] * load[i, p] / held)
-        last_station = max(last_station, last)
-    _finish_map(imprint, hairs.sums, last_station, wet_sum / touching, dot_sum / touching, finest)
+    margin = np.float32(bristles.hair_mm + bristles.film_mm + finest)
+    _widest(hairs.points, count, imprint.widths, margin, last)
+    low, high = _lay_hairs(hairs, count, last)
+    if load.shape[1] > 1:
+        imprint.mix[:] = _ZERO
+        _lay_mix(hairs, load)
     _fill_mix(imprint.mix)
-    _fill_outline(stamp, low, high, dot_sum / touching, reaches, reach, half_width)
-    _index_stations(imprint, sum_x, sum_n, last_station, stamp.values[st.TIP],
-                    stamp.values[st.HEEL])  # fmt: skip
+    _finish_map(imprint, last, wet, max(dot, finest))
+    draw_outline(
+        stamp, imprint, hairs.points, hairs.findings, count, last, low, high, dot, reach, half_width
+    )
+    index_stations(imprint, last, stamp.values[st.TIP], stamp.values[st.HEEL])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _finish_map(imprint, sums, last, wet, dot, finest):
+def _spread(running, half, row):
+    """Mean of a row's lanes over `half` lanes to either side; `running` (.) are its sums."""
+    half = min(half, _EDGE - 2.0)
+    whole = int(half)
+    part, per_width = half - whole, 1.0 / (2.0 * half + 1.0)
+    first = _EDGE - whole
+    before, low = running[first - 1 : first - 1 + LANES], running[first : first + LANES]
+    first = _EDGE + whole + 1
+    high, after = running[first : first + LANES], running[first + 1 : first + 1 + LANES]
+    for v in range(LANES):
+        total = high[v] - low[v] + part * ((after[v] - high[v]) + (low[v] - before[v]))
+        row[v] = np.float32(total * per_width)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _run_up(running, ink, cover):
+    """Running sums of a station's lanes; beyond them they stay as they are."""
+    a, b = 0.0, 0.0
+    for v in range(LANES):
+        a += ink[v]
+        b += cover[v]
+        running[0, _EDGE + v + 1] = a
+        running[1, _EDGE + v + 1] = b
+    running[0, _EDGE + LANES + 1 :] = a
+    running[1, _EDGE + LANES + 1 :] = b
+
+
+@_elementwise
+def _join(least, per_join, ink, cover, sums):
+    """Films join where there is enough of them, and draw back from where there is not."""
+    for v in range(LANES):
+        join = (cover[v] - least) * per_join
+        join = join if join > _ZERO else _ZERO
+        join = join if join < _ONE else _ONE
+        cover[v] = join
+        sums[v] += ink[v]
+        sums[LANES + v] += join
+
+
+@_elementwise
+def _level(even, scale, ink, cover, out):
+    """Ink of mean 1, from streaks of their own to one film, beside the share covered."""
+    for v in range(LANES):
+        covered = cover[v]
+        here, most = ink[v] * scale, _MOST_INK * covered
+        out[v, 0] = (_ONE - even) * (here if here < most else most) + even * covered
+        out[v, 1] = covered
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _finish_map(imprint, last, wet, dot):
     """Give hairs their width, let what is close flow together, and bring the ink to mean 1."""
-    cells = imprint.map
+    ink, cover, sums = imprint.laid[0], imprint.laid[1], imprint.rows[: 2 * LANES]
     even = min(1.0, max(0.0, (wet - _EVEN[0]) / (_EVEN[1] - _EVEN[0])))
     least = _BARE[0] * even + _BARE[1] * (1.0 - even)
     joined = _JOINED[0] * even + _JOINED[1] * (1.0 - even)
-    total_ink = total_cover = 0.0
+    sums[:] = _ZERO
     for s in range(last + 1):
-        half = max(dot, finest) * 0.5 * LANES / imprint.widths[s]
-        _spread(cells[s], half, 0, sums[3])
-        _spread(cells[s], half, 1, sums[3])
-        for v in range(LANES):
-            # films join where there is enough of them, and draw back from where there is not
-            join = (cells[s, v, 1] - least) / (joined - least)
-            cells[s, v, 1] = min(np.float32(1.0), max(np.float32(0.0), join))
-            total_ink += cells[s, v, 0]
-            total_cover += cells[s, v, 1]
-    if total_ink <= 0.0:
-        return
-    scale = total_cover / total_ink
+        half = dot * 0.5 * LANES / np.float64(imprint.widths[s, 0])
+        _run_up(imprint.running, ink[s], cover[s])
+        _spread(imprint.running[0], half, ink[s])
+        _spread(imprint.running[1], half, cover[s])
+        _join(np.float32(least), np.float32(1.0 / (joined - least)), ink[s], cover[s], sums)
+    total_ink, total_cover = add_up(sums[:LANES], LANES), add_up(sums[LANES:], LANES)
+    scale = total_cover / total_ink if total_ink > _ZERO else _ZERO
     for s in range(last + 1):
-        for v in range(LANES):
-            ink, cover = cells[s, v, 0] * scale, cells[s, v, 1]
-            cells[s, v, 0] = (1.0 - even) * min(ink, 4.0 * cover) + even * cover
-    for s in range(last + 1, cells.shape[0]):
-        cells[s] = cells[last]
+        _level(np.float32(even), scale, ink[s], cover[s], imprint.map[s])
+    if last + 1 < STATIONS:
+        imprint.map[last + 1] = imprint.map[last]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _lay_mix(hairs, load):
+    """What hairs of more than one pigment leave in their first lane, pigment by pigment."""
+    imprint, points = hairs.imprint, hairs.points
+    for i in range(load.shape[0]):
+        g, j = i // BLOCK, i % BLOCK
+        wish = hairs.findings[g, GIVES + j]
+        if wish <= _ZERO:
+            continue
+        s = min(int(hairs.findings[g, BEGIN + j] * SUB + _HALF), STATIONS - 1)
+        k = min(s // SUB, SAMPLES - 2)
+        near, far = points[g, k, _Y + j], points[g, k + 1, _Y + j]
+        y = near + np.float32(s / SUB - k) * (far - near)
+        lane = int((y / imprint.widths[s, 0] + _ONE) * np.float32(0.5 * LANES))
+        lane = min(LANES - 1, max(0, lane))
+        for p in range(load.shape[1]):
+            imprint.mix[lane, p] += np.float32(wish * load[i, p])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -349,54 +350,3 @@ def _fill_mix(mix):
             before = v
         elif before >= 0:
             mix[v] = mix[before]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _index_stations(imprint, sum_x, sum_n, last, tip, heel):
-    """Tabulate which station lies where along the bend, by where the hairs' stations are."""
-    step = max(tip - heel, 1e-6) / _CELLS
-    imprint.numbers[TIP] = tip
-    imprint.numbers[PER_CELL] = 1.0 / step
-    imprint.numbers[N_STATIONS] = last + 1
-    at, x_at = -1, 0.0
-    cell = 0
-    for s in range(last + 1):
-        if sum_n[s] == 0.0:
-            continue
-        x = sum_x[s] / sum_n[s]
-        if at >= 0 and x >= x_at:
-            continue  # stations follow one another
-        while cell <= _CELLS and tip - cell * step >= x:
-            if at < 0:
-                imprint.cells[cell] = s
-            else:
-                imprint.cells[cell] = at + (s - at) * (x_at - tip + cell * step) / (x_at - x)
-            cell += 1
-        at, x_at = s, x
-    while cell <= _CELLS:
-        imprint.cells[cell] = at
-        cell += 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def look_up(imprint, x, y):
-    """Ink (mean 1), share covered, and lane at a place of the imprint's plane."""
-    at = (imprint.numbers[TIP] - x) * imprint.numbers[PER_CELL]
-    at = min(max(at, 0.0), _CELLS - 1e-3)
-    cell = int(at)
-    station = imprint.cells[cell] + (at - cell) * (imprint.cells[cell + 1] - imprint.cells[cell])
-    s = min(int(station), STATIONS - 2)
-    t = station - s
-    width = (1.0 - t) * imprint.widths[s] + t * imprint.widths[s + 1]
-    lane = (y / width + 1.0) * (0.5 * LANES) - 0.5
-    if lane <= -0.5 or lane >= LANES - 0.5:
-        return 0.0, 0.0, 0
-    lane = min(max(lane, 0.0), LANES - 1.001)
-    v = int(lane)
-    u = lane - v
-    a, b = imprint.map[s], imprint.map[s + 1]
-    ink = (1.0 - t) * ((1.0 - u) * a[v, 0] + u * a[v + 1, 0])
-    ink += t * ((1.0 - u) * b[v, 0] + u * b[v + 1, 0])
-    cover = (1.0 - t) * ((1.0 - u) * a[v, 1] + u * a[v + 1, 1])
-    cover += t * ((1.0 - u) * b[v, 1] + u * b[v + 1, 1])
-    return ink, cover, v

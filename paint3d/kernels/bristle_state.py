@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.arrays import zeros_on_lines
 from paint3d.kernels import bristle_tuft as bt
-from paint3d.kernels.bristle_imprint import LANES, Imprint, make_imprint
+from paint3d.kernels.bristle_contact import CONTACT_SIZE, FINDINGS
+from paint3d.kernels.bristle_imprint import Imprint, make_imprint
 from paint3d.kernels.bristle_ink import LEVEL_BINS
 from paint3d.kernels.bristle_patch import PATCH_SIZE
 
@@ -43,12 +45,15 @@ class Hairs(NamedTuple):
     bend: NDArray  # (BEND_SIZE,)
     block: NDArray  # (BLOCK_SIZE,) float32
     points: NDArray  # (B / BLOCK, SAMPLES, 3 BLOCK) float32
-    slopes: NDArray  # (SAMPLES,)
+    slopes: NDArray  # (SAMPLES,) float32
     patch: NDArray  # (6,)
     patch_work: NDArray  # (12, 6)
-    contact: NDArray  # (2, B) float32
-    given: NDArray  # (B,)
-    sums: NDArray  # (4, LANES + 1)
+    findings: NDArray  # (B / BLOCK, FINDINGS BLOCK) float32, see `bristle_contact`
+    depths: NDArray  # (B / BLOCK,) float32, how far up the hairs of a block touch, in points
+    clear: NDArray  # (CONTACT_SIZE,) float32
+    known: NDArray  # (3,), see `know_hairs`
+    sums: NDArray  # (3 BLOCK,) float32
+    whole_sums: NDArray  # (BLOCK,)
     bins: NDArray  # (LEVEL_BINS, P + 1)
     released: NDArray  # (P,)
     left: NDArray  # (P,)
@@ -59,7 +64,7 @@ class Hairs(NamedTuple):
 
 def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: int) -> Hairs:
     """Arrays for painting with these hairs on a mesh with room for `capacity` vertices."""
-    count, n_pigments = load.shape
+    n_pigments = load.shape[1]
     blocks = len(bristles.lengths)
     return Hairs(
         load=load,
@@ -70,12 +75,15 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         bend=np.zeros(bt.BEND_SIZE),
         block=bt.make_block(),
         points=bt.make_points(blocks),
-        slopes=np.zeros(bt.SAMPLES),
+        slopes=np.zeros(bt.SAMPLES, np.float32),
         patch=np.zeros(PATCH_SIZE),
         patch_work=np.zeros((12, PATCH_SIZE)),
-        contact=np.full((2, count), -1.0, np.float32),
-        given=np.zeros(count),
-        sums=np.zeros((4, LANES + 1)),
+        findings=zeros_on_lines((blocks, FINDINGS * bt.BLOCK), np.float32),
+        depths=np.zeros(blocks, np.float32),
+        clear=zeros_on_lines(CONTACT_SIZE, np.float32),
+        known=np.full(3, np.nan),
+        sums=zeros_on_lines(3 * bt.BLOCK, np.float32),
+        whole_sums=np.zeros(bt.BLOCK),
         bins=np.zeros((LEVEL_BINS, n_pigments + 1)),
         released=np.zeros(n_pigments),
         left=np.zeros(n_pigments),

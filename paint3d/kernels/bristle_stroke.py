@@ -12,9 +12,10 @@ import numpy as np
 from numba import njit
 
 from paint3d.kernels import stamp as st
+from paint3d.kernels.bristle_contact import find_contacts
 from paint3d.kernels.bristle_deposit import sweep_hairs
-from paint3d.kernels.bristle_imprint import draw_imprint, find_contact_pieces
-from paint3d.kernels.bristle_ink import ask_hairs, settle_gifts
+from paint3d.kernels.bristle_imprint import SUB, draw_imprint
+from paint3d.kernels.bristle_ink import ask_hairs, know_hairs, settle_gifts
 from paint3d.kernels.bristle_patch import fit_patch
 from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
 from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_bend, turn_hairs
@@ -100,22 +101,28 @@ def _find_slopes(tuft, points, slopes):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _draw(stamp, before, tuft, bristles, hairs, field, ink, room):
-    """Contacts, what the hairs would give, and the imprint; returns how much they wish to."""
-    count = hairs.load.shape[0]
+def _meet(stamp, tuft, bristles, hairs):
+    """Find where the hairs touch; a stamp where none does no longer touches."""
     _find_slopes(tuft, hairs.points, hairs.slopes)
-    touching, low, high = find_contact_pieces(
-        bristles, hairs.bend, hairs.slopes, hairs.points, count, hairs.contact
+    touching = find_contacts(
+        bristles, hairs.bend, hairs.slopes, hairs.points, hairs.clear, hairs.findings, hairs.depths
     )
     if touching == 0:
         stamp.values[st.TOUCHES] = 0.0
-        return 0.0
-    each = ink.habit[CAPACITY] / count
-    wanted = ask_hairs(
-        bristles, hairs.turned, hairs.contact, hairs.load, each, hairs.memory[WAY], hairs.given
+    return touching
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw(stamp, touching, bristles, hairs, field, ink, room):
+    """What the hairs would give, and the imprint; returns how much they wish to."""
+    count = hairs.load.shape[0]
+    way = hairs.memory[WAY]
+    know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.findings)
+    wanted, wet, dot = ask_hairs(
+        bristles, hairs.load, ink.habit[CAPACITY] / count, way, SUB, hairs.findings, hairs.sums
     )
     draw_imprint(
-        stamp, bristles, hairs, hairs.load, hairs.given, each, field.numbers[0], low, high,
+        stamp, bristles, hairs, hairs.load, wet / touching, dot / touching, field.numbers[0],
         room.reach, room.half_width,
     )  # fmt: skip
     return wanted
@@ -217,31 +224,36 @@ def paint_with_hairs(
                 place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
                 if before.values[st.TOUCHES] > 0.0:
                     _place_hairs(pose, before, tuft, bristles, hairs, field, ink, room)
-                    _draw(before, before, tuft, bristles, hairs, field, ink, room)
+                    touching = _meet(before, tuft, bristles, hairs)
+                    if touching > 0:
+                        _draw(before, touching, bristles, hairs, field, ink, room)
                     _track(before, hairs, hairs.track[0])
                 if samples.joined[i]:
                     before.values[st.TOUCHES] = 0.0
         while pace[0] < 1.0:
             step = min(pace[1], 1.0 - pace[0])
-            wanted = 0.0
             while True:
                 _interpolate(samples, i, pace[0] + step, pose)
                 tuft = drive(samples, i, pace[0] + step, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
-                wanted = 0.0
+                touching = 0
                 if after.values[st.TOUCHES] > 0.0:
                     _place_hairs(pose, after, tuft, bristles, hairs, field, ink, room)
-                    wanted = _draw(after, before, tuft, bristles, hairs, field, ink, room)
+                    touching = _meet(after, tuft, bristles, hairs)
                     _track(after, hairs, hairs.track[1])
                 touches = after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0
                 moved = _fastest(before, after, hairs.track) if touches else 0.0
                 if moved <= most or step <= _SHORTEST:
                     break
                 step = max(_SHORTEST, step * max(0.2, min(0.7, 0.9 * most / moved)))
+            wanted = 0.0
+            if touching > 0:
+                wanted = _draw(after, touching, bristles, hairs, field, ink, room)
             if wanted > 0.0:
                 rate = tuft.transfer_per_mm * mean_pressure(before, after)
                 rate *= outline_motion(before, after)
-                ready = settle_gifts(hairs.load, wanted, rate, hairs.given)
+                count = hairs.load.shape[0]
+                ready = settle_gifts(count, wanted, rate, hairs.findings, hairs.whole_sums)
                 if not sweep_hairs(
                     before, after, ready, bristles, hairs, field, ink, counters, room
                 ):
