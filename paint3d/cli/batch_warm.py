@@ -1,24 +1,31 @@
 """What painting a row needs, imported once, by the server that a batch's processes are forked from.
 
 Importing takes a second, forking ten milliseconds. Nothing here starts a thread: a fork copies only
-the thread that forks.
+the thread that forks. An interrupt meant for the batch is kept from the server until here.
 """
 
 from __future__ import annotations
 
 import gc
+import signal
 import sys
 import warnings
+from importlib import import_module
 
+_NEEDED = (
+    "paint3d.cli.batch_workers",
+    "paint3d.files.export",
+    "paint3d.files.load",
+    "paint3d.stroke.engine",
+    "paint3d.stroke.glyph_sources",
+    "paint3d.stroke.writing",
+    "paint3d.surface.painted_surface",
+)
+
+signal.signal(signal.SIGINT, signal.SIG_IGN)  # the batch stops what it has started
+signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 if not sys.warnoptions:
     warnings.simplefilter("ignore")
-
-import paint3d.cli.batch_workers
-import paint3d.files.export
-import paint3d.files.load
-import paint3d.stroke.engine
-import paint3d.stroke.glyph_sources
-import paint3d.stroke.writing
-import paint3d.surface.painted_surface  # noqa: F401
-
+for _name in _NEEDED:
+    import_module(_name)
 gc.freeze()  # what is shared stays shared: collecting would write to it

@@ -9,6 +9,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
@@ -56,6 +57,12 @@ def _context() -> BaseContext:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([_WARM])
+    resource_tracker.ensure_running()  # would unblock signals below
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:  # the server inherits the mask: no traceback where it is interrupted while it imports
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
     return context
 
 
@@ -71,8 +78,9 @@ class _Worker:
         if self._process is None:
             context = _context()
             self.connection, theirs = context.Pipe()
-            self._process = context.Process(target=_serve, args=(theirs,), daemon=False)
-            self._process.start()
+            process = context.Process(target=_serve, args=(theirs,), daemon=False)
+            process.start()
+            self._process = process
             theirs.close()
         self.row = row
         with suppress(OSError):  # it has died: `outcome` will find out

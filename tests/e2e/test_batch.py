@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -97,6 +99,21 @@ def test_an_interrupted_batch_goes_on(paint3d, write_table, tmp_path: Path) -> N
     assert 1 <= int(before_it[1]) < 3 + len(more)
     assert (tmp_path / "a.ply").stat().st_mtime_ns == before
     assert all((tmp_path / name).exists() for _, _, name in ROWS)
+
+
+def test_a_batch_is_interrupted_while_its_processes_start(write_table) -> None:
+    command = [sys.executable, "-m", "paint3d", "batch", write_table(*ROWS), "--processes", "2"]
+    running = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
+    while children.exists() and len(children.read_text().split()) < 2 and running.poll() is None:
+        time.sleep(0.01)
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does: all of them get it
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert errors == "paint3d: error: interrupted\n"
 
 
 def test_a_cluster_paints_the_same_bytes(paint3d, write_table, tmp_path: Path) -> None:
