@@ -37,8 +37,10 @@ _MOST_INK = np.float32(4.0)  # times what the share covered would hold
 _EDGE = LANES // 2  # lanes that films may spread over, at the most
 
 # Rows that hairs are laid in: what they add to their lanes, and sums over the blocks.
-_ADDS, _COVERS, _SUM_X, _SUM_N, _LOW, _HIGH, _WIDE = (place * BLOCK for place in range(7))
-_NEVER = np.float32(1e30)
+_ADDS, _COVERS, _SUM_X, _SUM_N, _LOW = (place * BLOCK for place in range(5))
+_HIGH, _WIDE, _PARTS, _FIRST, _FINAL = (place * BLOCK for place in range(5, 10))
+_ROWS = 10
+_NEVER = np.float32(1e3)  # mm, farther than any hair; as a sum with it, places are right to 6e-5
 _ZERO, _QUARTER, _HALF, _ONE = np.float32([0.0, 0.25, 0.5, 1.0])
 _elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
@@ -54,7 +56,7 @@ class Imprint(NamedTuple):
     # how much more it is a cell on
     numbers: NDArray  # (4,) float64, see `bristle_outline`
     laid: NDArray  # (2, STATIONS, LANES) float32: ink and share covered while hairs are laid
-    rows: NDArray  # (7 BLOCK,) float32, scratch
+    rows: NDArray  # (10 BLOCK,) float32, scratch
     lanes: NDArray  # (BLOCK,) int32, scratch
     places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm
     fronts: NDArray  # (STATIONS,) float64: half-way from there to the foremost of them, mm
@@ -72,7 +74,7 @@ def make_imprint(n_pigments: int) -> Imprint:
         cells=np.zeros((CELLS, 2), np.float32),
         numbers=np.zeros(4),
         laid=zeros_on_lines((2, STATIONS, LANES), np.float32),
-        rows=zeros_on_lines(7 * BLOCK, np.float32),
+        rows=zeros_on_lines(_ROWS * BLOCK, np.float32),
         lanes=zeros_on_lines(BLOCK, np.int32),
         places=np.zeros(STATIONS),
         fronts=np.zeros(STATIONS),
@@ -101,44 +103,66 @@ def _widest(points, count, widths, margin, last):
 
 
 @_elementwise
-def _lay_station(station, share, scale, near, far, row, rows, lanes):
-    """What the hairs of a block leave at a station: in which lane, how much ink, how wide."""
-    per_piece, shortest = np.float32(SUB), _QUARTER
+def _raise_to(row, at, j, value):
+    """Let a place of a row be `value` where that is more.
+
+    As a sum: a choice between the old and a new number would be written with a mask, which costs
+    ten times as much.
+    """
+    more = value - row[at + j]
+    row[at + j] += more if more > _ZERO else _ZERO
+
+
+@_elementwise
+def _find_parts(station, row, rows):
+    """How much of a station each hair of a block touches, and where in it that begins and ends."""
+    per_piece = np.float32(SUB)
     above, below = station + _HALF, station - _HALF
-    per_station = np.float32(1.0 / SUB)
-    middle, top = np.float32(0.5 * LANES), np.float32(LANES - 1)
     for j in range(BLOCK):
-        dx = far[j] - near[j]
-        x = near[j] + share * dx
-        y = near[_Y + j] + share * (far[_Y + j] - near[_Y + j])
         begin, end = row[BEGIN + j] * per_piece, row[END + j] * per_piece
-        least = begin + shortest
+        least = begin + _QUARTER
         finish = end if end > least else least
         first = begin if begin > below else below
         final = finish if finish < above else above
         part = final - first  # the station stands for half a step to either side
-        here = (part > _ZERO) & (end >= _ZERO)
-        part = part if here else _ZERO
+        part = part if part > _ZERO else _ZERO
+        rows[_PARTS + j] = part if end >= _ZERO else _ZERO
+        rows[_FIRST + j] = first - station
+        rows[_FINAL + j] = final - station
+
+
+@_elementwise
+def _lay_parts(share, scale, near, far, row, rows, lanes):
+    """What the hairs of a block leave at a station: in which lane, how much ink, how wide."""
+    middle, top = np.float32(0.5 * LANES), np.float32(LANES - 1)
+    for j in range(BLOCK):
+        y = near[_Y + j] + share * (far[_Y + j] - near[_Y + j])
         lane = y * scale + middle
         lane = lane if lane > _ZERO else _ZERO
         lanes[j] = np.int32(lane if lane < top else top)
+        part, thick = rows[_PARTS + j], row[THICK + j]
         rows[_ADDS + j] = part * row[LAID + j] * scale
-        thick = row[THICK + j]
         rows[_COVERS + j] = part * thick * scale
+        wide = abs(y) + row[DOT + j]
+        _raise_to(rows, _WIDE, j, wide if (part > _QUARTER) & (thick > _ZERO) else _ZERO)
+
+
+@_elementwise
+def _sum_places(share, near, far, rows):
+    """Sums of where along the bend a station's hairs lie, and how far to either end they reach."""
+    per_station = np.float32(1.0 / SUB)
+    for j in range(BLOCK):
+        dx = far[j] - near[j]
+        x = near[j] + share * dx
+        here = rows[_PARTS + j] > _ZERO
         rows[_SUM_X + j] += x if here else _ZERO
         rows[_SUM_N + j] += _ONE if here else _ZERO
         dx *= per_station
-        one, other = x + (first - station) * dx, x + (final - station) * dx
-        low, high = rows[_LOW + j], rows[_HIGH + j]
+        one, other = x + rows[_FIRST + j] * dx, x + rows[_FINAL + j] * dx
         less = one if one < other else other
         more = one if one > other else other
-        less, more = less if here else _NEVER, more if here else -_NEVER
-        rows[_LOW + j] = less if less < low else low
-        rows[_HIGH + j] = more if more > high else high
-        wide = abs(y) + row[DOT + j]
-        wide = wide if (part > _QUARTER) & (thick > _ZERO) else _ZERO
-        widest = rows[_WIDE + j]
-        rows[_WIDE + j] = wide if wide > widest else widest
+        _raise_to(rows, _LOW, j, -less if here else -_NEVER)
+        _raise_to(rows, _HIGH, j, more if here else -_NEVER)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -151,27 +175,25 @@ def _add_to_lanes(n, lanes, rows, ink, cover):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _extreme(row, sign):
-    """The greatest of a block's numbers times `sign`; the row is used up."""
+def _greatest(row):
+    """The greatest of a block's numbers; the row is used up."""
     size = BLOCK
-    for j in range(size):
-        row[j] *= sign
     while size > 1:
         half = (size + 1) // 2
         for j in range(size - half):
-            a, b = row[j], row[half + j]
-            row[j] = a if a > b else b
+            more = row[half + j] - row[j]
+            row[j] += more if more > _ZERO else _ZERO
         size = half
-    return row[0] * sign
+    return np.float64(row[0])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _lay_hairs(hairs, count, last):
     """Lay all hairs into the map's stations; returns where along the bend they reach, mm."""
     imprint, points, findings, depths = hairs.imprint, hairs.points, hairs.findings, hairs.depths
-    rows, places = imprint.rows, imprint.places
+    rows, lanes, places = imprint.rows, imprint.lanes, imprint.places
     imprint.laid[:, : last + 1] = _ZERO
-    rows[_LOW : _LOW + BLOCK] = _NEVER
+    rows[_LOW : _LOW + BLOCK] = -_NEVER
     high = -np.inf
     for s in range(last + 1):
         k = min(s // SUB, SAMPLES - 2)
@@ -183,23 +205,20 @@ def _lay_hairs(hairs, count, last):
         for g in range(points.shape[0]):
             if depths[g] * SUB + 0.25 <= s - 0.5:
                 continue
-            _lay_station(
-                np.float32(s), share, scale, points[g, k], points[g, k + 1], findings[g], rows,
-                imprint.lanes,
-            )  # fmt: skip
-            _add_to_lanes(
-                min(BLOCK, count - g * BLOCK), imprint.lanes, rows, imprint.laid[0, s],
-                imprint.laid[1, s],
-            )  # fmt: skip
+            near, far, row = points[g, k], points[g, k + 1], findings[g]
+            _find_parts(np.float32(s), row, rows)
+            _lay_parts(share, scale, near, far, row, rows, lanes)
+            _sum_places(share, near, far, rows)
+            n = min(BLOCK, count - g * BLOCK)
+            _add_to_lanes(n, lanes, rows, imprint.laid[0, s], imprint.laid[1, s])
         there = np.float64(add_up(rows[_SUM_N : _SUM_N + BLOCK], BLOCK))
         sum_x = np.float64(add_up(rows[_SUM_X : _SUM_X + BLOCK], BLOCK))
         places[s] = sum_x / there if there > 0.0 else np.nan
-        front = np.float64(_extreme(rows[_HIGH : _HIGH + BLOCK], _ONE))
+        front = _greatest(rows[_HIGH : _HIGH + BLOCK])
         high = max(high, front)
         imprint.fronts[s] = 0.5 * (places[s] + front)
-        imprint.sides[s] = np.float64(_extreme(rows[_WIDE : _WIDE + BLOCK], _ONE))
-    low = np.float64(_extreme(rows[_LOW : _LOW + BLOCK], -_ONE))
-    return low, high
+        imprint.sides[s] = _greatest(rows[_WIDE : _WIDE + BLOCK])
+    return -_greatest(rows[_LOW : _LOW + BLOCK]), high
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -11,6 +11,7 @@ from paint3d.kernels.projecting import LEAST_FACING
 
 __all__ = ["ask_imprint"]
 
+_LANE = np.int32(LANES - 1)  # of a place: LANES is a power of 2
 _FAINTEST = np.float32(2e-3)  # share covered below which a vertex is left alone
 _LAST_CELL = np.float32(CELLS - 1e-3)
 _LAST_LANE = np.float32(LANES - 1.001)
@@ -51,9 +52,8 @@ def _project(n, frame, rows, xs, ys):
 
 
 @_elementwise
-def _find_corners(n, tip, per_cell, cells, widths, xs, ys, places, parts):
-    """Where vertices lie in the map: its cell, and how far towards the next along and across."""
-    middle = np.float32(0.5 * LANES)
+def _find_stations(n, tip, per_cell, cells, widths, xs, places, parts):
+    """Which station vertices lie behind, how far towards the next, and half the map's width."""
     for k in range(n):
         at = (tip - xs[k]) * per_cell
         at = at if at > _ZERO else _ZERO
@@ -63,15 +63,24 @@ def _find_corners(n, tip, per_cell, cells, widths, xs, ys, places, parts):
         s = np.int32(station)
         s = s if s < STATIONS - 2 else np.int32(STATIONS - 2)
         t = station - np.float32(s)
-        lane = ys[k] * middle / (widths[s, 0] + t * widths[s, 1]) + (middle - _HALF)
-        within = abs(lane - (middle - _HALF)) < middle
+        places[k] = s * np.int32(LANES)
+        parts[0, k] = t
+        parts[2, k] = widths[s, 0] + t * widths[s, 1]
+
+
+@_elementwise
+def _find_lanes(n, ys, places, parts):
+    """The lane that vertices lie beside, how far towards the next, and whether within the map."""
+    middle = np.float32(0.5 * LANES)
+    for k in range(n):
+        beside = ys[k] * middle / parts[2, k]
+        lane = beside + (middle - _HALF)
         lane = lane if lane > _ZERO else _ZERO
         lane = lane if lane < _LAST_LANE else _LAST_LANE
         v = np.int32(lane)
-        places[k] = s * np.int32(LANES) + v
-        parts[0, k] = t
+        places[k] += v
         parts[1, k] = lane - np.float32(v)
-        parts[2, k] = _ONE if within else _ZERO
+        parts[2, k] = _ONE if abs(beside) < middle else _ZERO
 
 
 @_elementwise
@@ -91,17 +100,17 @@ def _read_map(n, map_, places, parts, inks, covers):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _keep(first, n, kept, places, inks, covers, found, share, cover, lanes):
+def _keep(n, places, inks, covers, ids, share, cover, out_ids, out_share, out_cover, out_lanes):
     """Weigh vertices by what they found, and close up over those that found nothing."""
+    kept = np.uint32(0)
     for k in range(n):
         covered = covers[k]
-        i = first + k
-        found[kept] = found[i]
-        share[kept] = share[i] * inks[k]
-        cover[kept] = cover[i] * covered
-        lanes[kept] = places[k] % LANES
-        kept += np.int64(covered > _FAINTEST)
-    return kept
+        out_ids[kept] = ids[k]
+        out_share[kept] = share[k] * inks[k]
+        out_cover[kept] = cover[k] * covered
+        out_lanes[kept] = places[k] & _LANE
+        kept += np.uint32(covered > _FAINTEST)
+    return np.int64(kept)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -136,7 +145,11 @@ def ask_imprint(imprint, found, share, cover, n, field, room, lanes):
             field.nz, room.rows,
         )  # fmt: skip
         _project(m, room.frame, room.rows, xs, ys)
-        _find_corners(m, tip, per_cell, imprint.cells, imprint.widths, xs, ys, places, parts)
+        _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, xs, places, parts)
+        _find_lanes(m, ys, places, parts)
         _read_map(m, map_, places, parts, inks, covers)
-        kept = _keep(first, m, kept, places, inks, covers, found, share, cover, lanes)
+        kept += _keep(
+            m, places, inks, covers, found[first:], share[first:], cover[first:], found[kept:],
+            share[kept:], cover[kept:], lanes[kept:],
+        )  # fmt: skip
     return kept

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
+import os
+import subprocess
+import sys
 from argparse import ArgumentTypeError
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +19,10 @@ from paint3d.cli.options import parse_hairs
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.frames import quaternions_from_matrices
+from paint3d.kernels.bristle_contact import FINDINGS, GIVES, HELD
+from paint3d.kernels.bristle_ink import settle_gifts, sum_hairs
 from paint3d.kernels.bristle_state import PARTED
+from paint3d.kernels.bristle_tuft import BLOCK
 from paint3d.stroke.engine import Painter
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -167,6 +175,50 @@ def test_the_same_recording_gives_the_same_bytes_in_any_portions():
     assert bytes_of(whole) == bytes_of(parts)
     assert bytes_of(whole) == bytes_of(paint(recording, recording))
     assert (whole.hairs.load == parts.hairs.load).all()
+
+
+CHILD = """
+import hashlib
+from tests.unit.test_hair_painting import bytes_of, paint, stroke
+print(hashlib.sha256(bytes_of(paint(stroke(n=20), wipe=0.7))).hexdigest())
+"""
+
+
+def test_the_number_of_threads_does_not_matter():
+    digests = set()
+    for threads in ("1", "2"):
+        environment = {**os.environ, "NUMBA_NUM_THREADS": threads}
+        environment["PYTHONPATH"] = os.pathsep.join(p for p in sys.path if p)
+        done = subprocess.run(
+            [sys.executable, "-c", CHILD], capture_output=True, text=True, check=True,
+            env=environment, cwd=Path(__file__).parents[2],
+        )  # fmt: skip
+        digests.add(done.stdout.strip())
+    here = hashlib.sha256(bytes_of(paint(stroke(n=20), wipe=0.7))).hexdigest()
+    assert digests == {here}
+
+
+def test_sums_over_hairs_take_every_hair_and_every_pigment():
+    for n in (1, BLOCK - 1, BLOCK, 2 * BLOCK + 21):
+        load = np.arange(3.0 * n).reshape(n, 3)
+        held = np.empty(3)
+        sum_hairs(load, held)
+        assert (held == load.sum(axis=0)).all()  # whole numbers: no rounding
+        held = np.empty(1)
+        sum_hairs(np.ascontiguousarray(load[:, :1]), held)
+        assert held == load[:, 0].sum()
+
+
+def test_hairs_give_by_the_law_at_every_rate():
+    wishes = np.linspace(0.0, 1.9, BLOCK)
+    for rate in (1e-6, 0.02, 0.7, 40.0):
+        findings = np.zeros((1, FINDINGS * BLOCK), np.float32)
+        findings[0, GIVES : GIVES + BLOCK] = wishes
+        findings[0, HELD : HELD + BLOCK] = 2.0
+        told = settle_gifts(BLOCK, float(BLOCK), rate, findings, np.zeros(BLOCK))
+        gives = findings[0, GIVES : GIVES + BLOCK]
+        np.testing.assert_allclose(gives, -np.expm1(-rate * wishes), rtol=2e-6)
+        assert told == pytest.approx(2.0 * gives.sum(dtype=np.float64), rel=1e-12)
 
 
 def turning(angle=1.5, n=4, press=0.5):
