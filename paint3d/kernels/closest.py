@@ -1,7 +1,8 @@
 """Closest points and first hits of rays on every triangle of a mesh, front and back alike.
 
-The tree is built as that of `kernels.contact`, with fewer triangles to a leaf. A tie is won by the
-triangle that comes first in the mesh: an answer depends on the mesh and the question alone.
+The tree is that of `kernels.contact` in the order of `kernels.halving`, with fewer triangles to a
+leaf. A tie is won by the triangle that comes first in the mesh: an answer depends on the mesh and
+the question alone.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _SLACK = 1e-12  # of a distance along a ray: what rounding may take from a box
 class FaceTree(NamedTuple):
     """A box tree over all triangles of a mesh, as plain arrays for kernels."""
 
-    order: NDArray  # (T,) int32, triangles in Morton order
+    order: NDArray  # (T,) int32, triangles in the tree's order
     boxes: NDArray  # (2 L, 6) float32, low and high corners, heap order
     triangles: NDArray  # (T, 3) int32 vertex ids, in that order
     points: NDArray  # (V, 3) float32, mm

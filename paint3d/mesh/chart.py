@@ -215,7 +215,7 @@ def make_chart(
     Notes
     -----
     All nodes are traced side by side, in steps along the tangent followed by the closest point:
-    for n nodes and a reach r, n r / step closest points of about 2 us.
+    for n nodes and a reach r, n r / step closest points of about 1 us.
     """
     half_width = as_number(half_width, "half_width", 1e-3, 1e6)
     half_height = as_number(half_height, "half_height", 1e-3, 1e6)

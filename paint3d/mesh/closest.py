@@ -68,7 +68,7 @@ class ClosestPoints:
         self.mesh = mesh
         points = np.ascontiguousarray(mesh.vertices, np.float32)
         faces = np.ascontiguousarray(mesh.faces, np.int32)
-        order, boxes, triangles = build_box_tree(points, faces, FACES_PER_LEAF)
+        order, boxes, triangles = build_box_tree(points, faces, FACES_PER_LEAF, halve=True)
         self._tree = FaceTree(order, boxes, triangles, points, _corner_normals(mesh))
 
     def find(self, points: NDArray) -> Found:

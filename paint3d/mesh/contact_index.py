@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.kernels.contact import LEAF_SIZE, ContactTree, build_boxes
+from paint3d.kernels.halving import order_by_halving
 from paint3d.mesh.paint_mesh import PaintMesh
 
 __all__ = ["build_box_tree", "build_contact_tree"]
@@ -22,7 +23,7 @@ def build_contact_tree(mesh: PaintMesh) -> ContactTree:
 
 
 def build_box_tree(
-    points: NDArray, triangles: NDArray, leaf_size: int
+    points: NDArray, triangles: NDArray, leaf_size: int, *, halve: bool = False
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Build a box tree over triangles.
 
@@ -32,35 +33,46 @@ def build_box_tree(
     triangles : (T, 3) int32
     leaf_size : int
         Triangles to each leaf.
+    halve : bool
+        Whether every half, quarter and so on shall lie together in a box; else they are in Morton
+        order. Closest points are found three times as fast; a million triangles take 0.4 s more.
 
     Returns
     -------
     order : (T,) int32
-        The triangles in Morton order of their centres.
+        The triangles in the tree's order.
     boxes : (2 L, 6) float32
         Low and high corners in heap order, the triangles lying in the latter half, the leaves.
     triangles : (T, 3) int32
         Vertex ids in that order.
     """
-    order = _morton_order(points, triangles)
+    centres = _centres(points, triangles)
+    order = _morton_order(centres)
     n_leaves = 1
     while n_leaves * leaf_size < len(triangles):
         n_leaves *= 2
+    if halve:
+        order_by_halving(np.ascontiguousarray(centres[order]), n_leaves, leaf_size, order)
     triangles = np.ascontiguousarray(triangles[order])
     boxes = np.empty((2 * n_leaves, 6), np.float32)
     build_boxes(triangles, points, boxes, leaf_size)
     return order, boxes, triangles
 
 
-def _morton_order(points: NDArray, triangles: NDArray) -> NDArray:
-    """Triangle ids (T,) int32 sorted by the interleaved bits of their centres' coordinates."""
+def _centres(points: NDArray, triangles: NDArray) -> NDArray:
+    """Three times the triangles' centres (T, 3) float32."""
     centres = np.zeros((len(triangles), 3), np.float32)
     for corner in range(3):
         centres += points[triangles[:, corner]]
+    return centres
+
+
+def _morton_order(centres: NDArray) -> NDArray:
+    """Triangle ids (T,) int32 sorted by the interleaved bits of their centres' coordinates."""
     low = centres.min(axis=0)
     span = max(float((centres.max(axis=0) - low).max()), 1e-12)
     grid = ((centres - low) * (1023.0 / span)).astype(np.uint32)
-    code = np.zeros(len(triangles), np.uint32)
+    code = np.zeros(len(centres), np.uint32)
     for axis in range(3):
         bits = grid[:, axis]
         for shift, mask in (

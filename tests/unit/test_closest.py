@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from paint3d.errors import InputError
+from paint3d.kernels.halving import order_by_halving
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.mesh.solids import make_bowl
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -131,6 +132,31 @@ def test_rays_find_no_gap_between_triangles() -> None:
     hits = ClosestPoints(bowl).cast(np.broadcast_to(origin, aims.shape), aims - origin)
     assert hits.hit.all()
     assert (hits.distance <= 1.0 + 1e-9).all()
+
+
+@settings(deadline=None, max_examples=25)
+@given(seed=seeds, n=st.integers(1, 300), leaf_size=st.sampled_from([1, 2, 8]))
+def test_halves_lie_apart(seed: int, n: int, leaf_size: int) -> None:
+    rng = np.random.default_rng(seed)
+    centres = rng.integers(0, 6, (n, 3)).astype(np.float32)  # many are equal
+    n_leaves = 1
+    while n_leaves * leaf_size < n:
+        n_leaves *= 2
+    order, sorted_centres = rng.permutation(n).astype(np.int32), centres.copy()
+    numbered = np.empty_like(centres)
+    numbered[order] = centres
+    order_by_halving(sorted_centres, n_leaves, leaf_size, order)
+    assert sorted(order) == list(range(n))
+    np.testing.assert_array_equal(sorted_centres, numbered[order])
+    size = n_leaves * leaf_size
+    while size > leaf_size:
+        for low in range(0, n, size):
+            part = sorted_centres[low : low + size]
+            first, last = part[: size // 2], part[size // 2 :]
+            axis = np.argmax(part.max(axis=0) - part.min(axis=0))
+            if len(last):
+                assert first[:, axis].max() <= last[:, axis].min()
+        size //= 2
 
 
 def test_of_equal_triangles_the_first_counts() -> None:
