@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
-from paint3d.bench.stopwatch import alternate, best_of
+from paint3d.bench.stopwatch import alternate
 from paint3d.bench.strokes import make_dab, record_dabs
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristle_spec import BristleSpec
@@ -24,11 +24,11 @@ from paint3d.brush.presets import load_brush
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
 from paint3d.kernels import bristle_tuft as bt
-from paint3d.kernels.bristle_standing import bend_often
+from paint3d.kernels.bristle_standing import bend_often, deposit_hairs_often, deposit_often
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["HairBend", "measure", "time_strokes"]
+__all__ = ["HairBend", "measure", "time_deposits", "time_strokes"]
 
 _BRUSH = "full"
 _COUNTS = (1, 10, 100, 1_000, 10_000)
@@ -37,6 +37,9 @@ _MOST_CURVED = 2.5  # times the plane
 _VERTICES = 1_000_000
 _SAMPLES = 600
 _ROUNDS = 60
+_STROKES = 4
+_DEPOSITS = 60
+_MOST_DEPOSIT = 1.0  # times the solid tuft's
 _HAIRS_A_ROUND = 1_000_000
 _CURVED = np.array([0.0, 0.02, -0.01, -0.01, 0.0, -0.01])  # a ball of 50 mm radius
 
@@ -81,20 +84,51 @@ def _in_the_bowl(surface: PaintedSurface, n: int) -> Recording:
     return replace(recording, time_ns=recording.time_ns // 5)
 
 
-def time_strokes(share: float = 1.0) -> dict[int, tuple[float, int, int]]:
-    """By hairs (0: solid), CPU ms an imprint in the bowl, imprints, and the bowl's vertices."""
+def time_strokes(share: float = 1.0) -> tuple[dict[int, tuple[float, int, int]], float]:
+    """By hairs (0: solid), CPU ms an imprint in the bowl, imprints, and the bowl's vertices.
+
+    And how many times what depositing a solid footprint takes 1,000 hairs take to deposit theirs.
+    """
     surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * share)))
     recording = _in_the_bowl(surface, max(60, int(_SAMPLES * share)))
-    found = {}
+    painters, counts = {}, {}
     for n in (0, 1_000):
-        painter = Painter(surface, _BRUSH, hairs=n)
+        painter = painters[n] = Painter(surface, _BRUSH, hairs=n)
         painter.replay(recording)
         before = painter.report()["footprints"]
         painter.replay(recording)
-        imprints = painter.report()["footprints"] - before
-        best = best_of(3, partial(painter.replay, recording), before=painter.dip)
-        found[n] = 1e3 * best.cpu_s / imprints, imprints, surface.n_vertices
-    return found
+        counts[n] = painter.report()["footprints"] - before
+
+    def stroke(n: int) -> None:
+        painters[n].dip()
+        painters[n].replay(recording)
+
+    best = alternate(_STROKES, {str(n): partial(stroke, n) for n in painters})
+    found = {
+        n: (1e3 * best[str(n)].cpu_s / counts[n], counts[n], surface.n_vertices) for n in painters
+    }
+    return found, time_deposits(painters[1_000], max(4, int(_DEPOSITS * share)))
+
+
+def time_deposits(painter: Painter, times: int) -> float:
+    """What hairs take to deposit the imprint they stand on, over a solid tuft's same footprint.
+
+    From the imprint drawn to ink on vertices, `times` times, by turns.
+    """
+    surface, hairs = painter.surface, painter.hairs
+    progress, room = painter._progress, painter._room
+    work = (surface.paint_mesh.arrays, surface.ink, np.zeros(8, np.int64), room)
+    stamps = (progress.before, progress.after)
+    painter.dip()
+    kept = hairs.work(surface)
+    best = alternate(
+        _ROUNDS,
+        {
+            "hairs": partial(deposit_hairs_often, times, *stamps, hairs.bristles, kept, *work),
+            "solid": partial(deposit_often, times, *stamps, painter.tuft, *work),
+        },
+    )
+    return best["hairs"].cpu_s / best["solid"].cpu_s
 
 
 def measure(share: float = 1.0) -> Result:
@@ -112,8 +146,9 @@ def measure(share: float = 1.0) -> Result:
         if n in _WANTED_MS:
             checks.append(Check(f"{n:,} hairs on a plane", plane, _WANTED_MS[n], unit="ms"))
             checks.append(Check(f"{n:,} hairs, curved over plane", curved / plane, _MOST_CURVED))
-    strokes = time_strokes(share)
+    strokes, deposit = time_strokes(share)
     solid, (hairs, imprints, vertices) = strokes[0][0], strokes[1_000]
+    checks.append(Check("depositing 1,000 hairs over a solid tuft", deposit, _MOST_DEPOSIT))
     checks.append(Check("cores for 500 imprints/s of 1,000 hairs in the bowl", 0.5 * hairs, 0.5))
     return Result(
         "An imprint of hairs: deformation, contact and 8 points a hair, on one core",

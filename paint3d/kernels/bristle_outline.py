@@ -9,7 +9,7 @@ from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_contact import BEGIN, DOT, END, GIVES
 from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
 
-__all__ = ["BINS", "CELLS", "PER_CELL", "TIP", "draw_outline", "index_stations"]
+__all__ = ["BINS", "CELLS", "PER_CELL", "TIP", "draw_outline", "hold_outline", "index_stations"]
 
 BINS = 48  # along the imprint, for its outline
 CELLS = 64  # along the imprint, for finding the station of a place
@@ -61,6 +61,19 @@ def _bridge(imprint, last, low, per_bin, least, reaches):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def hold_outline(values):
+    """Let the stamp's enclosing sphere hold its outline."""
+    for along in (values[st.TIP], values[st.HEEL]):
+        for across in (values[st.WIDEST], -values[st.WIDEST]):
+            d2 = 0.0
+            for axis in range(3):
+                d = values[st.ORIGIN_X + axis] - values[st.SPHERE_X + axis]
+                d += along * values[st.BEND_X + axis] + across * values[st.CROSS_X + axis]
+                d2 += d * d
+            values[st.RADIUS] = max(values[st.RADIUS], np.sqrt(d2))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def draw_outline(
     stamp, imprint, points, findings, count, last, low, high, margin, reach, half_width
 ):
@@ -97,15 +110,7 @@ def draw_outline(
         n += 1
     reach[n], half_width[n] = low - margin, 0.0
     st.fill_profile(stamp, reach, half_width, n + 1)
-    values = stamp.values
-    for along in (values[st.TIP], values[st.HEEL]):
-        for across in (values[st.WIDEST], -values[st.WIDEST]):
-            d2 = 0.0
-            for axis in range(3):
-                d = values[st.ORIGIN_X + axis] - values[st.SPHERE_X + axis]
-                d += along * values[st.BEND_X + axis] + across * values[st.CROSS_X + axis]
-                d2 += d * d
-            values[st.RADIUS] = max(values[st.RADIUS], np.sqrt(d2))
+    hold_outline(stamp.values)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -1,12 +1,14 @@
-"""Imprints of hairs without a stroke: bent again and again, to be measured."""
+"""Imprints of hairs without a stroke: bent or left again and again, to be measured."""
 
 from __future__ import annotations
 
 from numba import njit
 
+from paint3d.kernels.bristle_deposit import sweep_hairs
 from paint3d.kernels.bristle_tuft import bend_hairs, fill_bend
+from paint3d.kernels.deposit import sweep_deposit
 
-__all__ = ["bend_often"]
+__all__ = ["bend_often", "deposit_hairs_often", "deposit_often"]
 
 
 @njit(cache=True, nogil=True)
@@ -15,3 +17,17 @@ def bend_often(times, bristles, tuft, descent, tilt, pe, patch, turned, bend, bl
     for _ in range(times):
         fill_bend(bristles, tuft, descent, tilt, pe, patch, 0.0, 0.0, 0.0, 0.0, bend)
         bend_hairs(bristles.rests, turned, bend, block, points)
+
+
+@njit(cache=True, nogil=True)
+def deposit_often(times, before, after, tuft, field, ink, counters, room):
+    """Leave a solid tuft's footprint `times` times; arguments as in `kernels.deposit`."""
+    for _ in range(times):
+        sweep_deposit(before, after, tuft, field, ink, counters, room)
+
+
+@njit(cache=True, nogil=True)
+def deposit_hairs_often(times, before, after, bristles, hairs, field, ink, counters, room):
+    """Leave an imprint of hairs that is drawn `times` times; as in `kernels.bristle_deposit`."""
+    for _ in range(times):
+        sweep_hairs(before, after, 0.0, bristles, hairs, field, ink, counters, room)

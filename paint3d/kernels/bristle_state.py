@@ -12,7 +12,9 @@ from paint3d.kernels import bristle_tuft as bt
 from paint3d.kernels.bristle_contact import CONTACT_SIZE, FINDINGS
 from paint3d.kernels.bristle_imprint import Imprint, make_imprint
 from paint3d.kernels.bristle_ink import LEVEL_BINS
+from paint3d.kernels.bristle_keeping import KEPT_SIZE
 from paint3d.kernels.bristle_patch import PATCH_SIZE
+from paint3d.kernels.stamp import PROFILE_CELLS
 
 __all__ = [
     "MEMORY_SIZE",
@@ -52,6 +54,8 @@ class Hairs(NamedTuple):
     depths: NDArray  # (B / BLOCK,) float32, how far up the hairs of a block touch, in points
     clear: NDArray  # (CONTACT_SIZE,) float32
     known: NDArray  # (3,), see `know_hairs`
+    kept: NDArray  # (KEPT_SIZE,), see `bristle_keeping`
+    kept_lines: NDArray  # as of a stamp
     sums: NDArray  # (3 BLOCK,) float32
     whole_sums: NDArray  # (BLOCK,)
     bins: NDArray  # (LEVEL_BINS, P + 1)
@@ -82,6 +86,8 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         depths=np.zeros(blocks, np.float32),
         clear=zeros_on_lines(CONTACT_SIZE, np.float32),
         known=np.full(3, np.nan),
+        kept=np.zeros(KEPT_SIZE),
+        kept_lines=np.zeros((PROFILE_CELLS, 4), np.float32),
         sums=zeros_on_lines(3 * bt.BLOCK, np.float32),
         whole_sums=np.zeros(bt.BLOCK),
         bins=np.zeros((LEVEL_BINS, n_pigments + 1)),

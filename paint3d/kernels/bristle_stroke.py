@@ -16,6 +16,15 @@ from paint3d.kernels.bristle_contact import find_contacts
 from paint3d.kernels.bristle_deposit import sweep_hairs
 from paint3d.kernels.bristle_imprint import SUB, draw_imprint
 from paint3d.kernels.bristle_ink import ask_hairs, know_hairs, settle_gifts
+from paint3d.kernels.bristle_keeping import (
+    DRAWN,
+    TOUCHING,
+    carry_outline,
+    keep_bend,
+    keep_outline,
+    may_keep,
+    note_cause,
+)  # fmt: skip
 from paint3d.kernels.bristle_patch import fit_patch
 from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
 from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_bend, turn_hairs
@@ -44,6 +53,7 @@ _PARTS_OVER = 6.0  # mm of way over which clumps part
 _JOINS_OVER = 25.0  # mm over which wet ones join
 _SETS_OVER = 12.0  # mm of way over which a tuft takes on the bend that it has
 _SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
+_LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in the handle
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
 
 
@@ -71,27 +81,6 @@ def _find_roll(pose, values):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _place_hairs(pose, stamp, tuft, bristles, hairs, field, ink, room):
-    """Bend the hairs under a stamp that touches, and lay them on the surface there."""
-    values = stamp.values
-    cosine, sine = _find_roll(pose, values)
-    if abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1]) < 1e-6:
-        cosine, sine = hairs.roll[0], hairs.roll[1]
-    else:
-        hairs.roll[0], hairs.roll[1] = cosine, sine
-        turn_hairs(bristles, cosine, sine, hairs.turned)
-    fit_patch(values, field, room, hairs.patch_work, hairs.patch)
-    dryness = 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
-    memory = hairs.memory
-    fill_bend(
-        bristles, tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], hairs.patch,
-        dryness, memory[PARTED], cosine * memory[SET_X] + sine * memory[SET_Y],
-        cosine * memory[SET_Y] - sine * memory[SET_X], hairs.bend,
-    )  # fmt: skip
-    bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _find_slopes(tuft, points, slopes):
     """Slope of the tuft at its points, from its first hair: half of the pieces above and below."""
     for k in range(SAMPLES):
@@ -113,6 +102,38 @@ def _meet(stamp, tuft, bristles, hairs):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
+    """Bend the hairs under a stamp that touches and find where they do; return how many.
+
+    Where they would hardly lie otherwise, they stay as they are.
+    """
+    values, memory, kept = stamp.values, hairs.memory, hairs.kept
+    cosine, sine = _find_roll(pose, values)
+    turned = abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1])
+    same = turned < (_LEAST_TURN if kept[TOUCHING] > 0.0 else 1e-6)
+    if same:
+        cosine, sine = hairs.roll[0], hairs.roll[1]
+    fit_patch(values, field, room, hairs.patch_work, hairs.patch)
+    dryness = 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
+    set_x = cosine * memory[SET_X] + sine * memory[SET_Y]
+    set_y = cosine * memory[SET_Y] - sine * memory[SET_X]
+    note_cause(values, tuft, hairs.patch, dryness, memory[PARTED], set_x, set_y, kept)
+    if same and may_keep(before, values, memory[WAY], field.numbers[0], kept):
+        return int(kept[TOUCHING])
+    if not same:
+        hairs.roll[0], hairs.roll[1] = cosine, sine
+        turn_hairs(bristles, cosine, sine, hairs.turned)
+    fill_bend(
+        bristles, tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], hairs.patch,
+        dryness, memory[PARTED], set_x, set_y, hairs.bend,
+    )  # fmt: skip
+    bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
+    touching = _meet(stamp, tuft, bristles, hairs)
+    keep_bend(before, values, memory[WAY], touching, kept)
+    return touching
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _draw(stamp, touching, bristles, hairs, field, ink, room):
     """What the hairs would give, and the imprint; returns how much they wish to."""
     count = hairs.load.shape[0]
@@ -121,10 +142,14 @@ def _draw(stamp, touching, bristles, hairs, field, ink, room):
     wanted, wet, dot = ask_hairs(
         bristles, hairs.load, ink.habit[CAPACITY] / count, way, SUB, hairs.findings, hairs.sums
     )
-    draw_imprint(
-        stamp, bristles, hairs, hairs.load, wet / touching, dot / touching, field.numbers[0],
-        room.reach, room.half_width,
-    )  # fmt: skip
+    if hairs.kept[DRAWN] > 0.0:
+        carry_outline(stamp, hairs.kept, hairs.kept_lines)
+    else:
+        draw_imprint(
+            stamp, bristles, hairs, hairs.load, wet / touching, dot / touching, field.numbers[0],
+            room.reach, room.half_width,
+        )  # fmt: skip
+        keep_outline(stamp, hairs.kept, hairs.kept_lines)
     return wanted
 
 
@@ -222,9 +247,11 @@ def paint_with_hairs(
                 _interpolate(samples, i, 0.0, pose)
                 tuft = drive(samples, i, 0.0, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
+                hairs.kept[TOUCHING] = 0.0
                 if before.values[st.TOUCHES] > 0.0:
-                    _place_hairs(pose, before, tuft, bristles, hairs, field, ink, room)
-                    touching = _meet(before, tuft, bristles, hairs)
+                    touching = _place_hairs(
+                        pose, before, before, tuft, bristles, hairs, field, ink, room
+                    )
                     if touching > 0:
                         _draw(before, touching, bristles, hairs, field, ink, room)
                     _track(before, hairs, hairs.track[0])
@@ -238,8 +265,9 @@ def paint_with_hairs(
                 place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
                 touching = 0
                 if after.values[st.TOUCHES] > 0.0:
-                    _place_hairs(pose, after, tuft, bristles, hairs, field, ink, room)
-                    touching = _meet(after, tuft, bristles, hairs)
+                    touching = _place_hairs(
+                        pose, before, after, tuft, bristles, hairs, field, ink, room
+                    )
                     _track(after, hairs, hairs.track[1])
                 touches = after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0
                 moved = _fastest(before, after, hairs.track) if touches else 0.0

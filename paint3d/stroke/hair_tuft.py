@@ -98,10 +98,12 @@ class HairTuft:
             self.hold(ink.load)
             ink.load[:] = self.held()
         work = self._work
-        if work is None or work.load is not self.load or len(work.lanes) != capacity + 1:
+        if work is None or work.load is not self.load:
             new = make_hairs(self.bristles, self.load, self.memory, capacity)
             if work is not None and work.load.shape == self.load.shape:  # a stroke goes on
                 for name in ("pace", "roll", "turned", "track"):
                     getattr(new, name)[:] = getattr(work, name)
             self._work = new
+        elif len(work.lanes) != capacity + 1:
+            self._work = work._replace(lanes=np.zeros(capacity + 1, np.int16))
         return self._work

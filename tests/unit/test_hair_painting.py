@@ -16,11 +16,13 @@ import pytest
 from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.cli.options import parse_hairs
+from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.frames import quaternions_from_matrices
 from paint3d.kernels.bristle_contact import FINDINGS, GIVES, HELD
 from paint3d.kernels.bristle_ink import settle_gifts, sum_hairs
+from paint3d.kernels.bristle_keeping import TOUCHING
 from paint3d.kernels.bristle_state import PARTED
 from paint3d.kernels.bristle_tuft import BLOCK
 from paint3d.stroke.engine import Painter
@@ -155,17 +157,18 @@ def test_a_long_stroke_runs_dry_hair_by_hair():
     assert shares[-1] < 0.88 * shares[0]
 
 
+def sample_of(recording, k):
+    return DeviceSample(
+        int(recording.time_ns[k]), recording.position[k], recording.orientation[k],
+        float(recording.pressure[k]), 0, recording.object_position[k],
+        recording.object_orientation[k],
+    )  # fmt: skip
+
+
 def test_the_same_recording_gives_the_same_bytes_in_any_portions():
     recording = stroke(n=30)
     whole = paint(recording, recording)
-    samples = [
-        DeviceSample(
-            int(recording.time_ns[k]), recording.position[k], recording.orientation[k],
-            float(recording.pressure[k]), 0, recording.object_position[k],
-            recording.object_orientation[k],
-        )
-        for k in range(len(recording))
-    ]  # fmt: skip
+    samples = [sample_of(recording, k) for k in range(len(recording))]
     parts = Painter(plane(), "full", hairs=400)
     parts.wipe(0.0)
     for _ in range(2):
@@ -219,6 +222,29 @@ def test_hairs_give_by_the_law_at_every_rate():
         gives = findings[0, GIVES : GIVES + BLOCK]
         np.testing.assert_allclose(gives, -np.expm1(-rate * wishes), rtol=2e-6)
         assert told == pytest.approx(2.0 * gives.sum(dtype=np.float64), rel=1e-12)
+
+
+@pytest.mark.parametrize("wipe", [0.0, 0.85])
+def test_hairs_that_hardly_move_are_kept_and_paint_the_same(wipe):
+    recording = stroke(n=400, start=-20.0, end=20.0)
+    painters = []
+    for anew in (False, True):
+        painter = paint(wipe=wipe)
+        for k in range(len(recording)):
+            if anew and painter.hairs._work is not None:
+                painter.hairs._work.kept[TOUCHING] = 0.0
+            painter.advance([sample_of(recording, k)])
+        painter.finish()
+        painters.append(painter)
+    kept, anew = painters
+    assert bytes_of(kept) != bytes_of(anew)  # so it does happen
+    assert balance(kept) < 1e-6
+    assert kept.ledger()["wet"] == pytest.approx(anew.ledger()["wet"], rel=0.01)
+    colours = [lab_from_srgb(painter.surface.srgb) for painter in painters]
+    here = (kept.surface.coverage > 0.0) | (anew.surface.coverage > 0.0)
+    differences = delta_e(*colours)[here]
+    assert differences.mean() < 0.5
+    assert np.percentile(differences, 99) < 4.0
 
 
 def turning(angle=1.5, n=4, press=0.5):
