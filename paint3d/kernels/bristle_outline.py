@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from paint3d.kernels import stamp as st
-from paint3d.kernels.bristle_contact import BEGIN, DOT, END, GIVES
+from paint3d.kernels.bristle_contact import BEGIN, DOT, END
 from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
 
 __all__ = ["BINS", "CELLS", "PER_CELL", "TIP", "draw_outline", "hold_outline", "index_stations"]
@@ -24,7 +24,7 @@ def _note_ends(points, findings, count, low, per_bin, reaches):
     for i in range(max(0, count - _OUTER), count):
         g, j = i // BLOCK, i % BLOCK
         row = findings[g]
-        if row[GIVES + j] <= 0.0:
+        if row[END + j] < 0.0:  # one that touches but does not give tells where others do
             continue
         for at in (row[BEGIN + j], row[END + j]):
             k = min(int(at), SAMPLES - 2)
