@@ -257,13 +257,12 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         before = over
     broad = radius * (lift / length) ** tuft.taper * pressed
     stays = np.exp(-max(descent, 0.0) / bristles.set_mm)
-    bend[REACH] = 0.0
+    tilted = _row(bristles.shapes, i, v, column, 3 * SAMPLES - 1)
+    bend[REACH] = _find_reach(length, height - radius * abs(np.cos(tilted)), bend)
     for k in range(SAMPLES):
         arc = ARCS[k] * length
         angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
         round_ = bend[SIDE + k]
-        if height - radius < length - arc + radius - round_:
-            bend[REACH] = k + 1.0
         # what spreads is the part that is pressed; above it the hairs gather into the ferrule
         spread = 1.0 + (pressed - 1.0) * min(1.0, (length - arc) / (length - lift))
         free = 1.0 - ARCS[k]
@@ -357,6 +356,20 @@ def _find_landings(tall, heel, bend):
     if not np.isnan(heel):
         for n in range(LANDS):
             bend[LAND + n] += heel - on_plane
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find_reach(length, lowest, bend):
+    """How many points of the tuft's outermost hairs may come down to the plane.
+
+    `lowest` is how high the lowest root is; rows SIDE of `bend` hold the tuft's radii.
+    """
+    for k in range(SAMPLES - 2, -1, -1):
+        along = (ARCS[k + 1] - ARCS[k]) * length
+        lowest -= np.hypot(along, bend[SIDE + k + 1] - bend[SIDE + k])
+        if lowest < 1e-3:
+            return k + 1
+    return 0
 
 
 @_elementwise
