@@ -66,7 +66,7 @@ class BristleSpec:
     table: str = "energy"
     hair_mm: float = 0.12
     film: float = 0.011
-    threshold_mm: float = 0.05
+    threshold_mm: float = 0.15
     unevenness: float = 0.02
     parting: float = 0.9
     splay: float = 0.85

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from paint3d.kernels.bristle_tuft import BLOCK, CURVED, LAND, PATCH, SAMPLES
+from paint3d.kernels.bristle_tuft import BLOCK, CURVED, PATCH, SAMPLES
 
 __all__ = ["BEGIN", "CONTACT_SIZE", "DOT", "END", "FINDINGS", "GIVES", "HELD", "LAID", "READY",
            "THICK", "add_up", "find_contacts"]  # fmt: skip
@@ -28,7 +28,7 @@ CONTACT_SIZE = 2 * SAMPLES * BLOCK  # scratch of `find_contacts`
 
 _Y, _Z = BLOCK, 2 * BLOCK
 _ZERO, _ONE, _TWO = np.float32([0.0, 1.0, 2.0])
-_SHORT = np.float32(1e-4)  # mm
+_STEEP = np.float32(1e-4)  # mm
 _elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
 
@@ -62,17 +62,21 @@ def _lay_flat(bend, here, clear):
 
 
 @_elementwise
-def _follow(at, z, before, near, state):
+def _follow(at, z, before, piece, near, state):
     """One more point of a hair from the tip: what is known of its first run on the surface."""
-    first, count, z_before, z_first, seen, runs = state
+    first, count, z_before, z_first, z_last, z_after, rise, seen, runs = state
     inside = z <= near
     starts = inside & (not seen)
     z_before = before if starts else z_before
     z_first = z if starts else z_first
     first = at if starts else first
+    ends = runs & (not inside)
+    z_after = z if ends else z_after
+    rise = piece if ends else rise
     runs = starts | (runs & inside)
+    z_last = z if runs else z_last
     count = count + (_ONE if runs else _ZERO)
-    return first, count, z_before, z_first, seen | inside, runs
+    return first, count, z_before, z_first, z_last, z_after, rise, seen | inside, runs
 
 
 @_elementwise
@@ -82,80 +86,66 @@ def _note(state, row, j):
     row[BLOCK + j] = state[1]
     row[2 * BLOCK + j] = state[2]
     row[3 * BLOCK + j] = state[3]
+    row[4 * BLOCK + j] = state[4]
+    row[5 * BLOCK + j] = state[5]
+    row[6 * BLOCK + j] = state[6]
 
 
 @_elementwise
-def _first_runs(near, clear, row):
-    """First point that touches, how many from there do, and the clearances around the first."""
+def _first_runs(near, slopes, rests, clear, row):
+    """First point that touches, how many from there do, the clearances around both ends, and how
+    much higher the hair would be at the point after the last if it rose as steeply as there."""
+    s1, s2, s3, s4 = slopes[1], slopes[2], slopes[3], slopes[4]
+    s5, s6, s7 = slopes[5], slopes[6], slopes[7]
     for j in range(BLOCK):
         z0, z1, z2, z3 = clear[j], clear[BLOCK + j], clear[2 * BLOCK + j], clear[3 * BLOCK + j]
         z4, z5 = clear[4 * BLOCK + j], clear[5 * BLOCK + j]
         z6, z7 = clear[6 * BLOCK + j], clear[7 * BLOCK + j]
-        state = (_ZERO, _ZERO, _ZERO, _ZERO, False, False)
-        state = _follow(np.float32(0.0), z0, z0, near, state)
-        state = _follow(np.float32(1.0), z1, z0, near, state)
-        state = _follow(np.float32(2.0), z2, z1, near, state)
-        state = _follow(np.float32(3.0), z3, z2, near, state)
-        state = _follow(np.float32(4.0), z4, z3, near, state)
-        state = _follow(np.float32(5.0), z5, z4, near, state)
-        state = _follow(np.float32(6.0), z6, z5, near, state)
-        state = _follow(np.float32(7.0), z7, z6, near, state)
+        state = (_ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ONE, _ONE, False, False)
+        state = _follow(np.float32(0.0), z0, z0, _ONE, near, state)
+        state = _follow(np.float32(1.0), z1, z0, s1 * rests[j], near, state)
+        state = _follow(np.float32(2.0), z2, z1, s2 * rests[BLOCK + j], near, state)
+        state = _follow(np.float32(3.0), z3, z2, s3 * rests[2 * BLOCK + j], near, state)
+        state = _follow(np.float32(4.0), z4, z3, s4 * rests[3 * BLOCK + j], near, state)
+        state = _follow(np.float32(5.0), z5, z4, s5 * rests[4 * BLOCK + j], near, state)
+        state = _follow(np.float32(6.0), z6, z5, s6 * rests[5 * BLOCK + j], near, state)
+        state = _follow(np.float32(7.0), z7, z6, s7 * rests[6 * BLOCK + j], near, state)
         _note(state, row, j)
 
 
 @_elementwise
-def _first_short_runs(near, clear, row):
+def _first_short_runs(near, slopes, rests, clear, row):
     """`_first_runs` where only the first three points touch."""
+    s1, s2, s3 = slopes[1], slopes[2], slopes[3]
     for j in range(BLOCK):
-        z0, z1, z2 = clear[j], clear[BLOCK + j], clear[2 * BLOCK + j]
-        state = (_ZERO, _ZERO, _ZERO, _ZERO, False, False)
-        state = _follow(np.float32(0.0), z0, z0, near, state)
-        state = _follow(np.float32(1.0), z1, z0, near, state)
-        state = _follow(np.float32(2.0), z2, z1, near, state)
+        z0, z1, z2, z3 = clear[j], clear[BLOCK + j], clear[2 * BLOCK + j], clear[3 * BLOCK + j]
+        state = (_ZERO, _ZERO, _ZERO, _ZERO, _ZERO, _ONE, _ONE, False, False)
+        state = _follow(np.float32(0.0), z0, z0, _ONE, near, state)
+        state = _follow(np.float32(1.0), z1, z0, s1 * rests[j], near, state)
+        state = _follow(np.float32(2.0), z2, z1, s2 * rests[BLOCK + j], near, state)
+        state = _follow(np.float32(3.0), z3, z2, s3 * rests[2 * BLOCK + j], near, state)
         _note(state, row, j)
 
 
 @_elementwise
-def _find_lands(bend, down, lands):
-    """Where along the bend hairs come down, by how far they are on the tuft's lower side."""
-    land = np.float32(bend[LAND])
-    m0 = np.float32(bend[LAND + 1] - bend[LAND])
-    m1 = np.float32(bend[LAND + 2] - 2.0 * bend[LAND + 1] + bend[LAND])
-    m2 = np.float32(bend[LAND + 3] - 2.0 * bend[LAND + 2] + bend[LAND + 1])
-    m3 = np.float32(bend[LAND + 4] - 2.0 * bend[LAND + 3] + bend[LAND + 2])
-    for j in range(BLOCK):
-        u = _TWO * (down[j] + _ONE)  # places in the table are half apart
-        v, w, t = u - _ONE, u - _TWO, u - _ONE - _TWO
-        bends = m1 * (v if v > _ZERO else _ZERO) + m2 * (w if w > _ZERO else _ZERO)
-        lands[j] = land + m0 * u + (bends + m3 * (t if t > _ZERO else _ZERO))
-
-
-@_elementwise
-def _add_pieces(lands, near_tip, far, places):
-    """Add the share of a piece that lies ahead of where its hair comes down."""
-    for j in range(BLOCK):
-        run = near_tip[j] - far[j]
-        share = (near_tip[j] - lands[j]) / (run if run > _SHORT else _SHORT)
-        share = share if share > _ZERO else _ZERO
-        places[j] += share if share < _ONE else _ONE
-
-
-@_elementwise
-def _find_ends(near, runs, places, begins, ends):
-    """Places between points where the first run begins and ends.
-
-    It ends where the hair comes down, at most two points beyond the last that touches: a hair that
-    is kept at its length, known by eight points, cuts the corner there.
-    """
+def _find_ends(near, row, begins, ends):
+    """Places between points where the first run begins and ends."""
+    per_near = _ONE / near if near > _ZERO else _ZERO
     top = np.float32(SAMPLES - 1)
     for j in range(BLOCK):
-        first, count = runs[j], runs[BLOCK + j]
-        share = (near - runs[3 * BLOCK + j]) / (runs[2 * BLOCK + j] - runs[3 * BLOCK + j])
+        first, count = row[j], row[BLOCK + j]
+        share = (near - row[3 * BLOCK + j]) / (row[2 * BLOCK + j] - row[3 * BLOCK + j])
         begins[j] = first - (share if first > _ZERO else _ZERO)
+        # a hair leaves the surface as a parabola that has the slope of its next point
+        z_last, z_after, rise = row[4 * BLOCK + j], row[5 * BLOCK + j], row[6 * BLOCK + j]
+        here = z_last if z_last > _ZERO else _ZERO
+        bow = _TWO * z_after / (rise if rise > _STEEP else _STEEP)
+        bow = bow if bow < _ONE else _ONE
+        flat = (_ONE - bow) * (_ONE - here * per_near)
+        room = (near - here) / (z_after - here)
+        beyond = flat + (_ONE - flat) * np.sqrt(room if room > _ZERO else _ZERO)
         last = first + count - _ONE
-        most = last + _TWO if last + _TWO < top else top
-        end = places[j] if places[j] > last else last
-        end = end if end < most else most
+        end = last + (beyond if last < top else _ZERO)
         ends[j] = end if count > _ZERO else -_ONE
 
 
@@ -180,14 +170,15 @@ def _count(row):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def find_contacts(bristles, bend, turned, points, scratch, findings, depths):
+def find_contacts(bristles, bend, slopes, points, scratch, findings, depths):
     """Which piece of each hair is near enough to the surface to leave ink.
 
     Parameters
     ----------
     bristles : Bristles
     bend : (BEND_SIZE,) float64
-    turned : array of `kernels.bristle_tuft.turn_hairs`
+    slopes : (SAMPLES,) float32
+        Sine of the hairs' angle to the plane at their points.
     points : (B / BLOCK, SAMPLES, 3 BLOCK) float32
         Laid on the plane meanwhile: x and y become those of a point's foot along the normal.
     scratch : (CONTACT_SIZE,) float32
@@ -215,17 +206,13 @@ def find_contacts(bristles, bend, turned, points, scratch, findings, depths):
                 clear[:] = here[_Z : _Z + BLOCK]
             if _any_near(near, clear):
                 highest = k
+        rests = bristles.rests[g].reshape((SAMPLES - 1) * BLOCK)
         clear, runs = scratch[: SAMPLES * BLOCK], scratch[SAMPLES * BLOCK :]
         if highest < 3:
-            _first_short_runs(near, clear, runs)
+            _first_short_runs(near, slopes, rests, clear, runs)
         else:
-            _first_runs(near, clear, runs)
-        lands, places = runs[4 * BLOCK : 5 * BLOCK], runs[5 * BLOCK :]
-        _find_lands(bend, turned[g], lands)
-        places[:BLOCK] = _ZERO
-        for k in range(min(highest + 2, SAMPLES - 1)):
-            _add_pieces(lands, points[g, k], points[g, k + 1], places)
-        _find_ends(near, runs, places, row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK])
+            _first_runs(near, slopes, rests, clear, runs)
+        _find_ends(near, runs, row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK])
         for j in range(bristles.count - g * BLOCK, BLOCK):  # copies that fill up the last block
             row[END + j] = -_ONE
         n, deepest = _count(row)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from paint3d.kernels.bristle_deposit import sweep_hairs
@@ -16,7 +15,7 @@ __all__ = ["bend_often", "deposit_hairs_often", "deposit_often"]
 def bend_often(times, bristles, tuft, descent, tilt, pe, patch, turned, bend, block, points):
     """Bend all hairs `times` times, each from its table; arguments as in `kernels.bristle_tuft`."""
     for _ in range(times):
-        fill_bend(bristles, tuft, descent, tilt, pe, patch, 0.0, 0.0, 0.0, 0.0, np.nan, bend)
+        fill_bend(bristles, tuft, descent, tilt, pe, patch, 0.0, 0.0, 0.0, 0.0, bend)
         bend_hairs(bristles.rests, turned, bend, block, points)
 
 

@@ -47,6 +47,7 @@ class Hairs(NamedTuple):
     bend: NDArray  # (BEND_SIZE,)
     block: NDArray  # (BLOCK_SIZE,) float32
     points: NDArray  # (B / BLOCK, SAMPLES, 3 BLOCK) float32
+    slopes: NDArray  # (SAMPLES,) float32
     patch: NDArray  # (6,)
     patch_work: NDArray  # (12, 6)
     findings: NDArray  # (B / BLOCK, FINDINGS BLOCK) float32, see `bristle_contact`
@@ -78,6 +79,7 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         bend=np.zeros(bt.BEND_SIZE),
         block=bt.make_block(),
         points=bt.make_points(blocks),
+        slopes=np.zeros(bt.SAMPLES, np.float32),
         patch=np.zeros(PATCH_SIZE),
         patch_work=np.zeros((12, PATCH_SIZE)),
         findings=zeros_on_lines((blocks, FINDINGS * bt.BLOCK), np.float32),

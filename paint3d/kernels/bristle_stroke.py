@@ -27,7 +27,7 @@ from paint3d.kernels.bristle_keeping import (
 )  # fmt: skip
 from paint3d.kernels.bristle_patch import fit_patch
 from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
-from paint3d.kernels.bristle_tuft import BLOCK, bend_hairs, fill_bend, turn_hairs
+from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_bend, turn_hairs
 from paint3d.kernels.input_curves import drive
 from paint3d.kernels.pickup import CAPACITY, mean_pressure
 from paint3d.kernels.placement import place_stamp
@@ -81,10 +81,20 @@ def _find_roll(pose, values):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _meet(stamp, bristles, hairs):
+def _find_slopes(tuft, points, slopes):
+    """Slope of the tuft at its points, from its first hair: half of the pieces above and below."""
+    for k in range(SAMPLES):
+        low, high = max(k - 1, 0), min(k + 1, SAMPLES - 1)
+        rise = points[0, high, 2 * points.shape[2] // 3] - points[0, low, 2 * points.shape[2] // 3]
+        slopes[k] = rise / (tuft.length * (ARCS[high] - ARCS[low]))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _meet(stamp, tuft, bristles, hairs):
     """Find where the hairs touch; a stamp where none does no longer touches."""
+    _find_slopes(tuft, hairs.points, hairs.slopes)
     touching = find_contacts(
-        bristles, hairs.bend, hairs.turned, hairs.points, hairs.clear, hairs.findings, hairs.depths
+        bristles, hairs.bend, hairs.slopes, hairs.points, hairs.clear, hairs.findings, hairs.depths
     )
     if touching == 0:
         stamp.values[st.TOUCHES] = 0.0
@@ -115,10 +125,10 @@ def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
         turn_hairs(bristles, cosine, sine, hairs.turned)
     fill_bend(
         bristles, tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], hairs.patch,
-        dryness, memory[PARTED], set_x, set_y, values[st.HEEL], hairs.bend,
+        dryness, memory[PARTED], set_x, set_y, hairs.bend,
     )  # fmt: skip
     bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
-    touching = _meet(stamp, bristles, hairs)
+    touching = _meet(stamp, tuft, bristles, hairs)
     keep_bend(before, values, memory[WAY], touching, kept)
     return touching
 

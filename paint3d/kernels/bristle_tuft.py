@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from paint3d.arrays import zeros_on_lines
 
 __all__ = [
-    "ARCS", "BEND_SIZE", "BLOCK", "FLAT", "LAND", "LANDS", "SAMPLES", "Bristles", "bend_hairs",
-    "fill_bend", "make_block", "make_points", "make_turned", "turn_hairs",
+    "ARCS", "BEND_SIZE", "BLOCK", "FLAT", "SAMPLES", "Bristles", "bend_hairs", "fill_bend",
+    "make_block", "make_points", "make_turned", "turn_hairs",
 ]  # fmt: skip
 
 SAMPLES = 8  # points of a hair
@@ -31,7 +31,6 @@ BLOCK = 336  # hairs bent together: what they take stays in the fastest memory, 
 # the last block stay empty for 1,000 hairs (8 of 1,008) and 10,000 (80)
 ARCS = (np.arange(SAMPLES) / (SAMPLES - 1.0)) ** 1.5  # of the length, from the tip
 ARCS.setflags(write=False)
-LANDS = 5
 _NODES = 3  # heights read from the table for one imprint
 _NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahead, not aside
 _LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
@@ -62,8 +61,7 @@ GROUND = 4  # 4-6 height of the surface under the hairs' bellies: constant, by b
 PATCH = 7  # 7-12 surface: constant, by x, by y, by x^2, by x y, by y^2
 CURVED = 13  # 1.0 where it is not the plane
 REACH = 14  # how many points, from the tip, are far enough from the root to come to the plane
-LAND = 15  # where along the bend hairs come down, by a from -1 to 1, LANDS
-CURVE = LAND + 5  # 2 coordinates x SAMPLES x NODES
+CURVE = 15  # 2 coordinates x SAMPLES x NODES
 OFFSET_X = CURVE + 2 * SAMPLES * _NODES  # by a, SAMPLES
 OFFSET_Z = OFFSET_X + SAMPLES
 RIDE = OFFSET_Z + SAMPLES
@@ -206,7 +204,7 @@ def _patch_at(patch, x, y):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, set_y, heel, bend):
+def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, set_y, bend):
     """Everything that the hairs of one imprint share.
 
     Parameters
@@ -221,9 +219,6 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         How dry the tuft is, and how far its clumps have parted, 0 to 1.
     set_x, set_y : float
         Bend that the tuft remembers: where it carries the tip, mm.
-    heel : float
-        Where the underside of a solid tuft of these bends comes down, mm along the bend; NaN where
-        that is not known.
     bend : (BEND_SIZE,) float64
         Filled.
     """
@@ -316,46 +311,6 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         bend[at] = y0
         bend[at + 1] = -3.0 * y0 + 4.0 * y1 - y2
         bend[at + 2] = 2.0 * y0 - 4.0 * y1 + 2.0 * y2
-    _find_landings(tall, heel, bend)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _find_landings(tall, heel, bend):
-    """Where hairs of the tuft's own length come down to the surface, from their curves.
-
-    A hair that is kept at its length lags behind its curve, and eight points are few to say where
-    it comes down: its curve tells that, as the section of a solid tuft tells its heel. Where the
-    heel is known the lowest hairs come down there, and the others as far from it as their curves
-    say.
-    """
-    t = (np.sqrt(max(0.0, 1.0 - bend[HEIGHT] / tall)) - bend[FIRST]) * bend[PER_SPAN]
-    t = min(1.0, max(0.0, t))
-    root = CURVE + _NODES * (2 * SAMPLES - 1)
-    top = bend[HEIGHT] - (bend[root] + t * (bend[root + 1] + t * bend[root + 2]))
-    patch = bend[PATCH : PATCH + 6]
-    on_plane = 0.0
-    for n in range(LANDS + 1):
-        a = 1.0 if n == LANDS else 2.0 * n / (LANDS - 1.0) - 1.0
-        x_before = over_before = land = moved = 0.0
-        for k in range(SAMPLES):
-            at, rise = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
-            x = bend[at] + t * (bend[at + 1] + t * bend[at + 2]) + a * bend[OFFSET_X + k]
-            over = bend[rise] + t * (bend[rise + 1] + t * bend[rise + 2]) + a * bend[OFFSET_Z + k]
-            over += top - (_patch_at(patch, x, 0.0) if n < LANDS else 0.0)
-            if over > -_TRIFLE:
-                low = min(over_before, 0.0)
-                share = low / (low - over) if k > 0 else 1.0
-                land = x_before + share * (x - x_before)
-                moved = (1.0 - share) * bend[SHIFT_X + max(k - 1, 0)] + share * bend[SHIFT_X + k]
-                break
-            x_before, over_before = x, over
-        if n < LANDS:
-            bend[LAND + n] = land + moved
-        else:
-            on_plane = land
-    if not np.isnan(heel):
-        for n in range(LANDS):
-            bend[LAND + n] += heel - on_plane
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

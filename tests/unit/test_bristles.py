@@ -35,8 +35,7 @@ def hairs_of(brush="full", n=300, descent=8.0, tilt=90.0, patch=bt.FLAT, turn=0.
     bt.turn_hairs(bristles, math.cos(turn), math.sin(turn), turned)
     bend, block = np.zeros(bt.BEND_SIZE), bt.make_block()
     pe = min(1.0, max(0.0, descent / spec.full_press_mm))
-    slope = math.radians(tilt)
-    bt.fill_bend(bristles, tuft, descent, slope, pe, patch, 0.0, 0.0, 0.0, 0.0, np.nan, bend)
+    bt.fill_bend(bristles, tuft, descent, math.radians(tilt), pe, patch, 0.0, 0.0, 0.0, 0.0, bend)
     out = bt.make_points(len(turned))
     bt.bend_hairs(bristles.rests, turned, bend, block, out)
     points = out.reshape(-1, bt.SAMPLES, 3, bt.BLOCK).transpose(1, 0, 3, 2)
@@ -106,7 +105,7 @@ def test_points_too_near_the_root_to_come_to_the_plane_never_do(press, tilt, upp
     bt.turn_hairs(bristles, 1.0, 0.0, turned)
     descent = press * spec.length_mm * math.sin(slope)
     pe = min(1.0, descent / spec.full_press_mm)
-    bt.fill_bend(bristles, tuft, descent, slope, pe, bt.FLAT, 0.5, 0.5, upper, upper, np.nan, bend)
+    bt.fill_bend(bristles, tuft, descent, slope, pe, bt.FLAT, 0.5, 0.5, upper, upper, bend)
     assert bend[bt.REACH] < bt.SAMPLES or press > 0.3
     points, asked = bt.make_points(2), bt.make_points(2)
     bt.bend_hairs(bristles.rests, turned, bend, block, points)

@@ -90,25 +90,6 @@ def test_hairs_and_solid_tuft_agree_in_width_and_length(brush, press):
     assert hair_width == pytest.approx(width, rel=0.1)
 
 
-@pytest.mark.parametrize(
-    ("brush", "press", "tilt"),
-    [("full", 0.25, 90), ("full", 0.4, 60), ("full", 0.7, 45), ("zhongkai", 0.4, 90),
-     ("dabaiyun", 0.4, 60)],
-)  # fmt: skip
-def test_hairs_and_solid_tuft_stand_alike(brush, press, tilt):
-    still = np.zeros((4, 3))
-    still[:, 0] = [0.0, -0.03, -0.07, -0.1]  # mm: so much that it inks
-    along, pressure, radians = (-1.0, 0.0, 0.0), np.full(4, press), np.radians(tilt)
-    recording = poses(still, UP, along, pressure, brush, radians, 125.0)
-    found = [
-        covered(paint(recording, surface=plane(0.3, (60.0, 15.0)), hairs=n, brush=brush))
-        for n in (0, 1000)
-    ]
-    (length, width), (hair_length, hair_width) = (np.ptp(points[:, :2], axis=0) for points in found)
-    assert hair_length == pytest.approx(length, rel=0.1)
-    assert hair_width == pytest.approx(width, abs=max(0.1 * width, 0.7))  # two vertices
-
-
 def test_a_full_tuft_gives_what_a_solid_one_gives():
     solid, hairs = (paint(stroke(), hairs=n).ledger()["wet"] for n in (0, 400))
     assert hairs == pytest.approx(solid, rel=0.1)
