@@ -50,8 +50,8 @@ _elementwise = njit(
 _X, _Y, _Z = 0, BLOCK, 2 * BLOCK  # of points
 _KNOWN = 8  # of hairs:
 _A, _B, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT, _UP = (at * BLOCK for at in range(_KNOWN))
-_NODE, _TOP, _PART, _RUN, _LIFTED = (at * BLOCK for at in range(5))  # scratch
-BLOCK_SIZE = 5 * BLOCK
+_NODE, _PART, _RUN, _LIFTED = (at * BLOCK for at in range(4))  # scratch
+BLOCK_SIZE = 4 * BLOCK
 _TRIFLE = np.float32(-0.02)  # mm, height from which a point may be lifted to the plane off-hand
 _UNDER, _FAR_UNDER = np.array([-0.0, _TRIFLE], np.float32).view(np.uint32)  # see `_lowest`
 
@@ -334,8 +334,6 @@ def _start_block(bend, known, w, here):
     first, per_span = np.float32(bend[FIRST]), np.float32(bend[PER_SPAN])
     g0 = np.float32(bend[GROUND])
     g1, g2 = np.float32(bend[GROUND + 1]), np.float32(bend[GROUND + 2])
-    up = CURVE + _NODES * (2 * SAMPLES - 1)
-    d0, d1, d2 = np.float32(bend[up]), np.float32(bend[up + 1]), np.float32(bend[up + 2])
     dx, dz = np.float32(bend[OFFSET_X + SAMPLES - 1]), np.float32(bend[OFFSET_Z + SAMPLES - 1])
     side = np.float32(bend[SIDE + SAMPLES - 1])
     part, part2 = np.float32(bend[PART]), np.float32(bend[PART + 1])
@@ -346,12 +344,11 @@ def _start_block(bend, known, w, here):
         fraction = fraction if fraction > _ZERO else _ZERO
         w[_NODE + j] = np.sqrt(fraction)
     for j in range(BLOCK):
-        a, b, own = known[_A + j], known[_B + j], known[_OWN + j]
+        a, b = known[_A + j], known[_B + j]
         t = (w[_NODE + j] - first) * per_span
         t = t if t > _ZERO else _ZERO
         t = t if t < _ONE else _ONE
         w[_NODE + j] = t
-        w[_TOP + j] = height - own * (d0 + t * (d1 + t * d2))
         w[_PART + j] = known[_PULL + j] * part + known[_PULL2 + j] * part2 + known[_FLAT + j] * flat
         here[_X + j] = a * dx
         here[_Y + j] = b * side
@@ -362,10 +359,11 @@ def _start_block(bend, known, w, here):
 def _piece(bend, k):
     """What all hairs share on the way to their point k.
 
-    Returns how far their curves lead ahead, and up: constant, by t, by t^2, by a; how far the
-    remembered bend leads ahead; and their widths.
+    Returns how far their curves lead ahead, and from the root up: constant, by t, by t^2, by a; how
+    far the remembered bend leads ahead; their widths; and how high the root is.
     """
     at, rise = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
+    root = CURVE + _NODES * (2 * SAMPLES - 1)
     ahead = (
         np.float32(bend[at] - bend[at + _NODES]),
         np.float32(bend[at + 1] - bend[at + 1 + _NODES]),
@@ -379,12 +377,12 @@ def _piece(bend, k):
         np.float32(bend[SHIFT_Y + k]),
     )
     up = (
-        np.float32(bend[rise]),
-        np.float32(bend[rise + 1]),
-        np.float32(bend[rise + 2]),
+        np.float32(bend[rise] - bend[root]),
+        np.float32(bend[rise + 1] - bend[root + 1]),
+        np.float32(bend[rise + 2] - bend[root + 2]),
         np.float32(bend[OFFSET_Z + k]),
     )
-    return ahead, shift, aside, up
+    return ahead, shift, aside, up, np.float32(bend[HEIGHT])
 
 
 @_elementwise
@@ -397,7 +395,7 @@ def _place(curve, t, own, a, base):
 @_elementwise
 def _aim(bend, k, known, w, above, here):
     """Where the hairs' own curves lead over a plane, as steps from their last points."""
-    ahead, sx, (side, parting, sy), up = _piece(bend, k)
+    ahead, sx, (side, parting, sy), up, height = _piece(bend, k)
     ride = np.float32(bend[RIDE + k])
     for j in range(BLOCK):
         t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
@@ -406,7 +404,7 @@ def _aim(bend, k, known, w, above, here):
         here[_Y + j] = known[_B + j] * side + (w[_PART + j] * parting + (sy - above[_Y + j]))
     for j in range(BLOCK):
         t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
-        low = _place(up, t, own, a, w[_TOP + j])
+        low = _place(up, t, own, a, height)
         least = known[_UP + j] * ride  # hairs of the upper side lie on those below
         here[_Z + j] = (low if low > least else least) - above[_Z + j]
 
@@ -414,14 +412,14 @@ def _aim(bend, k, known, w, above, here):
 @_elementwise
 def _aim_patch(bend, k, known, w, above, here):
     """`_aim` over a curved patch, asked for where the hairs' curves lead to."""
-    ahead, sx, (side, parting, sy), up = _piece(bend, k)
+    ahead, sx, (side, parting, sy), up, height = _piece(bend, k)
     ride = np.float32(bend[RIDE + k])
     s0, s1, s2, s3, s4, s5 = _patch(bend)
     for j in range(BLOCK):
         t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
         here[_X + j] = _place(ahead, t, own, a, sx)
         here[_Y + j] = known[_B + j] * side + (w[_PART + j] * parting + (sy - above[_Y + j]))
-        here[_Z + j] = _place(up, t, own, a, w[_TOP + j])
+        here[_Z + j] = _place(up, t, own, a, height)
     for j in range(BLOCK):
         x, y = above[_X + j] + here[_X + j], above[_Y + j] + here[_Y + j]
         ground = s0 + x * (s1 + s3 * x + s4 * y) + y * (s2 + s5 * y)
