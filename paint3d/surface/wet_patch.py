@@ -220,7 +220,8 @@ class WetPatch:
 
     def soak(self, nodes: NDArray) -> None:
         """Note how much of some nodes (N,) is under water now."""
-        share = np.minimum(1.0, self.water[nodes] / self.held[nodes])
+        water, held = self.water[nodes], self.held[nodes]
+        share = np.divide(water, held, out=np.ones_like(water), where=water < held)
         self.soaked[nodes] = np.maximum(self.soaked[nodes], share)
         self.entry[nodes[self.soaked[nodes] >= 1.0]] = 0.0
 
