@@ -1,4 +1,4 @@
-"""Arrays of the right shape, finite, in range: checks at the public boundary; and in memory."""
+"""Arrays: checks at the public boundary (shape, finite, range), and room on cache lines."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def as_number(
     try:
         number = float(value)
     except OverflowError:
-        raise error(f"{name} is a whole number of over 300 digits; expected a number") from None
+        raise error(f"{name} is a whole number of over 300 digits; expected a finite one") from None
     if not math.isfinite(number):
         raise error(f"{name} is {number}; expected a finite number")
     if not low <= number <= high:
