@@ -33,6 +33,7 @@ _AREA_BITS = 61
 _STEPS_PER_EDGE = 8  # float32 steps that a shortest edge must span
 _PATH = 1 << 16
 _CELLS_A_STEP = 256  # refined between two reports of progress
+_MOST_PAIRS = 2**26  # of cells and the triangles in them: a gigabyte
 _PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # room that is nearly always enough
 _PER_VERTEX = (
     "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
@@ -64,8 +65,8 @@ class PaintMesh:
         ------
         MeshError
             If more triangles share one edge than can be refined, the object is too large for the
-            resolution (2^20 cells of 5 edges along an axis), or it lies so far from the origin
-            that float32 coordinates are coarser than the resolution.
+            resolution (2^20 cells of 5 edges along an axis, or about 2^26 in all), or it lies so
+            far from the origin that float32 coordinates are coarser than the resolution.
         """
         return cls(make_base_surface(mesh), resolution)
 
@@ -337,6 +338,11 @@ def _pairs_by_cell(
     n = room + 1
     while n > room:  # counting first would take as long as listing, so we guess
         room = max(room, n)
+        if room > _MOST_PAIRS:
+            raise MeshError(
+                f"the object's surface of {1e-6 * float(base.areas.sum()):.3g} m2 would take about "
+                f"{room:.2g} cells at this resolution; expected at most {_MOST_PAIRS:.2g}"
+            )
         places, roots = np.empty((room, 3), np.int32), np.empty(room, np.int32)
         n = fill_pairs(base.points, base.faces, origin, size, places, roots)
     places, roots = places[:n], roots[:n]

@@ -34,7 +34,7 @@ __all__ = ["EXPORT_TOLERANCE", "InkField", "PaintedSurface"]
 
 EXPORT_TOLERANCE = 1.0  # dE00
 
-_FINEST = 0.005  # mm
+_FINEST, _COARSEST = 0.005, 1e6  # mm
 
 
 class InkField(NamedTuple):
@@ -68,7 +68,7 @@ class PaintedSurface:
     Raises
     ------
     MeshError, InputError
-        If the mesh is unusable or the resolution is not a length of at least 0.005 mm.
+        If the mesh is unusable or the resolution is not a length of 0.005 mm to 1 km.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class PaintedSurface:
         if not isinstance(mesh, TriangleMesh):
             raise InputError(f"mesh is {type(mesh).__name__}; expected a TriangleMesh")
         if resolution is not None:
-            resolution = as_number(resolution, "resolution (mm)", low=_FINEST)
+            resolution = as_number(resolution, "resolution (mm)", _FINEST, _COARSEST)
         self.source = mesh
         self.resolution = resolution
         self.material = load_material(material) if isinstance(material, str) else material

@@ -187,6 +187,12 @@ def test_too_large_for_the_resolution():
         PaintMesh.build(TriangleMesh(points, [(0, 1, 2)]), 1e-3)
 
 
+def test_too_much_surface_for_the_resolution():
+    points = np.array([[0, 0, 0], [6e5, 0, 0], [0, 6e5, 0]], float)
+    with pytest.raises(MeshError, match=r"surface of 1\.8e\+05 m2 would take about .* cells"):
+        PaintMesh.build(TriangleMesh(points, [(0, 1, 2)]), 4.0)
+
+
 def test_too_many_triangles_on_one_edge():
     blades = 300
     angle = np.linspace(0.0, 6.0, blades)

@@ -272,6 +272,7 @@ BAD = {
     "flood": ({"surface/load": np.array([1e300, 0, 0])}, "load holds 0 to 1e\\+300"),
     "spectra": ({"surface": {"pigments": [{"name": "x"}]}}, "incomplete near"),
     "fine": ({"surface": {"resolution": 1e-9}}, "resolution"),
+    "coarse": ({"surface": {"resolution": 1e308}}, "resolution"),
     "words": ({"mesh/vertices": np.array([["a"] * 3])}, "is no array of plain numbers"),
     "faces": ({"mesh/faces": i32(0, 1, 10**6).reshape(1, 3)}, "refers to vertex 1000000"),
     "splits": ({"surface/splits": i32(0, 10**9)}, "bisection [01] of the refinement log halves"),
