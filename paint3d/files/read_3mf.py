@@ -30,6 +30,7 @@ CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MATERIAL = "{http://schemas.microsoft.com/3dmanufacturing/material/2015/02}"
 PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
 MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 MAX_UNPACKED = 1 << 30
 MAX_PARTS = 10_000
 
@@ -65,15 +66,26 @@ def read_3mf(data: bytes) -> RawMesh:
     Raises
     ------
     MeshError
-        If the archive is broken, over 1 GiB unpacked, or has no build items with triangles.
+        If the archive is broken, encrypted or packed in an unusual way, over 1 GiB unpacked, or
+        has no build items with triangles.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            if sum(entry.file_size for entry in archive.infolist()) > MAX_UNPACKED:
-                raise MeshError(f"it unpacks to over {MAX_UNPACKED >> 30} GiB; expected less")
+            _check_entries(archive)
             return _read_package(Package(archive))
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError) as cause:
         raise MeshError(f"it is not a readable 3MF archive: {cause}") from None
+
+
+def _check_entries(archive: zipfile.ZipFile) -> None:
+    """Refuse what is too large, and what the Open Packaging Conventions (ECMA-376-2) forbid."""
+    entries = archive.infolist()
+    if sum(entry.file_size for entry in entries) > MAX_UNPACKED:
+        raise MeshError(f"it unpacks to over {MAX_UNPACKED >> 30} GiB; expected less")
+    for entry in entries:
+        if entry.flag_bits & 1 or entry.compress_type not in PACKINGS:
+            how = "encrypted" if entry.flag_bits & 1 else f"packed by method {entry.compress_type}"
+            raise MeshError(f"its {entry.filename!r:.60} is {how}; expected it plain or deflated")
 
 
 def _read_package(package: Package) -> RawMesh:

@@ -199,6 +199,26 @@ def test_bad_files_give_one_line_that_names_file_and_reason(tmp_path, name):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("offset", "value", "message"),
+    [
+        (10, 99, "'3D/3dmodel.model' is packed by method 99; expected it plain or deflated"),
+        (10, 14, "packed by method 14"),
+        (8, 1, "is encrypted"),
+        (8, 64, "not a readable 3MF archive: strong encryption"),
+        (6, 99, r"not a readable 3MF archive: zip file version 9\.9"),
+    ],
+)
+def test_a_3mf_packed_as_none_may_be(tmp_path, offset, value, message):
+    BOX.export(tmp_path / "a.3mf")
+    data = bytearray((tmp_path / "a.3mf").read_bytes())
+    struct.pack_into("<H", data, data.index(b"PK\1\2") + offset, value)  # of the first entry
+    path = written(tmp_path, "a.3mf", bytes(data))
+    with pytest.raises(MeshError, match=message) as caught:
+        read_surface(path)
+    assert str(caught.value).startswith(f"{path}: ")
+
+
 def gltf(values, indices, **changes):
     data = np.array(values, "<f4").tobytes() + np.array(indices, "<u2").tobytes()
     n = len(values)

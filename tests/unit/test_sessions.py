@@ -4,6 +4,7 @@ import errno
 import io
 import json
 import os
+import struct
 import subprocess
 import sys
 import zipfile
@@ -349,6 +350,25 @@ def test_archives_that_lie_or_are_packed_are_refused(tmp_path):
         load_session(path)
     with pytest.raises(SessionError, match="cannot read it"):
         load_session(tmp_path / "none.p3d")
+
+
+@pytest.mark.parametrize(
+    ("offset", "value", "message"),
+    [
+        (10, 99, "'session.json' is packed; expected a plain entry"),
+        (8, 1, "is packed"),
+        (8, 64, "damaged, or no session: strong encryption"),
+        (6, 99, r"damaged, or no session: zip file version 9\.9"),
+    ],
+)
+def test_archives_packed_as_none_is_are_refused(saved, tmp_path, offset, value, message):
+    path = tmp_path / "a.p3d"
+    data = bytearray(saved.read_bytes())
+    struct.pack_into("<H", data, data.index(b"PK\1\2") + offset, value)  # of the first entry
+    path.write_bytes(data)
+    with pytest.raises(SessionError, match=message) as caught:
+        load_session(path)
+    assert str(caught.value).startswith(f"{path}: ")
 
 
 def test_names_that_lead_out_of_the_archive_are_passed_over(saved, tmp_path):
