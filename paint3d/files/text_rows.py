@@ -8,7 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["text_rows"]
+__all__ = ["UNIT_NAMES", "text_rows"]
+
+UNIT_NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches"}
+"""What is written in words where the format itself has no unit."""
 
 CHUNK = 1 << 16  # rows formatted at a time: keeps the text in memory small
 PLACE = re.compile(r"\{([fi])(\d+)\}")

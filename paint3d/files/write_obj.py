@@ -7,11 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.files.text_rows import text_rows
+from paint3d.files.text_rows import UNIT_NAMES, text_rows
 
 __all__ = ["write_obj"]
-
-UNIT_NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches"}
 
 
 def write_obj(
@@ -43,8 +41,7 @@ def write_obj(
     OSError
         If the file cannot be written.
     """
-    shades = np.arange(256, dtype=np.float32) / np.float32(255.0)
-    points = np.concatenate([vertices, shades[srgb]], axis=1, dtype=np.float32)
+    points = np.concatenate([vertices, np.divide(srgb, 255, dtype=np.float32)], axis=1)
     with open(path, "wb") as file:
         head = f"# paint3d: {UNIT_NAMES[unit]}, vertex colours sRGB 0 to 1\no {_word(name)}\n"
         file.write(head.encode("ascii"))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
+from paint3d.files.load import UNITS_MM
 from paint3d.files.usd_crate import ListOp, Spec, SpecType, Type, Value, write_crate
 
 __all__ = ["write_usdz"]
@@ -20,7 +21,6 @@ PADDING_TAG = 0x1986  # what Pixar's own packages mark the padding with
 EARLIEST = (1980, 1, 1, 0, 0, 0)
 SCENE, MESH, MATERIAL = "/Painting", "/Painting/Mesh", "/Painting/Material"
 SURFACE, COLOUR = f"{MATERIAL}/Surface", f"{MATERIAL}/Colour"
-METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 
 
 def write_usdz(
@@ -80,7 +80,7 @@ def _root(name: str, unit: str, up_axis: str) -> Spec:
     fields = {
         "defaultPrim": Value(Type.TOKEN, SCENE[1:]),
         "documentation": Value(Type.STRING, f"{name}, painted with paint3d"),
-        "metersPerUnit": Value(Type.DOUBLE, METRES[unit]),
+        "metersPerUnit": Value(Type.DOUBLE, UNITS_MM[unit] / 1000.0),
         "upAxis": Value(Type.TOKEN, up_axis.upper()),
         "primChildren": Value(Type.TOKEN_VECTOR, [SCENE[1:]]),
     }

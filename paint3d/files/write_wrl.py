@@ -8,11 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.files.text_rows import text_rows
+from paint3d.files.text_rows import UNIT_NAMES, text_rows
 
 __all__ = ["write_wrl"]
-
-UNIT_NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches"}
 
 
 def write_wrl(
@@ -47,7 +45,6 @@ def write_wrl(
     OSError
         If the file cannot be written.
     """
-    shades = np.arange(256, dtype=np.float32) / np.float32(255.0)
     title = json.dumps(name, ensure_ascii=False)  # a string is escaped as in VRML
     row = "{f0} {f1} {f2}\n"
     with open(path, "wb") as file:
@@ -60,7 +57,7 @@ def write_wrl(
         file.write(b"] }\nnormal Normal { vector [\n")
         file.writelines(text_rows(row, normals))
         file.write(b"] }\ncolor Color { color [\n")
-        file.writelines(text_rows(row, shades[srgb]))
+        file.writelines(text_rows(row, np.divide(srgb, 255, dtype=np.float32)))
         file.write(b"] }\ncoordIndex [\n")
         file.writelines(text_rows("{i0} {i1} {i2} -1\n", integers=faces))
         file.write(b"]\n}\n}\n")
