@@ -149,7 +149,7 @@ def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    looks = {"name": painting.material, "unlit": options.unlit}
+    looks = {"name": painting.material, "unlit": options.unlit, "steps": painting.steps}
     looks["roughness"] = _roughness(painting.material)
     if painting.uv is None:
         write_glb(path, *painting[:4], **looks)

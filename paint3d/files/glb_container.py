@@ -17,7 +17,7 @@ FLOAT = 5126
 LARGEST = (1 << 32) - 1
 VERTEX_DATA, INDEX_DATA = 34962, 34963
 UNLIT = "KHR_materials_unlit"
-TYPES = {2: "VEC2", 3: "VEC3"}
+TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 
 
 def write_container(
@@ -29,7 +29,7 @@ def write_container(
     ----------
     path : Path
     document : dict
-        With meshes, materials and accessors; accessor k reads buffer view k.
+        With meshes, materials and accessors; these refer to `blocks` by their places.
     blocks : sequence of (array or bytes, target or None)
         What the buffer views hold, in order, and what the graphics card takes them for.
 
@@ -82,9 +82,9 @@ def material(name: str, roughness: float, unlit: bool, **surface: object) -> dic
 
 
 def vertex_accessor(view: int, values: NDArray[np.float32], *, limits: bool = False) -> dict:
-    """Return the accessor of float32 vectors (V, 2) or (V, 3), with their limits if wanted."""
+    """Return the accessor of float32 numbers (V,) or vectors (V, 2 or 3), with limits if wanted."""
     accessor = {"bufferView": view, "componentType": FLOAT, "count": len(values)}
-    accessor["type"] = TYPES[values.shape[1]]
+    accessor["type"] = TYPES[values.size // len(values)]
     if limits:
         for key, limit in (("min", values.min(axis=0)), ("max", values.max(axis=0))):
             accessor[key] = limit.astype(float).tolist()

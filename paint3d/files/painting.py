@@ -12,6 +12,7 @@ from paint3d.errors import MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.filaments import choose_filaments, choose_for_triangles, split_by_filament
 from paint3d.files.load import UNITS_MM
+from paint3d.files.position_steps import find_steps
 from paint3d.files.texture import bake_texture
 from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
 
@@ -54,7 +55,11 @@ class Exportable(Protocol):
 
 
 class Painting(NamedTuple):
-    """Arrays of a painting, names of its material and file, its texture or filaments if any."""
+    """Arrays of a painting, names of its material and file, its texture or filaments if any.
+
+    `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
+    `paint3d.files.position_steps`.
+    """
 
     vertices: NDArray[np.float32]
     faces: NDArray[np.int32]
@@ -66,17 +71,19 @@ class Painting(NamedTuple):
     image: NDArray[np.uint8] | None = None
     palette: NDArray[np.uint8] | None = None
     face_filaments: NDArray[np.int32] | None = None
+    steps: NDArray[np.float32] | None = None
 
     def placed(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
-        vertices, normals = self.vertices, self.normals
+        vertices, normals, steps = self.vertices, self.normals, None
         if up_axis == "y":  # a turn by -90 degrees about x
             vertices, normals = (
                 np.stack([v[:, 0], v[:, 2], -v[:, 1]], axis=1) for v in (vertices, normals)
             )
         if unit != "mm":
-            vertices = (vertices / UNITS_MM[unit]).astype(np.float32)
-        return self._replace(vertices=vertices, normals=normals)
+            in_mm, vertices = vertices, (vertices / UNITS_MM[unit]).astype(np.float32)
+            steps = find_steps(in_mm, vertices) if unit == "m" else None
+        return self._replace(vertices=vertices, normals=normals, steps=steps)
 
 
 class PlainSurface:

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from paint3d.errors import MeshError
 from paint3d.files.gltf_buffers import GltfFile
 from paint3d.files.gltf_materials import GltfPaint
+from paint3d.files.position_steps import METRE_MM, STEPS, take_steps
 from paint3d.files.raw_mesh import RawMesh
 from paint3d.files.textures import srgb_from_linear
 
 __all__ = ["read_gltf"]
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
-METRE_MM = 1000.0
 
 
 def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
@@ -104,13 +104,15 @@ def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint | None) -> RawM
         indices = file.numbers(primitive["indices"]).astype(np.int64).ravel()
     else:
         indices = np.arange(len(vertices))
-    others = {"NORMAL": None, "COLOR_0": None}
+    others = {"NORMAL": None, "COLOR_0": None, STEPS: None}
     for name in others:
         if name in attributes:
             others[name] = file.numbers(attributes[name]).astype(np.float64)[:, :3]
             if len(others[name]) != len(vertices):
                 raise MeshError(f"a primitive has {len(vertices)} positions but "
                                 f"{len(others[name])} of {name}")  # fmt: skip
+    if others[STEPS] is not None:
+        vertices = take_steps(vertices, others[STEPS][:, 0])
     colours = others["COLOR_0"]
     base = None if paint is None else paint.base_colours(primitive, len(vertices))
     if base is not None:

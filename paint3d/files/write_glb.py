@@ -16,6 +16,7 @@ from paint3d.files.glb_container import (
     vertex_accessor,
     write_container,
 )
+from paint3d.files.position_steps import STEPS
 
 __all__ = ["write_glb", "write_textured_glb"]
 
@@ -35,6 +36,7 @@ def write_glb(
     name: str = "painting",
     roughness: float = 0.5,
     unlit: bool = False,
+    steps: NDArray[np.float32] | None = None,
 ) -> None:
     """Write one mesh with vertex colours.
 
@@ -56,6 +58,8 @@ def write_glb(
         Of the material, 0 to 1.
     unlit : bool
         Show the colours without light (KHR_materials_unlit).
+    steps : (V,) float32, optional
+        From `paint3d.files.position_steps`.
 
     Raises
     ------
@@ -64,18 +68,21 @@ def write_glb(
     """
     attributes = {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}
     colours = {"bufferView": 2, "componentType": UNSIGNED_SHORT, "count": len(srgb)}
+    accessors = [
+        vertex_accessor(0, vertices, limits=True),
+        vertex_accessor(1, normals),
+        colours | {"type": "VEC4", "normalized": True},
+        _index_accessor(faces),
+    ]
+    blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear(srgb), VERTEX_DATA)]
+    blocks.append((faces.astype("<u4"), INDEX_DATA))
+    _add_steps(steps, attributes, accessors, blocks)
     document = {
         "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
         "materials": [material(name, roughness, unlit, baseColorFactor=WHITE)],
-        "accessors": [
-            vertex_accessor(0, vertices, limits=True),
-            vertex_accessor(1, normals),
-            colours | {"type": "VEC4", "normalized": True},
-            _index_accessor(faces),
-        ],
+        "accessors": accessors,
     }
-    blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear(srgb), VERTEX_DATA)]
-    write_container(path, document, [*blocks, (faces.astype("<u4"), INDEX_DATA)])
+    write_container(path, document, blocks)
 
 
 def write_textured_glb(
@@ -89,12 +96,13 @@ def write_textured_glb(
     name: str = "painting",
     roughness: float = 0.5,
     unlit: bool = False,
+    steps: NDArray[np.float32] | None = None,
 ) -> None:
     """Write one mesh with its colours in a texture.
 
     Parameters
     ----------
-    path, vertices, faces, normals, name, roughness, unlit
+    path, vertices, faces, normals, name, roughness, unlit, steps
         As for `write_glb`.
     uv : (V, 2) float32
         From the texture's top left, 0 to 1.
@@ -112,21 +120,23 @@ def write_textured_glb(
     Image.fromarray(image).save(png, "PNG", compress_level=PNG_COMPRESSION)
     attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
     colour = {"baseColorFactor": WHITE, "baseColorTexture": {"index": 0}}
+    accessors = [
+        vertex_accessor(0, vertices, limits=True),
+        vertex_accessor(1, normals),
+        vertex_accessor(2, uv),
+        _index_accessor(faces),
+    ]
+    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, uv)]
+    blocks += [(faces.astype("<u4"), INDEX_DATA), (png.getvalue(), None)]
+    _add_steps(steps, attributes, accessors, blocks)
     document = {
         "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
         "materials": [material(name, roughness, unlit, **colour)],
         "textures": [{"sampler": 0, "source": 0}],
         "images": [{"bufferView": 4, "mimeType": "image/png"}],
         "samplers": [{"magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP, "wrapT": CLAMP}],
-        "accessors": [
-            vertex_accessor(0, vertices, limits=True),
-            vertex_accessor(1, normals),
-            vertex_accessor(2, uv),
-            _index_accessor(faces),
-        ],
+        "accessors": accessors,
     }
-    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, uv)]
-    blocks += [(faces.astype("<u4"), INDEX_DATA), (png.getvalue(), None)]
     write_container(path, document, blocks)
 
 
@@ -145,3 +155,16 @@ def _primitive(attributes: dict[str, int]) -> dict:
 
 def _index_accessor(faces: NDArray[np.int32]) -> dict:
     return {"bufferView": 3, "componentType": UNSIGNED_INT, "count": faces.size, "type": "SCALAR"}
+
+
+def _add_steps(
+    steps: NDArray[np.float32] | None,
+    attributes: dict[str, int],
+    accessors: list[dict],
+    blocks: list[tuple[NDArray | bytes, int | None]],
+) -> None:
+    """Add the attribute that leads back to millimetres, if there is any."""
+    if steps is not None:
+        attributes[STEPS] = len(accessors)
+        accessors.append(vertex_accessor(len(blocks), steps))
+        blocks.append((steps, VERTEX_DATA))
