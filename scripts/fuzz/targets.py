@@ -121,7 +121,8 @@ def _check_recording(suffix: str, content: bytes) -> None:
 
 # -- meshes ---------------------------------------------------------------------------------------
 
-CORNERS = np.array([[x, y, z] for x in (0, 9) for y in (0, 9) for z in (0, 9)], np.float32)
+SIZE = 7.9  # mm, one of the lengths that metres in float32 do not give back by themselves
+CORNERS = np.array([[x, y, z] for x in (0, SIZE) for y in (0, SIZE) for z in (0, SIZE)], np.float32)
 QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 FACES = np.array([face for a, b, c, d in QUADS for face in ([a, b, c], [a, c, d])], np.int32)
 STEP = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
