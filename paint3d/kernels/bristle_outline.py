@@ -65,12 +65,7 @@ def hold_outline(values):
     """Let the stamp's enclosing sphere hold its outline."""
     for along in (values[st.TIP], values[st.HEEL]):
         for across in (values[st.WIDEST], -values[st.WIDEST]):
-            d2 = 0.0
-            for axis in range(3):
-                d = values[st.ORIGIN_X + axis] - values[st.SPHERE_X + axis]
-                d += along * values[st.BEND_X + axis] + across * values[st.CROSS_X + axis]
-                d2 += d * d
-            values[st.RADIUS] = max(values[st.RADIUS], np.sqrt(d2))
+            st.hold_point(values, along, across)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

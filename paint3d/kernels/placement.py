@@ -249,12 +249,7 @@ def _hold_outline(values):
         (values[st.REACH_OF_WIDEST], values[st.WIDEST]),
         (values[st.REACH_OF_WIDEST], -values[st.WIDEST]),
     ):
-        d2 = 0.0
-        for axis in range(3):
-            d = values[st.ORIGIN_X + axis] - values[st.SPHERE_X + axis]
-            d += along * values[st.BEND_X + axis] + across * values[st.CROSS_X + axis]
-            d2 += d * d
-        values[st.RADIUS] = max(values[st.RADIUS], np.sqrt(d2))
+        st.hold_point(values, along, across)
 
 
 @njit(cache=True, nogil=True)

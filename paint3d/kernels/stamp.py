@@ -39,6 +39,7 @@ __all__ = [
     "WIDEST",
     "Stamp",
     "fill_profile",
+    "hold_point",
     "make_stamp",
     "outline_motion",
 ]
@@ -118,6 +119,17 @@ def fill_profile(stamp, reach, half_width, n):
     values[TIP] = tip
     values[WIDEST] = widest
     values[AREA] = area
+
+
+@njit(cache=True, nogil=True)
+def hold_point(values, along, across):
+    """Let the stamp's enclosing sphere hold a point of its plane, `along` and `across` the bend."""
+    d2 = 0.0
+    for axis in range(3):
+        d = values[ORIGIN_X + axis] - values[SPHERE_X + axis]
+        d += along * values[BEND_X + axis] + across * values[CROSS_X + axis]
+        d2 += d * d
+    values[RADIUS] = max(values[RADIUS], np.sqrt(d2))
 
 
 @njit(cache=True, nogil=True)
