@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from paint3d.kernels.reflectance import BLOCK, LAST_RATIO, TANH_RATIO, THICKEST
+from paint3d.kernels.reflectance import BLOCK, fill_layers, mix_paints, shine
 
 __all__ = ["SPECTRUM_STEPS", "add_between", "dry_vertices", "glazed_colours"]
 
@@ -47,43 +47,20 @@ def _fill_ground(ids, start, size, ground, backing):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shine_block(ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown):
     """Reflectance as measured (W, BLOCK) of a block: covered and bare light mixed by area."""
-    n_paints, n_bands = paints.shape[1], paints.shape[0]
     one, zero = np.float32(1.0), np.float32(0.0)
-    p1, p2 = np.float32(TANH_RATIO[0][1]), np.float32(TANH_RATIO[0][2])
-    q1, q2 = np.float32(TANH_RATIO[1][1]), np.float32(TANH_RATIO[1][2])
-    q3 = np.float32(TANH_RATIO[1][3])
     outer, inner = gloss[0], gloss[1]
     passed = (one - outer) * (one - inner)
     black, white, cover = work[0], work[1], work[2]
     _fill_ground(ids, start, size, ground, shown)
     cover[:] = zero
-    for j in range(size):
-        v = ids[start + j]
-        c = coverage[v]
-        cover[j] = c
-        thick = one / c if c > 0 else zero
-        for i in range(n_paints):
-            layer[i, j] = min(amounts[v, i] * thick, THICKEST)
-    for w in range(n_bands):
-        black[:] = zero
-        white[:] = zero
-        for i in range(n_paints):
-            k, s = paints[w, i, 0], paints[w, i, 1]
-            for j in range(BLOCK):
-                black[j] += k * layer[i, j]
-                white[j] += s * layer[i, j]
+    fill_layers(ids, start, size, amounts, coverage, layer, cover)
+    for w in range(paints.shape[0]):
+        mix_paints(paints[w], layer, black, white)
         for j in range(BLOCK):
             bare = shown[w, j]
             below = bare - outer
             below = max(below, zero) / (passed + inner * below)
-            k, s = black[j], white[j]
-            u = k * (k + s + s)
-            deep = u > LAST_RATIO
-            p = one if deep else one + u * (p1 + u * p2)
-            q = np.sqrt(u) if deep else one + u * (q1 + u * (q2 + u * q3))
-            lift = p * s * (one - below)
-            top = (q - p * k) * below + lift
-            bottom = q + p * k + lift
+            top, bottom = shine(black[j], white[j], below)
             painted = outer + passed * top / (bottom - inner * top)
             shown[w, j] = bare + cover[j] * (painted - bare)
 

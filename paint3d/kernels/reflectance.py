@@ -16,7 +16,16 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["BLOCK", "TANH_RATIO", "layer_bands", "mixture_colours", "single_colours"]
+__all__ = [
+    "BLOCK",
+    "TANH_RATIO",
+    "fill_layers",
+    "layer_bands",
+    "mix_paints",
+    "mixture_colours",
+    "shine",
+    "single_colours",
+]
 
 BLOCK = 128
 """Vertices in one block of the mixture kernel; its work arrays fit the first cache."""
@@ -69,6 +78,46 @@ def layer_bands(absorption, scattering, thickness, backing, reflected, alone, th
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def fill_layers(vertex_ids, start, size, amounts, coverage, layer, cover):
+    """Coats (P, BLOCK) of each pigment where a block is covered, and the share that is (BLOCK,)."""
+    zero, one = np.float32(0.0), np.float32(1.0)
+    for j in range(size):
+        v = vertex_ids[start + j]
+        c = coverage[v]
+        cover[j] = c
+        thick = one / c if c > 0 else zero
+        for i in range(layer.shape[0]):
+            layer[i, j] = min(amounts[v, i] * thick, THICKEST)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def mix_paints(paints, layer, black, white):
+    """K X and S X (BLOCK,) of the pigments' coats together; `paints` (P, 2) is one band's."""
+    black[:] = np.float32(0.0)
+    white[:] = np.float32(0.0)
+    for i in range(paints.shape[0]):
+        k, s = paints[i, 0], paints[i, 1]
+        for j in range(BLOCK):
+            black[j] += k * layer[i, j]
+            white[j] += s * layer[i, j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def shine(k, s, ground):
+    """Numerator and denominator of the reflectance R of a layer with K X = k and S X = s."""
+    one = np.float32(1.0)
+    p1, p2 = np.float32(TANH_RATIO[0][1]), np.float32(TANH_RATIO[0][2])
+    q1, q2 = np.float32(TANH_RATIO[1][1]), np.float32(TANH_RATIO[1][2])
+    q3 = np.float32(TANH_RATIO[1][3])
+    u = k * (k + s + s)
+    deep = u > LAST_RATIO
+    p = one if deep else one + u * (p1 + u * p2)
+    q = np.sqrt(u) if deep else one + u * (q1 + u * (q2 + u * q3))
+    lift = p * s * (one - ground)
+    return (q - p * k) * ground + lift, q + p * k + lift
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def mixture_colours(
     vertex_ids, amounts, coverage, paints, bands, bare, inner_loss, codes, out_rgb, out_srgb
 ):
@@ -102,42 +151,19 @@ def mixture_colours(
         The same, encoded.
     """
     n_paints, n_bands = paints.shape[1], paints.shape[0]
-    one = np.float32(1.0)
-    p1, p2 = np.float32(TANH_RATIO[0][1]), np.float32(TANH_RATIO[0][2])
-    q1, q2 = np.float32(TANH_RATIO[1][1]), np.float32(TANH_RATIO[1][2])
-    q3 = np.float32(TANH_RATIO[1][3])
     layer = np.zeros((n_paints, BLOCK), np.float32)
     black, white = np.empty(BLOCK, np.float32), np.empty(BLOCK, np.float32)
     rgb = np.empty((3, BLOCK), np.float32)
     cover = np.zeros(BLOCK, np.float32)
     for start in range(0, vertex_ids.size, BLOCK):
         size = min(BLOCK, vertex_ids.size - start)
-        for j in range(size):
-            v = vertex_ids[start + j]
-            c = coverage[v]
-            cover[j] = c
-            thick = one / c if c > 0 else np.float32(0.0)
-            for i in range(n_paints):
-                layer[i, j] = min(amounts[v, i] * thick, THICKEST)
+        fill_layers(vertex_ids, start, size, amounts, coverage, layer, cover)
         rgb[:] = np.float32(0.0)
         for w in range(n_bands):
             ground, red, green, blue = bands[w, 0], bands[w, 1], bands[w, 2], bands[w, 3]
-            black[:] = np.float32(0.0)
-            white[:] = np.float32(0.0)
-            for i in range(n_paints):
-                k, s = paints[w, i, 0], paints[w, i, 1]
-                for j in range(BLOCK):
-                    black[j] += k * layer[i, j]
-                    white[j] += s * layer[i, j]
+            mix_paints(paints[w], layer, black, white)
             for j in range(BLOCK):
-                k, s = black[j], white[j]
-                u = k * (k + s + s)
-                deep = u > LAST_RATIO
-                p = one if deep else one + u * (p1 + u * p2)
-                q = np.sqrt(u) if deep else one + u * (q1 + u * (q2 + u * q3))
-                lift = p * s * (one - ground)
-                top = (q - p * k) * ground + lift
-                bottom = q + p * k + lift
+                top, bottom = shine(black[j], white[j], ground)
                 r = top / (bottom - inner_loss * top)
                 rgb[0, j] += red * r
                 rgb[1, j] += green * r
