@@ -1,4 +1,4 @@
-"""Closest points and first hits of rays on every triangle of a mesh, front and back alike.
+"""Closest points and first hits of rays on the triangles of a mesh, front and back alike.
 
 The tree is that of `kernels.contact` in the order of `kernels.halving`, with fewer triangles to a
 leaf. A tie is won by the triangle that comes first in the mesh: an answer depends on the mesh and
@@ -7,15 +7,12 @@ the question alone.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from paint3d.kernels.contact import _box_distance2
 
-__all__ = ["FACES_PER_LEAF", "FaceTree", "find_closest", "find_hits"]
+__all__ = ["FACES_PER_LEAF", "find_closest", "find_hits"]
 
 FACES_PER_LEAF = 2
 _STACK = 64
@@ -23,16 +20,6 @@ _THIN = 1e-16  # sine squared of the angle at a triangle's corner below which it
 _AWRY = 1e-12  # of a normal's length: corner normals that cancel out
 _CLOSE = 1.0 + 1e-12  # what rounding may add to a box's squared distance
 _SLACK = 1e-12  # of a distance along a ray: what rounding may take from a box
-
-
-class FaceTree(NamedTuple):
-    """A box tree over all triangles of a mesh, as plain arrays for kernels."""
-
-    order: NDArray  # (T,) int32, triangles in the tree's order
-    boxes: NDArray  # (2 L, 6) float32, low and high corners, heap order
-    triangles: NDArray  # (T, 3) int32 vertex ids, in that order
-    points: NDArray  # (V, 3) float32, mm
-    normals: NDArray  # (T, 3, 3) float32 at the corners, in the mesh's order
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -163,7 +150,7 @@ def find_closest(tree, queries, points, faces, weights, normals):
 
     Parameters
     ----------
-    tree : FaceTree
+    tree : ContactTree
     queries : (N, 3) float64
         mm.
     points : (N, 3) float64
@@ -189,14 +176,16 @@ def find_closest(tree, queries, points, faces, weights, normals):
         weights[i, 0] = u
         weights[i, 1] = v
         weights[i, 2] = w
+        a = tree.triangles[k, 0]
+        b = tree.triangles[k, 1]
+        c = tree.triangles[k, 2]
         n = 0.0
         for axis in range(3):
-            a = np.float64(tree.points[tree.triangles[k, 0], axis])
-            b = np.float64(tree.points[tree.triangles[k, 1], axis])
-            c = np.float64(tree.points[tree.triangles[k, 2], axis])
-            points[i, axis] = a + v * (b - a) + w * (c - a)
-            at = tree.normals[faces[i]]
-            normals[i, axis] = u * at[0, axis] + v * at[1, axis] + w * at[2, axis]
+            x = np.float64(tree.points[a, axis])
+            points[i, axis] = x + v * (tree.points[b, axis] - x) + w * (tree.points[c, axis] - x)
+            normals[i, axis] = (
+                u * tree.normals[a, axis] + v * tree.normals[b, axis] + w * tree.normals[c, axis]
+            )
             n += normals[i, axis] * normals[i, axis]
         n = np.sqrt(n)
         for axis in range(3):
@@ -230,7 +219,8 @@ def _crosses(points, a, b, c, ray):
     """Where a ray meets triangle abc, in lengths of its direction; inf where it does not.
 
     The sides' volumes are those of the Plücker coordinates of ray and edge: two triangles see the
-    edge between them with opposite signs, so no ray slips through.
+    edge between them with opposite signs, so no ray slips through. (One of 20,000 that are aimed
+    right at a corner does: the volumes of all edges there are rounding.)
     """
     ax = points[a, 0] - ray[0]
     ay = points[a, 1] - ray[1]
@@ -249,9 +239,7 @@ def _crosses(points, a, b, c, ray):
     w = dx * (ay * bz - az * by) + dy * (az * bx - ax * bz) + dz * (ax * by - ay * bx)
     if not ((u >= 0.0 and v >= 0.0 and w >= 0.0) or (u <= 0.0 and v <= 0.0 and w <= 0.0)):
         return np.inf
-    total = u + v + w
-    if total == 0.0:
-        return np.inf
+    total = u + v + w  # 0 where the ray runs within the plane: t is NaN then
     x = (u * ax + v * bx + w * cx) / total
     y = (u * ay + v * by + w * cy) / total
     z = (u * az + v * bz + w * cz) / total
@@ -265,7 +253,7 @@ def find_hits(tree, rays, distances, faces):
 
     Parameters
     ----------
-    tree : FaceTree
+    tree : ContactTree
     rays : (N, 6) float64
         Origins, mm, and directions of any length.
     distances : (N,) float64

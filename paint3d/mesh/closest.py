@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.arrays import as_array
-from paint3d.kernels.closest import FACES_PER_LEAF, FaceTree, find_closest, find_hits
+from paint3d.kernels.closest import FACES_PER_LEAF, find_closest, find_hits
+from paint3d.kernels.contact import ContactTree
 from paint3d.mesh.base_surface import make_base_surface
 from paint3d.mesh.contact_index import build_box_tree
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -42,14 +43,6 @@ class RayHits(NamedTuple):
     """(N, 3) float64, mm; NaN where nothing is hit."""
 
 
-def _corner_normals(mesh: TriangleMesh) -> NDArray:
-    """Normals (F, 3, 3) at the corners of faces, those that are painted with; edges stay edges."""
-    base = make_base_surface(mesh)
-    normals = np.repeat(mesh.face_normals[:, None, :].astype(np.float32), 3, axis=1)
-    normals[base.source_faces] = base.normals[base.faces]
-    return normals
-
-
 class ClosestPoints:
     """Closest points and ray hits on one mesh; build once, query many times.
 
@@ -57,19 +50,26 @@ class ClosestPoints:
     ----------
     mesh : TriangleMesh
 
+    Raises
+    ------
+    MeshError
+        If no face has an area, or more triangles share one edge than can be painted on.
+
     Notes
     -----
     The answers are exact to float64's rounding and depend on the mesh and the question alone:
-    of triangles that are equally near the first in the mesh counts. Triangles without area are
-    found too.
+    of triangles that are equally near the first in the mesh counts. Triangles without area, which
+    cannot be painted on, are passed over.
     """
 
     def __init__(self, mesh: TriangleMesh) -> None:
         self.mesh = mesh
-        points = np.ascontiguousarray(mesh.vertices, np.float32)
-        faces = np.ascontiguousarray(mesh.faces, np.int32)
-        order, boxes, triangles = build_box_tree(points, faces, FACES_PER_LEAF, halve=True)
-        self._tree = FaceTree(order, boxes, triangles, points, _corner_normals(mesh))
+        base = make_base_surface(mesh)
+        order, boxes, triangles = build_box_tree(
+            base.points, base.faces, FACES_PER_LEAF, halve=True
+        )
+        faces = base.source_faces.astype(np.int32)[order]
+        self._tree = ContactTree(faces, boxes, triangles, base.points, base.normals)
 
     def find(self, points: NDArray) -> Found:
         """The closest point of the surface to each of `points` (N, 3), mm."""

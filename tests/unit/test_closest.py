@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from paint3d.errors import InputError
 from paint3d.kernels.halving import order_by_halving
 from paint3d.mesh.closest import ClosestPoints
-from paint3d.mesh.solids import make_bowl
+from paint3d.mesh.solids import make_bowl, make_plane
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
+UP = np.array([0.0, 0.0, 1.0])
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -52,7 +53,8 @@ def distance_to_segments(points: NDArray, a: NDArray, b: NDArray) -> NDArray:
 
 def brute_distance(mesh: TriangleMesh, points: NDArray) -> NDArray:
     """Distances (N,) of points from a mesh: to every edge, and to every plane above an inside."""
-    a, b, c = (mesh.vertices[mesh.faces[:, k]].astype(np.float64) for k in range(3))
+    faces = mesh.faces[mesh.double_areas > 0.0]
+    a, b, c = (mesh.vertices[faces[:, k]].astype(np.float64) for k in range(3))
     edges = [distance_to_segments(points, p, q) for p, q in ((a, b), (b, c), (c, a))]
     nearest = np.minimum.reduce(edges)
     normal = np.cross(b - a, c - a)
@@ -82,6 +84,16 @@ def test_no_triangle_is_nearer(seed: int, n_faces: int) -> None:
     )
     assert (found.barycentric >= -1e-12).all()
     np.testing.assert_allclose(found.barycentric.sum(axis=1), 1.0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1.0, atol=1e-12)
+    assert (mesh.double_areas[found.faces] > 0.0).all()
+
+
+def test_a_needle_has_edges_only() -> None:
+    corners = np.array([[0, 0, 0], [9227465, 5702887, 0], [5702887, 3524578, 0]]) / 2**16
+    needle = ClosestPoints(TriangleMesh(corners, [[0, 1, 2]]))  # 2e-10 mm2, 165 mm long
+    along = np.random.default_rng(4).uniform(size=(200, 1)) * corners[1]
+    away = np.linalg.norm(needle.find(along + UP).points - along, axis=1)
+    np.testing.assert_allclose(away, 0.0, atol=1e-9)
 
 
 @settings(deadline=None, max_examples=25)
@@ -134,6 +146,27 @@ def test_rays_find_no_gap_between_triangles() -> None:
     assert (hits.distance <= 1.0 + 1e-9).all()
 
 
+def test_rays_find_no_gap_where_flat_boxes_meet() -> None:
+    plane = make_plane()
+    surface, aims = ClosestPoints(plane), plane.vertices.astype(np.float64)
+    inside = (np.abs(aims[:, :2]) < aims[:, :2].max()).all(axis=1)  # at the rim rounding decides
+    ways = np.random.default_rng(9).normal(size=(8, 3))
+    ways[:, 2] = np.abs(ways[:, 2]) + 0.5
+    for way, at in [([0, 0, 1], aims), ([0, 0, -1], aims), *((way, aims[inside]) for way in ways)]:
+        hits = surface.cast(at - way, np.broadcast_to(way, at.shape))
+        assert hits.hit.all()
+        np.testing.assert_allclose(hits.points, at, atol=1e-9)
+
+
+def test_what_lies_behind_is_not_hit() -> None:
+    slope = ClosestPoints(TriangleMesh(np.array([[0, 0, 0], [4, 0, 4], [0, 4, 4]]), [[0, 1, 2]]))
+    above = np.array([[1.0, 1.0, 2.5]] * 3)
+    hits = slope.cast(above, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 1.0, 2.0]])
+    np.testing.assert_array_equal(hits.distance, [np.inf, 0.5, np.inf])
+    along = slope.cast([[-1.0, -1.0, -2.0]], [[1.0, 1.0, 2.0]])
+    assert not along.hit.any()  # a ray within the plane meets the triangle's edges at most
+
+
 @settings(deadline=None, max_examples=25)
 @given(seed=seeds, n=st.integers(1, 300), leaf_size=st.sampled_from([1, 2, 8]))
 def test_halves_lie_apart(seed: int, n: int, leaf_size: int) -> None:
@@ -152,21 +185,29 @@ def test_halves_lie_apart(seed: int, n: int, leaf_size: int) -> None:
     while size > leaf_size:
         for low in range(0, n, size):
             part = sorted_centres[low : low + size]
-            first, last = part[: size // 2], part[size // 2 :]
             axis = np.argmax(part.max(axis=0) - part.min(axis=0))
-            if len(last):
-                assert first[:, axis].max() <= last[:, axis].min()
+            if len(part) > size // 2:  # along the longest side, and of equal ones by their numbers
+                key = list(zip(part[:, axis].tolist(), order[low : low + size], strict=True))
+                assert max(key[: size // 2]) < min(key[size // 2 :])
         size //= 2
 
 
 def test_of_equal_triangles_the_first_counts() -> None:
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
     once = [[0, 1, 2], [2, 1, 3]]
-    mesh = TriangleMesh(corners, np.array(once * 20))
-    surface = ClosestPoints(mesh)
-    points = np.array([[0.2, 0.2, 1.0], [0.8, 0.7, -2.0], [0.5, 0.5, 1.0]])
-    assert surface.find(points).faces.tolist() == [0, 1, 0]
-    assert surface.cast(points[:1], [[0.0, 0.0, -1.0]]).faces.tolist() == [0]
+    points = np.array([[0.2, 0.2, 1.0], [0.8, 0.7, -2.0], [0.5, 0.5, 1.0], [0.0, 0.0, 1e200]])
+    for order in ([0, 1], [1, 0]):
+        surface = ClosestPoints(TriangleMesh(corners, np.array(once)[order * 20]))
+        assert surface.find(points).faces.tolist() == [order[0], order[1], 0, 0]
+        assert surface.cast(points[:1], [[0.0, 0.0, -1.0]]).faces.tolist() == [order[0]]
+
+
+def test_where_corner_normals_cancel_out_the_face_has_its_own() -> None:
+    surface = ClosestPoints(TriangleMesh(np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0]]), [[0, 1, 2]]))
+    twisted = np.array([[0, 1, 0], [0, -1, 0], [0, 1, 0]], np.float32)
+    surface._tree = surface._tree._replace(normals=twisted)
+    normals = surface.find([[1.0, -1.0, 3.0], [0.0, 0.0, 3.0]]).normals
+    np.testing.assert_array_equal(normals, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 
 
 def test_normals_bend_with_the_surface_and_keep_its_edges() -> None:
