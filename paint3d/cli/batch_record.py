@@ -26,13 +26,15 @@ class FinishedRows:
         self.path = path
         self._known: dict[str, tuple[int, int]] = {}
         self._seconds: dict[str, float] = {}
+        self._cut_short = False
         try:
-            lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+            text = path.read_text(encoding="utf-8", errors="replace")
         except FileNotFoundError:
             return
         except OSError as cause:
             raise ExportError(f"{path}: cannot read it: {cause.strerror or cause}") from None
-        for line in lines:
+        self._cut_short = not text.endswith("\n")
+        for line in text.splitlines():
             try:
                 entry = json.loads(line)
                 self._known[str(entry["row"])] = (int(entry["size"]), int(entry["changed_ns"]))
@@ -63,9 +65,10 @@ class FinishedRows:
         entry |= {"size": state[0], "changed_ns": state[1], "seconds": round(seconds, 3)}
         try:
             with open(self.path, "a", encoding="utf-8") as file:
-                file.write(json.dumps(entry) + "\n")
+                file.write("\n" * self._cut_short + json.dumps(entry) + "\n")
                 file.flush()
                 os.fsync(file.fileno())
+            self._cut_short = False
         except OSError as cause:
             raise ExportError(f"{self.path}: cannot write: {cause.strerror or cause}") from None
 

@@ -1,12 +1,13 @@
 """Batch: the tables there are, the words that rows become, and what is finished."""
 
 import os
+import shutil
 from argparse import Namespace
 from pathlib import Path
 
 import pytest
 
-from paint3d.cli import batch_workers
+from paint3d.cli import batch_rows, batch_table, batch_workers
 from paint3d.cli.batch_order import longest_first
 from paint3d.cli.batch_record import FinishedRows
 from paint3d.cli.batch_rows import Row, fingerprint, run_row
@@ -25,9 +26,10 @@ def test_a_row_is_what_one_would_type(tmp_path):
     rows, refused = table(
         tmp_path,
         "\ufeffText,recording,object,output,brush,ink,size,around,--layout\r\n"
-        '"永\n和",,jug.obj,a.glb,full,墨,12.5,yes,row\r\n'
-        "\r\n"
-        ",-s.jsonl,bowl,b.ply,,,,no,\r\n",
+        '"永\n和",,jug.obj, a.glb ,full,墨,12.5,yes,row\r\n'
+        " ,,,,,,,,\r\n"
+        ",-s.jsonl,bowl,b.ply,,,,no,\r\n"
+        "永,,bowl,c.ply,,,,no,\r\n",
     )
     assert refused == []
     shared = ("--quiet", "--")
@@ -37,6 +39,11 @@ def test_a_row_is_what_one_would_type(tmp_path):
          "--around", "--layout=row", "--processes=1", *shared, "永\n和"),
     )  # fmt: skip
     assert rows[1].arguments == ("replay", "--on=bowl", "--out=b.ply", *shared, "-s.jsonl")
+    assert rows[2].arguments == (
+        "write", "--on=bowl", "--out=c.ply", "--processes=1", *shared, "永"
+    )  # fmt: skip
+    rows, _ = table(tmp_path, "text,object,output,processes\n永,bowl,a.ply,2\n")
+    assert [word for word in rows[0].arguments if "processes" in word] == ["--processes=2"]
 
 
 @pytest.mark.parametrize(
@@ -47,13 +54,16 @@ def test_a_row_is_what_one_would_type(tmp_path):
         ("object,output\n", "there is no column text or recording"),
         ("text,object,output,brusch\n", "unknown column 'brusch': did you mean 'brush'?"),
         ("text,object,output,quiet\n", "unknown column 'quiet'"),
+        ("text,object,output,h\n", "unknown column 'h'"),
         ("text,text,object,output\n", "two columns have the same name"),
         ("text,object,output\n\n", "it has no rows"),
         ('text,object,output\n"unclosed', "it is no CSV table"),
+        ("text,object,output\n永,bowl,a.ply\n" + "\n" * 30, "it is larger than 60 bytes"),
         (b"text,object,output\ngef\xe4\xdf,bowl,a.ply\n", "byte 22 is not UTF-8"),
     ],
 )
-def test_tables_that_are_refused(tmp_path, text, words):
+def test_tables_that_are_refused(tmp_path, monkeypatch, text, words):
+    monkeypatch.setattr(batch_table, "MAX_BYTES", 60)
     with pytest.raises(InputError) as caught:
         table(tmp_path, text)
     assert words in str(caught.value)
@@ -88,6 +98,7 @@ def test_rows_that_are_refused(tmp_path, text, words):
         (("replay", "--on=plane", "--out=a.ply", "--", "none.jsonl"), "none.jsonl: cannot be read"),
         (("replay", "--on=plane", "--out=a.ply", "--resolution=fine", "--", "a"), "not a length"),
         (("replay", "--out=a.ply", "--", "a"), "arguments are required: --on"),
+        (("replay", "--on=plane", "--out=a.ply", "--", "no\nne"), "no ne: cannot be read"),
         (("fly",), "unexpected KeyError: 'fly'"),
     ],
 )
@@ -98,6 +109,23 @@ def test_a_row_that_fails_says_why_in_one_line(arguments, words):
     assert "\n" not in outcome.message
 
 
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        (MemoryError(), "out of memory"),
+        (OSError(28, "No space left on device"), "a.ply: No space left on device"),
+        (OSError(5, "Input/output error", "b.obj"), "b.obj: Input/output error"),
+    ],
+)
+def test_what_the_machine_lacks_costs_the_row_only(monkeypatch, fault, words):
+    def run(options):
+        raise fault
+
+    monkeypatch.setattr(batch_rows.COMMANDS["replay"], "run", run)
+    row = Row(7, "a.ply", ("replay", "--on=plane", "--out=a.ply", "--", "a"))
+    assert run_row(row)[:2] == (7, words)
+
+
 def test_a_row_is_finished_until_it_its_files_or_its_output_change(tmp_path):
     recording, output = tmp_path / "s.jsonl", tmp_path / "a.ply"
     recording.write_text("{}")
@@ -105,10 +133,11 @@ def test_a_row_is_finished_until_it_its_files_or_its_output_change(tmp_path):
     finished = FinishedRows(tmp_path / "finished")
     finished.add(row, 2.5)  # there is no output: nothing is noted
     assert not (tmp_path / "finished").exists()
+    assert not finished.has(row)
     output.write_text("painted")
     finished.add(row, 2.5)
-    with open(tmp_path / "finished", "a", encoding="utf-8") as file:
-        file.write('[]\n{"row": 3}\n\xff\n{"row": "cut sho')
+    with open(tmp_path / "finished", "ab") as file:
+        file.write(b'[]\n{"row": 3}\n\xff\n{"row": "cut sho')
     assert FinishedRows(tmp_path / "finished").has(row)
     assert FinishedRows(tmp_path / "finished").seconds(row) == 2.5
     assert FinishedRows(tmp_path / "finished").has(row._replace(line=9))
@@ -118,7 +147,8 @@ def test_a_row_is_finished_until_it_its_files_or_its_output_change(tmp_path):
     os.utime(recording, ns=(1, 1))
     assert fingerprint(row) != before
     assert not FinishedRows(tmp_path / "finished").has(row)
-    finished.add(row, 2.5)
+    FinishedRows(tmp_path / "finished").add(row, 2.5)  # after a line that is cut short
+    assert FinishedRows(tmp_path / "finished").has(row)
     output.write_text("touched by another")
     assert not FinishedRows(tmp_path / "finished").has(row)
     with pytest.raises(ExportError, match="cannot read it"):
@@ -135,9 +165,28 @@ def test_a_finished_row_stays_so_when_other_files_come_into_the_folder(tmp_path,
     assert FinishedRows(Path("t.csv.finished")).has(row)
 
 
+def test_a_row_depends_on_its_object_on_the_folder_and_on_the_version(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("jug.obj").write_text("v 0 0 0\n")
+    row = Row(2, "a.ply", ("write", "--on=jug.obj", "--out=a.ply", "--", "\u6c38"))
+    known = [fingerprint(row)]
+    Path("jug.obj").write_text("v 0 0 0\nv 1 0 0\n")
+    known.append(fingerprint(row))
+    monkeypatch.setattr(batch_rows, "find_versions", lambda: {"paint3d": "99"})
+    known.append(fingerprint(row))
+    shutil.copytree(tmp_path, tmp_path / "b")
+    monkeypatch.chdir("b")
+    known.append(fingerprint(row))
+    assert len(set(known)) == 4
+
+
 def test_long_rows_are_started_first(tmp_path):
     text = "text,object,output,recording\n"
-    text += "一,bowl,a.ply,\n鬱,bowl,b.ply,\n一二三,bowl,c.ply,\n一,bowl,d.ply,\n"
+    text += "一,bowl,a.ply,\n鬱,bowl,b.ply,\n一二三,bowl,c.ply,\n一    ,bowl,d.ply,\n"
+    text += "\ue000,bowl,e.ply,\n"  # of which nothing is known
+    (tmp_path / "jug.obj").touch()
+    os.truncate(tmp_path / "jug.obj", 100_000_000)
+    text += f"一,{tmp_path / 'jug.obj'},f.ply,\n"
     for name, size in (("short", 1000), ("long", 40_000_000)):
         (tmp_path / f"{name}.jsonl").touch()
         os.truncate(tmp_path / f"{name}.jsonl", size)
@@ -145,13 +194,13 @@ def test_long_rows_are_started_first(tmp_path):
     rows, _ = table(tmp_path, text)
     record = tmp_path / "finished"
     names = [row.output[0] for row in longest_first(rows, FinishedRows(record))]
-    assert names == ["l", "b", "c", "a", "d", "s"]
+    assert names == ["l", "f", "b", "c", "e", "a", "d", "s"]
     record.write_text(
         '{"row": "", "size": 1, "changed_ns": 1, "output": "d.ply", "seconds": 99}\n'
         '{"row": "", "size": 1, "changed_ns": 1, "output": "c.ply"}\n'
     )
     names = [row.output[0] for row in longest_first(rows, FinishedRows(record))]
-    assert names == ["d", "l", "b", "c", "a", "s"]
+    assert names == ["d", "l", "f", "b", "c", "e", "a", "s"]
 
 
 def test_an_object_is_read_once_until_its_file_changes(tmp_path, monkeypatch):
@@ -165,8 +214,16 @@ def test_an_object_is_read_once_until_its_file_changes(tmp_path, monkeypatch):
     assert load_object(options).area == mesh.area
     Path("jug.obj").write_text(corners + "f 1 2 3\nf 2 4 3\n")
     assert load_object(options).area == 2.0 * mesh.area
+    Path("jug.obj").write_text(corners.replace("9", "3") + "f 1 2 3\nf 2 4 3\n")
+    assert load_object(options).area == pytest.approx(2.0 / 9.0 * mesh.area)
     Path("other").mkdir()
+    shutil.copy2("jug.obj", "other")
+    changed = os.stat("jug.obj")
+    Path("other/jug.obj").write_text(corners + "f 1 2 3\nf 2 4 3\n")
+    os.utime("other/jug.obj", ns=(changed.st_atime_ns, changed.st_mtime_ns))
     monkeypatch.chdir("other")
+    assert load_object(options).area == 2.0 * mesh.area
+    os.remove("jug.obj")
     with pytest.raises(MeshError, match="no such file"):
         load_object(options)
 
