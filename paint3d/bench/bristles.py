@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import alternate
-from paint3d.bench.strokes import make_dab, record_dabs
+from paint3d.bench.strokes import first_samples, make_dab, record_dabs
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
@@ -25,6 +25,7 @@ from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
 from paint3d.kernels import bristle_tuft as bt
 from paint3d.kernels.bristle_standing import bend_often, deposit_hairs_often, deposit_often
+from paint3d.kernels.stamp import make_stamp
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -107,19 +108,24 @@ def time_strokes(share: float = 1.0) -> tuple[dict[int, tuple[float, int, int]],
     found = {
         n: (1e3 * best[str(n)].cpu_s / counts[n], counts[n], surface.n_vertices) for n in painters
     }
-    return found, time_deposits(painters[1_000], max(4, int(_DEPOSITS * share)))
+    return found, time_deposits(painters[1_000], recording, max(4, int(_DEPOSITS * share)))
 
 
-def time_deposits(painter: Painter, times: int) -> float:
-    """What hairs take to deposit the imprint they stand on, over a solid tuft's same footprint.
+def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
+    """What hairs take to deposit the imprint of a stroke's last step, over a solid tuft's same one.
 
     From the imprint drawn to ink on vertices, `times` times, by turns.
     """
     surface, hairs = painter.surface, painter.hairs
-    progress, room = painter._progress, painter._room
-    work = (surface.paint_mesh.arrays, surface.ink, np.zeros(8, np.int64), room)
-    stamps = (progress.before, progress.after)
     painter.dip()
+    painter.replay(first_samples(recording, len(recording) - 1))
+    before = make_stamp()
+    for kept, last in zip(before, painter._progress.after, strict=True):
+        kept[:] = last
+    painter.dip()
+    painter.replay(recording)
+    stamps = (before, painter._progress.after)
+    work = (surface.paint_mesh.arrays, surface.ink, np.zeros(8, np.int64), painter._room)
     kept = hairs.work(surface)
     best = alternate(
         _ROUNDS,

@@ -7,9 +7,8 @@ from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
-from paint3d.kernels.bristle_lookup import ask_imprint
+from paint3d.kernels.bristle_lookup import gather_under_hairs
 from paint3d.kernels.bristle_state import UNLEVELLED
-from paint3d.kernels.gathering import gather
 from paint3d.kernels.pickup import CAPACITY, PICKUP, contact_level, take_up_ink, thin_contact
 from paint3d.kernels.stamp import outline_motion
 from paint3d.kernels.transfer import landing_share, weighed_area
@@ -69,19 +68,14 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     """
     width = field.numbers[2]
     unit = field.numbers[3]
-    found = gather(before, after, field, width, 1.0 / width, counters, room)
+    found, within, weighed = gather_under_hairs(
+        hairs.imprint, after, field, width, 1.0 / width, counters, room, hairs.lanes
+    )
     if found < 0:
         return False
-    a, b = before.values, after.values
-    area = 0.5 * (a[st.AREA] + b[st.AREA])
-    if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
-        area = max(a[st.AREA] * a[st.TOUCHES], b[st.AREA] * b[st.TOUCHES])
-    weighed = weighed_area(field.area_units, unit, room.found, room.share, found)
-    scale = 0.0 if area < width * width and found == 0 else 1.0
-    lands = landing_share(area, width, weighed, found)
-    found = ask_imprint(
-        hairs.imprint, room.found, room.share, room.cover, found, field, room, hairs.lanes
-    )
+    area = after.values[st.AREA]
+    scale = 0.0 if area < width * width and within == 0 else 1.0
+    lands = landing_share(area, width, weighed, within)
     level = contact_level(before, after, ink)
     if level < 1.0 and found > 0:  # hairs that run dry give less, and only to the heights
         whole = weighed_area(field.area_units, unit, room.found, room.share, found)

@@ -7,9 +7,11 @@ from numba import njit
 
 from paint3d.kernels.bristle_imprint import LANES, STATIONS
 from paint3d.kernels.bristle_outline import CELLS, PER_CELL, TIP
-from paint3d.kernels.projecting import LEAST_FACING
+from paint3d.kernels.candidates import VISITED, find_candidates, next_block
+from paint3d.kernels.transfer import weighed_area
+from paint3d.kernels.weighing import weigh_standing
 
-__all__ = ["ask_imprint"]
+__all__ = ["gather_under_hairs"]
 
 _LANE = np.int32(LANES - 1)  # of a place: LANES is a power of 2
 _FAINTEST = np.float32(2e-3)  # share covered below which a vertex is left alone
@@ -17,38 +19,6 @@ _LAST_CELL = np.float32(CELLS - 1e-3)
 _LAST_LANE = np.float32(LANES - 1.001)
 _ZERO, _HALF, _ONE = np.float32([0.0, 0.5, 1.0])
 _elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _fetch(found, n, px, py, pz, nx, ny, nz, rows):
-    """Places and normals of vertices, side by side."""
-    x, y, z, u, v, w = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]
-    for k in range(n):
-        i = found[k]
-        x[k] = px[i]
-        y[k] = py[i]
-        z[k] = pz[i]
-        u[k] = nx[i]
-        v[k] = ny[i]
-        w[k] = nz[i]
-
-
-@_elementwise
-def _project(n, frame, rows, xs, ys):
-    """Carry vertices to the plane along their normals: as `projecting.project_run`."""
-    ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
-    ux, uy, uz = np.float32(frame[3]), np.float32(frame[4]), np.float32(frame[5])
-    bx, by, bz = np.float32(frame[6]), np.float32(frame[7]), np.float32(frame[8])
-    cx, cy, cz = np.float32(frame[9]), np.float32(frame[10]), np.float32(frame[11])
-    least = np.float32(LEAST_FACING)
-    for k in range(n):
-        dx, dy, dz = rows[0, k] - ox, rows[1, k] - oy, rows[2, k] - oz
-        nx, ny, nz = rows[3, k], rows[4, k], rows[5, k]
-        cosine = nx * ux + ny * uy + nz * uz
-        t = (dx * ux + dy * uy + dz * uz) / (cosine if cosine > least else least)
-        qx, qy, qz = dx - t * nx, dy - t * ny, dz - t * nz
-        xs[k] = qx * bx + qy * by + qz * bz
-        ys[k] = qx * cx + qy * cy + qz * cz
 
 
 @_elementwise
@@ -114,42 +84,62 @@ def _keep(n, places, inks, covers, ids, share, cover, out_ids, out_share, out_co
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def ask_imprint(imprint, found, share, cover, n, field, room, lanes):
-    """Weigh vertices by the imprint where the way ends; return how many the hairs reached.
+def gather_under_hairs(imprint, stamp, field, margin, scale, counters, room, lanes):
+    """Find the vertices that hairs lie over, and weigh them by what lies there.
 
-    The way is no longer than the vertices lie apart: what the hairs left behind on it, the imprint
-    before has drawn.
+    The way from the stamp before is no longer than the vertices lie apart: what the hairs left
+    behind on it, the imprint before has drawn. So vertices are looked up where the way ends.
 
     Parameters
     ----------
     imprint : Imprint
-    found, share, cover : (cap + 1,) int32, float32, float32
-        From `kernels.gathering.gather`, with their plane in `room.frame`; weighed in place.
-    n : int
-        Of these.
+    stamp : Stamp
+        It touches.
     field : SurfaceField
+    margin, scale : float
+        As for `kernels.candidates`.
+    counters : (8,) int64
     room : Room
+        `found`, `share` and `cover` are filled.
     lanes : (cap + 1,) int16
         Filled: each one's lane of the map.
+
+    Returns
+    -------
+    found : int
+        Vertices that hairs reached; -1 where the mesh needs room to grow.
+    within : int
+        Vertices that the outline covers.
+    weighed : float
+        Area that those stand for, weighed, mm2.
     """
-    size = room.ids.shape[0]
+    n_runs, n_cells = find_candidates(stamp, stamp, True, field, margin, scale, room)
+    if n_cells < 0:
+        return -1, 0, 0.0
     map_ = imprint.map.reshape(imprint.map.size)
     tip, per_cell = np.float32(imprint.numbers[TIP]), np.float32(imprint.numbers[PER_CELL])
-    xs, ys, inks, covers = room.packed[0], room.packed[1], room.packed[2], room.packed[3]
-    places, parts = room.near[0], room.work[:3]
-    kept = 0
-    for first in range(0, n, size):
-        m = min(size, n - first)
-        _fetch(
-            found[first : first + m], m, field.px, field.py, field.pz, field.nx, field.ny,
-            field.nz, room.rows,
+    packed, places, parts = room.packed, room.near[1], room.work[:3]
+    found, within, weighed = 0, 0, 0.0
+    while True:
+        n = next_block(
+            n_runs, n_cells, False, room.runs, room.cells, field.head, field.next_in_cell,
+            field.cell_sheets, field.vertex_sheet, field.px, field.py, field.pz, field.nx,
+            field.ny, field.nz, room.stamps, room.tick[0], room.frame, room.cursor, room.ids,
+            packed, room.rows,
         )  # fmt: skip
-        _project(m, room.frame, room.rows, xs, ys)
-        _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, xs, places, parts)
-        _find_lanes(m, ys, places, parts)
-        _read_map(m, map_, places, parts, inks, covers)
-        kept += _keep(
-            m, places, inks, covers, found[first:], share[first:], cover[first:], found[kept:],
-            share[kept:], cover[kept:], lanes[kept:],
+        if n == 0:
+            return found, within, weighed
+        counters[VISITED] += n
+        m = weigh_standing(
+            n, room.ids, room.rows, room.frame, stamp.lines, room.packed_ids, packed, room.work,
+            room.near[0],
         )  # fmt: skip
-    return kept
+        within += m
+        weighed += weighed_area(field.area_units, field.numbers[3], room.packed_ids, packed[2], m)
+        _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
+        _find_lanes(m, packed[1], places, parts)
+        _read_map(m, map_, places, parts, packed[4], packed[5])
+        found += _keep(
+            m, places, packed[4], packed[5], room.packed_ids, packed[2], packed[3],
+            room.found[found:], room.share[found:], room.cover[found:], lanes[found:],
+        )  # fmt: skip

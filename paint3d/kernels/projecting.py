@@ -7,7 +7,7 @@ from numba import njit
 
 from paint3d.kernels import sweep as sw
 
-__all__ = ["AWAY", "LEAST_FACING", "project_ids", "project_run", "take_run"]
+__all__ = ["AWAY", "LEAST_FACING", "project_run", "take_run"]
 
 LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vertex faces away
 AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
@@ -55,32 +55,6 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
         xs[k] = away if (cosine < least) | (reach > r2) else x
         ys[k] = qx * cx + qy * cy + qz * cz
         stretch[k] = inverse * inverse
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def project_ids(px, py, pz, nx, ny, nz, ids, first, last, frame, xs, ys, stretch):
-    """`project_run` for the scattered vertices ids[first:last]."""
-    least = np.float32(LEAST_FACING)
-    for k in range(first, last):
-        v = ids[k]
-        dx = px[v] - frame[0]
-        dy = py[v] - frame[1]
-        dz = pz[v] - frame[2]
-        cosine = nx[v] * frame[3] + ny[v] * frame[4] + nz[v] * frame[5]
-        safe = max(cosine, least)
-        height = dx * frame[3] + dy * frame[4] + dz * frame[5]
-        t = height / safe
-        dx -= t * nx[v]
-        dy -= t * ny[v]
-        dz -= t * nz[v]
-        ex = dx - frame[12]
-        ey = dy - frame[13]
-        ez = dz - frame[14]
-        reach = max(ex * ex + ey * ey + ez * ez, height * height)
-        x = dx * frame[6] + dy * frame[7] + dz * frame[8]
-        xs[k] = AWAY if (cosine < least) | (reach > frame[sw.RADIUS2]) else x
-        ys[k] = dx * frame[9] + dy * frame[10] + dz * frame[11]
-        stretch[k] = 1.0 / (safe * safe)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

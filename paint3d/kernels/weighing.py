@@ -18,7 +18,7 @@ from numba import njit
 from paint3d.kernels import stamp as st
 from paint3d.kernels import sweep as sw
 
-__all__ = ["WORK_ROWS", "weigh_block"]
+__all__ = ["WORK_ROWS", "weigh_block", "weigh_standing"]
 
 WORK_ROWS = 8  # float32 rows of a block's length that `weigh_block` works in
 _LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
@@ -281,3 +281,45 @@ def weigh_block(
     _stamp_cover(left, packed, cover)
     _follow(left, frame, lines, lines_before, between, packed, work, share, cover)
     return _append(left, packed_ids, packed, share, cover, out_ids, out_share, out_cover, found)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def weigh_standing(n, ids, rows, frame, lines, packed_ids, packed, work, near):
+    """Share covered where the way ends, of the vertices of a block; those with one are packed.
+
+    Parameters
+    ----------
+    n, ids, rows, frame, lines : as for `weigh_block`
+        Of a sweep whose two stamps are one.
+    packed_ids : (N,) int32
+        Filled with the vertices that have a share,
+    packed : (7, N) float32
+        and their plane x and y, share for the ink, and share covered.
+    work, near : (WORK_ROWS, N) float32, (N,) int32
+        Scratch.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    places, sides, beyond, inner, far, cover = work[0], work[1], work[2], work[3], work[4], work[5]
+    turn = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
+    heel, tip = frame[sw.AFTER + 1], frame[sw.AFTER + 2]
+    _place_block(n, rows[0], rows[1], turn, heel, tip, places, sides, beyond)
+    _stamp_edges(n, places, sides, beyond, lines, frame[sw.SCALE], inner, far)
+    for k in range(n):
+        part = _covered(inner[k]) + _covered(far[k]) - _ONE
+        cover[k] = _ONE if inner[k] >= _HALF else part
+    kept = 0
+    for k in range(n):
+        near[kept] = k
+        kept += np.int64(cover[k] > _ZERO)
+    xs, ys, stretch = rows[0], rows[1], rows[2]
+    out_x, out_y, out_share, out_cover = packed[0], packed[1], packed[2], packed[3]
+    for i in range(kept):
+        k = np.uint32(near[i])
+        packed_ids[i] = ids[k]
+        out_x[i], out_y[i] = xs[k], ys[k]
+        out_share[i], out_cover[i] = _covered(inner[k]) * stretch[k], cover[k]
+    return kept

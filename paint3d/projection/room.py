@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.kernels.candidates import CURSOR_SIZE
 from paint3d.kernels.reach import DISC_ROWS
 from paint3d.kernels.sweep import BETWEEN_SHAPE, FRAME_SIZE
 from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
@@ -15,7 +16,7 @@ from paint3d.mesh.paint_mesh import PaintMesh
 
 __all__ = ["Room", "grow_room", "make_room"]
 
-_BLOCK = 1024  # vertices projected and weighed at a time: what that takes stays in fast memory
+_BLOCK = 2032  # vertices projected and weighed at a time; an odd number of cache lines
 
 
 class Room(NamedTuple):
@@ -42,6 +43,7 @@ class Room(NamedTuple):
     where: NDArray  # (2, sheets or blocks) uint8, where those lie to the sweep
     blocks: NDArray  # (blocks, 3) int32, runs of base vertices that may be reached
     runs: NDArray  # (cells + blocks, 3) int32, runs of base vertices, and where they lie
+    cursor: NDArray  # (CURSOR_SIZE,) int64, where the next block of vertices begins
     rows: NDArray  # (7, _BLOCK) float32, what `weigh_block` knows of each vertex
     ids: NDArray  # (_BLOCK,) int32
     packed: NDArray  # (7, _BLOCK) float32
@@ -83,6 +85,7 @@ def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
         where=np.zeros((2, max(sheets, mesh.n_blocks)), np.uint8),
         blocks=np.zeros((mesh.n_blocks, 3), np.int32),
         runs=np.zeros((cells + mesh.n_blocks, 3), np.int32),
+        cursor=np.zeros(CURSOR_SIZE, np.int64),
         rows=np.zeros((7, _BLOCK), np.float32),
         ids=np.zeros(_BLOCK, np.int32),
         packed=np.zeros((7, _BLOCK), np.float32),

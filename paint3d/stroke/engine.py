@@ -26,7 +26,8 @@ from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.kernels import placement, stroke
 from paint3d.kernels.bristle_stroke import paint_with_hairs
-from paint3d.kernels.deposit import PAINTED, VISITED
+from paint3d.kernels.candidates import VISITED
+from paint3d.kernels.deposit import PAINTED
 from paint3d.kernels.pickup import CAPACITY, PICKUP, REACH
 from paint3d.kernels.tuft_load import level_stations
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import paint3d.projection.room
 from paint3d.device.recorded import Recording
 from paint3d.mesh.solids import make_sphere
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -64,3 +65,21 @@ def test_a_ball_that_is_too_small_would_show() -> None:
     amounts, _, _ = painted(mesh, 0.0)
     less, _, _ = painted(mesh, -1.2)
     assert np.abs(amounts - less).max() > 0.02 * amounts.max()
+
+
+@pytest.mark.parametrize("hairs", [0, 200])
+def test_a_block_goes_on_where_the_last_one_ended(monkeypatch, hairs) -> None:
+    """Base vertices and those added for painting, in blocks of 48 and of as many as there are."""
+    found = {}
+    for block in (48, 8192):
+        monkeypatch.setattr(paint3d.projection.room, "_BLOCK", block)
+        surface = PaintedSurface(fine_plane(), resolution=0.25)
+        painter = Painter(surface, "full", hairs=hairs)
+        painter.replay(turning_stroke())
+        found[block] = (surface.amounts, surface.coverage, painter.report()["vertices_visited"])
+    amounts, coverage, visited = found[48]
+    whole_amounts, whole_coverage, whole_visited = found[8192]
+    assert np.count_nonzero(coverage > 0.5) > 200
+    assert visited == whole_visited
+    assert np.abs(amounts - whole_amounts).max() < 1e-6 * amounts.max()
+    assert np.abs(coverage - whole_coverage).max() < 1e-6
