@@ -153,17 +153,21 @@ def test_water_goes_on_where_it_was_saved(tmp_path, paint_between):
 
 
 @pytest.mark.parametrize(
-    ("part", "message"),
-    [("flow_pigment", "flow_pigment holds 0 to 1e\\+300"), ("flow_speed", "flow_speed exceeds")],
+    ("part", "value", "message"),
+    [
+        ("flow_pigment", 1e300, "flow_pigment holds 0 to 1e\\+300"),
+        ("flow_speed", 1e7, "flow_speed exceeds 1e\\+06 mm/s"),
+        ("flow_speed", -1e7, "flow_speed exceeds"),
+    ],
 )
-def test_water_beyond_all_measure_is_refused(part, message):
+def test_water_beyond_all_measure_is_refused(part, value, message):
     mesh = sheet(flat, (40.0, 40.0), 5.0)
     surface = PaintedSurface(mesh, 0.8, "xuan")
     Painter(surface, "full", "pine soot").replay(stroke())
     surface.diffuse(0.5)
     state = dict(surface_state(surface))
     state[part] = np.array(state[part])
-    state[part].flat[0] = 1e300
+    state[part].flat[0] = value
     with pytest.raises(SessionError, match=message):
         restore_surface(mesh, state)
 
@@ -272,8 +276,10 @@ BAD = {
                                           "S": [0] * 31}]}}, "K of x is not an array of numbers"),
     "flood": ({"surface/load": np.array([1e300, 0, 0])}, "load holds 0 to 1e\\+300"),
     "spectra": ({"surface": {"pigments": [{"name": "x"}]}}, "incomplete near"),
-    "fine": ({"surface": {"resolution": 1e-9}}, "resolution"),
-    "coarse": ({"surface": {"resolution": 1e308}}, "resolution"),
+    "fine": ({"surface": {"resolution": 0.004}}, "resolution \\(mm\\) is 0\\.004; expected"),
+    "coarse": ({"surface": {"resolution": 1.1e6}}, "resolution \\(mm\\) is 1\\.1e\\+06; expected"),
+    "coarsest": ({"surface": {"resolution": 1e308}}, "resolution \\(mm\\) is 1e\\+308; expected"),
+    "long": ({"surface": {"resolution": 10**400}}, "a whole number of over 300 digits"),
     "words": ({"mesh/vertices": np.array([["a"] * 3])}, "is no array of plain numbers"),
     "faces": ({"mesh/faces": i32(0, 1, 10**6).reshape(1, 3)}, "refers to vertex 1000000"),
     "splits": ({"surface/splits": i32(0, 10**9)}, "bisection [01] of the refinement log halves"),
