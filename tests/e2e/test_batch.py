@@ -101,7 +101,8 @@ def test_an_interrupted_batch_goes_on(paint3d, write_table, tmp_path: Path) -> N
     assert all((tmp_path / name).exists() for _, _, name in ROWS)
 
 
-def test_a_batch_is_interrupted_while_its_processes_start(write_table) -> None:
+@pytest.mark.parametrize("later_s", [0.04, 0.09, 0.3])  # Python starts, then it imports
+def test_a_batch_is_interrupted_while_its_processes_start(write_table, later_s: float) -> None:
     command = [sys.executable, "-m", "paint3d", "batch", write_table(*ROWS), "--processes", "2"]
     running = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -110,6 +111,7 @@ def test_a_batch_is_interrupted_while_its_processes_start(write_table) -> None:
     children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
     while children.exists() and len(children.read_text().split()) < 2 and running.poll() is None:
         time.sleep(0.01)
+    time.sleep(later_s)
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does: all of them get it
     _, errors = running.communicate(timeout=60)
     assert running.returncode == 130
