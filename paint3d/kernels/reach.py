@@ -57,12 +57,12 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
     nothing, top = np.float32(0.0), np.float32(st.PROFILE_CELLS)
     rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
     end = length - np.float32(rises[2])
-    # beyond a blunt end, the distance to the line of its last step is less than the way there
+    # beside a blunt end, the distance to the line of its last step is less than the way there
     least = np.float32(rises[3] + rises[0])
     steepest = max(widths[1], widths[st.PROFILE_CELLS - 1]) * st.PROFILE_CELLS
     slope = steepest / (stamp[st.TIP] - stamp[st.HEEL])
     blunt = np.float32(np.sqrt(1.0 + slope * slope) - 1.0) * least
-    zone = length * np.float32(_END_ZONE) + blunt
+    zone = length * np.float32(_END_ZONE)
     for k in range(n):
         along[k] = c * (xs[k] - ox) + s * (ys[k] - oy) - heel
         low[k] = min(max((along[k] - radii[k]) * per_step, nothing), top)
@@ -80,8 +80,8 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
         inside = within & (min(low[k], high[k]) >= side + r)
         out = r + (rise_at_end if along[k] + r > end else rise)
         at_end = (along[k] - r < zone) | (along[k] + r > length - zone)
-        out += blunt if at_end else nothing
-        outside = (along[k] + out < nothing) | (along[k] - out > length) | (side - out > most)
+        aside = out + (blunt if at_end else nothing)
+        outside = (along[k] + out < nothing) | (along[k] - out > length) | (side - aside > most)
         fates[k] = np.uint8(0) if outside else (np.uint8(2) if inside else np.uint8(1))
 
 

@@ -80,10 +80,9 @@ def _stamp_edges(n, places, sides, beyond, lines, scale, inner, far):
     for k in range(n):
         at = places[k]
         i = np.int32(at)
-        width = lines[i, 0] + at * lines[i, 1] - beyond[k]
-        steepness = lines[i, 2] * factor
-        inner[k] = (width - sides[k]) * steepness
-        far[k] = (width + sides[k]) * steepness
+        width, steepness = lines[i, 0] + at * lines[i, 1], lines[i, 2]
+        inner[k] = ((width - sides[k]) * steepness - beyond[k]) * factor
+        far[k] = ((width + sides[k]) * steepness - beyond[k]) * factor
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -96,10 +95,10 @@ def _way_edges(n, places, sides, beyond, lines_before, lines, back, scale, inner
         at = places[k]
         i = np.int32(at)
         width = now * (lines[i, 0] + at * lines[i, 1])
-        width += then * (lines_before[i, 0] + at * lines_before[i, 1]) - beyond[k]
-        steepness = (now * lines[i, 2] + then * lines_before[i, 2]) * factor
-        inner[k] = (width - sides[k]) * steepness
-        far[k] = (width + sides[k]) * steepness
+        width += then * (lines_before[i, 0] + at * lines_before[i, 1])
+        steepness = now * lines[i, 2] + then * lines_before[i, 2]
+        inner[k] = ((width - sides[k]) * steepness - beyond[k]) * factor
+        far[k] = ((width + sides[k]) * steepness - beyond[k]) * factor
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
