@@ -17,6 +17,7 @@ from paint3d.kernels.bristle_tuft import ARCS, BLOCK, Bristles
 
 __all__ = ["build_bristles", "hair_places"]
 
+_ROOT = math.sqrt(2.0) - 1.0  # steps of lengths: no hair is long because of where it stands
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 _CELLS = 512  # places across the tuft that tell clump and appetite
 _CLUMPS = (9, 31)  # across the tuft: when it parts, and when it falls apart
@@ -53,7 +54,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
     n, noise = hairs.n_hairs, _noise()
     radius = 0.5 * hairs.hair_mm
     padded = np.minimum(np.arange(-(-n // BLOCK) * BLOCK), n - 1).reshape(-1, BLOCK)
-    lengths = (1.0 - hairs.unevenness * _scatter(n)).astype(np.float32)
+    lengths = (1.0 - hairs.unevenness * _scatter(n, step=_ROOT)).astype(np.float32)
     places = np.ascontiguousarray(hair_places(n)[:, padded])
     bristles = Bristles(
         count=n,
@@ -92,9 +93,9 @@ def _rest_lengths(spec: BrushSpec, places: NDArray, lengths: NDArray) -> NDArray
     return on_lines
 
 
-def _scatter(n: int, seed: float = 0.5) -> NDArray:
-    """n numbers, evenly over 0 to 1 and without order: multiples of the golden ratio."""
-    return np.mod(seed + np.arange(n) * 0.6180339887498949, 1.0) if n > 1 else np.zeros(n)
+def _scatter(n: int, seed: float = 0.5, step: float = 0.6180339887498949) -> NDArray:
+    """n numbers, evenly over 0 to 1 and without order: multiples of the golden ratio, or a step."""
+    return np.mod(seed + np.arange(n) * step, 1.0) if n > 1 else np.zeros(n)
 
 
 def _clump_middles(count: int) -> NDArray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from paint3d.kernels.bristle_landing import end_where_they_land
 from paint3d.kernels.bristle_tuft import BLOCK, CURVED, PATCH, SAMPLES
 
 __all__ = ["BEGIN", "CONTACT_SIZE", "DOT", "END", "FINDINGS", "GIVES", "HELD", "LAID", "READY",
@@ -170,13 +171,19 @@ def _count(row):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def find_contacts(bristles, bend, slopes, points, scratch, findings, depths):
+def find_contacts(
+    bristles, bend, landing, turned, slopes, points, scratch, findings, depths
+):  # fmt: skip
     """Which piece of each hair is near enough to the surface to leave ink.
 
     Parameters
     ----------
     bristles : Bristles
     bend : (BEND_SIZE,) float64
+    landing : (LANDING_SIZE,) float64
+        From `kernels.bristle_landing.find_landings`.
+    turned : (B / BLOCK, 8 BLOCK) float32
+        From `kernels.bristle_tuft.turn_hairs`.
     slopes : (SAMPLES,) float32
         Sine of the hairs' angle to the plane at their points.
     points : (B / BLOCK, SAMPLES, 3 BLOCK) float32
@@ -212,7 +219,9 @@ def find_contacts(bristles, bend, slopes, points, scratch, findings, depths):
             _first_short_runs(near, slopes, rests, clear, runs)
         else:
             _first_runs(near, slopes, rests, clear, runs)
-        _find_ends(near, runs, row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK])
+        begins, ends = row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK]
+        _find_ends(near, runs, begins, ends)
+        end_where_they_land(bend, landing, turned[g], points[g], highest, runs, begins, ends)
         for j in range(bristles.count - g * BLOCK, BLOCK):  # copies that fill up the last block
             row[END + j] = -_ONE
         n, deepest = _count(row)

@@ -15,6 +15,7 @@ BINS = 48  # along the imprint, for its outline
 CELLS = 64  # along the imprint, for finding the station of a place
 TIP, PER_CELL = 0, 1  # places in Imprint.numbers
 _OUTER = 96  # hairs whose ends make the outline: the last ones stand at the rim, all around
+_ENDS = 0.25  # of what is left beside hairs: so much before and behind them
 _Y = BLOCK
 
 
@@ -87,7 +88,7 @@ def draw_outline(
     low, high : float
         Where along the bend hairs touch, mm.
     margin : float
-        That is left before and behind, mm.
+        That is left beside the hairs, mm, and a quarter of it before and behind.
     reach, half_width : arrays as for `kernels.tuft.trace_outline`
     """
     reaches = imprint.reaches
@@ -96,14 +97,15 @@ def draw_outline(
     _bridge(imprint, last, low, per_bin, margin, reaches)
     _note_ends(points, findings, count, low, per_bin, reaches)
     step = (high - low) / BINS
+    ends = _ENDS * margin
     n = 0
-    reach[n], half_width[n] = high + margin, 0.0
+    reach[n], half_width[n] = high + ends, 0.0
     n += 1
     for b in range(BINS - 1, -1, -1):
         beside = 0.5 * (reaches[max(b - 1, 0)] + reaches[min(b + 1, BINS - 1)])
         reach[n], half_width[n] = low + (b + 0.5) * step, max(reaches[b], beside)
         n += 1
-    reach[n], half_width[n] = low - margin, 0.0
+    reach[n], half_width[n] = low - ends, 0.0
     st.fill_profile(stamp, reach, half_width, n + 1)
     hold_outline(stamp.values)
 

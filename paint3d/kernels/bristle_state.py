@@ -13,6 +13,7 @@ from paint3d.kernels.bristle_contact import CONTACT_SIZE, FINDINGS
 from paint3d.kernels.bristle_imprint import Imprint, make_imprint
 from paint3d.kernels.bristle_ink import LEVEL_BINS
 from paint3d.kernels.bristle_keeping import KEPT_SIZE
+from paint3d.kernels.bristle_landing import LANDING_SIZE
 from paint3d.kernels.bristle_patch import PATCH_SIZE
 from paint3d.kernels.stamp import PROFILE_CELLS
 
@@ -47,6 +48,7 @@ class Hairs(NamedTuple):
     bend: NDArray  # (BEND_SIZE,)
     block: NDArray  # (BLOCK_SIZE,) float32
     points: NDArray  # (B / BLOCK, SAMPLES, 3 BLOCK) float32
+    landing: NDArray  # (LANDING_SIZE,), where hairs come down, see `bristle_landing`
     slopes: NDArray  # (SAMPLES,) float32
     patch: NDArray  # (6,)
     patch_work: NDArray  # (12, 6)
@@ -79,6 +81,7 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         bend=np.zeros(bt.BEND_SIZE),
         block=bt.make_block(),
         points=bt.make_points(blocks),
+        landing=np.zeros(LANDING_SIZE),
         slopes=np.zeros(bt.SAMPLES, np.float32),
         patch=np.zeros(PATCH_SIZE),
         patch_work=np.zeros((12, PATCH_SIZE)),

@@ -25,6 +25,7 @@ from paint3d.kernels.bristle_keeping import (
     may_keep,
     note_cause,
 )  # fmt: skip
+from paint3d.kernels.bristle_landing import find_landings
 from paint3d.kernels.bristle_patch import fit_patch
 from paint3d.kernels.bristle_state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
 from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_bend, turn_hairs
@@ -93,9 +94,11 @@ def _find_slopes(tuft, points, slopes):
 def _meet(stamp, tuft, bristles, hairs):
     """Find where the hairs touch; a stamp where none does no longer touches."""
     _find_slopes(tuft, hairs.points, hairs.slopes)
+    find_landings(tuft, hairs.bend, hairs.landing)
     touching = find_contacts(
-        bristles, hairs.bend, hairs.slopes, hairs.points, hairs.clear, hairs.findings, hairs.depths
-    )
+        bristles, hairs.bend, hairs.landing, hairs.turned, hairs.slopes, hairs.points, hairs.clear,
+        hairs.findings, hairs.depths,
+    )  # fmt: skip
     if touching == 0:
         stamp.values[st.TOUCHES] = 0.0
     return touching

@@ -7,7 +7,8 @@ surface, in its own length, and by the tilt: four heights that span those of all
 the table, and each hair is interpolated between them by a cubic. Around that curve it keeps its
 place in the tuft's section (Guo 2017, Eqs. 2, 3): a hair in the section (a, b), a pointing down, is
 `a C_2 / 2` below the spine and `b C_1 / 2` beside it, so that the hairs that meet the plane are
-those within the outline of Eq. 8. Then one pass from the root to the tip lays it on the surface: no
+those within the outline of Eq. 8; beside it, hairs keep half their thickness and film within the
+tuft. Then one pass from the root to the tip lays it on the surface: no
 point under it, every piece as long as it was.
 """
 
@@ -32,7 +33,9 @@ BLOCK = 336  # hairs bent together: what they take stays in the fastest memory, 
 ARCS = (np.arange(SAMPLES) / (SAMPLES - 1.0)) ** 1.5  # of the length, from the tip
 ARCS.setflags(write=False)
 _NODES = 3  # heights read from the table for one imprint
-_NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahead, not aside
+_NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahead, not aside, and
+# on which lower hairs keep the width of the tuft where they lie
+_INSET = 0.5
 _LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
 
 _ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
@@ -49,7 +52,7 @@ _elementwise = njit(
 # that it can use vector instructions without asking.
 _X, _Y, _Z = 0, BLOCK, 2 * BLOCK  # of points
 _KNOWN = 8  # of hairs:
-_A, _B, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT, _UP = (at * BLOCK for at in range(_KNOWN))
+DOWN, BESIDE, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT, _UP = (at * BLOCK for at in range(_KNOWN))
 _NODE, _PART, _RUN, _LIFTED = (at * BLOCK for at in range(4))  # scratch
 BLOCK_SIZE = 4 * BLOCK
 _TRIFLE = np.float32(-0.02)  # mm, height from which a point may be lifted to the plane off-hand
@@ -71,7 +74,11 @@ SHIFT_X = FREE + SAMPLES  # remembered bend
 SHIFT_Y = SHIFT_X + SAMPLES
 PART = SHIFT_Y + SAMPLES  # how far large and small clumps have parted; how flat the tuft is
 PER_STEP = PART + 3  # 4 over the length of the piece above a point, 1/mm
-BEND_SIZE = PER_STEP + SAMPLES - 1
+WIDER = PER_STEP + SAMPLES - 1  # how much wider the tuft is where its lowest hairs' points lie
+THIN = WIDER + SAMPLES  # half the tuft's thickness
+SINE = THIN + SAMPLES  # of its angle to the plane
+COSINE = SINE + SAMPLES
+BEND_SIZE = COSINE + SAMPLES
 
 FLAT = np.zeros(6)  # the patch of a plane
 FLAT.setflags(write=False)
@@ -136,7 +143,7 @@ def _find_even(row):
     """Shares of the disc on this side of b, as places: pressed flat, hairs lie evenly."""
     q0, q1, q2, q3, q4 = _CAP
     for j in range(BLOCK):
-        b = row[_B + j]
+        b = row[BESIDE + j]
         x = abs(b)
         x = x if x < _ONE else _ONE
         cap = _ONE - x
@@ -167,11 +174,11 @@ def turn_hairs(bristles, cosine, sine, out):
         u, v, own = bristles.places[0, g], bristles.places[1, g], bristles.lengths[g]
         row = out[g]
         for j in range(BLOCK):
-            row[_A + j] = -(c * u[j] + s * v[j])
+            row[DOWN + j] = -(c * u[j] + s * v[j])
         for j in range(BLOCK):
-            row[_B + j] = c * v[j] - s * u[j]
+            row[BESIDE + j] = c * v[j] - s * u[j]
         for j in range(BLOCK):
-            row[_UP + j] = max(np.float32(0.0), -row[_A + j])
+            row[_UP + j] = max(np.float32(0.0), -row[DOWN + j])
         for j in range(BLOCK):
             row[_OWN + j] = own[j]
         for j in range(BLOCK):
@@ -183,7 +190,7 @@ def turn_hairs(bristles, cosine, sine, out):
             row[_PULL + j] = wide[cell] - even
             row[_PULL2 + j] = narrow[cell] - even
         for j in range(BLOCK):
-            row[_FLAT + j] -= row[_B + j]
+            row[_FLAT + j] -= row[BESIDE + j]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -254,21 +261,26 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
     stays = np.exp(-max(descent, 0.0) / bristles.set_mm)
     tilted = _row(bristles.shapes, i, v, column, 3 * SAMPLES - 1)
     bend[REACH] = _find_reach(length, height - radius * abs(np.cos(tilted)), bend)
+    # hairs keep half their thickness, with its film, within the tuft: their edge fades there
+    inset = _INSET * (bristles.hair_mm + (1.0 - dryness) * bristles.film_mm)
     for k in range(SAMPLES):
         arc = ARCS[k] * length
         angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
+        sine, cosine = np.sin(angle), np.cos(angle)
         round_ = bend[SIDE + k]
         # what spreads is the part that is pressed; above it the hairs gather into the ferrule
         spread = 1.0 + (pressed - 1.0) * min(1.0, (length - arc) / (length - lift))
         free = 1.0 - ARCS[k]
-        bend[OFFSET_X + k] = -round_ / spread * np.sin(angle)
-        bend[OFFSET_Z + k] = -round_ / spread * np.cos(angle)
-        bend[RIDE + k] = max(round_ / spread, _LIFT) * free
+        thin = round_ / spread
+        bend[WIDER + k] = round_
+        bend[THIN + k], bend[SINE + k], bend[COSINE + k] = thin, sine, cosine
+        bend[OFFSET_X + k], bend[OFFSET_Z + k] = -thin * sine, -thin * cosine
+        bend[RIDE + k] = max(thin, _LIFT) * free
         side = round_ * spread
         if arc < lift:  # dry hairs do not come together in a point: they lie side by side
             side += bristles.splay * dryness * (broad - side)
         side += np.tan(fan) * max(0.0, fan_length - arc)
-        bend[SIDE + k] = side
+        bend[SIDE + k] = max(side - inset * min(1.0, 1.6 * free), 0.25 * side)
         if k < SAMPLES - 1:
             bend[PER_STEP + k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
         bend[FREE + k] = min(1.0, 1.6 * free)
@@ -311,6 +323,50 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         bend[at] = y0
         bend[at + 1] = -3.0 * y0 + 4.0 * y1 - y2
         bend[at + 2] = 2.0 * y0 - 4.0 * y1 + 2.0 * y2
+    _find_lags(bend)
+    _widen(length, tuft.taper, bend)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find_lags(bend):
+    """How far the lowest hairs lag behind the spine at its points: their way is longer than it.
+
+    The tuft's radii stand in rows WIDER; the lags are put there.
+    """
+    lag = x_above = z_above = round_above = low_x_above = low_z_above = 0.0
+    for k in range(SAMPLES - 1, -1, -1):
+        at, rise = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
+        x = bend[at] + bend[at + 1] + bend[at + 2]
+        z = bend[rise] + bend[rise + 1] + bend[rise + 2]
+        low_x, low_z = x + bend[OFFSET_X + k], max(0.0, z + bend[OFFSET_Z + k])
+        round_ = bend[WIDER + k]
+        if k < SAMPLES - 1:
+            dx, dz, dr = x - x_above, z - z_above, round_ - round_above
+            low_dx, low_dz = low_x - low_x_above, low_z - low_z_above
+            lag += np.sqrt(low_dx * low_dx + low_dz * low_dz)
+            lag -= np.sqrt(dx * dx + dz * dz + dr * dr)
+        x_above, z_above, round_above, low_x_above, low_z_above = x, z, round_, low_x, low_z
+        bend[WIDER + k] = lag
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _widen(length, taper, bend):
+    """How much wider the tuft is where its lowest hairs' last points lie, from how far these lag.
+
+    Near the tip the tuft widens fast: a hair that ends a millimetre behind it does not come to its
+    point. Farther up it hardly matters.
+    """
+    bend[WIDER + _NEAR_TIP + 1 : WIDER + SAMPLES] = 0.0
+    for k in range(_NEAR_TIP + 1):
+        at = min(ARCS[k] + bend[WIDER + k] / length, 1.0)
+        i = k
+        while i < SAMPLES - 2 and ARCS[i + 1] < at:
+            i += 1
+        share = max(0.0, (at - ARCS[i]) / (ARCS[i + 1] - ARCS[i]))
+        if i == 0:
+            share = share**taper
+        side = bend[SIDE + i] + share * (bend[SIDE + i + 1] - bend[SIDE + i])
+        bend[WIDER + k] = side - bend[SIDE + k] if share > 0.0 else 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -339,12 +395,12 @@ def _start_block(bend, known, w, here):
     part, part2 = np.float32(bend[PART]), np.float32(bend[PART + 1])
     flat = np.float32(bend[PART + 2])
     for j in range(BLOCK):
-        b = known[_B + j]
+        b = known[BESIDE + j]
         fraction = _ONE - (height - (g0 + b * (g1 + b * g2))) * per_height * known[_PER_OWN + j]
         fraction = fraction if fraction > _ZERO else _ZERO
         w[_NODE + j] = np.sqrt(fraction)
     for j in range(BLOCK):
-        a, b = known[_A + j], known[_B + j]
+        a, b = known[DOWN + j], known[BESIDE + j]
         t = (w[_NODE + j] - first) * per_span
         t = t if t > _ZERO else _ZERO
         t = t if t < _ONE else _ONE
@@ -373,6 +429,7 @@ def _piece(bend, k):
     shift = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1])
     aside = (
         np.float32(bend[SIDE + k]),
+        np.float32(bend[WIDER + k]),
         np.float32(bend[SIDE + k] * bend[FREE + k]),
         np.float32(bend[SHIFT_Y + k]),
     )
@@ -395,15 +452,22 @@ def _place(curve, t, own, a, base):
 @_elementwise
 def _aim(bend, k, known, w, above, here):
     """Where the hairs' own curves lead over a plane, as steps from their last points."""
-    ahead, sx, (side, parting, sy), up, height = _piece(bend, k)
+    ahead, sx, (side, wider, parting, sy), up, height = _piece(bend, k)
     ride = np.float32(bend[RIDE + k])
     for j in range(BLOCK):
-        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        t, own, a = w[_NODE + j], known[_OWN + j], known[DOWN + j]
         here[_X + j] = _place(ahead, t, own, a, sx)
+    if k <= _NEAR_TIP:
+        for j in range(BLOCK):
+            broad = side + wider * (known[DOWN + j] + known[_UP + j])  # of the lower side
+            aside = w[_PART + j] * parting + (sy - above[_Y + j])
+            here[_Y + j] = known[BESIDE + j] * broad + aside
+    else:
+        for j in range(BLOCK):
+            aside = w[_PART + j] * parting + (sy - above[_Y + j])
+            here[_Y + j] = known[BESIDE + j] * side + aside
     for j in range(BLOCK):
-        here[_Y + j] = known[_B + j] * side + (w[_PART + j] * parting + (sy - above[_Y + j]))
-    for j in range(BLOCK):
-        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        t, own, a = w[_NODE + j], known[_OWN + j], known[DOWN + j]
         low = _place(up, t, own, a, height)
         least = known[_UP + j] * ride  # hairs of the upper side lie on those below
         here[_Z + j] = (low if low > least else least) - above[_Z + j]
@@ -412,13 +476,14 @@ def _aim(bend, k, known, w, above, here):
 @_elementwise
 def _aim_patch(bend, k, known, w, above, here):
     """`_aim` over a curved patch, asked for where the hairs' curves lead to."""
-    ahead, sx, (side, parting, sy), up, height = _piece(bend, k)
+    ahead, sx, (side, wider, parting, sy), up, height = _piece(bend, k)
     ride = np.float32(bend[RIDE + k])
     s0, s1, s2, s3, s4, s5 = _patch(bend)
     for j in range(BLOCK):
-        t, own, a = w[_NODE + j], known[_OWN + j], known[_A + j]
+        t, own, a = w[_NODE + j], known[_OWN + j], known[DOWN + j]
+        broad = side + wider * (a + known[_UP + j])
         here[_X + j] = _place(ahead, t, own, a, sx)
-        here[_Y + j] = known[_B + j] * side + (w[_PART + j] * parting + (sy - above[_Y + j]))
+        here[_Y + j] = known[BESIDE + j] * broad + (w[_PART + j] * parting + (sy - above[_Y + j]))
         here[_Z + j] = _place(up, t, own, a, height)
     for j in range(BLOCK):
         x, y = above[_X + j] + here[_X + j], above[_Y + j] + here[_Y + j]

@@ -1,0 +1,78 @@
+"""A tuft of hairs and a solid one of the same brush: alike where they stand, land and leave."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+
+import numpy as np
+import pytest
+
+from paint3d.kernels import stamp as st
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from scripts.surface_cases import flat, poses, sheet
+from tests.unit.test_hair_painting import sample_of
+
+UP, BACK = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)
+PRESETS = sorted(json.loads(files("paint3d.brush").joinpath("presets.json").read_text()))
+STANCES = [(tilt, press) for tilt in (90, 60, 45) for press in (0.25, 0.4, 0.7)]
+
+
+def standing(painter, tilt, press):
+    """Length and width of the footprint of a brush that stands pressed, mm."""
+    still = np.zeros((6, 3))
+    still[:, 0] = np.linspace(0.0, -0.02, 6)
+    pressure, brush = np.full(6, press), painter.brush.name
+    recording = poses(still, UP, BACK, pressure, brush, np.radians(tilt), 125.0)
+    painter.dip()
+    painter.advance(sample_of(recording, k) for k in range(6))
+    values = painter._progress.before.values.copy()
+    painter.finish()
+    return values[st.TIP] - values[st.HEEL], 2.0 * values[st.WIDEST]
+
+
+@pytest.mark.parametrize("brush", PRESETS)
+def test_hairs_and_solid_tuft_stand_alike(brush):
+    surface = PaintedSurface(sheet(flat, (75.0, 40.0), 5.0), 0.5, "porcelain")
+    painters = [Painter(surface, brush, hairs=n) for n in (0, 1000)]
+    sizes = np.array([[standing(p, *stance) for stance in STANCES] for p in painters])
+    off = np.abs(sizes[1] / sizes[0] - 1.0)
+    assert (off[:, 0] <= 0.1).sum() >= 7
+    assert off[:, 0].max() <= 0.13
+    slim = 0.42 / sizes[0, :, 1]  # mm: hairs and their film are no thinner under a thin brush
+    assert (off[:, 1] <= np.maximum(0.135, slim)).all()
+
+
+def painted(press, hairs, brush, way, material="porcelain"):
+    n = len(press)
+    points = np.zeros((n, 3))
+    points[:, 0] = np.linspace(-0.5 * way, 0.5 * way, n)
+    painter = Painter(
+        PaintedSurface(sheet(flat, (45.0, 20.0), 5.0), 0.4, material), brush, hairs=hairs
+    )
+    painter.replay(poses(points, UP, BACK, press, brush, rate=125.0))
+    return painter
+
+
+def widths_along(painter):
+    """Width of what was painted, mm, in steps of 1 mm along the stroke."""
+    points = painter.surface.mesh.vertices[painter.surface.coverage > 0.5].astype(float)
+    at = np.floor(points[:, 0] + 45.0).astype(int)
+    return np.array([np.ptp(points[at == k, 1]) if (at == k).any() else 0.0 for k in range(90)])
+
+
+@pytest.mark.parametrize("brush", ["full", "zhongkai", "dabaiyun"])
+def test_a_press_that_comes_and_goes_is_as_wide_everywhere(brush):
+    press = 0.6 * np.sin(np.pi * np.linspace(0.0, 1.0, 40))
+    solid, hairs = (widths_along(painted(press, n, brush, 16.0)) for n in (0, 1000))
+    assert np.abs(hairs - solid).sum() < 0.09 * solid.sum()
+    assert np.abs(hairs - solid).max() < 0.22 * solid.max()
+
+
+@pytest.mark.parametrize("press", [0.04, 0.08])
+def test_a_light_hand_gives_what_it_gives_with_a_solid_tuft(press):
+    held = np.full(40, press)
+    solid, hairs = (painted(held, n, "full", 24.0) for n in (0, 1000))
+    assert hairs.ledger()["wet"] == pytest.approx(solid.ledger()["wet"], rel=0.1)
+    assert hairs.surface.coverage.sum() == pytest.approx(solid.surface.coverage.sum(), rel=0.15)
