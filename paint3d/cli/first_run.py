@@ -16,7 +16,7 @@ from pathlib import Path
 __all__ = ["is_compiled", "say_if_compiling"]
 
 _LAST_COMPILED = "deposit"
-_SECONDS = 60
+_SECONDS = 100
 
 
 def _cached_files(kernels: Path) -> Iterable[Path]:

@@ -100,16 +100,20 @@ def add_surface_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_painting_options(parser: argparse.ArgumentParser) -> None:
-    """Add what describes brush, ink and surface; None means: as the recording says."""
-    parser.add_argument("--brush", metavar="NAME", help="brush (default: the recording's)")
+def add_painting_options(
+    parser: argparse.ArgumentParser,
+    brush: str = "the recording's",
+    ink: str = "the recording's",
+) -> None:
+    """Add what describes brush, ink and surface; `brush` and `ink` say what None stands for."""
+    parser.add_argument("--brush", metavar="NAME", help=f"brush (default: {brush})")
     parser.add_argument(
         "--hairs",
         metavar="N",
         type=parse_hairs,
         help="paint with so many single hairs, 1 to 10000; 0: a solid tuft (default: the brush's)",
     )
-    parser.add_argument("--ink", metavar="NAME", help="ink (default: the recording's)")
+    parser.add_argument("--ink", metavar="NAME", help=f"ink (default: {ink})")
     add_surface_options(parser)
     parser.add_argument(
         "--unit",

@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
     )
     _add_writing_options(parser)
-    add_painting_options(parser)
+    add_painting_options(parser, brush="one that suits the size", ink=DEFAULT_INK)
     parser.add_argument(
         "--recording", metavar="FILE", type=Path, help="also write the way of the hand"
     )
