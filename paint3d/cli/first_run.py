@@ -10,8 +10,9 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable
-from importlib.resources import files
 from pathlib import Path
+
+import paint3d
 
 __all__ = ["is_compiled", "say_if_compiling"]
 
@@ -33,7 +34,7 @@ def _cached_files(kernels: Path) -> Iterable[Path]:
 
 def is_compiled() -> bool:
     """Whether compiled loops newer than their source are in numba's cache."""
-    kernels = Path(str(files("paint3d.kernels")))
+    kernels = Path(paint3d.__file__).parent / "kernels"  # not imported: numba would be, too
     source = kernels / f"{_LAST_COMPILED}.py"
     try:
         changed = source.stat().st_mtime

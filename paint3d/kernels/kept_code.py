@@ -1,0 +1,90 @@
+"""Drop compiled kernels that call others whose source has changed.
+
+numba compiles a kernel anew when the file it stands in has changed, not when a kernel that it calls
+in another file has. After an edit, or a change of versions in a working copy, old and new code
+would run side by side and nobody would know. So the state of all sources is kept beside the
+compiled code, and where a file has changed, what is compiled of it and of all files that import it
+is deleted.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+from pathlib import Path
+
+from numba import njit
+
+__all__ = ["compiled_code", "drop_stale"]
+
+_RECORD = "sources.json"
+_IMPORT = re.compile(r"^from paint3d\.kernels(?:\.(\w+))? import (\([^)]*\)|.*)$", re.MULTILINE)
+
+
+@njit(cache=True)
+def _kernel():
+    """Nothing; numba tells where it would keep it."""
+
+
+def compiled_code() -> Path:
+    """The folder in which numba keeps the compiled kernels."""
+    return Path(_kernel.stats.cache_path)
+
+
+def drop_stale(sources: Path, compiled: Path) -> None:
+    """Delete what is compiled of changed sources and of those that import them.
+
+    Parameters
+    ----------
+    sources : Path
+        Folder of modules.
+    compiled : Path
+        Folder of numba's files, ``<module>.<function>-<line>.<python>.nbi`` and ``.nbc``.
+    """
+    files = {path.stem: path for path in sources.glob("*.py")}
+    now = {name: [path.stat().st_size, path.stat().st_mtime_ns] for name, path in files.items()}
+    record = compiled / _RECORD
+    before = _read(record)
+    if before == now:
+        return
+    changed = {name for name in now.keys() | before.keys() if now.get(name) != before.get(name)}
+    stale = _with_importers(changed, files)
+    with contextlib.suppress(OSError):  # a folder that cannot be written holds nothing of ours
+        compiled.mkdir(parents=True, exist_ok=True)
+        for path in compiled.glob("*.nb[ic]"):
+            if path.name.partition(".")[0] in stale:
+                path.unlink(missing_ok=True)
+        temporary = record.with_suffix(f".{os.getpid()}")
+        temporary.write_text(json.dumps(now), "utf-8")
+        temporary.replace(record)
+
+
+def _read(record: Path) -> dict[str, list[int]]:
+    """The sources' sizes and times when it was written; none where it cannot be read."""
+    try:
+        found = json.loads(record.read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _with_importers(changed: set[str], files: dict[str, Path]) -> set[str]:
+    """Return modules and all that import them, directly or by others."""
+    imports = {name: _imported(path.read_text("utf-8")) for name, path in files.items()}
+    stale = set(changed)
+    while True:
+        more = {name for name, used in imports.items() if name not in stale and used & stale}
+        if not more:
+            return stale
+        stale |= more
+
+
+def _imported(source: str) -> set[str]:
+    """Names of the kernels' modules that a source imports."""
+    found = set()
+    for module, names in _IMPORT.findall(source):
+        found |= {module} if module else {word.split()[0] for word in names.strip("()").split(",")
+                                          if word.strip()}  # fmt: skip
+    return found
