@@ -207,6 +207,7 @@ def test_bad_files_give_one_line_that_names_file_and_reason(tmp_path, name):
         (8, 1, "is encrypted"),
         (8, 64, "not a readable 3MF archive: strong encryption"),
         (6, 99, r"not a readable 3MF archive: zip file version 9\.9"),
+        (26, 0x8000, "unpacks to over 1 GiB"),
     ],
 )
 def test_a_3mf_packed_as_none_may_be(tmp_path, offset, value, message):
