@@ -36,6 +36,7 @@ _NODES = 3  # heights read from the table for one imprint
 _NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahead, not aside, and
 # on which lower hairs keep the width of the tuft where they lie
 _INSET = 0.5
+_INSET_TO = (0.17, 0.3)  # of the length, from the tip: whole, and no more
 _LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
 
 _ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
@@ -280,7 +281,8 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
         if arc < lift:  # dry hairs do not come together in a point: they lie side by side
             side += bristles.splay * dryness * (broad - side)
         side += np.tan(fan) * max(0.0, fan_length - arc)
-        bend[SIDE + k] = max(side - inset * min(1.0, 1.6 * free), 0.25 * side)
+        tip = min(1.0, max(0.0, (_INSET_TO[1] - ARCS[k]) / (_INSET_TO[1] - _INSET_TO[0])))
+        bend[SIDE + k] = max(side - inset * tip, 0.25 * side)
         if k < SAMPLES - 1:
             bend[PER_STEP + k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
         bend[FREE + k] = min(1.0, 1.6 * free)
