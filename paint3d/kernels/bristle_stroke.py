@@ -117,6 +117,9 @@ def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
     if same:
         cosine, sine = hairs.roll[0], hairs.roll[1]
     fit_patch(values, field, room, hairs.patch_work, hairs.patch)
+    # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
+    patch, reach = hairs.patch, tuft.length * np.cos(values[st.TILT])
+    patch[0] = -reach * (patch[1] + reach * patch[3])
     dryness = 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
     set_x = cosine * memory[SET_X] + sine * memory[SET_Y]
     set_y = cosine * memory[SET_Y] - sine * memory[SET_X]

@@ -37,6 +37,8 @@ _NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahe
 # on which lower hairs keep the width of the tuft where they lie
 _INSET = 0.5
 _INSET_TO = (0.17, 0.3)  # of the length, from the tip: whole, and no more
+_REACHES = (0.35, 2.2)  # of the fall under its tip, what a pressed tuft makes up for at the least,
+# and how much less for the pressure
 _LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
 
 _ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
@@ -301,7 +303,11 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
     bend[CURVED] = 1.0 if curved > 1e-3 else 0.0
     belly = length * _row(bristles.shapes, i, v, column, 2)
     side = bend[SIDE + 2]
-    bend[GROUND] = _patch_at(patch, belly, 0.0)
+    # what hairs bend over: the belly of the tuft; and where the surface falls away from there,
+    # their tips reach for it, the more the less of the tuft is pressed
+    ground = _patch_at(patch, belly, 0.0)
+    falls = max(0.0, ground - _patch_at(patch, reach, 0.0))
+    bend[GROUND] = ground - max(_REACHES[0], 1.0 - _REACHES[1] * pe) * falls
     bend[GROUND + 1] = (patch[2] + patch[4] * belly) * side
     bend[GROUND + 2] = patch[5] * side * side
     low = high = 0.0

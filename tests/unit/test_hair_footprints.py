@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from importlib.resources import files
 
@@ -11,7 +12,7 @@ import pytest
 from paint3d.kernels import stamp as st
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
-from scripts.surface_cases import flat, poses, sheet
+from scripts.surface_cases import flat, on_sphere, poses, sheet
 from tests.unit.test_hair_painting import sample_of
 
 UP, BACK = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)
@@ -76,3 +77,33 @@ def test_a_light_hand_gives_what_it_gives_with_a_solid_tuft(press):
     solid, hairs = (painted(held, n, "full", 24.0) for n in (0, 1000))
     assert hairs.ledger()["wet"] == pytest.approx(solid.ledger()["wet"], rel=0.1)
     assert hairs.surface.coverage.sum() == pytest.approx(solid.surface.coverage.sum(), rel=0.15)
+
+
+def painted_round(radius, tilt, press, hairs):
+    """A stroke of 36 mm along a sphere, from outside or (negative radius) from inside."""
+    painter = Painter(
+        PaintedSurface(sheet(on_sphere(radius), (30.0, 20.0), 2.5), 0.5, "porcelain"),
+        "full", hairs=hairs,
+    )  # fmt: skip
+    angle, out = np.linspace(-18.0, 18.0, 40) / abs(radius), np.sign(radius)
+    sine, cosine, none = np.sin(angle), np.cos(angle), np.zeros(40)
+    points = np.stack([abs(radius) * sine, none, radius * (cosine - 1.0)], axis=1)
+    normals = np.stack([out * sine, none, cosine], axis=1)
+    back = np.stack([-cosine, none, out * sine], axis=1)
+    for k in range(40):
+        held = np.full(1, press)
+        recording = poses(points[k : k + 1], normals[k], back[k], held, "full", np.radians(tilt))
+        sample = sample_of(recording, 0)
+        painter.advance([dataclasses.replace(sample, time_ns=8_000_000 * k)])
+    painter.finish()
+    return painter
+
+
+@pytest.mark.parametrize("radius", [75.0, 150.0, -40.0])
+@pytest.mark.parametrize(("tilt", "press"), [(60, 0.05), (60, 0.3), (45, 0.15), (90, 0.15)])
+def test_hairs_find_a_curved_surface_as_the_solid_tuft_does(radius, tilt, press):
+    """How deep they are pressed counts from where the tuft touches, not from the plane there."""
+    solid, hairs = (painted_round(radius, tilt, press, n) for n in (0, 1000))
+    assert hairs.ledger()["wet"] == pytest.approx(solid.ledger()["wet"], rel=0.1)
+    covered = [np.count_nonzero(p.surface.coverage > 0.5) for p in (solid, hairs)]
+    assert 0.8 < covered[1] / covered[0] < 1.5
