@@ -3,13 +3,13 @@
 The frame is that of `kernels.tuft`: the origin is the root's foot in the stamp's plane, x runs
 along the bend, y to its side, z up. A hair starts from its own place (a, b) in the ferrule's disc
 and is known by `SAMPLES` points, tip first. Its deformation is looked up by its own height over the
-surface, in its own length, and by the tilt: four heights that span those of all hairs are read from
-the table, and each hair is interpolated between them by a cubic. Around that curve it keeps its
-place in the tuft's section (Guo 2017, Eqs. 2, 3): a hair in the section (a, b), a pointing down, is
-`a C_2 / 2` below the spine and `b C_1 / 2` beside it, so that the hairs that meet the plane are
-those within the outline of Eq. 8; beside it, hairs keep half their thickness and film within the
-tuft. Then one pass from the root to the tip lays it on the surface: no
-point under it, every piece as long as it was.
+surface, in its own length, and by the tilt: three heights that span those of all hairs are read
+from the table, and each hair is interpolated between them by a parabola. Around that curve it keeps
+its place in the tuft's section (Guo 2017, Eqs. 2, 3): a hair in the section (a, b), a pointing
+down, is `a C_2 / 2` below the spine and `b C_1 / 2` beside it, so that the hairs that meet the
+plane are those within the outline of Eq. 8; beside it, hairs keep half their thickness and film
+within the tuft. Then one pass from the root to the tip lays it on the surface: no point under it,
+every piece as long as it was.
 """
 
 from __future__ import annotations

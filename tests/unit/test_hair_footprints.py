@@ -13,7 +13,7 @@ from paint3d.kernels import stamp as st
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import flat, on_sphere, poses, sheet
-from tests.unit.test_hair_painting import sample_of
+from tests.unit.test_hair_painting import covered, paint, plane, sample_of
 
 UP, BACK = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)
 PRESETS = sorted(json.loads(files("paint3d.brush").joinpath("presets.json").read_text()))
@@ -43,6 +43,24 @@ def test_hairs_and_solid_tuft_stand_alike(brush):
     assert off[:, 0].max() <= 0.13
     slim = 0.42 / sizes[0, :, 1]  # mm: hairs and their film are no thinner under a thin brush
     assert (off[:, 1] <= np.maximum(0.14, slim)).all()
+
+
+@pytest.mark.parametrize(
+    ("brush", "press", "tilt"),
+    [("full", 0.25, 90), ("full", 0.4, 60), ("full", 0.7, 45), ("zhongkai", 0.4, 90),
+     ("dabaiyun", 0.4, 60)],
+)  # fmt: skip
+def test_what_they_paint_standing_is_alike(brush, press, tilt):
+    still = np.zeros((4, 3))
+    still[:, 0] = [0.0, -0.03, -0.07, -0.1]  # mm: so much that it inks
+    recording = poses(still, UP, BACK, np.full(4, press), brush, np.radians(tilt), 125.0)
+    found = [
+        covered(paint(recording, surface=plane(0.3, (60.0, 15.0)), hairs=n, brush=brush))
+        for n in (0, 1000)
+    ]
+    (length, width), (hair_length, hair_width) = (np.ptp(points[:, :2], axis=0) for points in found)
+    assert hair_length == pytest.approx(length, rel=0.1)
+    assert hair_width == pytest.approx(width, abs=max(0.1 * width, 0.7))  # two vertices
 
 
 def painted(press, hairs, brush, way, material="porcelain"):
