@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from paint3d.arrays import zeros_on_lines
 from paint3d.kernels import stamp as st
-from paint3d.kernels.bristle_contact import BEGIN, DOT, END, GIVES, LAID, THICK, add_up
+from paint3d.kernels.bristle_contact import BEGIN, END, GIVES, LAID, THICK, add_up
 from paint3d.kernels.bristle_outline import BINS, CELLS, draw_outline, index_stations
 from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
 
@@ -37,10 +37,8 @@ _MOST_INK = np.float32(4.0)  # times what the share covered would hold
 _EDGE = LANES // 2  # lanes that films may spread over, at the most
 
 # Rows that hairs are laid in: what they add to their lanes, and sums over the blocks.
-_ADDS, _COVERS, _SUM_X, _SUM_N, _LOW = (place * BLOCK for place in range(5))
-_HIGH, _WIDE, _PARTS, _FIRST, _FINAL = (place * BLOCK for place in range(5, 10))
-_ROWS = 10
-_NEVER = np.float32(1e3)  # mm, farther than any hair; as a sum with it, places are right to 6e-5
+_ADDS, _COVERS, _SUM_X, _SUM_N, _PARTS = (place * BLOCK for place in range(5))
+_ROWS = 5
 _ZERO, _QUARTER, _HALF, _ONE = np.float32([0.0, 0.25, 0.5, 1.0])
 _elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
@@ -56,11 +54,9 @@ class Imprint(NamedTuple):
     # how much more it is a cell on
     numbers: NDArray  # (4,) float64, see `bristle_outline`
     laid: NDArray  # (2, STATIONS, LANES) float32: ink and share covered while hairs are laid
-    rows: NDArray  # (10 BLOCK,) float32, scratch
+    rows: NDArray  # (5 BLOCK,) float32, scratch
     lanes: NDArray  # (BLOCK,) int32, scratch
     places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm
-    fronts: NDArray  # (STATIONS,) float64: half-way from there to the foremost of them, mm
-    sides: NDArray  # (STATIONS,) float64: how far to the side they reach there, mm
     reaches: NDArray  # (BINS,) float64: half widths of the outline
     running: NDArray  # (2, LANES + 2 EDGE + 1) float64, scratch
 
@@ -77,8 +73,6 @@ def make_imprint(n_pigments: int) -> Imprint:
         rows=zeros_on_lines(_ROWS * BLOCK, np.float32),
         lanes=zeros_on_lines(BLOCK, np.int32),
         places=np.zeros(STATIONS),
-        fronts=np.zeros(STATIONS),
-        sides=np.zeros(STATIONS),
         reaches=np.zeros(BINS),
         running=np.zeros((2, LANES + 2 * _EDGE + 1)),
     )
@@ -103,17 +97,6 @@ def _widest(points, count, widths, margin, last):
 
 
 @_elementwise
-def _raise_to(row, at, j, value):
-    """Let a place of a row be `value` where that is more.
-
-    As a sum: a choice between the old and a new number would be written with a mask, which costs
-    ten times as much.
-    """
-    more = value - row[at + j]
-    row[at + j] += more if more > _ZERO else _ZERO
-
-
-@_elementwise
 def _find_parts(station, row, rows):
     """How much of a station each hair of a block touches, and where in it that begins and ends."""
     per_piece = np.float32(SUB)
@@ -127,13 +110,11 @@ def _find_parts(station, row, rows):
         part = final - first  # the station stands for half a step to either side
         part = part if part > _ZERO else _ZERO
         rows[_PARTS + j] = part if end >= _ZERO else _ZERO
-        rows[_FIRST + j] = first - station
-        rows[_FINAL + j] = final - station
 
 
 @_elementwise
 def _lay_parts(share, scale, near, far, row, rows, lanes):
-    """What the hairs of a block leave at a station: in which lane, how much ink, how wide."""
+    """What the hairs of a block leave at a station: in which lane, and how much ink."""
     middle, top = np.float32(0.5 * LANES), np.float32(LANES - 1)
     for j in range(BLOCK):
         y = near[_Y + j] + share * (far[_Y + j] - near[_Y + j])
@@ -143,26 +124,16 @@ def _lay_parts(share, scale, near, far, row, rows, lanes):
         part, thick = rows[_PARTS + j], row[THICK + j]
         rows[_ADDS + j] = part * row[LAID + j] * scale
         rows[_COVERS + j] = part * thick * scale
-        wide = abs(y) + row[DOT + j]
-        _raise_to(rows, _WIDE, j, wide if (part > _QUARTER) & (thick > _ZERO) else _ZERO)
 
 
 @_elementwise
 def _sum_places(share, near, far, rows):
-    """Sums of where along the bend a station's hairs lie, and how far to either end they reach."""
-    per_station = np.float32(1.0 / SUB)
+    """Sums of where along the bend a station's hairs lie."""
     for j in range(BLOCK):
-        dx = far[j] - near[j]
-        x = near[j] + share * dx
+        x = near[j] + share * (far[j] - near[j])
         here = rows[_PARTS + j] > _ZERO
         rows[_SUM_X + j] += x if here else _ZERO
         rows[_SUM_N + j] += _ONE if here else _ZERO
-        dx *= per_station
-        one, other = x + rows[_FIRST + j] * dx, x + rows[_FINAL + j] * dx
-        less = one if one < other else other
-        more = one if one > other else other
-        _raise_to(rows, _LOW, j, -less if here else -_NEVER)
-        _raise_to(rows, _HIGH, j, more if here else -_NEVER)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -175,33 +146,16 @@ def _add_to_lanes(n, lanes, rows, ink, cover):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _greatest(row):
-    """The greatest of a block's numbers; the row is used up."""
-    size = BLOCK
-    while size > 1:
-        half = (size + 1) // 2
-        for j in range(size - half):
-            more = row[half + j] - row[j]
-            row[j] += more if more > _ZERO else _ZERO
-        size = half
-    return np.float64(row[0])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _lay_hairs(hairs, count, last):
-    """Lay all hairs into the map's stations; returns where along the bend they reach, mm."""
+    """Lay all hairs into the map's stations."""
     imprint, points, findings, depths = hairs.imprint, hairs.points, hairs.findings, hairs.depths
     rows, lanes, places = imprint.rows, imprint.lanes, imprint.places
     imprint.laid[:, : last + 1] = _ZERO
-    rows[_LOW : _LOW + BLOCK] = -_NEVER
-    high = -np.inf
     for s in range(last + 1):
         k = min(s // SUB, SAMPLES - 2)
         share, scale = np.float32(s / SUB - k), np.float32(0.5 * LANES) / imprint.widths[s, 0]
         rows[_SUM_X : _SUM_X + BLOCK] = _ZERO
         rows[_SUM_N : _SUM_N + BLOCK] = _ZERO
-        rows[_HIGH : _HIGH + BLOCK] = -_NEVER
-        rows[_WIDE : _WIDE + BLOCK] = _ZERO
         for g in range(points.shape[0]):
             if depths[g] * SUB + 0.25 <= s - 0.5:
                 continue
@@ -214,11 +168,6 @@ def _lay_hairs(hairs, count, last):
         there = np.float64(add_up(rows[_SUM_N : _SUM_N + BLOCK], BLOCK))
         sum_x = np.float64(add_up(rows[_SUM_X : _SUM_X + BLOCK], BLOCK))
         places[s] = sum_x / there if there > 0.0 else np.nan
-        front = _greatest(rows[_HIGH : _HIGH + BLOCK])
-        high = max(high, front)
-        imprint.fronts[s] = 0.5 * (places[s] + front)
-        imprint.sides[s] = _greatest(rows[_WIDE : _WIDE + BLOCK])
-    return -_greatest(rows[_LOW : _LOW + BLOCK]), high
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -248,15 +197,13 @@ def draw_imprint(stamp, bristles, hairs, load, wet, dot, resolution, reach, half
     finest = 0.25 * resolution
     margin = np.float32(bristles.hair_mm + bristles.film_mm + finest)
     _widest(hairs.points, count, imprint.widths, margin, last)
-    low, high = _lay_hairs(hairs, count, last)
+    _lay_hairs(hairs, count, last)
     if load.shape[1] > 1:
         imprint.mix[:] = _ZERO
         _lay_mix(hairs, load)
     _fill_mix(imprint.mix)
     _finish_map(imprint, last, wet, max(dot, finest))
-    draw_outline(
-        stamp, imprint, hairs.points, hairs.findings, count, last, low, high, dot, reach, half_width
-    )
+    draw_outline(stamp, imprint, hairs.points, hairs.findings, count, dot, reach, half_width)
     index_stations(imprint, last, stamp.values[st.TIP], stamp.values[st.HEEL])
 
 

@@ -20,6 +20,7 @@ _SIDES = 5  # places for which it is found, from the middle of the tuft (a = 0) 
 _TIP = 2 * _SIDES  # where the spine's own tip lies
 _BEFORE = _TIP + 1  # scratch: clearances and places one step before
 LANDING_SIZE = _BEFORE + 2 * _SIDES
+_RIM = 0.3  # of its thickness: so much lower lie the sides of a tuft that is pressed flat
 _ON = 0.02  # mm over the surface: on it
 _STEPS = 3  # to a piece
 _MOST = np.float32(1.5)  # pieces beyond the last point that touches
@@ -56,8 +57,9 @@ def _ground(bend, x):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _land(bend, x, z, thin, sine, cosine, found, first, out):
     """One step up the curve: those sides that leave the surface in it have landed there."""
+    rim = _RIM * bend[bt.PART + 2]
     for n in range(found, _SIDES):
-        down = n / (_SIDES - 1.0) * thin
+        down = max(n / (_SIDES - 1.0), rim) * thin
         place = x - down * sine
         clear = z - down * cosine - _ground(bend, place) - _ON
         before = out[_BEFORE + n]
@@ -166,25 +168,28 @@ def _bends(places):
 
 
 @_elementwise
-def _add_pieces(lands, near_tip, far, places):
-    """Add the share of a piece that lies ahead of where its hair comes down."""
-    for j in range(BLOCK):
-        run = near_tip[j] - far[j]
-        share = (near_tip[j] - lands[j]) / (run if run > _SHORT else _SHORT)
-        share = share if share > _ZERO else _ZERO
-        places[j] += share if share < _ONE else _ONE
+def _share_ahead(here, next_, x):
+    """Share of a piece that lies ahead of a place along the bend."""
+    run = here - next_
+    share = (here - x) / (run if run > _SHORT else _SHORT)
+    share = share if share > _ZERO else _ZERO
+    return share if share < _ONE else _ONE
 
 
 @_elementwise
-def _hold(landing, known, tip, next_, places, begins, ends):
+def _add_pieces(lands, near_tip, far, places):
+    """Add the share of a piece that lies ahead of where its hair comes down."""
+    for j in range(BLOCK):
+        places[j] += _share_ahead(near_tip[j], far[j], lands[j])
+
+
+@_elementwise
+def _hold(landing, known, tip, next_, third, places, begins, ends):
     """Let hairs of the lower side touch up to where they land, those above them at most so far;
-    and none ahead of the spine's own tip."""
+    and none ahead of the spine's own tip: what is near the surface only there hangs over it."""
     x_tip, top = np.float32(landing[_TIP]), np.float32(SAMPLES - 1)
     for j in range(BLOCK):
-        run = tip[j] - next_[j]
-        ahead = (tip[j] - x_tip) / (run if run > _SHORT else _SHORT)
-        ahead = ahead if ahead > _ZERO else _ZERO
-        ahead = ahead if ahead < _ONE else _ONE
+        ahead = _share_ahead(tip[j], next_[j], x_tip) + _share_ahead(next_[j], third[j], x_tip)
         begin = begins[j] if begins[j] > ahead else ahead
         end, place = ends[j], places[j]
         most = end + _MOST if end + _MOST < top else top
@@ -192,7 +197,7 @@ def _hold(landing, known, tip, next_, places, begins, ends):
         place = place if place < most else most
         place = place if place > begin else begin
         begins[j] = begin
-        ends[j] = place if end >= _ZERO else end
+        ends[j] = place if end >= ahead else -_ONE
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -218,4 +223,4 @@ def end_where_they_land(bend, landing, known, points, highest, scratch, begins, 
     places[:] = _ZERO
     for k in range(min(highest + 3, SAMPLES - 1)):
         _add_pieces(lands, points[k], points[k + 1], places)
-    _hold(landing, known, points[0], points[1], places, begins, ends)
+    _hold(landing, known, points[0], points[1], points[2], places, begins, ends)

@@ -14,51 +14,66 @@ __all__ = ["BINS", "CELLS", "PER_CELL", "TIP", "draw_outline", "hold_outline", "
 BINS = 48  # along the imprint, for its outline
 CELLS = 64  # along the imprint, for finding the station of a place
 TIP, PER_CELL = 0, 1  # places in Imprint.numbers
-_OUTER = 96  # hairs whose ends make the outline: the last ones stand at the rim, all around
+_OUTER = 96  # hairs that make the outline: the last ones stand at the rim, all around
+_INNER = 48  # of the others, evenly chosen: the tuft's point, which those at the rim do not reach
 _ENDS = 0.25  # of what is left beside hairs: so much before and behind them
+_SHORTEST = 1e-3  # mm, from the foremost to the hindmost of them
 _Y = BLOCK
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _note_ends(points, findings, count, low, per_bin, reaches):
-    """How far to the side the rim's hairs reach where they begin and cease to touch."""
-    for i in range(max(0, count - _OUTER), count):
-        g, j = i // BLOCK, i % BLOCK
-        row = findings[g]
-        if row[END + j] < 0.0:  # one that touches but does not give tells where others do
-            continue
-        for at in (row[BEGIN + j], row[END + j]):
-            k = min(int(at), SAMPLES - 2)
-            t = at - k
-            x = (1.0 - t) * points[g, k, j] + t * points[g, k + 1, j]
-            y = (1.0 - t) * points[g, k, _Y + j] + t * points[g, k + 1, _Y + j]
-            b = min(BINS - 1, max(0, int((x - low) * per_bin)))
-            reaches[b] = max(reaches[b], abs(y) + np.float64(row[DOT + j]))
+def _place_on(points, i, at):
+    """Where a hair lies at a place between its points: along the bend and to the side, mm."""
+    g, j = i // BLOCK, i % BLOCK
+    k = min(int(at), SAMPLES - 2)
+    t = np.float64(at) - k
+    x = (1.0 - t) * points[g, k, j] + t * points[g, k + 1, j]
+    return x, abs((1.0 - t) * points[g, k, _Y + j] + t * points[g, k + 1, _Y + j])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _bridge(imprint, last, low, per_bin, least, reaches):
-    """Half widths from station to station, and down to `least` before the first and after the last.
+def _find_ends(points, findings, first, count, step):
+    """From where to where along the bend every `step`-th hair from the `first` on touches, mm."""
+    low, high = np.inf, -np.inf
+    for i in range(first, count, step):
+        row, j = findings[i // BLOCK], i % BLOCK
+        if row[END + j] < 0.0:
+            continue
+        for at in (row[BEGIN + j], row[END + j]):
+            x, _ = _place_on(points, i, at)
+            low, high = min(low, x), max(high, x)
+    return low, high
 
-    A station's hairs do not lie abreast: its width holds from halfway to the foremost of them.
-    Within the outline the map says what is covered.
-    """
-    b = BINS - 1
-    x_from, side_from = low + BINS / per_bin, least
-    for s in range(last + 3):
-        x_to, side_to = low, least
-        if s <= last + 1:
-            x_to = imprint.fronts[s] if s <= last else imprint.places[last]
-            side_to = imprint.sides[min(s, last)]
-            if not (x_to < x_from) or side_to <= 0.0:
-                continue
-        while b >= 0:
-            x = low + (b + 0.5) / per_bin
-            if x < x_to:
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw_piece(x0, y0, x1, y1, low, per_bin, reaches):
+    """Let the outline hold a straight piece of hair."""
+    if x0 > x1:
+        x0, y0, x1, y1 = x1, y1, x0, y0
+    begin, end = (x0 - low) * per_bin, (x1 - low) * per_bin
+    rise = (y1 - y0) / (end - begin) if end > begin else 0.0
+    final = min(int(end), BINS - 1)
+    for b in range(max(int(begin), 0), final + 1):
+        at = min(max(b + 0.5, begin), end)
+        reaches[b] = max(reaches[b], y0 + (at - begin) * rise)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw_hairs(points, findings, first, count, step, pieces, low, per_bin, reaches):
+    """Let the outline hold the first pieces that touch of every `step`-th hair from the `first` on,
+    with their films."""
+    for i in range(first, count, step):
+        row, j = findings[i // BLOCK], i % BLOCK
+        begin, end, dot = row[BEGIN + j], row[END + j], np.float64(row[DOT + j])
+        if end < 0.0:
+            continue
+        x0, y0 = _place_on(points, i, begin)
+        for k in range(int(begin) + 1, int(begin) + 1 + pieces):
+            x1, y1 = _place_on(points, i, min(np.float32(k), end))
+            _draw_piece(x0, y0 + dot, x1, y1 + dot, low, per_bin, reaches)
+            if k >= end:
                 break
-            reaches[b] = side_from + (side_to - side_from) * (x_from - x) / (x_from - x_to)
-            b -= 1
-        x_from, side_from = x_to, side_to
+            x0, y0 = x1, y1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -70,40 +85,45 @@ def hold_outline(values):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def draw_outline(
-    stamp, imprint, points, findings, count, last, low, high, margin, reach, half_width
-):
-    """Let the stamp's outline be that of the touching hairs.
+def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_width):
+    """Let the stamp's outline be that of the touching hairs: what those at the tuft's rim enclose.
+
+    Within the outline the map says what is covered.
 
     Parameters
     ----------
     stamp : Stamp
     imprint : Imprint
-        With places and sides of its stations.
+        Its `reaches` are filled.
     points, findings : arrays of `Hairs`
     count : int
-        Hairs.
-    last : int
-        Station of the map.
-    low, high : float
-        Where along the bend hairs touch, mm.
+        Hairs; one of them touches at least.
     margin : float
         That is left beside the hairs, mm, and a quarter of it before and behind.
     reach, half_width : arrays as for `kernels.tuft.trace_outline`
     """
     reaches = imprint.reaches
     reaches[:] = margin
-    per_bin = BINS / max(high - low, 1e-6)
-    _bridge(imprint, last, low, per_bin, margin, reaches)
-    _note_ends(points, findings, count, low, per_bin, reaches)
-    step = (high - low) / BINS
+    first = max(0, count - _OUTER)
+    step = max(1, first // _INNER)
+    low, high = _find_ends(points, findings, first, count, 1)
+    low_inside, high_inside = _find_ends(points, findings, 0, first, step)
+    low, high = min(low, low_inside), max(high, high_inside)
+    if not low < np.inf:  # few are long enough, and none of these
+        step = 1
+        low, high = _find_ends(points, findings, 0, count, step)
+    high = max(high, low + _SHORTEST)
+    per_bin = BINS / (high - low)
+    _draw_hairs(points, findings, first, count, 1, SAMPLES, low, per_bin, reaches)
+    _draw_hairs(points, findings, 0, first, step, 1, low, per_bin, reaches)
+    wide = (high - low) / BINS
     ends = _ENDS * margin
     n = 0
     reach[n], half_width[n] = high + ends, 0.0
     n += 1
     for b in range(BINS - 1, -1, -1):
         beside = 0.5 * (reaches[max(b - 1, 0)] + reaches[min(b + 1, BINS - 1)])
-        reach[n], half_width[n] = low + (b + 0.5) * step, max(reaches[b], beside)
+        reach[n], half_width[n] = low + (b + 0.5) * wide, max(reaches[b], beside)
         n += 1
     reach[n], half_width[n] = low - ends, 0.0
     st.fill_profile(stamp, reach, half_width, n + 1)

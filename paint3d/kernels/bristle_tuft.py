@@ -7,9 +7,9 @@ surface, in its own length, and by the tilt: three heights that span those of al
 from the table, and each hair is interpolated between them by a parabola. Around that curve it keeps
 its place in the tuft's section (Guo 2017, Eqs. 2, 3): a hair in the section (a, b), a pointing
 down, is `a C_2 / 2` below the spine and `b C_1 / 2` beside it, so that the hairs that meet the
-plane are those within the outline of Eq. 8; beside it, hairs keep half their thickness and film
-within the tuft. Then one pass from the root to the tip lays it on the surface: no point under it,
-every piece as long as it was.
+plane are those within the outline of Eq. 8; near the tip hairs keep three quarters of their
+thickness and film within it. Then one pass from the root to the tip lays it on the surface: no
+point under it, every piece as long as it was.
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ SAMPLES = 8  # points of a hair
 BLOCK = 336  # hairs bent together: what they take stays in the fastest memory, and few places of
 # the last block stay empty for 1,000 hairs (8 of 1,008) and 10,000 (80)
 ARCS = (np.arange(SAMPLES) / (SAMPLES - 1.0)) ** 1.5  # of the length, from the tip
+ARCS[1] = 0.045  # a light touch bends the last millimetre: it takes a short piece
 ARCS.setflags(write=False)
 _NODES = 3  # heights read from the table for one imprint
 _NEAR_TIP = 1  # last piece from the tip on which hairs that are too long go ahead, not aside, and
 # on which lower hairs keep the width of the tuft where they lie
-_INSET = 0.5
+_INSET = 0.75  # of a hair's radius with its film: kept within the tuft
 _INSET_TO = (0.17, 0.3)  # of the length, from the tip: whole, and no more
 _REACHES = (0.35, 2.2)  # of the fall under its tip, what a pressed tuft makes up for at the least,
 # and how much less for the pressure
@@ -264,7 +265,6 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
     stays = np.exp(-max(descent, 0.0) / bristles.set_mm)
     tilted = _row(bristles.shapes, i, v, column, 3 * SAMPLES - 1)
     bend[REACH] = _find_reach(length, height - radius * abs(np.cos(tilted)), bend)
-    # hairs keep half their thickness, with its film, within the tuft: their edge fades there
     inset = _INSET * (bristles.hair_mm + (1.0 - dryness) * bristles.film_mm)
     for k in range(SAMPLES):
         arc = ARCS[k] * length

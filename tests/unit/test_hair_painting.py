@@ -70,17 +70,19 @@ def covered(painter, least=0.5):
 
 
 def widths(painter):
-    """Length of what was painted, and its width in the middle of the stroke, mm."""
-    points = covered(painter)
-    middle = points[np.abs(points[:, 0]) < MIDDLE]
-    return np.ptp(points[:, 0]), np.ptp(middle[:, 1])
+    """Length of what was painted, and its mean width in the middle of the stroke, mm."""
+    middle = np.abs(painter.surface.mesh.vertices[:, 0]) < MIDDLE
+    area = (painter.surface.vertex_areas * painter.surface.coverage)[middle].sum()
+    return np.ptp(covered(painter)[:, 0]), area / (2.0 * MIDDLE)
 
 
 @pytest.mark.parametrize(
-    ("brush", "press"), [("full", 0.25), ("full", 0.7), ("zhongkai", 0.5), ("xiaokai", 0.5)]
-)
+    ("brush", "press"),
+    [("full", 0.25), ("full", 0.7), ("zhongkai", 0.5), ("xiaokai", 0.5), ("slender", 0.3),
+     ("slender", 0.5), ("slender", 0.7)],
+)  # fmt: skip
 def test_hairs_and_solid_tuft_agree_in_width_and_length(brush, press):
-    fine = 0.2 if brush == "xiaokai" else 0.4
+    fine = {"xiaokai": 0.2, "slender": 0.25}.get(brush, 0.4)
     found = [
         widths(paint(stroke(press, brush=brush), surface=plane(fine), hairs=n, brush=brush))
         for n in (0, 1000)
