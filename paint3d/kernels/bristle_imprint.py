@@ -34,6 +34,7 @@ _BARE = (0.25, 0.4)  # share of a lane's width below which films leave it bare: 
 _JOINED = (0.65, 1.0)  # share from which they join
 _EVEN = (0.2, 0.6)  # of it: from streaks of their own to one film of even thickness
 _MOST_INK = np.float32(4.0)  # times what the share covered would hold
+_FEW = 0.1  # of the most hairs at a station: so few tell nothing of the tuft's width
 _EDGE = LANES // 2  # lanes that films may spread over, at the most
 
 # Rows that hairs are laid in: what they add to their lanes, and sums over the blocks.
@@ -56,7 +57,7 @@ class Imprint(NamedTuple):
     laid: NDArray  # (2, STATIONS, LANES) float32: ink and share covered while hairs are laid
     rows: NDArray  # (5 BLOCK,) float32, scratch
     lanes: NDArray  # (BLOCK,) int32, scratch
-    places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm
+    places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm; NaN: few
     reaches: NDArray  # (BINS,) float64: half widths of the outline
     running: NDArray  # (2, LANES + 2 EDGE + 1) float64, scratch
 
@@ -151,6 +152,7 @@ def _lay_hairs(hairs, count, last):
     imprint, points, findings, depths = hairs.imprint, hairs.points, hairs.findings, hairs.depths
     rows, lanes, places = imprint.rows, imprint.lanes, imprint.places
     imprint.laid[:, : last + 1] = _ZERO
+    most = 0.0
     for s in range(last + 1):
         k = min(s // SUB, SAMPLES - 2)
         share, scale = np.float32(s / SUB - k), np.float32(0.5 * LANES) / imprint.widths[s, 0]
@@ -167,7 +169,8 @@ def _lay_hairs(hairs, count, last):
             _add_to_lanes(n, lanes, rows, imprint.laid[0, s], imprint.laid[1, s])
         there = np.float64(add_up(rows[_SUM_N : _SUM_N + BLOCK], BLOCK))
         sum_x = np.float64(add_up(rows[_SUM_X : _SUM_X + BLOCK], BLOCK))
-        places[s] = sum_x / there if there > 0.0 else np.nan
+        most = max(most, there)
+        places[s] = sum_x / there if there > _FEW * most else np.nan
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

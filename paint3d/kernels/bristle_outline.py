@@ -17,6 +17,7 @@ TIP, PER_CELL = 0, 1  # places in Imprint.numbers
 _OUTER = 96  # hairs that make the outline: the last ones stand at the rim, all around
 _INNER = 48  # of the others, evenly chosen: the tuft's point, which those at the rim do not reach
 _ENDS = 0.25  # of what is left beside hairs: so much before and behind them
+_LEAST_GAP = 0.3  # of the one before it, between a station and the next
 _SHORTEST = 1e-3  # mm, from the foremost to the hindmost of them
 _Y = BLOCK
 
@@ -137,7 +138,7 @@ def index_stations(imprint, last, tip, heel):
     Parameters
     ----------
     imprint : Imprint
-        With places of its stations, NaN for those without hairs; numbers and cells are filled.
+        With places of its stations, NaN where few hairs lie; numbers and cells are filled.
     last : int
         Station of the map.
     tip, heel : float
@@ -147,16 +148,17 @@ def index_stations(imprint, last, tip, heel):
     imprint.numbers[TIP] = tip
     imprint.numbers[PER_CELL] = 1.0 / step
     cells = imprint.cells
-    at, x_at = -1, 0.0
+    at, x_at, gap = -1, 0.0, 0.0
     cell = 0
     for s in range(last + 1):
         x = imprint.places[s]
-        if np.isnan(x) or (at >= 0 and x >= x_at):
-            continue  # stations follow one another
+        if np.isnan(x) or (at >= 0 and x >= x_at - _LEAST_GAP * gap):
+            continue  # stations follow one another; one beside another stands for no other place
         rise = 0.0 if at < 0 else (s - at) / (x_at - x)
         while cell < CELLS and tip - cell * step >= x:
             cells[cell, 0] = s if at < 0 else at + rise * (x_at - tip + cell * step)
             cell += 1
+        gap = x_at - x if at >= 0 else 0.0
         at, x_at = s, x
     while cell < CELLS:
         cells[cell, 0] = at

@@ -97,6 +97,25 @@ def test_a_full_tuft_gives_what_a_solid_one_gives():
     assert hairs == pytest.approx(solid, rel=0.1)
 
 
+def share_at_the_sides(painter):
+    """Ink beyond three quarters of a stroke's half width, over all, in the middle of the stroke."""
+    vertices = painter.surface.mesh.vertices
+    middle = np.abs(vertices[:, 0]) < MIDDLE
+    ink = painter.surface.amounts.sum(axis=1) * painter.surface.vertex_areas * middle
+    across = np.abs(vertices[:, 1])
+    half_width = 0.5 * widths(painter)[1]
+    return ink[across > 0.75 * half_width].sum() / ink.sum()
+
+
+@pytest.mark.parametrize("press", [0.3, 0.42, 0.6])
+def test_the_sides_of_a_stroke_get_their_ink(press):
+    solid, hairs = (
+        share_at_the_sides(paint(stroke(press), surface=plane(0.3), hairs=n, wipe=0.5))
+        for n in (0, 1000)
+    )
+    assert 0.6 < hairs / solid < 1.4
+
+
 @pytest.mark.parametrize("wipe", [0.0, 0.8])
 @pytest.mark.parametrize("pickup", [0.0, 0.05])
 def test_ink_is_kept(wipe, pickup):
