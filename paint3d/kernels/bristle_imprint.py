@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from paint3d.arrays import zeros_on_lines
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_contact import BEGIN, END, GIVES, LAID, THICK, add_up
-from paint3d.kernels.bristle_outline import BINS, CELLS, draw_outline, index_stations
+from paint3d.kernels.bristle_outline import BINS, CELLS, OUTER, draw_outline, index_stations
 from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
 
 __all__ = ["LANES", "STATIONS", "SUB", "Imprint", "draw_imprint", "make_imprint"]
@@ -28,7 +28,6 @@ __all__ = ["LANES", "STATIONS", "SUB", "Imprint", "draw_imprint", "make_imprint"
 SUB = 3  # stations to a piece of hair
 STATIONS = SUB * (SAMPLES - 1) + 1
 LANES = 128  # across the tuft
-_OUTER = 96  # hairs that tell how wide the tuft is: the last ones stand at the rim, all around
 _Y = BLOCK
 _BARE = (0.25, 0.4)  # share of a lane's width below which films leave it bare: wet, and dry
 _JOINED = (0.65, 1.0)  # share from which they join
@@ -85,7 +84,7 @@ def _widest(points, count, widths, margin, last):
     pieces = min(last // SUB + 2, SAMPLES - 1)
     for k in range(pieces + 1):
         most = np.float32(0.0)
-        for i in range(max(0, count - _OUTER), count):
+        for i in range(max(0, count - OUTER), count):
             y = abs(points[i // BLOCK, k, _Y + i % BLOCK])
             most = y if y > most else most
         widths[k * SUB, 0] = np.float32(1.03) * most + margin
@@ -99,7 +98,7 @@ def _widest(points, count, widths, margin, last):
 
 @_elementwise
 def _find_parts(station, row, rows):
-    """How much of a station each hair of a block touches, and where in it that begins and ends."""
+    """How much of a station each hair of a block touches."""
     per_piece = np.float32(SUB)
     above, below = station + _HALF, station - _HALF
     for j in range(BLOCK):

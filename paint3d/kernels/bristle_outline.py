@@ -9,12 +9,21 @@ from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_contact import BEGIN, DOT, END
 from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
 
-__all__ = ["BINS", "CELLS", "PER_CELL", "TIP", "draw_outline", "hold_outline", "index_stations"]
+__all__ = [
+    "BINS",
+    "CELLS",
+    "OUTER",
+    "PER_CELL",
+    "TIP",
+    "draw_outline",
+    "hold_outline",
+    "index_stations",
+]
 
 BINS = 48  # along the imprint, for its outline
 CELLS = 64  # along the imprint, for finding the station of a place
 TIP, PER_CELL = 0, 1  # places in Imprint.numbers
-_OUTER = 96  # hairs that make the outline: the last ones stand at the rim, all around
+OUTER = 96  # hairs that tell how wide the tuft is: the last ones stand at the rim, all around
 _INNER = 48  # of the others, evenly chosen: the tuft's point, which those at the rim do not reach
 _ENDS = 0.25  # of what is left beside hairs: so much before and behind them
 _LEAST_GAP = 0.3  # of the one before it, between a station and the next
@@ -105,7 +114,7 @@ def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_wi
     """
     reaches = imprint.reaches
     reaches[:] = margin
-    first = max(0, count - _OUTER)
+    first = max(0, count - OUTER)
     step = max(1, first // _INNER)
     low, high = _find_ends(points, findings, first, count, 1)
     low_inside, high_inside = _find_ends(points, findings, 0, first, step)

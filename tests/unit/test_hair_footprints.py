@@ -42,9 +42,9 @@ def test_hairs_and_solid_tuft_stand_alike(brush):
     sizes = np.array([[standing(p, *stance) for stance in STANCES] for p in painters])
     off = np.abs(sizes[1] / sizes[0] - 1.0)
     assert (off[:, 0] <= 0.1).sum() >= 7
-    assert off[:, 0].max() <= 0.14
+    assert off[:, 0].max() <= (0.14 if brush == "gongbi" else 0.13)  # 0.4 mm of the finest
     slim = 0.42 / sizes[0, :, 1]  # mm: hairs and their film are no thinner under a thin brush
-    assert (off[:, 1] <= np.maximum(0.14, slim)).all()
+    assert (off[:, 1] <= np.maximum(0.135, slim)).all()
 
 
 @pytest.mark.parametrize(
@@ -163,5 +163,5 @@ def test_hairs_find_a_curved_surface_as_the_solid_tuft_does(radius, tilt, press)
     """How deep they are pressed counts from where the tuft touches, not from the plane there."""
     solid, hairs = (painted_round(radius, tilt, press, n) for n in (0, 1000))
     assert hairs.ledger()["wet"] == pytest.approx(solid.ledger()["wet"], rel=0.1)
-    covered = [np.count_nonzero(p.surface.coverage > 0.5) for p in (solid, hairs)]
-    assert 0.8 < covered[1] / covered[0] < 1.5
+    wide = [np.count_nonzero(p.surface.coverage > 0.5) for p in (solid, hairs)]
+    assert 0.8 < wide[1] / wide[0] < 1.5
