@@ -50,6 +50,10 @@ class Recording:
         mm; zero where the left hand never moved.
     object_orientation : (N, 4) float64
         world_from_object, unit quaternions, w first.
+    contact : (N, 3) float64, or None
+        The places on the surface that the hand meant, in the world, mm; rows of NaN for samples
+        that say none. The footprint's middle comes to lie there, wherever the root is. Only with
+        a pressure; None if no sample says one.
     header : dict
         format, version, units, devices, brush, ink, object, licence, space ("world" or "pad"),
         azimuth ("commanded" or "dragged"); other entries are kept.
@@ -69,6 +73,7 @@ class Recording:
     object_position: NDArray | None = None
     object_orientation: NDArray | None = None
     header: Mapping[str, object] = field(default_factory=dict)
+    contact: NDArray | None = None
 
     def __post_init__(self) -> None:
         time_ns = _times(self.time_ns)
@@ -86,6 +91,7 @@ class Recording:
             "object_orientation": identity
             if self.object_orientation is None
             else _unit(self.object_orientation, "object_orientation", n),
+            "contact": _contacts(self.contact, n, self.pressure is not None),
         }
         for name, array in checked.items():
             if array is not None:
@@ -117,7 +123,11 @@ class Recording:
                 int(self.buttons[i]),
                 self.object_position[i],
                 self.object_orientation[i],
+                self._contact_of(i),
             )
+
+    def _contact_of(self, i: int) -> NDArray | None:
+        return None if self.contact is None or np.isnan(self.contact[i, 0]) else self.contact[i]
 
 
 def checked_header(header: Mapping[str, object]) -> dict[str, object]:
@@ -190,6 +200,26 @@ def _pressures(values: object, n: int) -> NDArray:
     bad = np.flatnonzero((array < 0.0) | (array > 1.0))
     if len(bad):
         raise RecordingError(f"sample {bad[0]}: pressure is {array[bad[0]]:.6g}; expected 0 to 1")
+    return array
+
+
+def _contacts(values: object, n: int, with_pressure: bool) -> NDArray | None:
+    """Checked places on the surface; None where no sample says one."""
+    if values is None:
+        return None
+    array = np.array(values, dtype=np.float64)
+    if array.shape != (n, 3):
+        raise RecordingError(f"contact has shape {array.shape}; expected ({n}, 3)")
+    missing = np.isnan(array)
+    bad = np.flatnonzero((missing.any(axis=1) & ~missing.all(axis=1)) | np.isinf(array).any(axis=1))
+    if len(bad):
+        raise RecordingError(
+            f"sample {bad[0]}: contact is {array[bad[0]].tolist()}; expected finite numbers"
+        )
+    if missing.all():
+        return None
+    if not with_pressure:
+        raise RecordingError("contact is given without a pressure; expected both")
     return array
 
 

@@ -30,6 +30,9 @@ class DeviceSample:
         Origin of the object's frame in the world, mm.
     object_orientation : (4,) float64
         world_from_object, unit quaternion, w first.
+    contact : (3,) float64 or None
+        The place on the surface that the hand means, in the world, mm: the middle of the footprint
+        comes to lie there. None where a device only says where its pen is.
     """
 
     time_ns: int
@@ -39,3 +42,4 @@ class DeviceSample:
     buttons: int
     object_position: NDArray
     object_orientation: NDArray
+    contact: NDArray | None = None

@@ -3,10 +3,11 @@
 The file is only ever appended to. It starts with ``P3DJ`` and a block with the recording's header
 (JSON); then come blocks of samples, and an empty block where the journal was closed. A block is
 
-    kind (1 byte: H, S, N or E), length of its content (uint32), CRC-32 of all its other bytes
+    kind (1 byte: H, P, N or E), length of its content (uint32), CRC-32 of all its other bytes
     (uint32), content
 
-in little-endian order; a sample takes 132 bytes (`SAMPLE`). A block N is a note (JSON): what was
+in little-endian order; a sample takes 156 bytes (`SAMPLE`). Blocks S of older journals have samples
+of 132 bytes, which mean no place on the surface. A block N is a note (JSON): what was
 asked for between samples, which `read_events` gives back in order; after it, time may start over.
 Blocks of other kinds are passed over. Every `append` hands its block to the system at once, which
 keeps it if the program is killed, and a thread brings it to the disk within 100 ms, which keeps it
@@ -39,18 +40,20 @@ __all__ = ["SAMPLE", "Journal", "Loss", "read_events", "read_journal"]
 
 MAGIC = b"P3DJ"
 BLOCK = struct.Struct("<cII")
-HEADER, SAMPLES, NOTE, END = b"H", b"S", b"N", b"E"
-SAMPLE = np.dtype(
-    [
-        ("time_ns", "<i8"),
-        ("position", "<f8", 3),
-        ("orientation", "<f8", 4),
-        ("pressure", "<f8"),  # NaN: the device has none
-        ("buttons", "<i4"),
-        ("object_position", "<f8", 3),
-        ("object_orientation", "<f8", 4),
-    ]
-)
+HEADER, SAMPLES, NOTE, END = b"H", b"P", b"N", b"E"
+_OLD_SAMPLES = b"S"
+_OLD_FIELDS = [
+    ("time_ns", "<i8"),
+    ("position", "<f8", 3),
+    ("orientation", "<f8", 4),
+    ("pressure", "<f8"),  # NaN: the device has none
+    ("buttons", "<i4"),
+    ("object_position", "<f8", 3),
+    ("object_orientation", "<f8", 4),
+]
+_OLD_SAMPLE = np.dtype(_OLD_FIELDS)
+SAMPLE = np.dtype([*_OLD_FIELDS, ("contact", "<f8", 3)])  # NaN: the hand means no place
+_NOWHERE = (math.nan, math.nan, math.nan)
 MAX_BYTES = 1 << 31
 SYNC_S = 0.1
 
@@ -130,6 +133,7 @@ class Journal:
                 s.time_ns, tuple(s.position), tuple(s.orientation),
                 math.nan if s.pressure is None else s.pressure,
                 s.buttons, tuple(s.object_position), tuple(s.object_orientation),
+                _NOWHERE if s.contact is None else tuple(s.contact),
             )
             for s in samples
         ]  # fmt: skip
@@ -266,12 +270,23 @@ def _read_pieces(
             header = _header(content)
         elif kind == SAMPLES and not len(content) % SAMPLE.itemsize:
             pieces.append(np.frombuffer(content, SAMPLE))
+        elif kind == _OLD_SAMPLES and not len(content) % _OLD_SAMPLE.itemsize:
+            pieces.append(_without_contact(np.frombuffer(content, _OLD_SAMPLE)))
         elif kind == NOTE and isinstance(note := _header(content), dict):
             pieces.append(note)
         at, closed = end, kind == END
     if not isinstance(header, dict):
         raise SessionError(f"{path}: its header is damaged")
     return header, pieces, _loss(len(data), at, closed)
+
+
+def _without_contact(table: NDArray) -> NDArray:
+    """Samples of an older journal as those of this one."""
+    whole = np.empty(len(table), SAMPLE)
+    for name in table.dtype.names:
+        whole[name] = table[name]
+    whole["contact"] = np.nan
+    return whole
 
 
 def _gathered(path: str | os.PathLike[str], tables: list[NDArray]) -> list[Recording]:

@@ -38,8 +38,9 @@ MAX_RECORDINGS = 10_000
 MESH = ("vertices", "faces", "colours", "normals")
 SAMPLES = (
     "time_ns", "position", "orientation", "pressure", "buttons",
-    "object_position", "object_orientation",
+    "object_position", "object_orientation", "contact",
 )  # fmt: skip
+_MAY_LACK = {"pressure": (), "contact": (3,)}  # and the shape of one that does
 
 Parts = tuple[dict[str, object], dict[str, NDArray]]
 UPGRADES: dict[int, Callable[[Parts], Parts]] = {
@@ -119,9 +120,9 @@ def _packed(strokes: Sequence[Recording]) -> dict[str, NDArray]:
     arrays = {"strokes/starts": starts.astype(np.int64)}
     for name in SAMPLES if strokes else ():
         columns = [getattr(s, name) for s in strokes]
-        if name == "pressure":
+        if name in _MAY_LACK:
             columns = [
-                np.full(len(s), np.nan) if column is None else column
+                np.full((len(s), *_MAY_LACK[name]), np.nan) if column is None else column
                 for s, column in zip(strokes, columns, strict=True)
             ]
         arrays[f"strokes/{name}"] = np.concatenate(columns)
@@ -143,7 +144,7 @@ def _strokes(headers: Sequence[Mapping], arrays: dict[str, NDArray]) -> tuple[Re
     strokes = []
     for k, header in enumerate(headers):
         own = slice(int(starts[k]), int(starts[k + 1]))
-        columns = {name: arrays[f"strokes/{name}"][own] for name in SAMPLES}
+        columns = {n: arrays[f"strokes/{n}"][own] for n in SAMPLES if f"strokes/{n}" in arrays}
         if np.isnan(columns["pressure"]).all():
             columns["pressure"] = None
         strokes.append(Recording(**columns, header=dict(header)))

@@ -32,7 +32,7 @@ from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES, bend_hairs, fill_
 from paint3d.kernels.input_curves import drive
 from paint3d.kernels.pickup import CAPACITY, mean_pressure
 from paint3d.kernels.placement import place_stamp
-from paint3d.kernels.stamp import outline_motion
+from paint3d.kernels.stamp import ink_way, outline_motion
 from paint3d.kernels.stroke import (
     FINISHED,
     FOOTPRINTS,
@@ -285,7 +285,7 @@ def paint_with_hairs(
                 wanted = _draw(after, touching, bristles, hairs, field, ink, room)
             if wanted > 0.0:
                 rate = tuft.transfer_per_mm * mean_pressure(before, after)
-                rate *= outline_motion(before, after)
+                rate *= ink_way(before, after)
                 count = hairs.load.shape[0]
                 ready = settle_gifts(count, wanted, rate, hairs.findings, hairs.whole_sums)
                 if not sweep_hairs(

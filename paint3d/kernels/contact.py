@@ -17,13 +17,21 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["LEAF_SIZE", "ContactTree", "build_boxes", "closest_point", "find_foot"]
+__all__ = [
+    "LEAF_SIZE",
+    "ContactTree",
+    "build_boxes",
+    "closest_point",
+    "find_foot",
+    "find_meant",
+]
 
 LEAF_SIZE = 8
 _STACK = 64
 _TOLERANCE = 1e-4  # mm, tangential residual at which the foot point counts as found
 _ITERATIONS = 8
 _WARM = 0.15  # of the reach: a root that has moved farther is looked for afresh
+_NEAR = 0.03  # of the reach: a place that the hand means lies on the surface, or hardly off it
 
 
 class ContactTree(NamedTuple):
@@ -259,6 +267,22 @@ def find_foot(tree, x, y, z, ux, uy, uz, reach, out, warm):
     warm[2] = x
     warm[3] = y
     warm[4] = z
+    return triangle
+
+
+@njit(cache=True, nogil=True)
+def find_meant(tree, x, y, z, ux, uy, uz, reach, out):
+    """The point of the surface that the hand means by a place (x, y, z) on it or hardly off it.
+
+    The nearest one, on triangles that face up the handle (ux, uy, uz) or, in a fold, on others;
+    farther off, as where the stroke was made on another object, only on those that face it.
+    Returns the triangle, or -1; `out` (6,) gets the point and the interpolated unit normal.
+    """
+    triangle = closest_point(tree, x, y, z, ux, uy, uz, _NEAR * reach, out)
+    if triangle < 0:
+        triangle = closest_point(tree, x, y, z, -ux, -uy, -uz, _NEAR * reach, out)
+    if triangle < 0:
+        triangle = closest_point(tree, x, y, z, ux, uy, uz, reach, out)
     return triangle
 
 

@@ -4,6 +4,10 @@ The order is the paper's (Guo 2017, section 4.2.1): foot point of the root node,
 enclosing sphere, the patch of surface inside the sphere, the mean normal of the patch, the plane
 through the foot point, and the outline in that plane. The mean runs over the *surface* in the
 patch, weighted by area, and not over its vertices, so that refining the mesh changes nothing.
+
+A hand that paints under a pen or pointer means a place on the surface and not one of the root.
+Then that place stands for the foot point, wherever the handle leans, and the middle of the outline
+lies there.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.cells import find_cell, flood_patch, sheet_of
-from paint3d.kernels.contact import find_foot
+from paint3d.kernels.contact import find_foot, find_meant
 from paint3d.kernels.drag import drag_length, drag_step
 from paint3d.kernels.tuft import enclose_tuft, greatest_descent, trace_outline
 
@@ -26,9 +30,11 @@ _REACH = 1.05  # of the tuft's length: farther than this the root cannot touch t
 
 @njit(cache=True, nogil=True)
 def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room):
-    """Fill `after` with the footprint of a pose (9,): position, quaternion wxyz, pressure or NaN.
+    """Fill `after` with the footprint of a pose.
 
-    `before` is the stamp the brush comes from; it carries the dragged point. It may be `after`.
+    The pose (9,) is a position, a quaternion wxyz, the pressure or NaN, and 1 where the position is
+    the place on the surface that the hand means; else 0, and it is the root's. `before` is the
+    stamp the brush comes from; it carries the dragged point. It may be `after`.
     """
     values = after.values
     w, x, y, z = pose[3], pose[4], pose[5], pose[6]
@@ -40,10 +46,16 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     for axis in range(3):
         room.vector[axis] = before.values[st.FOOT_X + axis]
         room.drag[axis] = before.values[st.DRAG_X + axis]
+    centred = pose[8] > 0.0
     values[st.TOUCHES] = 0.0
-    triangle = find_foot(
-        tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, _REACH * tuft.length, foot, room.warm
-    )
+    values[st.CENTRED] = pose[8]
+    reach = _REACH * tuft.length
+    if centred:
+        triangle = find_meant(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot)
+    else:
+        triangle = find_foot(
+            tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot, room.warm
+        )
     values[st.TRIANGLE] = triangle
     if triangle < 0:
         for axis in range(3):
@@ -59,7 +71,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     _bend_along_pose(values, w, x, y, z)
     _press(pose, up_x, up_y, up_z, values, tuft)
     if values[st.DESCENT] <= 0.0:
-        _flatten(values, tuft.length * np.cos(values[st.TILT]))
+        _flatten(values, 0.0 if centred else tuft.length * np.cos(values[st.TILT]))
         _keep_drag(values, room.drag)
         return
     if dragged:
@@ -67,6 +79,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     along, up, radius = enclose_tuft(
         tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], room.tuft
     )
+    if centred:
+        along -= _trace_middle(values, tuft, room)
     for axis in range(3):
         values[st.SPHERE_X + axis] = (
             foot[axis] + along * values[st.BEND_X + axis] + up * values[st.NORMAL_X + axis]
@@ -78,9 +92,27 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     else:
         _bend_along_pose(values, w, x, y, z)
     _press(pose, up_x, up_y, up_z, values, tuft)
-    _settle(values, up_x, up_y, up_z, tuft)
+    if not centred:
+        _settle(values, up_x, up_y, up_z, tuft)
     _count_limits(pose, up_x, up_y, up_z, values, tuft, counters)
-    n = trace_outline(
+    n = _trace(values, tuft, room)
+    if n < 2:
+        _flatten(values, 0.0 if centred else tuft.length * np.cos(values[st.TILT]))
+        return
+    if centred:
+        middle = 0.5 * (room.reach[0] + room.reach[n - 1])
+        for axis in range(3):
+            values[st.ORIGIN_X + axis] = foot[axis] - middle * values[st.BEND_X + axis]
+    st.fill_profile(after, room.reach, room.half_width, n)
+    _hold_outline(values)
+    if values[st.AREA] > 0.0:
+        values[st.TOUCHES] = 1.0
+
+
+@njit(cache=True, nogil=True)
+def _trace(values, tuft, room):
+    """The outline as the tuft is bent now, into the room; returns how many points it has."""
+    return trace_outline(
         tuft,
         values[st.DESCENT],
         values[st.TILT],
@@ -89,13 +121,13 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         room.reach,
         room.half_width,
     )
-    if n < 2:
-        _flatten(values, tuft.length * np.cos(values[st.TILT]))
-        return
-    st.fill_profile(after, room.reach, room.half_width, n)
-    _hold_outline(values)
-    if values[st.AREA] > 0.0:
-        values[st.TOUCHES] = 1.0
+
+
+@njit(cache=True, nogil=True)
+def _trace_middle(values, tuft, room):
+    """How far along the bend the outline's middle lies from P'_m, mm; 0 where nothing touches."""
+    n = _trace(values, tuft, room)
+    return 0.5 * (room.reach[0] + room.reach[n - 1]) if n > 0 else 0.0
 
 
 @njit(cache=True, nogil=True)
@@ -187,10 +219,18 @@ def _bend_along_drag(values, was_touching, tuft, room):
 
 @njit(cache=True, nogil=True)
 def _press(pose, up_x, up_y, up_z, values, tuft):
-    """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height."""
-    sine = _sine_of_tilt(values, up_x, up_y, up_z)
-    sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
-    tilt = np.arcsin(sine)
+    """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height.
+
+    Where the hand means a place, the tilt is the handle's lean along the bend alone.
+    """
+    if values[st.CENTRED] > 0.0:
+        _limit_tilt(values, up_x, up_y, up_z, tuft)
+        tilt = values[st.TILT]
+        sine = np.sin(tilt)
+    else:
+        sine = _sine_of_tilt(values, up_x, up_y, up_z)
+        sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
+        tilt = np.arcsin(sine)
     values[st.TILT] = tilt
     if np.isnan(pose[7]):
         height = 0.0
@@ -225,9 +265,8 @@ def _settle(values, up_x, up_y, up_z, tuft):
     tx = height * fx - length * up_x
     ty = height * fy - length * up_y
     tz = height * fz - length * up_z
-    lean = -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
-    tilt = np.arccos(min(1.0, max(0.0, lean)))
-    tilt = max(tilt, tuft.lowest_tilt)
+    lean = _limit_tilt(values, up_x, up_y, up_z, tuft)
+    tilt = values[st.TILT]
     back = length * np.cos(tilt) + length * max(0.0, lean - np.cos(tilt))
     tx -= back * values[st.BEND_X]
     ty -= back * values[st.BEND_Y]
@@ -236,8 +275,15 @@ def _settle(values, up_x, up_y, up_z, tuft):
     values[st.ORIGIN_X] = values[st.FOOT_X] + tx - along * nx
     values[st.ORIGIN_X + 1] = values[st.FOOT_X + 1] + ty - along * ny
     values[st.ORIGIN_X + 2] = values[st.FOOT_X + 2] + tz - along * nz
-    values[st.TILT] = tilt
     values[st.DESCENT] = min(values[st.DESCENT], greatest_descent(tuft, tilt))
+
+
+@njit(cache=True, nogil=True)
+def _limit_tilt(values, up_x, up_y, up_z, tuft):
+    """Make the handle's lean along the bend the model's tilt; returns the sine of that lean."""
+    lean = -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
+    values[st.TILT] = max(np.arccos(min(1.0, max(0.0, lean))), tuft.lowest_tilt)
+    return lean
 
 
 @njit(cache=True, nogil=True)

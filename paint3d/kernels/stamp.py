@@ -18,6 +18,7 @@ __all__ = [
     "BEND_X",
     "BEND_Y",
     "BEND_Z",
+    "CENTRED",
     "CROSS_X",
     "DESCENT",
     "DRAG_X",
@@ -40,6 +41,7 @@ __all__ = [
     "Stamp",
     "fill_profile",
     "hold_point",
+    "ink_way",
     "make_stamp",
     "outline_motion",
 ]
@@ -62,8 +64,9 @@ TRIANGLE = 24  # base triangle under P'_m
 FOOT_NORMAL_X = 25  # 25-27 interpolated surface normal at P'_m
 TOUCHES = 28  # 1.0 when the tuft leaves a footprint
 DRAG_X = 29  # 29-31 dragged point relative to P'_m, mm; zero until the first contact
-FOOT_X = 32  # 32-34 foot point P'_m, mm
-N_VALUES = 35
+FOOT_X = 32  # 32-34 foot point P'_m, or the place that the hand means, mm
+CENTRED = 35  # 1.0 where the middle of the outline lies at that place
+N_VALUES = 36
 
 
 class Stamp(NamedTuple):
@@ -143,6 +146,32 @@ def outline_motion(a, b):
             d2 += d * d
         fastest = max(fastest, d2)
     return np.sqrt(fastest)
+
+
+@njit(cache=True, nogil=True)
+def ink_way(a, b):
+    """The way that ink is given for between two stamps (mm): `outline_motion` where it advances.
+
+    Of a footprint that stands on a place that the hand means, what leaves the surface gives no ink:
+    a tuft that is lifted where it stands draws no dot. Elsewhere the way is that of the outline.
+    """
+    if b.values[CENTRED] <= 0.0:
+        return outline_motion(a, b)
+    half_b = 0.5 * (b.values[TIP] - b.values[HEEL])
+    half_a = min(half_b, 0.5 * (a.values[TIP] - a.values[HEEL]))
+    width_b = b.values[WIDEST]
+    width_a = min(width_b, a.values[WIDEST])
+    along = across = 0.0  # squares of how far the tip and a side moved on, the slower ends of which
+    along_back = across_back = 0.0  # are found with the signs turned
+    for axis in range(3):
+        middle = b.values[FOOT_X + axis] - a.values[FOOT_X + axis]
+        ends = half_b * b.values[BEND_X + axis] - half_a * a.values[BEND_X + axis]
+        sides = width_b * b.values[CROSS_X + axis] - width_a * a.values[CROSS_X + axis]
+        along += (middle + ends) ** 2
+        along_back += (middle - ends) ** 2
+        across += (middle + sides) ** 2
+        across_back += (middle - sides) ** 2
+    return np.sqrt(max(max(along, along_back), max(across, across_back)))
 
 
 @njit(cache=True, nogil=True)

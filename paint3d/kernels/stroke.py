@@ -47,11 +47,12 @@ class Samples(NamedTuple):
     """N poses in the object's frame, ready to be interpolated."""
 
     time: NDArray  # (N,) s
-    position: NDArray  # (N, 3) root node P_m, mm
+    position: NDArray  # (N, 3) the place on the surface that the hand means, else root node P_m, mm
     velocity: NDArray  # (N, 3) mm/s, tangents of the cubic
     orientation: NDArray  # (N, 4) unit quaternions wxyz, neighbours in one hemisphere
     pressure: NDArray  # (N,) pe in [0, 1]; NaN: the depth follows from the position
     joined: NDArray  # (N,) bool: the pen moved on from the previous sample to this one
+    on_surface: NDArray  # (N,) bool: the position is a place on the surface
 
 
 class Progress(NamedTuple):
@@ -69,7 +70,7 @@ def make_progress() -> Progress:
 
 @njit(cache=True, nogil=True)
 def _interpolate(samples, i, fraction, pose):
-    """Pose (9,): position, quaternion, pressure, between samples i and i + 1."""
+    """Pose (9,) of `place_stamp` between samples i and i + 1."""
     h = samples.time[i + 1] - samples.time[i]
     t = fraction
     t2 = t * t
@@ -93,6 +94,7 @@ def _interpolate(samples, i, fraction, pose):
     for k in range(4):
         pose[3 + k] /= norm
     pose[7] = _pressure(samples, i, t)
+    pose[8] = 1.0 if samples.on_surface[i] else 0.0
 
 
 @njit(cache=True, nogil=True)

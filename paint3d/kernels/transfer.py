@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from paint3d.kernels import stamp as st
-from paint3d.kernels.stamp import outline_motion
+from paint3d.kernels.stamp import ink_way
 
 __all__ = ["ink_released", "landing_share", "leave_ink", "weighed_area"]
 
@@ -18,7 +18,7 @@ def ink_released(before, after, tuft, ink):
     """Ink that leaves the brush on the way between two stamps: R (1 - exp(-eta' pe ds)).
 
     The continuous form of Guo 2017, Eqs. 12-13, which one step of unit length gives back; `ds` is
-    the way of the outline's fastest point (mm).
+    the way that ink is given for (`stamp.ink_way`, mm).
     """
     pressure = 0.0
     n = 0
@@ -26,7 +26,7 @@ def ink_released(before, after, tuft, ink):
         if values[st.TOUCHES] > 0.0:
             pressure += values[st.PRESSURE]
         n += 1
-    way = outline_motion(before, after)
+    way = ink_way(before, after)
     total = 0.0
     for p in range(ink.load.shape[0]):
         total += ink.load[p]

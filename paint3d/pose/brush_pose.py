@@ -17,7 +17,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
 from paint3d.frames import multiply_quaternions, rotate
 
-__all__ = ["BrushPath", "brush_poses", "object_poses"]
+__all__ = ["BrushPath", "brush_poses", "contacts_of", "object_poses"]
 
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
@@ -36,6 +36,8 @@ class BrushPath:
         object_from_pen, unit quaternions, w first.
     pressure : (N,) float64 in [0, 1], or None
     buttons : (N,) int32
+    contact : (N, 3) float64, or None
+        Places on the surface that the hand meant, mm; rows of NaN where it said none.
     """
 
     time_s: NDArray
@@ -43,9 +45,24 @@ class BrushPath:
     orientation: NDArray
     pressure: NDArray | None
     buttons: NDArray
+    contact: NDArray | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+    @property
+    def has_contact(self) -> NDArray:
+        """(N,) bool: whether the hand said which place on the surface it meant."""
+        if self.contact is None:
+            return np.zeros(len(self), bool)
+        return ~np.isnan(self.contact[:, 0])
+
+    @property
+    def way(self) -> NDArray:
+        """(N, 3) what moves along the stroke, mm: the place on the surface, else the root."""
+        if self.contact is None:
+            return self.position
+        return np.where(self.has_contact[:, None], self.contact, self.position)
 
 
 def brush_poses(recording: Recording) -> BrushPath:
@@ -68,6 +85,7 @@ def brush_poses(recording: Recording) -> BrushPath:
         recording.buttons,
         recording.object_position,
         recording.object_orientation,
+        recording.contact,
     )
 
 
@@ -99,7 +117,16 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
         np.array([sample.buttons for sample in samples], dtype=np.int32),
         np.array([sample.object_position for sample in samples], dtype=np.float64),
         np.array([sample.object_orientation for sample in samples], dtype=np.float64),
+        contacts_of(samples),
     )
+
+
+def contacts_of(samples: Sequence[DeviceSample]) -> NDArray | None:
+    """(N, 3) the places on the surface that samples mean, rows of NaN for none; None if all are."""
+    if all(sample.contact is None for sample in samples):
+        return None
+    nowhere = np.full(3, np.nan)
+    return np.array([nowhere if s.contact is None else s.contact for s in samples], np.float64)
 
 
 def _path(
@@ -110,6 +137,7 @@ def _path(
     buttons: NDArray,
     object_position: NDArray,
     object_orientation: NDArray,
+    contact: NDArray | None,
 ) -> BrushPath:
     object_from_world = object_orientation * _CONJUGATE
     turned = multiply_quaternions(object_from_world, orientation)
@@ -119,4 +147,5 @@ def _path(
         turned / np.linalg.norm(turned, axis=1, keepdims=True),
         pressure,
         buttons,
+        None if contact is None else rotate(object_from_world, contact - object_position),
     )

@@ -46,17 +46,20 @@ class DensePath:
 def joined_samples(path: BrushPath) -> NDArray:
     """Whether the pen came to each sample from the one before it: (N,) bool.
 
-    False for the first sample, and where the pressure is 0 at both ends of the interval.
+    False for the first sample, where the pressure is 0 at both ends of the interval, and where only
+    one of them says which place on the surface is meant.
     """
     joined = np.ones(len(path), dtype=bool)
     joined[0] = False
     if path.pressure is not None:
         joined[1:] = (path.pressure[1:] > 0.0) | (path.pressure[:-1] > 0.0)
+    has_contact = path.has_contact
+    joined[1:] &= has_contact[1:] == has_contact[:-1]
     return joined
 
 
 def velocities(path: BrushPath, joined: NDArray) -> NDArray:
-    """Tangents of the cubics in mm/s, (N, 3).
+    """Tangents of the cubics along `BrushPath.way` in mm/s, (N, 3).
 
     The derivative of the parabola through a sample and its two neighbours; at the ends of a
     stroke that through the three last samples; the chord's where there are two. A sample at
@@ -75,7 +78,7 @@ def velocities(path: BrushPath, joined: NDArray) -> NDArray:
     if n < 2:
         return velocity
     steps = np.diff(path.time_s)
-    chords = np.diff(path.position, axis=0) / steps[:, None]
+    chords = np.diff(path.way, axis=0) / steps[:, None]
     curved = joined[1:] & (steps <= MAX_CURVED_GAP_S)
     left, right = np.zeros(n, bool), np.zeros(n, bool)
     left[1:] = right[:-1] = curved

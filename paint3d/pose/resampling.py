@@ -44,6 +44,10 @@ def resample(recording: Recording, rate_hz: float) -> Recording:
     position, orientation, pressure = evaluate(densify(brush), index, fraction)
     thing = _hand(recording, recording.object_position, recording.object_orientation)
     object_position, object_orientation, _ = evaluate(densify(thing), index, fraction)
+    contact = None
+    if recording.contact is not None:
+        meant = _hand(recording, recording.contact, recording.orientation)
+        contact, _, _ = evaluate(densify(meant), index, fraction)
     return Recording(
         times,
         position,
@@ -53,6 +57,7 @@ def resample(recording: Recording, rate_hz: float) -> Recording:
         object_position,
         object_orientation,
         recording.header,
+        contact,
     )
 
 

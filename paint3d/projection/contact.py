@@ -30,7 +30,8 @@ class Contact:
     Attributes
     ----------
     foot : (3,) float64
-        P'_m, the surface point whose normal passes through the tuft's root.
+        P'_m, the surface point whose normal passes through the tuft's root; or the place that the
+        hand means.
     origin : (3,) float64
         Where the outline is counted from, in the plane.
     normal : (3,) float64
@@ -66,6 +67,7 @@ def find_contact(
     position: ArrayLike,
     orientation: ArrayLike,
     pressure: float | None = None,
+    place: ArrayLike | None = None,
 ) -> Contact | None:
     """The contact of one pose, or None where no surface that faces the brush is within reach.
 
@@ -82,14 +84,22 @@ def find_contact(
         Unit quaternion, w first: z runs up the handle, x is the commanded bend.
     pressure : float in [0, 1], optional
         Force over the greatest force; None: the descent follows from the position.
+    place : (3,), optional
+        The place on the surface that the hand means, mm, in the middle of the footprint; only with
+        a pressure.
 
     Raises
     ------
     InputError
-        If the pose is not finite, the quaternion not of unit length, or the pressure out of range.
+        If the pose is not finite, the quaternion not of unit length, the pressure out of range, or
+        a place is given without it.
     """
     pose = np.zeros(9)
     pose[:3] = as_array(position, "position", (3,))
+    if place is not None:
+        if pressure is None:
+            raise InputError("a place is given without a pressure; expected both")
+        pose[:3], pose[8] = as_array(place, "place", (3,)), 1.0
     pose[3:7] = as_array(orientation, "orientation", (4,))
     if abs(np.linalg.norm(pose[3:7]) - 1.0) > 1e-3:
         raise InputError(f"orientation has length {np.linalg.norm(pose[3:7]):g}; expected 1")

@@ -277,13 +277,18 @@ class Painter:
         return self.surface.lasting(self.surface.ink.load)
 
     def contact(
-        self, position: ArrayLike, orientation: ArrayLike, pressure: float | None = None
+        self,
+        position: ArrayLike,
+        orientation: ArrayLike,
+        pressure: float | None = None,
+        place: ArrayLike | None = None,
     ) -> Contact | None:
         """How the brush would stand on the surface in one pose; see `find_contact`."""
         surface = self.surface
         return find_contact(
-            self.tuft, surface.paint_mesh, surface.contact_tree, position, orientation, pressure
-        )
+            self.tuft, surface.paint_mesh, surface.contact_tree, position, orientation, pressure,
+            place,
+        )  # fmt: skip
 
     # -- painting ---------------------------------------------------------------------------
 
@@ -478,11 +483,12 @@ def _samples(path: BrushPath) -> stroke.Samples:
     joined = joined_samples(path)
     return stroke.Samples(
         time=np.ascontiguousarray(path.time_s, np.float64),
-        position=np.ascontiguousarray(path.position, np.float64),
+        position=np.ascontiguousarray(path.way, np.float64),
         velocity=velocities(path, joined),
         orientation=_one_hemisphere(path.orientation),
         pressure=np.ascontiguousarray(pressure, np.float64),
         joined=joined,
+        on_surface=path.has_contact,
     )
 
 

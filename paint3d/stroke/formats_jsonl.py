@@ -1,7 +1,8 @@
 """Recordings as JSON Lines: a header, then one sample a line.
 
 A sample is ``{"time_ns": .., "position": [x, y, z], "orientation": [w, x, y, z],
-"pressure": .., "buttons": .., "object": {"position": [..], "orientation": [..]}}``.
+"pressure": .., "buttons": .., "contact": [x, y, z],
+"object": {"position": [..], "orientation": [..]}}``.
 ``force`` (N) may stand for ``pressure``; the brush may be nested under ``right`` or
 ``right_hand`` and the object is also found under ``left`` or ``left_hand``. The object's pose
 holds until it changes. Keys that are not known are passed over, unless they look like a slip
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -30,7 +32,11 @@ __all__ = ["read_jsonl", "write_jsonl"]
 _TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 _RIGHT = ("right", "right_hand")
 _LEFT = ("object", "left", "left_hand")
-_KEYS = {"time_ns", "position", "orientation", "pressure", "force", "buttons", *_RIGHT, *_LEFT}
+_KEYS = {
+    "time_ns", "position", "orientation", "pressure", "force", "buttons", "contact",
+    *_RIGHT, *_LEFT,
+}  # fmt: skip
+_NOWHERE = [math.nan, math.nan, math.nan]
 _LARGEST = 1e9
 """Positions further out than this (a thousand km) are taken for damage."""
 
@@ -121,6 +127,7 @@ class _Rows:
         self.buttons: list[int] = []
         self.object_positions: list[list[float]] = []
         self.object_orientations: list[list[float]] = []
+        self.contacts: list[list[float]] = []
         self.object = ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])
         self.accepted = set(_KEYS)
 
@@ -138,6 +145,11 @@ class _Rows:
         position = _vector(right, "position", 3, _LARGEST)
         orientation = _quaternion(right)
         pressure = _pressure(right)
+        contact = _NOWHERE
+        if right.get("contact") is not None:
+            contact = _vector(right, "contact", 3, _LARGEST)
+            if pressure is None:
+                raise RecordingError("contact is given without a pressure; expected both")
         if self.times and (pressure is None) != (self.pressures[0] is None):
             there, here = ("none", "one") if pressure is not None else ("one", "none")
             raise RecordingError(
@@ -156,6 +168,7 @@ class _Rows:
         self.orientations.append(orientation)
         self.pressures.append(pressure)
         self.buttons.append(buttons)
+        self.contacts.append(contact)
         self.object_positions.append(self.object[0])
         self.object_orientations.append(self.object[1])
 
@@ -177,6 +190,7 @@ class _Rows:
             np.array(self.object_positions, dtype=np.float64) * self.scale,
             np.array(self.object_orientations, dtype=np.float64),
             header,
+            np.array(self.contacts, dtype=np.float64) * self.scale,
         )
 
 
@@ -250,6 +264,8 @@ def write_jsonl(recording: Recording) -> Iterator[str]:
         if pressures[i] is not None:
             parts.append(f'"pressure":{_compact(pressures[i : i + 1])[1:-1]}')
         parts.append(f'"buttons":{recording.buttons[i]}')
+        if recording.contact is not None and not np.isnan(recording.contact[i, 0]):
+            parts.append(f'"contact":{_compact(recording.contact[i])}')
         if (poses[i] != previous).any():
             previous = poses[i]
             parts.append(

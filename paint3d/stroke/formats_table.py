@@ -16,6 +16,7 @@ lean of the handle  altitude, azimuth, rotation; sensor_altitude, ...     rad
 ..                  altitude_deg, azimuth_deg, rotation_deg               degrees
 orientation         qw, qx, qy, qz                                        unit quaternion
 object              object_x_mm ..., object_qw ...                        mm, unit quaternion
+contact             contact_x_mm ..., an empty cell for none              mm
 stroke              idx, stroke, stroke_id                                a new number lifts
 buttons             buttons                                               bits
 ==================  ====================================================  ===================
@@ -53,6 +54,7 @@ _STROKES = ("idx", "stroke", "stroke_id")
 _AZIMUTHS = ("azimuth", "sensor_azimuth", "azimuth_deg")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _OBJECT = ("object_x_mm", "object_y_mm", "object_z_mm", *(f"object_{q}" for q in _QUATERNION))
+_CONTACT = ("contact_x_mm", "contact_y_mm", "contact_z_mm")
 _LARGEST = 1e9
 _TOO_FAST_MS = 0.05
 """A pad read more often than every 0.05 ms does not exist: such steps are seconds."""
@@ -77,6 +79,8 @@ class _Table:
 
     def _number(self, line: int, c: int, cell: str) -> float:
         exact = self.names[c] in ("time_ns", "buttons")
+        if not cell and self.names[c] in _CONTACT:
+            return math.nan
         try:
             value = int(cell) if exact else float(cell)
             if math.isfinite(value) and abs(value) < 2.0**62:
@@ -222,6 +226,7 @@ def _posed(
         None if held is None else held[:, :3],
         None if held is None else held[:, 3:],
         header,
+        _columns(table, _CONTACT) if table.column(_CONTACT[0]) else None,
     )
 
 
@@ -323,12 +328,15 @@ def write_csv(recording: Recording) -> Iterator[str]:
     yield "# " + json.dumps(dict(recording.header), allow_nan=False) + "\n"
     pressure = () if recording.pressure is None else ("pressure",)
     names = ["time_ns", "x_mm", "y_mm", "z_mm", *_QUATERNION, *pressure, "buttons", *_OBJECT]
+    names += () if recording.contact is None else _CONTACT
     yield ",".join(names) + "\n"
     floats = [recording.position, recording.orientation]
     if pressure:
         floats.append(recording.pressure[:, None])
     left = np.hstack([*floats])
     right = np.hstack([recording.object_position, recording.object_orientation])
+    if recording.contact is not None:
+        right = np.hstack([right, recording.contact])
     for i in range(len(recording)):
         yield (
             ",".join(
@@ -336,7 +344,7 @@ def write_csv(recording: Recording) -> Iterator[str]:
                     str(recording.time_ns[i]),
                     *map(repr, left[i].tolist()),
                     str(recording.buttons[i]),
-                    *map(repr, right[i].tolist()),
+                    *("" if math.isnan(value) else repr(value) for value in right[i].tolist()),
                 ]
             )
             + "\n"

@@ -18,7 +18,8 @@ def lay(recording: Recording, chart: SurfaceChart) -> Recording:
     """Carry a pad recording onto a surface; the object stays at rest in the world.
 
     A sample at (x, y, z) of the pad goes to the chart's point at (x, y) plus z mm along the
-    normal there, and its orientation is taken relative to the chart's directions there.
+    normal there, and its orientation is taken relative to the chart's directions there. With a
+    pressure that point is the place that the hand meant: the pad's own pen drew there.
 
     Parameters
     ----------
@@ -51,6 +52,7 @@ def lay(recording: Recording, chart: SurfaceChart) -> Recording:
         recording.pressure,
         recording.buttons,
         header={**recording.header, "space": "world"},
+        contact=None if recording.pressure is None else points,
     )
 
 

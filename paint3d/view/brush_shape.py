@@ -86,10 +86,9 @@ class BrushStand:
         side = np.cross(contact.normal, contact.bend)
         frame = np.stack([contact.bend, side, contact.normal])
         tilt = contact.tilt
-        handle = np.array([-np.cos(tilt), 0.0, np.sin(tilt)]) @ frame
         height = _spine(tuft, contact.descent, tilt)[1][-1]
         stand = contact.origin + height * contact.normal
-        return cls(stand, frame, contact.origin, contact.descent, tilt, contact.pressure, handle)
+        return cls(stand, frame, contact.origin, contact.descent, tilt, contact.pressure, z)
 
     @property
     def touches(self) -> bool:

@@ -17,10 +17,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from queue import SimpleQueue
 
+from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, GrowthWatch, view_brush
 from paint3d.app.model.sitting import Sitting
+from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
 
@@ -100,6 +102,7 @@ class Easel:
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
         self._jobs: deque[_Job] = deque()
+        self._brushes: deque[BrushSpec] = deque()  # asked for and not yet in hand
         self._wake = threading.Condition()
         self._busy = threading.Lock()
         self._wanting = 0
@@ -133,8 +136,19 @@ class Easel:
             Its result, or its error, which is also told as an event.
         """
         result: Future = Future()
+        if command in BRUSH_COMMANDS:
+            self._brushes.append(brush_after(self.brush, command, arguments))
+            result.add_done_callback(lambda _: self._brushes.popleft())
         self._put(_Job(time.perf_counter(), (), command, arguments, options, result))
         return result
+
+    @property
+    def brush(self) -> BrushSpec:
+        """The brush in hand: the one that was asked for last, be it still to come."""
+        try:
+            return self._brushes[-1]
+        except IndexError:
+            return self.document.painter.brush
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples of both hands, of the stroke that was begun by `post("begin_stroke")`."""

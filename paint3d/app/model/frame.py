@@ -160,7 +160,8 @@ def view_brush(document: Document, sample: DeviceSample) -> BrushView:
     position, orientation = path.position[0], path.orientation[0]
     surface = document.surface
     held = surface.ink.load
-    contact = painter.contact(position, orientation, sample.pressure)
+    place = None if path.contact is None else path.contact[0]
+    contact = painter.contact(position, orientation, sample.pressure, place)
     parts = tuple(np.round(held / held.sum(), 3)) if held.sum() > 0.0 else ()
     return BrushView(
         position,

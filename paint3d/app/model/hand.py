@@ -1,9 +1,11 @@
 """From a pointer over a picture of the object to a brush standing on it.
 
-A window says where the pointer's ray meets the object, or gives the ray; the brush stands there
-on the surface's normal, leaning as the tablet's pen leans. What a mouse cannot say is made up: the
-pressure from keys, wheel or speed, and the bend from the way, for the tuft trails behind. Strokes
-can be steadied by a string that pulls the brush; its end is reached when the stroke ends.
+A window says where the pointer's ray meets the object, or gives the ray. That place is what every
+sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
+What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
+way, for the tuft trails behind. A stroke waits until it is known whither it goes, so that the tuft
+comes down trailing and need not turn round. Strokes can be steadied by a string that pulls the
+brush; its end is reached when the stroke ends.
 
 One step after the other over events; nothing here has a clock.
 """
@@ -18,26 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.pressure_curve import PressureCurve
+from paint3d.app.model.standing import any_tangent, lean_of, root_over
 from paint3d.arrays import as_array, as_number
-from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.frames import quaternions_from_matrices
-from paint3d.kernels.tuft import (
-    OUTLINE_CAPACITY,
-    SCRATCH_SIZE,
-    Tuft,
-    greatest_descent,
-    trace_outline,
-)
 from paint3d.mesh.closest import ClosestPoints
 
 __all__ = ["Hand", "HandSettings", "PointerInput"]
 
 _REST = np.array([1.0, 0.0, 0.0, 0.0])
-_MOST_LEAN = math.radians(60.0)
 _HOVER = 0.25  # of the tuft's length: the gap under a brush that is lifted
 _STEP_NS = 1_000_000
 _GLIDE_MM_S = 150.0  # how fast a steadied brush is brought to the end of its string
@@ -45,8 +39,11 @@ _GLIDE_STEP_MM = 0.5
 _LEAST_GAP_MM = 3.0
 _PLACES_BETWEEN = (0.25, 0.5, 0.75)
 _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
-_RISE_STEPS = 6  # in which a centred brush is lifted
 _FILTER_S = 0.03  # over which the pointer's speed is taken
+_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that tells whither a stroke goes, if need be
+_STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
+_LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
+_LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last place is no way to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +110,6 @@ class HandSettings:
         By speed: that at which the pressure has fallen to a half of the set one.
     landing_s : float
         Over which the pressure of a device that has none rises when it goes down.
-    centred : bool
-        Whether the middle of the footprint is brought under the pointer; else the foot of the
-        tuft's root, behind which the tip trails.
 
     Raises
     ------
@@ -132,7 +126,6 @@ class HandSettings:
     newtons_per_notch: float = 0.25
     steady_mm_s: float = 150.0
     landing_s: float = 0.06
-    centred: bool = True
 
     def __post_init__(self) -> None:
         as_number(self.smoothing, "smoothing", 0.0, 1.0)
@@ -153,14 +146,25 @@ class _State:
     point: NDArray  # where the brush is
     normal: NDArray
     tip: NDArray  # where the tuft's tip trails
-    lean: NDArray  # unit, up the handle
     began_ns: int | None = None
     beside: bool = False
     speed: float = 0.0
-    pressure: float = 0.0
-    twist: float | None = None
-    buttons: int = 0
     sent_ns: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class _Stand:
+    """Where the brush is at one instant, but for whither its tip trails."""
+
+    time_ns: int
+    target: NDArray  # where the pointer is
+    point: NDArray  # where the brush is
+    normal: NDArray
+    lean: NDArray  # unit, up the handle
+    rest: NDArray  # whither a tip points that nothing drags
+    twist: float | None  # rad
+    pressure: float
+    buttons: int
 
 
 class Hand:
@@ -188,24 +192,27 @@ class Hand:
         self.force = as_number(force, "force (N)", 0.0, MAX_FORCE_N)
         self._surface = surface
         self._state: _State | None = None
+        self._waiting: list[_Stand] = []  # of a stroke that does not yet say whither it goes
+        self._last: _Stand | None = None
 
     def hover(self, event: PointerInput, brush: BrushSpec) -> DeviceSample | None:
         """The brush above the surface; None where the pointer is beside the object."""
-        if not self._move(event, brush, pulled=False):
-            return None
-        return self._sample(brush, event.time_ns, lifted=True)
+        stand = self._follow(event, pulled=False)
+        return None if stand is None else self._sample(stand, brush, lifted=True)
 
-    def begin(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
-        """The brush comes down; no samples where the pointer is beside the object."""
-        if not self._move(event, brush, pulled=False):
-            return []
+    def begin(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample] | None:
+        """The brush comes down; None where the pointer is beside the object.
+
+        Samples may only come with later events, when it is known whither the stroke goes.
+        """
+        stand = self._follow(event, pulled=False)
+        if stand is None:
+            return None
         state = self._state
         state.began_ns = event.time_ns
-        state.beside = False
-        state.speed, state.sent_ns = 0.0, 0
-        state.pressure = 0.0
-        state.tip = state.point + _any_tangent(state.normal, state.tip - state.point)
-        return [self._sample(brush, event.time_ns, pressure=0.0)]
+        state.beside, state.speed, state.sent_ns = False, 0.0, event.time_ns
+        self._waiting = [stand]
+        return self._ready(brush)
 
     def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """The pointer went on; no samples where it is beside the object or time stood still.
@@ -221,19 +228,36 @@ class Hand:
             state.beside = True
         elif state.beside or self._is_apart(found[0]):
             return self._step_over(event, brush)
-        if not self._move(event, brush, pulled=True):
+        stand = self._follow(event, pulled=True, pressed=True)
+        if stand is None:
             return []
-        return [self._sample(brush, event.time_ns, pressure=self._pressure(event))]
+        state.sent_ns = event.time_ns
+        return self._put_down(stand, brush)
 
-    def end(self, time_ns: int, brush: BrushSpec) -> list[DeviceSample]:
-        """The brush goes to where the pointer is, and up."""
+    def end(
+        self, time_ns: int, brush: BrushSpec, event: PointerInput | None = None
+    ) -> list[DeviceSample]:
+        """The brush goes to where the pointer is, and up.
+
+        Parameters
+        ----------
+        time_ns : int
+        brush : BrushSpec
+        event : PointerInput, optional
+            Of the pen that was lifted: on the way to its place the pressure falls to nothing.
+        """
         state = self._state
         if state is None or state.began_ns is None:
             return []
-        samples = self._glide(brush)
+        samples = self._land(brush) + self._glide(brush)
         state.began_ns = None
-        at = max(time_ns, state.sent_ns + _STEP_NS)
-        return samples + self._rise(brush, at)
+        found = None if event is None or state.beside else self._meet(event)
+        lifted = replace(self._last, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
+        if found is not None:
+            far = float(np.linalg.norm(found[0] - lifted.point)) > _LIFTED_OVER * brush.length_mm
+            if not far and not self._is_apart(found[0]):
+                lifted = replace(lifted, point=found[0], normal=found[1])
+        return [*samples, self._sample(lifted, brush)]
 
     # -- steps ------------------------------------------------------------------------------
 
@@ -250,31 +274,93 @@ class Hand:
     def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """Up where the brush is, and down where the pointer is now."""
         lifted = self.end(self._state.sent_ns, brush)
-        landed = max(event.time_ns, self._state.sent_ns + _STEP_NS)
-        return lifted + self.begin(replace(event, time_ns=landed), brush)
+        landed = max(event.time_ns, lifted[-1].time_ns + _STEP_NS)
+        return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
 
-    def _move(self, event: PointerInput, brush: BrushSpec, pulled: bool) -> bool:
-        """Take the pointer's new place; False where it has none."""
+    def _follow(self, event: PointerInput, pulled: bool, pressed: bool = False) -> _Stand | None:
+        """Take the pointer's new place; None where it has none."""
         found = self._meet(event)
         self._press_keys(event)
         if found is None:
-            return False
+            return None
         point, normal = found
         state = self._state
         if state is None:
-            trail = _any_tangent(normal, np.zeros(3)) * self._trail(brush)
-            state = _State(event.time_ns, point, point, normal, point + trail, normal)
-            self._state = state
+            tip = point + any_tangent(normal, np.zeros(3))
+            state = self._state = _State(event.time_ns, point, point, normal, tip)
         self._follow_speed(event.time_ns, point)
         state.time_ns, state.target = event.time_ns, point
         string = self.settings.smoothing * self.settings.longest_string_mm if pulled else 0.0
         if string > 0.0:
             point, normal = self._pull(point, string)
-        self._put(point, normal, brush)
-        state.lean = _lean(normal, event)
-        state.twist = None if event.rotation is None else math.radians(event.rotation)
-        state.buttons = event.buttons
-        return True
+        state.point, state.normal = point, normal
+        lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+        return _Stand(
+            event.time_ns,
+            state.target,
+            point,
+            normal,
+            lean,
+            self._rest(lean, normal, event),
+            None if event.rotation is None else math.radians(event.rotation),
+            self._pressure(event) if pressed else 0.0,
+            event.buttons,
+        )
+
+    def _rest(self, lean: NDArray, normal: NDArray, event: PointerInput) -> NDArray:
+        """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
+        aside = lean - (lean @ normal) * normal
+        if np.linalg.norm(aside) > _LEANS:
+            return any_tangent(normal, -aside)
+        if event.right is None or event.up is None:
+            return any_tangent(normal, self._state.tip - self._state.point)
+        return any_tangent(normal, np.subtract(event.up, event.right))
+
+    # -- coming down ------------------------------------------------------------------------
+
+    def _put_down(self, stand: _Stand, brush: BrushSpec) -> list[DeviceSample]:
+        """Samples of one place more: now, or when it is known whither the stroke goes."""
+        if not self._waiting:
+            self._drag(stand, brush)
+            return [self._sample(stand, brush)]
+        self._waiting.append(stand)
+        return self._ready(brush)
+
+    def _ready(self, brush: BrushSpec) -> list[DeviceSample]:
+        """What waits, if it need not wait any longer."""
+        first, last = self._waiting[0], self._waiting[-1]
+        far = np.linalg.norm(last.target - first.point) >= _SURE * self._trail(brush)
+        stands = last.time_ns - first.time_ns >= _STANDS_NS
+        return self._land(brush) if far or stands or first.twist is not None else []
+
+    def _land(self, brush: BrushSpec) -> list[DeviceSample]:
+        """Samples of all that waited; the tip trails behind the way, or points as it rests."""
+        stands, self._waiting = self._waiting, []
+        if not stands:
+            return []
+        first = stands[0]
+        way = stands[-1].target - first.point
+        moved = float(np.linalg.norm(way)) >= _LEAST_SURE * self._trail(brush)
+        back = any_tangent(first.normal, -way) if moved else first.rest
+        self._state.tip = first.point + self._trail(brush) * back
+        samples = []
+        for stand in stands:
+            self._drag(stand, brush)
+            samples.append(self._sample(stand, brush))
+        return samples
+
+    def _drag(self, stand: _Stand, brush: BrushSpec) -> None:
+        """Bring the brush to its place; its tip is dragged along the surface behind it."""
+        state, trail = self._state, self._trail(brush)
+        back = state.tip - stand.point
+        back = back - (back @ stand.normal) * stand.normal
+        distance = float(np.linalg.norm(back))
+        if distance < 1e-9:
+            back = stand.rest * trail
+        elif distance > trail:
+            back *= trail / distance
+        state.tip = stand.point + back
+        self._last = stand
 
     def _meet(self, event: PointerInput) -> tuple[NDArray, NDArray] | None:
         """Where the pointer meets the surface, and the normal there."""
@@ -300,18 +386,6 @@ class Hand:
             return state.point, state.normal
         return self._on_surface(state.point + (1.0 - string / distance) * way)
 
-    def _put(self, point: NDArray, normal: NDArray, brush: BrushSpec) -> None:
-        """Bring the brush to a point; its tip is dragged along the surface behind it."""
-        state, trail = self._state, self._trail(brush)
-        back = state.tip - point
-        back = back - (back @ normal) * normal
-        distance = float(np.linalg.norm(back))
-        if distance < 1e-9:
-            back = _any_tangent(normal, state.tip - state.point) * trail
-        elif distance > trail:
-            back *= trail / distance
-        state.point, state.normal, state.tip = point, normal, point + back
-
     def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples on the way to where the pointer was last."""
         state = self._state
@@ -321,9 +395,13 @@ class Hand:
         step_ns = round(length / max(n, 1) / _GLIDE_MM_S * 1e9)
         samples = []
         for k in range(1, n + 1):
-            self._put(*self._on_surface(start + (k / n) * way), brush)
-            at = state.sent_ns + max(step_ns, _STEP_NS)
-            samples.append(self._sample(brush, at, pressure=state.pressure))
+            state.point, state.normal = self._on_surface(start + (k / n) * way)
+            state.sent_ns += max(step_ns, _STEP_NS)
+            stand = replace(
+                self._last, time_ns=state.sent_ns, point=state.point, normal=state.normal
+            )
+            self._drag(stand, brush)
+            samples.append(self._sample(stand, brush))
         return samples
 
     def _press_keys(self, event: PointerInput) -> None:
@@ -353,88 +431,34 @@ class Hand:
             since = (event.time_ns - state.began_ns) * 1e-9
             if since < settings.landing_s:
                 pressure *= since / settings.landing_s
-        state.pressure = pressure
         return pressure
-
-    def _lead(self, brush: BrushSpec, pressure: float) -> float:
-        """How far the root goes ahead, mm, for the footprint's middle to lie under the pointer."""
-        if not self.settings.centred or pressure <= 0.0:
-            return 0.0
-        state = self._state
-        tilt = math.asin(min(1.0, max(0.5, float(state.lean @ state.normal))))
-        return _middle_reach(build_tuft(brush), pressure, tilt)
-
-    def _rise(self, brush: BrushSpec, time_ns: int) -> list[DeviceSample]:
-        """The brush goes up where it is; the footprint shrinks about its own middle."""
-        pressure, samples = self._state.pressure, []
-        for k in range(1, _RISE_STEPS if self.settings.centred and pressure > 0.0 else 1):
-            share = 1.0 - k / _RISE_STEPS
-            samples.append(self._sample(brush, time_ns, pressure=share * pressure))
-            time_ns += _STEP_NS
-        return [*samples, self._sample(brush, time_ns, pressure=0.0)]
 
     def _trail(self, brush: BrushSpec) -> float:
         return self.settings.trail * brush.length_mm
 
-    def _sample(
-        self, brush: BrushSpec, time_ns: int, pressure: float = 0.0, lifted: bool = False
-    ) -> DeviceSample:
-        state = self._state
-        z = state.lean
-        bend = state.tip - state.point
-        x = _any_tangent(z, bend)
-        if state.twist is not None:
-            x = _turned(_any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -state.twist)
+    def _sample(self, stand: _Stand, brush: BrushSpec, lifted: bool = False) -> DeviceSample:
+        z, normal = stand.lean, stand.normal
+        if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
+            bend = any_tangent(normal, self._state.tip - stand.point)
+            x = bend - (bend @ z) / (normal @ z) * normal
+            x /= np.linalg.norm(x)
+        else:
+            x = _turned(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
+            bend = any_tangent(normal, x)
         orientation = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1)[None])[0]
-        height = brush.length_mm - pressure * brush.full_press_mm
-        height += _HOVER * brush.length_mm if lifted else 0.0
-        state.sent_ns = time_ns
-        lead = self._lead(brush, pressure)
+        root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
+        if lifted:
+            root = root + _HOVER * brush.length_mm * z
         return DeviceSample(
-            time_ns,
-            state.point + height * state.normal - lead * _any_tangent(state.normal, x),
+            stand.time_ns,
+            root,
             orientation,
-            pressure,
-            state.buttons,
+            stand.pressure,
+            stand.buttons,
             np.zeros(3),
             _REST,
+            stand.point,
         )
-
-
-def _middle_reach(tuft: Tuft, pressure: float, tilt: float) -> float:
-    """How far along the bend the middle of a footprint lies from the foot, mm; 0 for none."""
-    reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
-    descent = min(pressure * tuft.full_press, greatest_descent(tuft, tilt))
-    n = trace_outline(tuft, descent, tilt, pressure, np.empty(SCRATCH_SIZE), reach, half)
-    return 0.5 * float(reach[0] + reach[n - 1]) if n else 0.0
-
-
-def _lean(normal: NDArray, event: PointerInput) -> NDArray:
-    """Up the handle: the surface's normal, leaned over as the pen leans in the picture."""
-    if event.right is None or event.up is None or not (event.x_tilt or event.y_tilt):
-        return normal
-    x, y = (math.tan(math.radians(_limited(t))) for t in (event.x_tilt, event.y_tilt))
-    aside = x * as_array(event.right, "right", (3,)) - y * as_array(event.up, "up", (3,))
-    aside = aside - (aside @ normal) * normal
-    length = float(np.linalg.norm(aside))
-    if length < 1e-9:
-        return normal
-    angle = min(math.atan(length), _MOST_LEAN)
-    return math.cos(angle) * normal + math.sin(angle) / length * aside
-
-
-def _limited(degrees: float) -> float:
-    return min(max(as_number(degrees, "tilt (degrees)"), -85.0), 85.0)
-
-
-def _any_tangent(normal: NDArray, wanted: NDArray) -> NDArray:
-    """The unit vector across the normal that is nearest to the wanted one."""
-    for candidate in (wanted, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
-        across = candidate - (candidate @ normal) * normal
-        length = float(np.linalg.norm(across))
-        if length > 1e-9 * max(1.0, float(np.linalg.norm(candidate))):
-            return across / length
-    return np.array([0.0, 0.0, 1.0])
 
 
 def _turned(vector: NDArray, axis: NDArray, angle: float) -> NDArray:

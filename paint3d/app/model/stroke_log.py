@@ -16,6 +16,7 @@ from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError, SessionError
 from paint3d.ink.pigments import Pigment
+from paint3d.pose.brush_pose import contacts_of
 from paint3d.stroke.laying import DIP
 
 __all__ = ["Stroke", "StrokeLog", "recording_of", "weights_of"]
@@ -204,6 +205,7 @@ def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) 
         object_position=np.array([s.object_position for s in samples]).reshape(-1, 3),
         object_orientation=np.array([s.object_orientation for s in samples]).reshape(-1, 4),
         header=dict(header),
+        contact=contacts_of(samples),
     )
 
 

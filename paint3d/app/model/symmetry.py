@@ -139,8 +139,9 @@ def transformed(samples: Sequence[DeviceSample], image: NDArray) -> list[DeviceS
     x, z = frames[:, :, 0], frames[:, :, 2]
     orientation = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1))
     position = path.position @ turn.T + image[:3, 3]
+    contact = None if path.contact is None else path.contact @ turn.T + image[:3, 3]
     return [
         DeviceSample(s.time_ns, position[i], orientation[i], s.pressure, s.buttons, np.zeros(3),
-                     _REST)
+                     _REST, None if s.contact is None else contact[i])
         for i, s in enumerate(samples)
     ]  # fmt: skip

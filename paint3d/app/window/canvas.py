@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.event_clock import EventClock
 from paint3d.app.window.touch import touch_of_mouse, touch_of_tablet
 
 __all__ = ["Canvas"]
@@ -29,6 +31,8 @@ class Canvas(QtWidgets.QWidget):
     resized : ()
     dropped : str
         A file was let fall here.
+    untimed : ()
+        A pen gives no times of its own: the first time that this is found.
     """
 
     touched = QtCore.Signal(object)
@@ -37,6 +41,7 @@ class Canvas(QtWidgets.QWidget):
     left = QtCore.Signal()
     resized = QtCore.Signal()
     dropped = QtCore.Signal(str)
+    untimed = QtCore.Signal()
 
     def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent)
@@ -54,6 +59,7 @@ class Canvas(QtWidgets.QWidget):
         self._pixels: NDArray | None = None
         self._steering = False
         self._pen_down = False
+        self._clock = EventClock()
 
     @property
     def pixel_size(self) -> tuple[int, int]:
@@ -96,7 +102,7 @@ class Canvas(QtWidgets.QWidget):
             self._steering = True
             self.steered.emit("begin", event)
         elif not self._pen_down:
-            self.touched.emit(touch_of_mouse(event))
+            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
         event.accept()
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
@@ -104,7 +110,7 @@ class Canvas(QtWidgets.QWidget):
         if self._steering:
             self.steered.emit("move", event)
         elif not self._pen_down:
-            self.touched.emit(touch_of_mouse(event))
+            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
         event.accept()
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
@@ -114,7 +120,7 @@ class Canvas(QtWidgets.QWidget):
                 self._steering = False
             self.steered.emit("end", event)
         elif not self._pen_down:
-            self.touched.emit(touch_of_mouse(event))
+            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
         event.accept()
 
     def tabletEvent(self, event: QtGui.QTabletEvent) -> None:
@@ -122,10 +128,20 @@ class Canvas(QtWidgets.QWidget):
         if event.modifiers() & QtCore.Qt.KeyboardModifier.AltModifier and not self._pen_down:
             event.ignore()  # comes again as a mouse event, and steers
             return
-        touch = touch_of_tablet(event)
+        touch = touch_of_tablet(event, self._time_ns("pen", event))
         self._pen_down = touch.down
         self.touched.emit(touch)
         event.accept()
+
+    def _time_ns(self, kind: str, event: QtGui.QPointerEvent) -> int:
+        """When an event happened."""
+        known = len(self._clock.untimed)
+        painting = self._pen_down or bool(event.buttons() & QtCore.Qt.MouseButton.LeftButton)
+        handled = time.perf_counter_ns()
+        found = self._clock.time_ns(kind, event.timestamp(), handled, painting)
+        if kind == "pen" and len(self._clock.untimed) > known:
+            self.untimed.emit()
+        return found
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
         """Come nearer."""

@@ -173,11 +173,11 @@ class CanvasHand(QtCore.QObject):
         if before is not None and self.held & {"size", "force"} and not self.in_stroke:
             self._adjust(touch.x - before.x)
             return
-        event, brush = self._input(touch), easel.document.painter.brush
+        event, brush = self._input(touch), easel.brush
         if self.in_stroke and touch.down:
             easel.feed(self.hand.move(event, brush))
         elif self.in_stroke:
-            self.lift()
+            self.lift(event)
         elif touch.down and not touch.eraser:
             self._begin(event)
         else:
@@ -218,21 +218,21 @@ class CanvasHand(QtCore.QObject):
 
     def _begin(self, event: PointerInput) -> None:
         easel = self._stage.easel
-        samples = self.hand.begin(event, easel.document.painter.brush)
-        if not samples:
+        samples = self.hand.begin(event, easel.brush)
+        if samples is None:
             return
         self.in_stroke = True
         easel.post("begin_stroke")
         easel.feed(samples)
         self.began.emit()
 
-    def lift(self) -> None:
-        """End the stroke that is going on."""
+    def lift(self, event: PointerInput | None = None) -> None:
+        """End the stroke that is going on, where the pen was lifted if it says."""
         if not self.in_stroke:
             return
         self.in_stroke = False
         easel = self._stage.easel
-        easel.feed(self.hand.end(self._place.time_ns, easel.document.painter.brush))
+        easel.feed(self.hand.end(self._place.time_ns, easel.brush, event))
         easel.post("end_stroke")
         self.ended.emit()
 
@@ -240,7 +240,7 @@ class CanvasHand(QtCore.QObject):
         """Take the stroke that is going on back."""
         if self.in_stroke:
             self.in_stroke = False
-            self.hand.end(self._place.time_ns, self._stage.easel.document.painter.brush)
+            self.hand.end(self._place.time_ns, self._stage.easel.brush)
             self._stage.easel.post("cancel_stroke")
             self.ended.emit()
 

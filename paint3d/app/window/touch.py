@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 
 from PySide6 import QtCore, QtGui
@@ -21,7 +20,7 @@ class Touch:
     Attributes
     ----------
     time_ns : int
-        Of the monotonic clock.
+        When it happened, by `EventClock`.
     x, y : float
         In the canvas, its pixels as the window system counts them, y down.
     pressure : float or None
@@ -47,19 +46,19 @@ class Touch:
     eraser: bool = False
 
 
-def touch_of_mouse(event: QtGui.QMouseEvent) -> Touch:
+def touch_of_mouse(event: QtGui.QMouseEvent, time_ns: int) -> Touch:
     """What a mouse says."""
     place = event.position()
     down = bool(event.buttons() & _LEFT)
-    return Touch(time.perf_counter_ns(), place.x(), place.y(), down=down)
+    return Touch(time_ns, place.x(), place.y(), down=down)
 
 
-def touch_of_tablet(event: QtGui.QTabletEvent) -> Touch:
+def touch_of_tablet(event: QtGui.QTabletEvent, time_ns: int) -> Touch:
     """What a pen says."""
     place = event.position()
     released = event.type() == QtCore.QEvent.Type.TabletRelease
     return Touch(
-        time.perf_counter_ns(),
+        time_ns,
         place.x(),
         place.y(),
         float(event.pressure()),

@@ -1,0 +1,107 @@
+"""When the hand did what an event tells: the device's own time on the program's clock.
+
+A window system hands events over when the program asks for them, which is late and in bursts while
+a picture is drawn. What depends on speed and standing must not depend on that, so the time that the
+event itself carries counts. It is mapped to the monotonic clock once for each kind of device, and
+again only while nothing is painted. Where a device gives no times, or the same for all, the time of
+handing over is evened out instead, and that is told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["EventClock"]
+
+_MS = 1_000_000
+_TIE_NS = 125_000  # between events of one millisecond
+_LOST_NS = 60_000 * _MS  # nobody waits so long for a picture: the clocks have parted
+_AHEAD_NS = 20 * _MS  # an event cannot come before it happened; so much is rounding
+_STUCK = 16  # events of one time stamp: more come from no device that tells the time
+_FIRST_PERIOD_NS = 8 * _MS
+_PERIODS_NS = 1 * _MS, 40 * _MS  # of devices, least and most
+_PULL, _LEARN = 0.1, 0.1  # how fast evened times follow the handing over, and its period
+
+
+@dataclass
+class _Kind:
+    """What is known of one kind of device's times."""
+
+    offset_ns: int
+    stamp_ms: int
+    n_same: int = 0
+    untimed: bool = False
+    period_ns: float = _FIRST_PERIOD_NS
+    handled_ns: int = 0
+
+
+class EventClock:
+    """Gives events the times at which they happened; they never stand still nor go back.
+
+    Attributes
+    ----------
+    untimed : set of str
+        Kinds of devices that give no times of their own, as found so far.
+    """
+
+    def __init__(self) -> None:
+        self.untimed: set[str] = set()
+        self._kinds: dict[str, _Kind] = {}
+        self._last_ns: int | None = None
+
+    def time_ns(self, kind: str, stamp_ms: int, handled_ns: int, painting: bool) -> int:
+        """When an event happened, ns of the monotonic clock.
+
+        Parameters
+        ----------
+        kind : str
+            "pen", "mouse" or "touch": each may have a clock of its own.
+        stamp_ms : int
+            The event's own time; 0 for none.
+        handled_ns : int
+            When it was handed over, ns of the monotonic clock.
+        painting : bool
+            Whether a stroke is going on: the mapping then stays as it is.
+        """
+        known = self._kinds.get(kind)
+        if known is None:
+            known = self._kinds[kind] = _Kind(handled_ns - stamp_ms * _MS, stamp_ms - 1)
+            known.handled_ns = handled_ns - _FIRST_PERIOD_NS
+        self._judge(kind, known, stamp_ms)
+        if known.untimed:
+            found = self._evened(known, handled_ns)
+        else:
+            found = self._mapped(known, stamp_ms, handled_ns, painting)
+        known.stamp_ms, known.handled_ns = stamp_ms, handled_ns
+        if self._last_ns is not None:
+            found = max(found, self._last_ns + _TIE_NS)
+        self._last_ns = found
+        return found
+
+    def _judge(self, kind: str, known: _Kind, stamp_ms: int) -> None:
+        """Find out whether a device tells the time."""
+        known.n_same = known.n_same + 1 if stamp_ms == known.stamp_ms else 0
+        if stamp_ms <= 0 or known.n_same >= _STUCK:
+            known.untimed = True
+            self.untimed.add(kind)
+        elif known.n_same == 0 and known.untimed and stamp_ms > known.stamp_ms > 0:
+            known.untimed = False  # it has begun to
+
+    def _mapped(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
+        found = known.offset_ns + stamp_ms * _MS
+        astray = found > handled_ns + _AHEAD_NS or found < handled_ns - _LOST_NS
+        back = stamp_ms < known.stamp_ms
+        if back or (astray and not painting):
+            known.offset_ns = handled_ns - stamp_ms * _MS
+            return handled_ns
+        return found
+
+    def _evened(self, known: _Kind, handled_ns: int) -> int:
+        step = float(handled_ns - known.handled_ns)
+        least, most = _PERIODS_NS
+        if step <= most:  # a longer one is a pause, or a slow picture
+            known.period_ns += _LEARN * (max(step, least) - known.period_ns)
+        if self._last_ns is None or step > 5 * most:
+            return handled_ns
+        expected = self._last_ns + known.period_ns
+        return round(expected + _PULL * (handled_ns - expected))
