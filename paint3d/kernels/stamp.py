@@ -47,6 +47,7 @@ __all__ = [
 ]
 
 PROFILE_CELLS = 64
+_FIRM = 0.3  # pressure from which a footprint that grows gives ink for all of its growth
 
 # Where each value lies in Stamp.values.
 ORIGIN_X = 0  # 0-2 where the outline is counted from: P'_m, moved as the plane leans, mm
@@ -153,14 +154,17 @@ def ink_way(a, b):
     """The way that ink is given for between two stamps (mm): `outline_motion` where it advances.
 
     Of a footprint that stands on a place that the hand means, what leaves the surface gives no ink:
-    a tuft that is lifted where it stands draws no dot. Elsewhere the way is that of the outline.
+    a tuft that is lifted where it stands draws no dot. Nor does one that comes down: growth counts
+    the less, the lighter the touch, for it all begins in one point. Elsewhere the way is that of
+    the outline.
     """
     if b.values[CENTRED] <= 0.0:
         return outline_motion(a, b)
+    counts = min(1.0, b.values[PRESSURE] / _FIRM)
     half_b = 0.5 * (b.values[TIP] - b.values[HEEL])
-    half_a = min(half_b, 0.5 * (a.values[TIP] - a.values[HEEL]))
     width_b = b.values[WIDEST]
-    width_a = min(width_b, a.values[WIDEST])
+    half_a = half_b - counts * max(0.0, half_b - 0.5 * (a.values[TIP] - a.values[HEEL]))
+    width_a = width_b - counts * max(0.0, width_b - a.values[WIDEST])
     along = across = 0.0  # squares of how far the tip and a side moved on, the slower ends of which
     along_back = across_back = 0.0  # are found with the signs turned
     for axis in range(3):

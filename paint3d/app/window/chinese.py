@@ -25,6 +25,7 @@ CHINESE = {
     "zhongbaiyun": "中白云", "dabaiyun": "大白云",
     "Paint with the left button or a pen; turn with Alt or the middle button":
         "左键或压感笔作画；按 Alt 或中键转动",
+    "This pen gives no times of its own; they are evened out": "这支笔不报时间，已按间隔均匀处理",
     "Open an object, or drop a file here": "打开一件器物，或把文件拖到这里",
     "ink {share:.0f} %": "含墨 {share:.0f}%", "behind by {ms:.0f} ms": "落后 {ms:.0f} 毫秒",
     "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画", "has caught up": "已跟上",

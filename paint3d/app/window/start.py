@@ -49,6 +49,10 @@ def make_program() -> QtWidgets.QApplication:
     QtGui.QGuiApplication.setHighDpiScaleFactorRoundingPolicy(
         QtCore.Qt.HighDpiScaleFactorRoundingPolicy.PassThrough
     )
+    # every event of a hand counts; how many are joined would depend on how fast pictures are drawn
+    QtCore.QCoreApplication.setAttribute(
+        QtCore.Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents, False
+    )
     QtCore.QCoreApplication.setOrganizationName("paint3d")
     QtCore.QCoreApplication.setApplicationName("paint3d")
     return QtWidgets.QApplication(["paint3d"])

@@ -50,6 +50,7 @@ _TICK_MS = 12
 _REST = 0.5  # of a picture's time, left to the hand's events before the next one
 _SLOW_S = 0.1  # what was painted last had waited so long: it is said to be behind
 _TOLD_MS = 6000
+_UNTIMED = "This pen gives no times of its own; they are evened out"
 
 
 class StudioWindow(QtWidgets.QMainWindow):
@@ -118,6 +119,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._timer.start(_TICK_MS)
         self.canvas.resized.connect(self._resized)
         self.canvas.dropped.connect(self.files.open_path)
+        self.canvas.untimed.connect(lambda: self.tell(say(_UNTIMED)))
 
     # -- making it --------------------------------------------------------------------------
 

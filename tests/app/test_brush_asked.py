@@ -1,0 +1,73 @@
+"""The brush that the hand asked for, while the painting is behind."""
+
+import numpy as np
+import pytest
+
+from paint3d.app.model.brush_asked import brush_after
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.hand import Hand, PointerInput
+from paint3d.brush.presets import load_brush
+from paint3d.mesh.closest import ClosestPoints
+from tests.app.hands import small_plane
+
+MS = 1_000_000
+
+
+def write(easel, hand, y, pressure=0.4):
+    """A line of 40 mm, with the brush that the easel says."""
+    place, down = (-20.0, y, 90.0), (0.0, 0.0, -1.0)
+    event = PointerInput(MS, origin=place, direction=down, pressure=pressure)
+    samples = list(hand.begin(event, easel.brush))
+    for k in range(1, 20):
+        place = (-20.0 + 2.0 * k, y, 90.0)
+        event = PointerInput(8 * MS * k, origin=place, direction=down, pressure=pressure)
+        samples += hand.move(event, easel.brush)
+    samples += hand.end(160 * MS, easel.brush)
+    easel.post("begin_stroke")
+    easel.feed(samples)
+    easel.post("end_stroke")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [("set_brush", "gongbi"), ("scale_brush", 0.5), ("step_brush", -4), ("resize_brush", 20.0),
+     ("dip", "cinnabar"), ("add_layer", "over")],
+)  # fmt: skip
+def test_a_stroke_right_after_a_change_is_painted_as_after_waiting(change):
+    shown = []
+    for held in (True, False):
+        document = small_plane()
+        easel = Easel(document)
+        hand = Hand(ClosestPoints(document.surface.source))
+        write(easel, hand, -20.0)
+        if held:
+            with easel.paused():  # the painting is behind
+                easel.post(*change)
+                write(easel, hand, 20.0)
+        else:
+            easel.post(*change).result()
+            write(easel, hand, 20.0)
+        easel.post("refresh").result()
+        easel.stop()
+        surface = document.surface
+        order = np.lexsort(surface.paint_mesh.vertices.T)
+        there = surface.paint_mesh.vertices[:, 1] > 10
+        assert surface.painted[there].sum() > 20
+        shown.append((surface.srgb[order], [s.brush for s in document.strokes]))
+    np.testing.assert_array_equal(shown[0][0], shown[1][0])
+    assert shown[0][1] == shown[1][1]
+
+
+def test_what_is_refused_is_not_taken():
+    brush = load_brush("full")
+    assert brush_after(brush, "set_brush", ["no such brush"]) == brush
+    assert brush_after(brush, "scale_brush", [1000.0]) == brush
+    assert brush_after(brush, "set_brush", []) == brush
+    easel = Easel(small_plane())
+    easel.post("begin_stroke")
+    with easel.paused():
+        asked = easel.post("set_brush", "gongbi")
+    with pytest.raises(Exception, match="during a stroke"):
+        asked.result()
+    assert easel.brush == easel.document.painter.brush == small_plane().painter.brush
+    easel.stop()

@@ -1,0 +1,72 @@
+"""The times of a device's events, however late and in whatever bursts they are handed over."""
+
+from itertools import pairwise
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.app.model.event_clock import EventClock
+
+MS = 1_000_000
+START_MS = 7_000_000
+
+
+def times(stamps, handled, kind="pen"):
+    clock = EventClock()
+    found = [
+        clock.time_ns(kind, stamp, round(at), painting=k > 0)
+        for k, (stamp, at) in enumerate(zip(stamps, handled, strict=True))
+    ]
+    return found, clock
+
+
+def steps(values):
+    return [b - a for a, b in pairwise(values)]
+
+
+WAITS = st.lists(st.floats(0.0, 400.0), min_size=30, max_size=30)
+
+
+@settings(deadline=None)
+@given(st.lists(st.integers(1, 60), min_size=30, max_size=30), WAITS)
+def test_the_steps_are_the_devices_own(gaps, waits):
+    stamps = [START_MS + sum(gaps[: k + 1]) for k in range(len(gaps))]
+    late, at = [], 0.0
+    for stamp, wait in zip(stamps, waits, strict=True):  # in order, and never before it happened
+        at = max(at, 3e12 + (stamp - START_MS + wait) * MS)
+        late.append(at)
+    at_once, _ = times(stamps, [3e12 + (s - START_MS) * MS for s in stamps])
+    found, clock = times(stamps, late)
+    assert steps(found) == steps(at_once) == [MS * gap for gap in gaps[1:]]
+    assert not clock.untimed
+
+
+def test_events_of_one_millisecond_keep_their_order():
+    found, clock = times([START_MS] * 8 + [START_MS + 1], [5e12] * 9)
+    assert steps(found) == [125_000] * 8
+    assert not clock.untimed
+
+
+def test_a_device_without_times_gets_even_ones():
+    handed = [5e12 + 200 * MS * (k // 25) + 10_000 * (k % 25) for k in range(100)]  # 5 a second
+    for stamps in ([0] * 100, [START_MS] * 100):
+        found, clock = times(stamps, handed)
+        assert clock.untimed == {"pen"}
+        later = steps(found)[25:]
+        assert min(later) > 0
+        assert max(later) < 60 * MS < max(steps(handed))
+
+
+def test_a_stamp_that_jumps_back_does_not_turn_time():
+    found, _ = times([START_MS, START_MS + 8, 50, 58], [5e12, 5e12 + 8e6, 5e12 + 16e6, 5e12 + 24e6])
+    assert steps(found) == [8 * MS] * 3
+
+
+def test_an_event_that_seems_to_come_from_the_future_maps_the_clock_anew_between_strokes():
+    clock = EventClock()
+    late = 300 * MS
+    clock.time_ns("pen", START_MS, 5 * 10**12 + late, False)  # the first one waited for a picture
+    handed = 5 * 10**12 + 100 * MS
+    assert clock.time_ns("pen", START_MS + 100, 5 * 10**12 + late + 1, True) > handed
+    found = clock.time_ns("pen", START_MS + 600, 5 * 10**12 + 600 * MS, False)
+    assert found == 5 * 10**12 + 600 * MS
