@@ -13,6 +13,7 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
+from paint3d.errors import Paint3DError
 
 __all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
 
@@ -42,9 +43,12 @@ class BrushPanel(QtWidgets.QWidget):
     Signals
     -------
     chosen : BrushSpec
+    failed : str
+        A preview could not be painted; told once for each reason.
     """
 
     chosen = QtCore.Signal(object)
+    failed = QtCore.Signal(str)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -52,6 +56,7 @@ class BrushPanel(QtWidgets.QWidget):
         self._ink: object = "pine soot"
         self._painter = ThreadPoolExecutor(1, thread_name_prefix="paint3d-preview")
         self._coming: dict[str, Future] = {}
+        self._failures: set[str] = set()
         self.brush = load_brush(brush_names()[0])
         self._list = self._make_list()
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
@@ -170,12 +175,27 @@ class BrushPanel(QtWidgets.QWidget):
     def _take_previews(self) -> None:
         for row in range(self._list.count()):
             coming = self._coming.get(self._name(row))
-            if coming is not None and coming.done() and not coming.cancelled():
-                pixels = coming.result()
-                self._list.item(row).setIcon(plain_icon(_framed(pixels, self._theme)))
-                del self._coming[self._name(row)]
+            if coming is None or not coming.done():
+                continue
+            del self._coming[self._name(row)]
+            if coming.cancelled():
+                continue
+            if coming.exception() is not None:
+                self._failed(coming.exception())
+                continue
+            icon = plain_icon(_framed(coming.result(), self._theme))
+            self._list.item(row).setIcon(icon)
         if not self._coming:
             self._timer.stop()
+
+    def _failed(self, error: BaseException) -> None:
+        """Tell that a preview cannot be shown: a painting goes on without, so only once."""
+        reason = (
+            str(error) if isinstance(error, Paint3DError) else f"{type(error).__name__}: {error}"
+        )
+        if reason not in self._failures:
+            self._failures.add(reason)
+            self.failed.emit(reason)
 
 
 def plain_icon(pixmap: QtGui.QPixmap) -> QtGui.QIcon:

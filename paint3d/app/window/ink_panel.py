@@ -10,7 +10,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.window.previews import ink_swatch
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
-from paint3d.ink.pigments import WATER, load_palette, load_pigment
+from paint3d.ink.pigments import WATER, Pigment, load_palette, load_pigment
 
 __all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]
 
@@ -25,9 +25,9 @@ def _parts(ink: object) -> dict[str, float]:
     return {key if isinstance(key, str) else key.name: part for key, part in stirred.items()}
 
 
-def ink_label(name: str) -> str:
-    """An ink's name in the language that is spoken."""
-    pigment = load_pigment(name)
+def ink_label(ink: str | Pigment) -> str:
+    """The name of an ink, or of one by its name, in the language that is spoken."""
+    pigment = load_pigment(ink) if isinstance(ink, str) else ink
     return pigment.chinese if language() == "zh" and pigment.chinese else pigment.name
 
 
@@ -297,7 +297,8 @@ class InkPanel(QtWidgets.QWidget):
 
     def ink_name(self) -> str:
         """What the brush is dipped in, in words."""
-        return " + ".join(ink_label(name) for name in _parts(self.ink))
+        inks = self.ink if isinstance(self.ink, Mapping) else (self.ink,)
+        return " + ".join(ink_label(ink) for ink in inks)
 
     def set_theme(self, theme: Theme) -> None:
         """Use other colours."""

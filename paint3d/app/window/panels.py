@@ -78,6 +78,7 @@ class Panels:
     def _connect(self) -> None:
         post = self._window.post
         self.brushes.chosen.connect(self._take_brush)
+        self.brushes.failed.connect(lambda why: self._window.tell(why, state="bad"))
         self._window.hand.sized.connect(self.brushes.resize_brush)
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))

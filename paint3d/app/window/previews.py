@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.ink.materials import load_material
-from paint3d.ink.pigments import load_pigment
+from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["ink_swatch", "stroke_preview"]
+__all__ = ["ink_swatch", "sorted_parts", "stroke_preview"]
+
+Ink = str | Pigment
 
 _COLUMNS, _ROWS = 264, 84
 _SHEET_LENGTHS = 4.4  # tuft lengths across the sheet
@@ -25,17 +27,32 @@ _PRESS = np.array([0.0, 0.62, 0.40, 0.36, 0.50, 0.78, 0.68, 0.34, 0.08, 0.0])
 _NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-def stroke_preview(brush: BrushSpec, ink: Mapping[str, float] | str) -> NDArray:
+def stroke_preview(brush: BrushSpec, ink: Ink | Mapping[Ink, float]) -> NDArray:
     """(H, W, 3) uint8: one stroke from left to right, pressed twice and lifted slowly.
 
     Cost: 0.1 s the first time; kept for the last brushes and inks.
+
+    Parameters
+    ----------
+    brush : BrushSpec
+    ink : str, Pigment, or mapping of these to parts
+        By name from the palette, or an ink itself, as one that was picked up from the object.
     """
-    parts = ((ink, 1.0),) if isinstance(ink, str) else tuple(sorted(ink.items()))
-    return _stroke(brush, parts)
+    return _stroke(brush, sorted_parts(ink))
+
+
+def sorted_parts(ink: Ink | Mapping[Ink, float]) -> tuple[tuple[Ink, float], ...]:
+    """Inks and their parts in an order that depends on the names alone."""
+    parts = ink if isinstance(ink, Mapping) else {ink: 1.0}
+    return tuple(sorted(parts.items(), key=lambda part: _name(part[0])))
+
+
+def _name(ink: Ink) -> str:
+    return ink if isinstance(ink, str) else ink.name
 
 
 @lru_cache(maxsize=128)
-def _stroke(brush: BrushSpec, parts: tuple[tuple[str, float], ...]) -> NDArray:
+def _stroke(brush: BrushSpec, parts: tuple[tuple[Ink, float], ...]) -> NDArray:
     width = _SHEET_LENGTHS * brush.length_mm
     surface = PaintedSurface(_sheet(width), None, load_material("xuan"))
     painter = Painter(surface, brush, dict(parts), azimuth="dragged")
@@ -76,11 +93,11 @@ def _samples(brush: BrushSpec, width: float) -> list[DeviceSample]:
 
 
 @lru_cache(maxsize=512)
-def ink_swatch(parts: tuple[tuple[str, float], ...], n: int = 24) -> NDArray:
+def ink_swatch(parts: tuple[tuple[Ink, float], ...], n: int = 24) -> NDArray:
     """(n, 3) uint8: a mixture on paper, from a thin wash to as dark as it gets."""
     from paint3d.colour.vertex_colours import ColourModel
 
-    pigments = [load_pigment(name) for name, _ in parts]
+    pigments = [load_pigment(ink) if isinstance(ink, str) else ink for ink, _ in parts]
     shares = np.array([share for _, share in parts], np.float64)
     coats = np.geomspace(0.03, 2.0, n)
     amounts = (coats[:, None] * (shares / shares.sum())).astype(np.float32)

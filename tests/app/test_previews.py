@@ -1,0 +1,64 @@
+"""The brushes' previews: in whatever ink is in use, and never a flood of faults."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from paint3d.app.window import brush_panel
+from paint3d.app.window.previews import sorted_parts, stroke_preview
+from paint3d.brush.presets import load_brush
+from paint3d.ink.pigments import load_pigment
+from tests.app.gestures import KIND, drag, live, mouse, wait_for
+from tests.app.windows import faults, opened, settled
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program) as window:
+        yield window
+
+
+def test_a_mixture_that_was_picked_up_is_shown_in_the_previews(window) -> None:
+    window.panels.inks.dipped.emit({"indigo": 0.8, "water": 0.2}, None)
+    drag(window.canvas, (0.45, 0.5), (0.55, 0.5))
+    settled(window)
+    mouse(window.canvas, KIND.MouseMove, 0.5 * window.canvas.width(), 0.5 * window.canvas.height())
+    with faults() as found:
+        window.actions_by_name["pick_colour"].trigger()
+        settled(window)
+        picked = window.document.inks[0]
+        assert {pigment.name for pigment in picked} == {"indigo", "water"}
+        wait_for(lambda: not window.panels.brushes.is_busy, 60.0)
+        live(0.3)
+    assert found == []
+    assert window.panels.ink_name() in ("indigo + water", "water + indigo")
+
+
+def test_a_preview_is_the_same_by_name_and_by_ink() -> None:
+    brush = load_brush("xiaokai")
+    names = {"indigo": 0.7, "water": 0.3}
+    inks = {load_pigment(name): part for name, part in reversed(names.items())}
+    assert [part for _, part in sorted_parts(names)] == [part for _, part in sorted_parts(inks)]
+    assert (stroke_preview(brush, names) == stroke_preview(brush, inks)).all()
+
+
+def test_previews_that_fail_are_told_once_and_the_timer_rests(window, monkeypatch) -> None:
+    def fail(brush, ink):
+        raise ValueError("no preview today")
+
+    monkeypatch.setattr(brush_panel, "stroke_preview", fail)
+    told: list[str] = []
+    window.panels.brushes.failed.connect(told.append)
+    with faults() as found:
+        for ink in ("azurite", "cinnabar"):
+            window.panels.brushes.set_ink(ink)
+            wait_for(lambda: not window.panels.brushes.is_busy)
+            live(0.4)
+    assert found == []
+    assert told == ["ValueError: no preview today"]
+    assert "no preview today" in window.told.text()
+    monkeypatch.undo()
+    window.panels.brushes.set_ink("pine soot")
+    wait_for(lambda: not window.panels.brushes.is_busy, 60.0)
