@@ -12,7 +12,7 @@ from paint3d.files.load import load_mesh
 from paint3d.kernels.layering import GROUNDS, see_through
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.state import restore_surface, surface_state
-from tests.app.hands import paint, same_vertices, small_plane
+from tests.app.hands import line, paint, same_vertices, small_plane
 
 ACROSS, ALONG = ((-20, 0), (20, 0)), ((0, -20), (0, 20))
 
@@ -210,6 +210,29 @@ def test_a_locked_or_hidden_layer_takes_no_paint():
     document.set_visible(0, False)
     with pytest.raises(InputError, match="hidden"):
         document.begin_stroke()
+
+
+def test_a_stroke_that_was_refused_passes_over_its_samples():
+    document = small_plane()
+    document.set_locked(0)
+    with pytest.raises(InputError, match="'1' is locked"):
+        document.begin_stroke()
+    document.feed(line((-20, 0), (20, 0)))
+    document.set_locked(0, False)  # half a stroke would be worse than none
+    document.feed(line((20, 0), (-20, 0)))
+    document.end_stroke()
+    assert not document.surface.painted.any()
+    assert not len(document.strokes)
+    paint(document, (-20, 0), (20, 0))
+    assert document.surface.painted.any()
+    document.begin_stroke()
+    document.feed(line((0, -20), (0, 20)))
+    document.undo()  # in the middle of it: the hand goes on for a while
+    document.feed(line((0, 20), (0, -20), t0=10_000_000_000))
+    document.end_stroke()
+    assert len(document.strokes) == 1
+    with pytest.raises(InputError, match="begin_stroke"):
+        document.feed(line((0, 0), (1, 0)))
 
 
 def test_what_is_no_layer_is_told():

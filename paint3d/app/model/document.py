@@ -95,6 +95,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self.mask = Mask()
         self._stencil: Stencil | None = None
         self._images: list[ImagePainter] = []
+        self._refused = False
         self._pending: list[NDArray] = []
 
     def _keep(self) -> dict[str, object]:

@@ -56,7 +56,7 @@ class HistoryCommands:
         (N,) int32
             Vertices whose colours may have changed.
         """
-        self.end_stroke()
+        self.break_off()
         chosen = self.painter.brush, self.painter.dipped
         touched = self._undo.undo()
         if (self.painter.brush, self.painter.dipped) != chosen:
@@ -67,7 +67,7 @@ class HistoryCommands:
 
     def redo(self) -> NDArray:
         """Do again what was undone last; returns as `undo`."""
-        self.end_stroke()
+        self.break_off()
         return self._stepped(self._undo.redo())
 
     def _stepped(self, touched: NDArray) -> NDArray:

@@ -31,6 +31,7 @@ class StrokeCommands:
     _images: list[ImagePainter]
     _stencil: Stencil | None
     _dipped: bool
+    _refused: bool
     _paintable: Callable[[], Layer]
     _note: Callable
 
@@ -50,10 +51,13 @@ class StrokeCommands:
         Raises
         ------
         InputError
-            If one is going on, or the layer is locked or hidden.
+            If one is going on, or the layer is locked or hidden. In that case samples are passed
+            over until `end_stroke` or `cancel_stroke`: they belong to the stroke that was refused.
         """
         self._refuse_in_stroke("a stroke")
+        self._refused = True
         layer = self._paintable()
+        self._refused = False
         painter = self.painter
         stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped)
         self._undo.begin(stroke)
@@ -69,6 +73,8 @@ class StrokeCommands:
             If no stroke was begun, or the samples cannot follow those before; none of them is
             painted then, and the stroke goes on.
         """
+        if self._refused:
+            return
         if not self.in_stroke:
             raise InputError("samples came without a stroke; expected begin_stroke first")
         if not samples:
@@ -83,6 +89,7 @@ class StrokeCommands:
 
     def end_stroke(self) -> None:
         """Paint what still waits, and lift the brush."""
+        self._refused = False
         if not self.in_stroke:
             return
         self.painter.finish()
@@ -92,8 +99,15 @@ class StrokeCommands:
         if stroke is None:
             self._note(self._undo.revert())
 
+    def break_off(self) -> None:
+        """End the stroke that is going on now; what its hand still sends is passed over."""
+        if self.in_stroke:
+            self.end_stroke()
+            self._refused = True
+
     def cancel_stroke(self) -> None:
         """Take the stroke that is going on back, as if it had never begun."""
+        self._refused = False
         if not self.in_stroke:
             return
         self.painter.abandon()

@@ -1,0 +1,36 @@
+"""What cannot be done is said in its own words, and only those."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from tests.app.gestures import drag, live, wait_for
+from tests.app.windows import opened, settled
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program) as window:
+        yield window
+
+
+@pytest.mark.parametrize("state", ["locked", "hidden"])
+def test_a_layer_that_takes_no_paint_says_why_and_nothing_else(window, state) -> None:
+    command = {"locked": ("set_locked", 0), "hidden": ("set_visible", 0, False)}[state]
+    back = {"locked": ("set_locked", 0, False), "hidden": ("set_visible", 0, True)}[state]
+    window.post(*command)
+    settled(window)
+    drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
+    settled(window)
+    wait_for(lambda: state in window.told.text())
+    live(0.2)
+    assert "stroke" not in window.told.text()
+    assert not len(window.document.strokes)
+    window.post(*back)
+    drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
+    settled(window)
+    assert len(window.document.strokes) == 1
+    window.post("undo")
+    settled(window)
