@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,11 @@ from paint3d.view.live_light import BakedLight, LiveLight
 from paint3d.view.live_patches import FACES, LivePatches
 
 __all__ = ["LiveObject", "PatchUpload"]
+
+_VEIL = np.array([70.0, 84.0, 112.0])  # sRGB codes of what covers the surface
+_DENSE, _THIN = 0.62, 0.40  # how much of it is seen on its stripes, and between them
+_STRIPES = 26  # across the object
+_LEAST_EDGES = 5.0  # lengths of an edge from stripe to stripe: vertices must be able to show them
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +66,20 @@ class LiveObject:
         self.centre = 0.5 * (low + high).astype(np.float64)
         self.radius = 0.5 * float(np.linalg.norm(high - low))
         self._all = True
+        self._covers: Callable[[NDArray], NDArray] | None = None
+        edge = 1.1 * float(np.sqrt(surface.vertex_areas.sum() / len(surface.source.vertices)))
+        self._stripe = max(2.0 * self.radius / _STRIPES, _LEAST_EDGES * edge)
+
+    def veil(self, covers: Callable[[NDArray], NDArray] | None) -> None:
+        """Hatch what takes no paint; the next `uploads` brings every colour.
+
+        Parameters
+        ----------
+        covers : callable or None
+            Given vertices (N,) int32 returns (N,) bool; None: nothing is covered.
+        """
+        self._covers = covers
+        self._all = True
 
     def relight(self, baked: BakedLight) -> None:
         """Use baked light; the next `uploads` brings every colour."""
@@ -88,5 +108,16 @@ class LiveObject:
                 points = np.stack([field.px[ids], field.py[ids], field.pz[ids]], axis=1)
                 normals = np.stack([field.nx[ids], field.ny[ids], field.nz[ids]], axis=1)
             colours = self.light.colours(ids, srgb)
+            if self._covers is not None:
+                self._hatch(ids, colours)
             found.append(PatchUpload(change.patch, colours, points, normals, change.faces))
         return found
+
+    def _hatch(self, ids: NDArray, colours: NDArray) -> None:
+        """Lay a striped veil over the colours (N, 3) of those vertices (N,) that are covered."""
+        covered = self._covers(ids)
+        ids, field = ids[covered], self.surface.paint_mesh.arrays
+        along = (field.px[ids] + field.py[ids] + field.pz[ids]) / (3.0**0.5 * self._stripe)
+        wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * along)
+        share = (_THIN + (_DENSE - _THIN) * wave)[:, None]
+        colours[covered] = np.rint((1.0 - share) * colours[covered] + share * _VEIL)

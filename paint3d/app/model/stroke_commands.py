@@ -139,6 +139,11 @@ class StrokeCommands:
         self.mask = mask
 
     @property
+    def stencil(self) -> Stencil | None:
+        """The mask as it lies on the surface; None where paint is taken everywhere."""
+        return self._stencil
+
+    @property
     def tags(self) -> dict[str, object]:
         """What every stroke from now on says as well; see `set_tags`."""
         return dict(self._log.tags)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.frame import BrushView, Frame
+from paint3d.app.model.mask import Stencil
 from paint3d.app.model.sitting import Sitting
 from paint3d.brush.spec import BrushSpec
 from paint3d.frames import matrices_from_quaternions
@@ -59,7 +60,8 @@ class Stage:
         self.scene = LiveScene(size, mood)
         self.easel: Easel | None = None
         self.frame: Frame | None = None
-        self.shows_brush = True
+        self.shows_brush = self.shows_mask = True
+        self._stencil: Stencil | None = None
         self._object: LiveObject | None = None
         self._brush: LiveBrush | None = None
         self._brush_spec: BrushSpec | None = None
@@ -109,6 +111,7 @@ class Stage:
             self.show_lines(name, (), (0, 0, 0, 0))
         self.easel = self.frame = self._object = self._brush = None
         self._brush_spec, self._stood, self._pending = None, (), []
+        self._stencil = None
 
     def close(self) -> None:
         """Let go of everything."""
@@ -153,6 +156,7 @@ class Stage:
         if self.easel is None:
             return None
         self._take_light()
+        self._take_mask()
         frame = self.easel.take_frame()
         if frame is None:
             if self._pending:
@@ -208,6 +212,16 @@ class Stage:
         baked, self._baking = self._baking.result(), None
         self._object.relight(baked)
         self.scene.set_ground(baked)
+        self._pending.append(_NONE)
+        self.touch()
+
+    def _take_mask(self) -> None:
+        """Hatch the object where another mask than before covers it."""
+        stencil = self.easel.document.stencil if self.shows_mask else None
+        if stencil is self._stencil:
+            return
+        self._stencil = stencil
+        self._object.veil(None if stencil is None else stencil.covers)
         self._pending.append(_NONE)
         self.touch()
 
