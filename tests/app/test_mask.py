@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, region_faces
+from paint3d.app.model.symmetry import MirrorPlane, Symmetry
 from paint3d.errors import InputError
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from tests.app.hands import line, paint, small_plane
+from tests.app.hands import line, paint, same_vertices, small_plane
 
 UP = (0.0, 0.0, 1.0)
 
@@ -57,7 +58,7 @@ def test_paint_stays_in_the_region(inverted):
     x = document.surface.paint_mesh.vertices[:, 0]
     assert painted.any()
     assert (x[painted] <= 0.0).all() if not inverted else (x[painted] >= 0.0).all()
-    assert close(document)["off_surface"] > 0.0
+    close(document)
 
 
 def test_paint_stays_where_the_surface_looks_the_right_way():
@@ -94,6 +95,71 @@ def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends)
     while len(document.strokes) > 1:
         document.undo()
     np.testing.assert_array_equal(document.surface.amounts[: len(before), :1], before)
+
+
+COVERED = Mask(AngleMask((0, 0, -1), 10.0))  # the plane looks up: all of it
+
+
+@pytest.mark.parametrize("tuft", ["solid", "two inks", "hairs"])
+def test_a_stencil_drinks_no_ink(tuft):
+    document = small_plane(brush="feibai" if tuft == "hairs" else "full")
+    if tuft == "two inks":
+        document.dip({"indigo": 0.1, "water": 0.9})
+        document.dip("pine soot", 0.35)
+    document.set_mask(COVERED)
+    ink = document.surface.ink
+    before, stations = ink.load.copy(), ink.stations.copy()
+    for k in range(3):
+        paint(document, (-30, 5 * k), (30, 5 * k), t0=10_000_000_000 * (k + 1))
+    np.testing.assert_allclose(document.surface.ink.load, before, rtol=1e-6)
+    assert not document.surface.painted.any()
+    assert close(document)["off_surface"] == pytest.approx(0.0, abs=1e-3 * before.sum())
+    if tuft == "two inks":
+        np.testing.assert_allclose(
+            document.surface.ink.stations.sum(axis=1), stations.sum(axis=1), rtol=1e-6
+        )
+    document.set_mask(Mask())
+    paint(document, (-30, 0), (30, 0), t0=90_000_000_000)
+    assert document.surface.painted.any()
+    close(document)
+
+
+def test_images_of_a_stroke_keep_their_own_ink_from_the_stencil():
+    document = small_plane()
+    document.set_symmetry(Symmetry((MirrorPlane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),)))
+    document.set_mask(COVERED)
+    before = document.surface.ink.load.copy()
+    paint(document, (-30, -5), (-10, 10))
+    np.testing.assert_allclose(document.surface.ink.load, before, rtol=1e-6)
+    close(document)
+    document.set_mask(Mask())
+    paint(document, (-30, -5), (-10, 10), t0=10_000_000_000)
+    close(document)
+
+
+@pytest.mark.parametrize("thirst", [0.0, 0.05])
+@pytest.mark.parametrize("shown", [False, True])
+def test_how_samples_come_in_batches_makes_no_difference_under_a_mask(thirst, shown):
+    ends = []
+    for size in (1, 7, 40):
+        document = Document.new(roof(), 2.0)
+        mesh = document.surface.paint_mesh
+        document.surface.ink.habit[0] = thirst
+        paint(document, (-30, -10), (30, -10))
+        vertex = int(np.argmin(mesh.vertices[:, 0] + 100 * (mesh.vertices[:, 2] < -30)))
+        document.set_mask(Mask(regions=(RegionPick(face_at(mesh, vertex)),)))
+        samples = line((30, -12), (-30, 8), n=40, t0=10_000_000_000)
+        document.begin_stroke()
+        for k in range(0, len(samples), size):
+            document.feed(samples[k : k + size])
+            if shown:
+                document.refresh()
+        document.end_stroke()
+        close(document)
+        ends.append(document)
+    for other in ends[1:]:
+        same_vertices(ends[0].surface, other.surface)
+        np.testing.assert_array_equal(ends[0].surface.ink.load, other.surface.ink.load)
 
 
 def test_what_is_no_mask_is_told():

@@ -41,17 +41,19 @@ class ImagePainter:
         self._held = ink.load.copy(), ink.stations.copy()
         painter.loaded += painter.in_brush()
 
-    def advance(self, samples: Sequence[DeviceSample]) -> None:
-        """Paint the image of what the hand did."""
+    def advance(
+        self, samples: Sequence[DeviceSample], then: Callable[[], None] = lambda: None
+    ) -> None:
+        """Paint the image of what the hand did, and do something while this brush is in hand."""
         moved = transformed(samples, self._image)
-        self._as_twin(lambda: self._twin.advance(moved))
+        self._as_twin(lambda: (self._twin.advance(moved), then()))
 
-    def finish(self) -> None:
-        """Paint what still waits, and wash the brush out."""
-        self._as_twin(self._twin.finish)
+    def finish(self, then: Callable[[], None] = lambda: None) -> None:
+        """Paint what still waits, do something, and wash the brush out."""
+        self._as_twin(lambda: (self._twin.finish(), then()))
         self._painter.loaded -= self._surface.lasting(self._fitting()[0])
 
-    def _as_twin(self, action: Callable[[], None]) -> None:
+    def _as_twin(self, action: Callable[[], object]) -> None:
         """Do something with this brush's ink instead of the hand's."""
         surface = self._surface
         own = surface.ink.load.copy(), surface.ink.stations

@@ -1,8 +1,9 @@
 """Where paint is taken: by the angle of the surface, and by regions that were picked.
 
 Nothing in the painting knows of it. After a brush went on, vertices that are masked get back what
-they had, and what would have stayed on them is on the stencil: it counts as run off the surface, so
-the ledger closes. Without a mask this costs nothing, with one as much as vertices were touched.
+they had, and what would have stayed on them stays in the brush: a stencil drinks no ink. So the
+ledger closes. With a mask strokes are painted sample by sample, so that how samples come in batches
+makes no difference. Without a mask this costs nothing, with one as much as vertices were masked.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.arrays import as_array, as_number
 from paint3d.errors import InputError
+from paint3d.kernels.tuft_load import level_stations
 from paint3d.mesh.paint_mesh import PaintMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -184,6 +186,7 @@ class Stencil:
             self._faces = np.logical_or.reduce(picked) != mask.inverted
         self._open = np.zeros(0, bool)
         self._known = 0, 0
+        self._looked = self._masked = np.empty(0, np.int32)
 
     def covers(self, vertex_ids: NDArray) -> NDArray[np.bool_]:
         """(N,) bool: whether vertices (N,) take no paint."""
@@ -218,31 +221,55 @@ class Stencil:
         )
         self._open[first:last] &= height >= math.cos(math.radians(angle.degrees)) - 1e-6
 
-    def wipe(self, before: Callable[[NDArray], tuple[NDArray, NDArray]]) -> None:
-        """Give masked vertices back what they had.
+    def wipe(self, before: Callable[[NDArray], tuple[NDArray, NDArray]]) -> NDArray:
+        """Give masked vertices back what they had, and the brush what fell on them.
 
         Parameters
         ----------
         before : callable
             Returns amounts (N, P) and coverage (N,) of vertices (N,) before the brush came.
+
+        Returns
+        -------
+        (P,) float64
+            What the surface's brush has now more, or less where it drank through the stencil,
+            coats x mm2.
         """
         ink = self._surface.ink
-        dirty = ink.dirty_ids[: int(ink.n_dirty[0])]
-        if not len(dirty):
-            return
-        ids = dirty[self.covers(dirty)]
+        ids = self._touched()
+        if not len(ids):
+            return np.zeros(len(ink.load))
         amounts, coverage = before(ids)
         came = ink.amounts[ids].astype(np.float64) - amounts
+        if not came.any() and np.array_equal(ink.coverage[ids], coverage):
+            return np.zeros(len(ink.load))
         caught = self._surface.vertex_areas[ids] @ came
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
-        ink.off_surface[:] += np.maximum(caught, 0.0)
-        self._return(np.maximum(-caught, 0.0))
+        return self._give_back(caught)
 
-    def _return(self, taken: NDArray) -> None:
-        """Take from the brush what it picked up through the stencil."""
+    def _touched(self) -> NDArray:
+        """Masked vertices among those that were touched since colours were asked for last."""
         ink = self._surface.ink
-        if taken.any():
-            left = np.maximum(ink.load - taken, 0.0)
-            share = np.divide(left, ink.load, out=np.ones_like(left), where=ink.load > 0.0)
-            ink.stations[:] *= share
-            ink.load[:] = left
+        dirty, known = ink.dirty_ids[: int(ink.n_dirty[0])], self._looked
+        if not np.array_equal(dirty[: len(known)], known):
+            known, self._masked = known[:0], np.empty(0, np.int32)
+        if len(dirty) > len(known):
+            fresh = dirty[len(known) :]
+            self._masked = np.concatenate([self._masked, fresh[self.covers(fresh)]])
+            self._looked = dirty.copy()
+        return self._masked
+
+    def _give_back(self, caught: NDArray) -> NDArray:
+        """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is."""
+        ink = self._surface.ink
+        held = np.maximum(ink.load + caught, 0.0)
+        given = held - ink.load
+        shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
+        empty = (ink.load <= 0.0) & (held > 0.0)
+        ink.stations[:] *= shares
+        if len(ink.stations) > 1:
+            ink.stations[:, empty] = held[empty] / len(ink.stations)
+            level_stations(ink.stations)
+        ink.load[:] = held
+        ink.off_surface[:] += caught - given
+        return given

@@ -81,10 +81,11 @@ class StrokeCommands:
             return
         self._log.check(samples)
         self._log.append(samples)
-        self.painter.advance(samples)
-        for image in self._images:
-            image.advance(samples)
-        self._wipe_stencil()
+        for batch in [samples] if self._stencil is None else [[sample] for sample in samples]:
+            self.painter.advance(batch)
+            self._wipe_stencil()
+            for image in self._images:
+                image.advance(batch, self._wipe_stencil)
         self.modified = True
 
     def end_stroke(self) -> None:
@@ -93,8 +94,8 @@ class StrokeCommands:
         if not self.in_stroke:
             return
         self.painter.finish()
-        self._lift_images()
         self._wipe_stencil()
+        self._lift_images()
         stroke = self._log.end()
         if stroke is None:
             self._note(self._undo.revert())
@@ -158,7 +159,7 @@ class StrokeCommands:
 
     def _lift_images(self) -> None:
         for image in self._images:
-            image.finish()
+            image.finish(self._wipe_stencil)
         self._images = []
 
     def _refuse_in_stroke(self, what: str) -> None:
