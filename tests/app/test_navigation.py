@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from paint3d.app.model.navigation import (
     SIDES,
+    approach,
     dolly,
     frame,
     look_from,
@@ -17,6 +18,8 @@ from paint3d.app.model.navigation import (
     picture_axes,
     ray_at,
     roll,
+    roll_at,
+    roll_of,
     zoom_at,
 )
 from paint3d.errors import InputError
@@ -53,6 +56,38 @@ def test_orbit_keeps_distance_focus_and_upright(dx, dy, z_up):
     if z_up:
         assert abs(right[2]) < 1e-9
         assert up[2] > 0.0
+
+
+@given(st.floats(-3.0, 3.0), DRAGS, DRAGS)
+def test_a_rolled_picture_stays_rolled_while_it_is_turned(angle, dx, dy):
+    rolled = roll(camera(), angle)
+    assert roll_of(rolled) == pytest.approx(angle, abs=1e-7)
+    view = orbit(rolled, dx, dy, SIZE[1])
+    assert roll_of(view) == pytest.approx(angle, abs=1e-6)
+    assert distance(view) == pytest.approx(distance(rolled))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, -2.0])
+@pytest.mark.parametrize("way", [(6.0, 0.0), (0.0, 6.0), (-4.0, 3.0)])
+def test_what_is_near_follows_the_hand_however_the_picture_is_rolled(angle, way):
+    rolled = roll(camera(focus=(0.0, 0.0, 0.0), position=(0.0, -300.0, 60.0)), angle)
+    point = picture_axes(rolled)[2] * 40.0  # in the middle, toward the viewer
+    before = np.array(pixel(rolled, point))
+    moved = np.array(pixel(orbit(rolled, *way, SIZE[1]), point)) - before
+    assert moved @ way > 0.97 * np.linalg.norm(moved) * np.linalg.norm(way)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(0, 800), st.floats(0, 600))
+def test_rolling_leaves_what_is_under_the_pointer(angle, x, y):
+    before = camera()
+    ray = ray_at(before, x, y, SIZE)
+    right, _, back = picture_axes(before)
+    far = -distance(before) / (ray.direction @ back)
+    point = before.position + far * ray.direction
+    view = roll_at(before, angle, x, y, SIZE)
+    np.testing.assert_allclose(pixel(view, point), [x, y], atol=1e-6)
+    step = np.array(pixel(view, point + 0.1 * right)) - [x, y]
+    assert math.atan2(-step[1], step[0]) == pytest.approx(angle, abs=1e-3)
 
 
 def test_orbit_turns_what_is_near_with_the_hand():
@@ -96,6 +131,15 @@ def test_framing_shows_the_whole_ball_and_fills_the_picture(aspect):
     half = 0.5 * view.view_angle
     half = min(half, math.atan(aspect * math.tan(half)))
     assert 0.8 * half < apparent < half
+
+
+def test_coming_near_never_goes_away():
+    far = camera()
+    near = approach(far, (50, 20, 0), 10.0)
+    np.testing.assert_array_equal(near.position, frame(far, (50, 20, 0), 10.0).position)
+    again = approach(near, (0, 0, 0), 40.0)
+    np.testing.assert_array_equal(again.focus, [0, 0, 0])
+    assert distance(again) == pytest.approx(distance(near))
 
 
 def test_sides_look_where_they_say():

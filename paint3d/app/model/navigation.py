@@ -1,4 +1,5 @@
-"""Moving the camera around the object, as pure steps: orbit, pan, dolly, frame, look from a side.
+"""Moving the camera around the object, as pure steps: orbit, pan, dolly, roll, frame, look from a
+side.
 
 Drags are counted in pixels of a picture of some height, so that what lies under the pointer at the
 focus stays under it.
@@ -16,11 +17,26 @@ from paint3d.arrays import as_array, as_number
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera
 
-__all__ = ["SIDES", "Ray", "dolly", "frame", "look_from", "orbit", "pan", "picture_axes", "ray_at",
-           "roll", "zoom_at"]  # fmt: skip
+__all__ = [
+    "SIDES",
+    "Ray",
+    "approach",
+    "dolly",
+    "frame",
+    "look_from",
+    "orbit",
+    "pan",
+    "picture_axes",
+    "ray_at",
+    "roll",
+    "roll_at",
+    "roll_of",
+    "zoom_at",
+]
 
 _TURN_PER_HEIGHT = math.pi  # rad: a drag over the picture's height turns the object half round
 _STEEPEST = math.radians(89.0)
+_NO_ROLL = math.sin(math.radians(89.9))  # looked at along z from so near, nothing is upright
 _FILL = 0.85
 _NEAREST, _FARTHEST = 1e-3, 1e6  # mm, from the focus
 
@@ -60,8 +76,14 @@ def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True
     height : float
         Of the picture, pixels.
     z_up : bool
-        Keep the z axis upright in the picture; else turn freely.
+        Keep the z axis as upright in the picture as it is, however the picture is rolled; else turn
+        freely.
     """
+    rolled = roll_of(camera) if z_up else 0.0
+    if rolled != 0.0:
+        c, s = math.cos(rolled), math.sin(rolled)
+        turned = orbit(roll(camera, -rolled), c * dx - s * dy, s * dx + c * dy, height)
+        return roll(turned, rolled)
     per_pixel = _TURN_PER_HEIGHT / as_number(height, "height of the picture (pixels)", 1.0)
     right, up, back = picture_axes(camera)
     reach = camera.position - camera.focus
@@ -86,6 +108,26 @@ def roll(camera: Camera, angle: float) -> Camera:
     """Turn the picture about its middle, anticlockwise, rad."""
     _, up, back = picture_axes(camera)
     return replace(camera, up=_turned(up, back, -angle))
+
+
+def roll_of(camera: Camera) -> float:
+    """How far the picture is rolled from upright, anticlockwise, rad in (-pi, pi].
+
+    Upright is the z axis; where one looks along it the picture counts as upright.
+    """
+    right, up, back = picture_axes(camera)
+    if abs(float(back[2])) >= _NO_ROLL:
+        return 0.0
+    angle = math.atan2(-float(right[2]), float(up[2]))
+    return 0.0 if abs(angle) < 1e-9 else angle
+
+
+def roll_at(camera: Camera, angle: float, x: float, y: float, size: tuple[float, float]) -> Camera:
+    """Roll by an angle so that what is under the pointer stays there; see `roll` and `zoom_at`."""
+    off_x, off_y = x - 0.5 * size[0], y - 0.5 * size[1]
+    c, s = math.cos(angle), math.sin(angle)
+    moved_x, moved_y = c * off_x + s * off_y, -s * off_x + c * off_y
+    return pan(roll(camera, angle), off_x - moved_x, off_y - moved_y, size[1])
 
 
 def pan(camera: Camera, dx: float, dy: float, height: float) -> Camera:
@@ -146,6 +188,14 @@ def frame(camera: Camera, centre: ArrayLike, radius: float, aspect: float = 1.0)
     distance = radius / (_FILL * math.sin(half))
     _, up, back = picture_axes(camera)
     return replace(camera, position=centre + distance * back, focus=centre, up=up)
+
+
+def approach(camera: Camera, centre: ArrayLike, radius: float, aspect: float = 1.0) -> Camera:
+    """Look at a ball from near, and never from farther than now; arguments as of `frame`."""
+    nearer = frame(camera, centre, radius, aspect)
+    now = float(np.linalg.norm(camera.position - camera.focus))
+    wanted = float(np.linalg.norm(nearer.position - nearer.focus))
+    return nearer if wanted <= now else dolly(nearer, wanted / now)
 
 
 def look_from(camera: Camera, side: str) -> Camera:

@@ -27,6 +27,7 @@ _CHOICES = {
     "theme": ("system", "light", "dark"),
     "unit": ("mm", "cm", "m", "in"),
     "pressure_by": ("keys", "speed"),
+    "finger": ("auto", "paint", "turn"),
 }
 _RANGES = {
     "smoothing": (0.0, 1.0),
@@ -52,6 +53,8 @@ class Settings:
     pressure_curve : tuple of (float, float)
         See `PressureCurve`.
     pressure_by : {"keys", "speed"}
+    finger : {"auto", "paint", "turn"}
+        What one finger on the picture does; "auto": it paints until a pen is used, then it turns.
     force_n : float
         Of a mouse, at first.
     smoothing : float
@@ -84,6 +87,7 @@ class Settings:
     resolution_mm: float = 0.4
     pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
     pressure_by: str = "keys"
+    finger: str = "auto"
     force_n: float = 1.5
     smoothing: float = 0.0
     wet: bool = False

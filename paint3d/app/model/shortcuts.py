@@ -1,7 +1,8 @@
 """The whole key map, as data: what artists know from other programs.
 
 B brush, [ ] size and F held for a drag as in Blender and Krita, X swaps and I picks as in
-Photoshop, Alt with the mouse's buttons as in Maya, the middle button as in Blender.
+Photoshop, Alt with the mouse's buttons as in Maya, the middle button and the keypad as in Blender,
+Space held for a drag as in Krita (for where the window manager takes Alt), fingers as in Procreate.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from paint3d.errors import InputError
 
 __all__ = ["GESTURES", "GROUPS", "SHORTCUTS", "Shortcut", "check_shortcuts", "find_shortcuts"]
 
-GESTURES = ("press", "hold", "drag")
-"""Pressed; held for as long as it counts; held, or pressed down, while the pointer moves."""
+GESTURES = ("press", "hold", "drag", "tap")
+"""Pressed; held for as long as it counts; held, or pressed down, while the pointer moves; fingers
+that touch and leave."""
 
 GROUPS = ("file", "edit", "brush", "ink", "stroke", "view", "layers", "window")
 
@@ -27,7 +29,9 @@ class Shortcut:
     ----------
     keys : str
         As Qt's `QKeySequence` writes them: "Ctrl+Shift+Z"; mouse buttons are "Left", "Middle",
-        "Right", and the wheel "Wheel".
+        "Right", and the wheel "Wheel"; a key of the keypad is "Num+" and what it says with
+        NumLock; "Pen 1" and "Pen 2" are a pen's buttons, "Fingers 2" is two fingers, "Beside" is a
+        drag that begins beside the object.
     action : str
         What is asked for; "action." and this is the key of its text.
     group : str
@@ -63,6 +67,8 @@ SHORTCUTS: tuple[Shortcut, ...] = (
         ("Ctrl+Z", "undo"),
         ("Ctrl+Shift+Z", "redo"),
         ("Ctrl+Y", "redo"),
+        ("Fingers 2", "undo", "tap"),
+        ("Fingers 3", "redo", "tap"),
         ("Ctrl+,", "preferences"),
     ),
     *_group(
@@ -74,7 +80,6 @@ SHORTCUTS: tuple[Shortcut, ...] = (
         ("Shift+F", "force", "drag"),
         (".", "harder", "hold"),
         (",", "softer", "hold"),
-        ("Shift", "bend", "hold"),
         ("Shift+S", "smoothing"),
         ("1", "brush_1"),
         ("2", "brush_2"),
@@ -85,6 +90,9 @@ SHORTCUTS: tuple[Shortcut, ...] = (
         ("7", "brush_7"),
         ("8", "brush_8"),
         ("9", "brush_9"),
+        ("0", "brush_10"),
+        ("Ctrl+1", "brush_11"),
+        ("Ctrl+2", "brush_12"),
     ),
     *_group(
         "ink",
@@ -99,6 +107,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     *_group(
         "stroke",
         ("Left", "paint", "drag"),
+        ("Fingers 1", "paint", "drag"),
         ("Esc", "cancel_stroke"),
         ("M", "mirror"),
         ("Shift+M", "radial"),
@@ -106,19 +115,57 @@ SHORTCUTS: tuple[Shortcut, ...] = (
         ("Shift+K", "pick_region"),
         ("Ctrl+Shift+K", "clear_mask"),
         ("Ctrl+R", "record"),
-        ("Space", "replay"),
+        ("Ctrl+Shift+R", "replay"),
     ),
     *_group(
         "view",
+        ("Beside", "orbit", "drag"),
+        ("Space+Left", "orbit", "drag"),
         ("Alt+Left", "orbit", "drag"),
         ("Middle", "orbit", "drag"),
+        ("Pen 1", "orbit", "drag"),
+        ("Fingers 3", "orbit", "drag"),
+        ("Shift+Space+Left", "pan", "drag"),
         ("Alt+Middle", "pan", "drag"),
         ("Shift+Middle", "pan", "drag"),
+        ("Pen 2", "pan", "drag"),
+        ("Ctrl+Space+Left", "dolly", "drag"),
         ("Alt+Right", "dolly", "drag"),
         ("Ctrl+Middle", "dolly", "drag"),
         ("Wheel", "dolly", "drag"),
+        ("Ctrl+Shift+Space+Left", "roll", "drag"),
+        ("Fingers 2", "pinch", "drag"),
         ("F", "frame_selected"),
+        ("Num+.", "frame_selected"),
         ("Home", "frame_all"),
+        ("Num+5", "frame_all"),
+        ("Left", "turn_left"),
+        ("Num+4", "turn_left"),
+        ("Right", "turn_right"),
+        ("Num+6", "turn_right"),
+        ("Up", "turn_up"),
+        ("Num+8", "turn_up"),
+        ("Down", "turn_down"),
+        ("Num+2", "turn_down"),
+        ("Shift+Left", "pan_left"),
+        ("Ctrl+Num+4", "pan_left"),
+        ("Shift+Right", "pan_right"),
+        ("Ctrl+Num+6", "pan_right"),
+        ("Shift+Up", "pan_up"),
+        ("Ctrl+Num+8", "pan_up"),
+        ("Shift+Down", "pan_down"),
+        ("Ctrl+Num+2", "pan_down"),
+        ("+", "nearer"),
+        ("=", "nearer"),
+        ("Num++", "nearer"),
+        ("-", "farther"),
+        ("Num+-", "farther"),
+        ("Ctrl+[", "roll_left"),
+        ("Num+/", "roll_left"),
+        ("Ctrl+]", "roll_right"),
+        ("Num+*", "roll_right"),
+        ("Shift+Home", "upright"),
+        ("Num+0", "upright"),
         ("Num+1", "look_front"),
         ("Ctrl+Num+1", "look_back"),
         ("Num+3", "look_right"),
@@ -141,6 +188,9 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     *_group(
         "window",
         ("Tab", "panels"),
+        ("F6", "next_panel"),
+        ("Shift+F6", "previous_panel"),
+        ("F10", "menus"),
         ("F11", "full_screen"),
         ("?", "shortcuts"),
         ("F1", "shortcuts"),
@@ -167,7 +217,7 @@ def check_shortcuts(shortcuts: Iterable[Shortcut]) -> None:
     for one in shortcuts:
         if one.group not in GROUPS or one.gesture not in GESTURES:
             raise InputError(f"shortcut {one.keys}: {one.group!r}, {one.gesture!r} is not known")
-        place = one.keys.lower(), "press" if one.gesture == "press" else "hold"
+        place = one.keys.lower(), "press" if one.gesture in ("press", "tap") else "hold"
         if place in taken:
             raise InputError(f"{one.keys} asks for {taken[place]!r} and for {one.action!r}")
         taken[place] = one.action

@@ -2,28 +2,54 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.event_clock import EventClock
-from paint3d.app.window.touch import touch_of_mouse, touch_of_tablet
+from paint3d.app.model.fingers import Fingers, Meaning
+from paint3d.app.window.touch import Touch, touch_of_mouse, touch_of_tablet
 
-__all__ = ["Canvas"]
+__all__ = ["WRITING", "Canvas", "Drag"]
+
+WRITING = (QtWidgets.QLineEdit, QtWidgets.QAbstractSpinBox, QtWidgets.QPlainTextEdit)
+"""Widgets that want every key for themselves."""
+
+_PEN_LEFT_S = 600.0  # for so long after a pen was seen, a finger alone does not paint
+_PALM_S = 0.2  # for so long after a pen was seen, what touches is the hand that holds it
+_KIND, _BUTTON, _KEY = QtCore.QEvent.Type, QtCore.Qt.MouseButton, QtCore.Qt.KeyboardModifier
+_TOUCHES = (_KIND.TouchBegin, _KIND.TouchUpdate, _KIND.TouchEnd, _KIND.TouchCancel)
+_RELEASED = QtGui.QEventPoint.State.Released
+_ERASER = QtGui.QPointingDevice.PointerType.Eraser
+
+
+@dataclass(frozen=True)
+class Drag:
+    """Where a drag that steers the view is, pixels, y down, and the action by which it steers."""
+
+    mode: str
+    x: float
+    y: float
 
 
 class Canvas(QtWidgets.QWidget):
-    """Shows pixels; tells what pen, mouse and wheel do.
+    """Shows pixels; tells what pen, mouse, fingers and wheel do.
 
     Signals
     -------
     touched : Touch
-        A pen or the mouse has moved, come down or gone up, no other button or key being meant.
-    steered : (str, float, float)
-        "begin", "move" or "end" of a drag that steers the view, and where.
+        A pen, the mouse or a finger has moved, come down or gone up, to paint.
+    taken_back : ()
+        What a finger began was the beginning of a gesture of several.
+    steered : (str, Drag)
+        "begin", "move" or "end" of a drag that steers the view.
+    gestured : Meaning
+        Several fingers have moved or tapped.
     wheeled : (float, float, float)
         Notches of the wheel, and where.
     left : ()
@@ -33,10 +59,22 @@ class Canvas(QtWidgets.QWidget):
         A file was let fall here.
     untimed : ()
         A pen gives no times of its own: the first time that this is found.
+
+    Attributes
+    ----------
+    mode_at : callable
+        Given x, y and the keys that are held; returns how a drag that begins there steers, or None
+        if it paints.
+    grip_at : callable
+        Given x and y; whether there is something to take hold of that is no place to paint.
+    finger : {"auto", "paint", "turn"}
+        What one finger does; "auto": it paints until a pen was seen, then it turns.
     """
 
     touched = QtCore.Signal(object)
+    taken_back = QtCore.Signal()
     steered = QtCore.Signal(str, object)
+    gestured = QtCore.Signal(object)
     wheeled = QtCore.Signal(float, float, float)
     left = QtCore.Signal()
     resized = QtCore.Signal()
@@ -48,6 +86,7 @@ class Canvas(QtWidgets.QWidget):
         self.setMouseTracking(True)
         self.setTabletTracking(True)
         self.setAcceptDrops(True)
+        self.setAttribute(QtCore.Qt.WidgetAttribute.WA_AcceptTouchEvents)
         self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
         self.setMinimumSize(320, 240)
         self.setAttribute(QtCore.Qt.WidgetAttribute.WA_OpaquePaintEvent)
@@ -57,8 +96,14 @@ class Canvas(QtWidgets.QWidget):
         self.overlays: list[Callable[[QtGui.QPainter, QtCore.QRect], None]] = []
         self._image: QtGui.QImage | None = None
         self._pixels: NDArray | None = None
-        self._steering = False
-        self._pen_down = False
+        self.mode_at: Callable[..., str | None] = lambda x, y, keys: None
+        self.grip_at: Callable[..., object] = lambda x, y: None
+        self.finger = "auto"
+        self._fingers = Fingers()
+        self._mode: str | None = None  # of the drag that steers now
+        self._by = ""  # what began it: "mouse", "pen" or "finger"
+        self._pen_down = self._mouse_down = self._palm = False
+        self._pen_seen_s = -_PEN_LEFT_S
         self._clock = EventClock()
 
     @property
@@ -95,53 +140,177 @@ class Canvas(QtWidgets.QWidget):
         super().resizeEvent(event)
         self.resized.emit()
 
+    def event(self, event: QtCore.QEvent) -> bool:
+        """Take fingers, on the screen or on a touch pad."""
+        if event.type() in _TOUCHES:
+            self._take_fingers(event)
+            event.accept()
+            return True
+        if event.type() == _KIND.NativeGesture and self._take_native(event):
+            return True
+        return super().event(event)
+
+    # -- mouse ------------------------------------------------------------------------------
+
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Begin to steer with Alt or another button; else the brush comes down."""
+        """Begin to steer with Alt, another button or beside the object; else the brush lands."""
         self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
-        if _steers(event):
-            self._steering = True
-            self.steered.emit("begin", event)
-        elif not self._pen_down:
-            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
         event.accept()
+        if self._mode is not None or self._mouse_down or self._pen_down:
+            return  # one thing after the other
+        place = event.position()
+        mode = _mode_of(event) or self.mode_at(place.x(), place.y(), event.modifiers())
+        if mode is not None:
+            self._begin(mode, "mouse", place)
+        else:
+            self._mouse_down = True
+            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         """Steer, or move the brush."""
-        if self._steering:
-            self.steered.emit("move", event)
-        elif not self._pen_down:
-            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
         event.accept()
+        self._take_focus()
+        place = event.position()
+        if self._by == "mouse":
+            self._go_on(place)
+        elif self._mouse_down or not (self._pen_down or self._mode):
+            if not self._mouse_down and self.grip_at(place.x(), place.y()):
+                self.left.emit()
+            else:
+                self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """Stop steering, or lift the brush."""
-        if self._steering:
+        event.accept()
+        if self._by == "mouse":
             if not event.buttons():
-                self._steering = False
-            self.steered.emit("end", event)
-        elif not self._pen_down:
+                self._end(event.position())
+        elif self._mouse_down and not event.buttons() & _BUTTON.LeftButton:
+            self._mouse_down = False
             self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
-        event.accept()
-
-    def tabletEvent(self, event: QtGui.QTabletEvent) -> None:
-        """Paint with the pen; accepted, so that no mouse events are made of it."""
-        if event.modifiers() & QtCore.Qt.KeyboardModifier.AltModifier and not self._pen_down:
-            event.ignore()  # comes again as a mouse event, and steers
-            return
-        touch = touch_of_tablet(event, self._time_ns("pen", event))
-        self._pen_down = touch.down
-        self.touched.emit(touch)
-        event.accept()
 
     def _time_ns(self, kind: str, event: QtGui.QPointerEvent) -> int:
         """When an event happened."""
         known = len(self._clock.untimed)
-        painting = self._pen_down or bool(event.buttons() & QtCore.Qt.MouseButton.LeftButton)
+        painting = self._pen_down or kind == "finger" or bool(event.buttons() & _BUTTON.LeftButton)
         handled = time.perf_counter_ns()
         found = self._clock.time_ns(kind, event.timestamp(), handled, painting)
         if kind == "pen" and len(self._clock.untimed) > known:
             self.untimed.emit()
         return found
+
+    def _take_focus(self) -> None:
+        """Have the keys from a button that was clicked, once the pointer is back."""
+        focus = QtWidgets.QApplication.focusWidget()
+        if focus is not self and self.isActiveWindow() and not isinstance(focus, WRITING):
+            self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
+
+    # -- pen --------------------------------------------------------------------------------
+
+    def tabletEvent(self, event: QtGui.QTabletEvent) -> None:
+        """Paint or steer with the pen; accepted, so that no mouse events are made of it."""
+        event.accept()
+        self._take_focus()
+        self._pen_seen_s = time.monotonic()
+        place = event.position()
+        if self._by == "pen":
+            self._steer_with_pen(event)
+            return
+        if event.type() == _KIND.TabletPress and not self._pen_down and self._mode is None:
+            self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
+            mode = _mode_of_pen(event)
+            if mode is None and event.pointerType() != _ERASER:
+                mode = self.mode_at(place.x(), place.y(), event.modifiers())
+            if mode is not None:
+                self._begin(mode, "pen", place)
+                return
+        touch = touch_of_tablet(event, self._time_ns("pen", event))
+        self._pen_down = touch.down
+        if not touch.down and self.grip_at(place.x(), place.y()):
+            self.left.emit()
+        else:
+            self.touched.emit(touch)
+
+    def _steer_with_pen(self, event: QtGui.QTabletEvent) -> None:
+        """Steer until tip and buttons are let go of."""
+        over = event.type() == _KIND.TabletRelease and not event.buttons()
+        (self._end if over else self._go_on)(event.position())
+
+    # -- fingers ----------------------------------------------------------------------------
+
+    def _take_fingers(self, event: QtGui.QTouchEvent) -> None:
+        """Hear what fingers mean, unless they belong to the hand that holds the pen."""
+        now = self._time_ns("finger", event)
+        if event.type() == _KIND.TouchBegin:
+            self._palm = self._pen_down or time.monotonic() - self._pen_seen_s < _PALM_S
+        if self._palm:
+            return
+        if event.type() == _KIND.TouchCancel:
+            said = self._fingers.cancel(now)
+        else:
+            said = self._fingers.follow(
+                now,
+                {
+                    point.id(): (point.position().x(), point.position().y())
+                    for point in event.points()
+                    if point.state() != _RELEASED
+                },
+            )
+        for one in said:
+            self._do_fingers(one)
+
+    def _do_fingers(self, meant: Meaning) -> None:
+        if meant.kind in ("turn", "pinch", "tap"):
+            self.gestured.emit(meant)
+            return
+        place = QtCore.QPointF(meant.x, meant.y)
+        if meant.kind == "press":
+            self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
+            mode = self.mode_at(meant.x, meant.y, _KEY.NoModifier)
+            if mode is None and not self._finger_paints():
+                mode = "orbit"
+            if mode is not None:
+                self._begin(mode, "finger", place)
+                return
+        if self._by == "finger":
+            (self._go_on if meant.kind == "move" else self._end)(place)
+        elif meant.kind == "cancel":
+            self.taken_back.emit()
+        else:
+            down = meant.kind != "lift"
+            self.touched.emit(Touch(meant.time_ns, meant.x, meant.y, down=down))
+            if not down:
+                self.left.emit()  # a finger that has left points at nothing
+
+    def _finger_paints(self) -> bool:
+        if self.finger != "auto":
+            return self.finger == "paint"
+        return time.monotonic() - self._pen_seen_s > _PEN_LEFT_S
+
+    def _take_native(self, event: QtGui.QNativeGestureEvent) -> bool:
+        """Fingers on a touch pad: pinch and roll."""
+        kind, place = event.gestureType(), event.position()
+        at = time.perf_counter_ns(), place.x(), place.y()
+        if kind == QtCore.Qt.NativeGestureType.ZoomNativeGesture:
+            self.gestured.emit(Meaning("pinch", *at, factor=max(0.1, 1.0 + event.value())))
+        elif kind == QtCore.Qt.NativeGestureType.RotateNativeGesture:
+            self.gestured.emit(Meaning("pinch", *at, angle=-math.radians(event.value())))
+        else:
+            return False
+        return True
+
+    # -- steering ---------------------------------------------------------------------------
+
+    def _begin(self, mode: str, by: str, place: QtCore.QPointF) -> None:
+        self._mode, self._by = mode, by
+        self.steered.emit("begin", Drag(mode, place.x(), place.y()))
+
+    def _go_on(self, place: QtCore.QPointF) -> None:
+        self.steered.emit("move", Drag(self._mode, place.x(), place.y()))
+
+    def _end(self, place: QtCore.QPointF) -> None:
+        mode, self._mode, self._by = self._mode, None, ""
+        self.steered.emit("end", Drag(mode, place.x(), place.y()))
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
         """Come nearer."""
@@ -166,6 +335,21 @@ class Canvas(QtWidgets.QWidget):
         event.acceptProposedAction()
 
 
-def _steers(event: QtGui.QMouseEvent) -> bool:
-    alt = bool(event.modifiers() & QtCore.Qt.KeyboardModifier.AltModifier)
-    return alt or event.button() != QtCore.Qt.MouseButton.LeftButton
+def _mode_of(event: QtGui.QMouseEvent) -> str | None:
+    """How buttons and keys of the mouse steer, if they do."""
+    keys, button = event.modifiers(), event.button()
+    if button == _BUTTON.RightButton:
+        return "dolly"
+    if button == _BUTTON.MiddleButton:
+        if keys & _KEY.ControlModifier:
+            return "dolly"
+        return "pan" if keys & (_KEY.ShiftModifier | _KEY.AltModifier) else "orbit"
+    return "orbit" if keys & _KEY.AltModifier or button != _BUTTON.LeftButton else None
+
+
+def _mode_of_pen(event: QtGui.QTabletEvent) -> str | None:
+    """How the buttons of a pen steer, which Qt counts as right and middle; or Alt."""
+    if event.buttons() & _BUTTON.MiddleButton:
+        return "pan"
+    turns = event.buttons() & _BUTTON.RightButton or event.modifiers() & _KEY.AltModifier
+    return "orbit" if turns else None

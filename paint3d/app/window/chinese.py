@@ -10,9 +10,6 @@ CHINESE = {
     "Hand": "手", "Absorbency": "吸水", "Grain": "粗糙", "Glaze": "釉",
     "Tuft": "笔头", "Water": "水", "Dip": "蘸墨", "Empty": "倒空", "Rinse": "洗笔",
     "Only the tip": "只蘸笔尖", "Export…": "导出…",
-    "Mixing dish: stir inks in with the right button": "调色碟：用右键把颜料调进来",
-    "Click: dip. Right button or Ctrl: stir a part into the mixing dish":
-        "单击：蘸墨。右键或 Ctrl：取一份调入碟中",
     "Drag points; click to add one, right button to take one away":
         "拖动各点；单击添一点，右键去一点",
     "New layer": "新图层", "Remove layer": "删除图层", "Move up": "上移", "Move down": "下移",
@@ -26,6 +23,8 @@ CHINESE = {
     "Paint with the left button or a pen; turn with Alt or the middle button":
         "左键或压感笔作画；按 Alt 或中键转动",
     "This pen gives no times of its own; they are evened out": "这支笔不报时间，已按间隔均匀处理",
+    "feibai": "飞白",
+    "Grips on the picture": "画面上的握柄", "Show the mask": "显示遮罩",
     "Open an object, or drop a file here": "打开一件器物，或把文件拖到这里",
     "ink {share:.0f} %": "含墨 {share:.0f}%", "behind by {ms:.0f} ms": "落后 {ms:.0f} 毫秒",
     "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画", "has caught up": "已跟上",

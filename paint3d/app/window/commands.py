@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from paint3d.app.model.shortcuts import GESTURES, SHORTCUTS, find_shortcuts
+from paint3d.brush.presets import brush_names
 
-__all__ = ["CHECKABLE", "ICONS_OF", "MENUS", "TOOLS", "keys_of", "text_of"]
+__all__ = ["CHECKABLE", "ICONS_OF", "MENUS", "ON_PICTURE", "TOOLS", "keys_of", "text_of"]
 
 MENUS: dict[str, tuple[str, ...]] = {
     "file": ("new", "open", "save", "save_as", "export", "-", "screenshot", "turntable", "-",
              "record", "replay", "save_recording", "-", "quit"),
     "edit": ("undo", "redo", "-", "cancel_stroke", "-", "preferences"),
     "brush": ("smaller", "larger", "smoothing", "brush", "-",
-              *(f"brush_{k}" for k in range(1, 10))),
+              *(f"brush_{k}" for k in range(1, 1 + len(brush_names())))),
     "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-", "wet", "dry"),
     "stroke": ("mirror", "radial", "-", "mask", "pick_region", "clear_mask", "-", "refine"),
-    "view": ("frame_all", "frame_selected", "-", "look_front", "look_back", "look_left",
-             "look_right", "look_top", "look_bottom"),
+    "view": ("frame_all", "frame_selected", "nearer", "farther", "-", "look_front", "look_back",
+             "look_left", "look_right", "look_top", "look_bottom", "-", "turn_left", "turn_right",
+             "turn_up", "turn_down", "-", "pan_left", "pan_right", "pan_up", "pan_down", "-",
+             "roll_left", "roll_right", "upright", "-", "grips", "show_mask"),
     "layers": ("add_layer", "remove_layer", "rename_layer", "-", "layer_above", "layer_below",
                "raise_layer", "lower_layer", "-", "hide_layer", "lock_layer"),
-    "window": ("panels", "full_screen", "dark", "-"),
+    "window": ("panels", "next_panel", "previous_panel", "menus", "full_screen", "dark", "-"),
     "help": ("shortcuts", "about"),
 }  # fmt: skip
 """Menu to its actions; "-" parts them."""
@@ -30,8 +33,15 @@ TOOLS = (
 )  # fmt: skip
 
 CHECKABLE = frozenset(
-    {"smoothing", "brush", "wet", "mirror", "radial", "mask", "record", "full_screen", "dark"}
+    {"smoothing", "brush", "wet", "mirror", "radial", "mask", "record", "full_screen", "dark",
+     "grips", "show_mask"}
+)  # fmt: skip
+
+ON_PICTURE = frozenset(
+    {"panels"}
+    | {f"{how}_{way}" for how in ("turn", "pan") for way in ("left", "right", "up", "down")}
 )
+"""Whose keys count only while the picture has the focus: lists and sliders want them too."""
 
 ICONS_OF = {
     "new": "new", "open": "open", "save": "save", "export": "export", "screenshot": "camera",
@@ -45,6 +55,8 @@ _OWN = {
     "save_recording": "Save the strokes as a recording…",
     "wet": "surface.wet",
     "refine": "Refine the whole surface now",
+    "grips": "Grips on the picture",
+    "show_mask": "Show the mask",
     "dark": "Dark theme",
     "about": "menu.about",
 }
@@ -58,6 +70,8 @@ def keys_of(action: str) -> list[str]:
 
 def text_of(action: str) -> str:
     """The text, or its key, that names an action."""
+    if action.startswith("brush_"):
+        return brush_names()[int(action.removeprefix("brush_")) - 1]
     if action in _OWN or action in _TEXTS:
         return _OWN.get(action) or _TEXTS[action]
     return f"action.{action}"

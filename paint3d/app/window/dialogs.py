@@ -6,6 +6,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.settings import Settings
 from paint3d.app.model.shortcuts import GROUPS, SHORTCUTS, Shortcut
+from paint3d.app.model.texts import load_texts
 from paint3d.app.window.commands import text_of
 from paint3d.app.window.wording import say
 from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
@@ -98,6 +99,7 @@ class PreferencesDialog(QtWidgets.QDialog):
             ("language", "menu.language", "language.", ("system", "en", "zh")),
             ("theme", "menu.theme", "theme.", ("system", "light", "dark")),
             ("pressure_by", "action.force", "hand.pressure_by_", ("keys", "speed")),
+            ("finger", "finger.title", "finger.", ("auto", "paint", "turn")),
         )
         for name, label, prefix, choices in rows:
             box = QtWidgets.QComboBox()
@@ -133,7 +135,7 @@ class KeysDialog(QtWidgets.QDialog):
         area.setWidget(inner)
         area.setWidgetResizable(True)
         layout.addWidget(area)
-        self.resize(1080, 640)
+        self.resize(min(1240, parent.width()), 660)
 
 
 def _of_group(group: str) -> list[Shortcut]:
@@ -154,6 +156,28 @@ def _balanced(n: int) -> list[list[str]]:
     return columns
 
 
+_ARROWS = {"Left": "←", "Right": "→", "Up": "↑", "Down": "↓"}
+
+
+def _keys_told(one: Shortcut) -> str:
+    """Keys, buttons or fingers in words, and what is done with them unless they are pressed."""
+    *held, last = one.keys.replace("++", "+plus").replace("Num+", "Num ").split("+")
+    words = [say("keys.space") if key == "Space" else key for key in held]
+    kind, _, number = last.partition(" ")
+    if kind in ("Pen", "Fingers"):
+        words.append(say(f"keys.{kind.lower()}", number=number))
+    elif kind == "Num":
+        words.append(say("keys.num", name=number.replace("plus", "+")))
+    elif one.gesture == "press":
+        words.append(_ARROWS.get(last, last))
+    elif f"keys.{last.lower()}" in load_texts():
+        words.append(say(f"keys.{last.lower()}"))
+    else:
+        words.append(last)
+    told = "+".join(words)
+    return told if one.gesture == "press" else f"{told}  ({say('gesture.' + one.gesture)})"
+
+
 def _key_table(group: str) -> QtWidgets.QWidget:
     box = QtWidgets.QWidget()
     grid = QtWidgets.QGridLayout(box)
@@ -165,13 +189,13 @@ def _key_table(group: str) -> QtWidgets.QWidget:
     head.setObjectName("heading")
     grid.addWidget(head, 0, 0, 1, 2)
     top = QtCore.Qt.AlignmentFlag.AlignTop
-    for k, one in enumerate(_of_group(group), 1):
-        keys = (
-            one.keys if one.gesture == "press" else f"{one.keys}  ({say('gesture.' + one.gesture)})"
-        )
-        shown = QtWidgets.QLabel(keys)
+    rows: dict[tuple[str, str], list[str]] = {}
+    for one in _of_group(group):
+        rows.setdefault((one.action, one.gesture), []).append(_keys_told(one))
+    for k, ((action, gesture), keys) in enumerate(rows.items(), 1):
+        shown = QtWidgets.QLabel(("  " if gesture == "press" else "\n").join(keys))
         shown.setObjectName("title")
-        meaning = QtWidgets.QLabel(say(text_of(one.action)).rstrip("…"))
+        meaning = QtWidgets.QLabel(say(text_of(action)).rstrip("…"))
         grid.addWidget(shown, k, 0, top)
         grid.addWidget(meaning, k, 1, top)
     return box

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6 import QtCore, QtGui
+from PySide6 import QtCore
 
 from paint3d.app.model import navigation
 from paint3d.app.model.hand import Hand, HandSettings, PointerInput
@@ -21,10 +21,9 @@ __all__ = ["CanvasHand"]
 
 _SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
 _FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
-_NEARER_A_NOTCH, _NEARER_A_PIXEL = 1.14, 1.006
 _FIRST_VIEW = View((0.12, -1.0, 0.62))
 _FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
-_CLOSE = 4.0  # tuft lengths that are seen of what is under the pointer
+_CLOSE = 1.5  # tuft lengths that are seen all round of what is under the pointer
 
 
 class CanvasHand(QtCore.QObject):
@@ -53,11 +52,9 @@ class CanvasHand(QtCore.QObject):
         self.adjusted = False
         self._surface: ClosestPoints | None = None
         self._place: Touch | None = None
-        self._from = QtCore.QPointF()
         self._notches = 0.0
         canvas.touched.connect(self.touch)
-        canvas.steered.connect(self._steer)
-        canvas.wheeled.connect(self._wheel)
+        canvas.taken_back.connect(self.cancel)
         canvas.left.connect(self._leave)
 
     # -- the view ---------------------------------------------------------------------------
@@ -94,7 +91,7 @@ class CanvasHand(QtCore.QObject):
             return
         radius = _CLOSE * self._stage.easel.document.painter.brush.length_mm
         aspect = self._canvas.width() / max(1, self._canvas.height())
-        self.look(navigation.frame(self.camera, found, radius, aspect))
+        self.look(navigation.approach(self.camera, found, radius, aspect))
 
     def look_from(self, side: str) -> None:
         """See the whole object from a side."""
@@ -113,37 +110,17 @@ class CanvasHand(QtCore.QObject):
     def _size(self) -> tuple[int, int]:
         return self._canvas.width(), self._canvas.height()
 
-    def _steer(self, what: str, event: QtGui.QMouseEvent) -> None:
-        if self.camera is None:
-            return
-        if what == "begin":
-            self._from = event.position()
-            self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
-            return
-        if what == "end":
-            self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
-            return
-        moved, self._from = event.position() - self._from, event.position()
-        height, middle = self._canvas.height(), QtCore.Qt.MouseButton.MiddleButton
-        keys, key = event.modifiers(), QtCore.Qt.KeyboardModifier
-        right = event.buttons() & QtCore.Qt.MouseButton.RightButton
-        with_middle = event.buttons() & middle
-        if right or (with_middle and keys & key.ControlModifier):
-            factor = _NEARER_A_PIXEL ** (moved.x() - moved.y())
-            self.look(navigation.dolly(self.camera, factor))
-        elif with_middle and keys & (key.ShiftModifier | key.AltModifier):
-            self.look(navigation.pan(self.camera, moved.x(), moved.y(), height))
-        else:
-            self.look(navigation.orbit(self.camera, moved.x(), moved.y(), height))
-
-    def _wheel(self, notches: float, x: float, y: float) -> None:
-        if self.camera is None:
-            return
+    def take_wheel(self, notches: float) -> bool:
+        """Press by the wheel, during a stroke; False where there is none."""
         if self.in_stroke:
             self._notches += notches
-            return
-        factor = _NEARER_A_NOTCH**notches
-        self.look(navigation.zoom_at(self.camera, factor, x, y, self._size()))
+        return self.in_stroke
+
+    def meets(self, places: NDArray) -> NDArray[np.bool_]:
+        """(N,) bool: whether the object is seen at places (N, 2) of the picture, pixels."""
+        rays = [navigation.ray_at(self.camera, x, y, self._size()) for x, y in places]
+        origins = np.array([ray.origin for ray in rays])
+        return self._surface.cast(origins, np.array([ray.direction for ray in rays])).hit
 
     def place(self) -> NDArray | None:
         """(3,) the place on the object under the pointer, or None."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -17,6 +18,8 @@ __all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]
 _DISH, _GAP, _LABEL = 56, 8, 18
 _TIP_REACH = 0.35  # of the tuft's length
 _MOST_WATER = 95  # parts in a hundred
+_LONG_MS = 500  # that a dish is pressed to stir
+_KEY = QtCore.Qt.Key
 
 
 def _parts(ink: object) -> dict[str, float]:
@@ -69,17 +72,26 @@ class DishGrid(QtWidgets.QWidget):
     taken : str
         A dish was clicked.
     stirred : str
-        It was clicked with the other button, or with Ctrl: one part into the mixing dish.
+        It was clicked with the other button, with Ctrl, or pressed long: one part into the mixing
+        dish. With the keys: "+".
+    taken_out : str
+        "-" was pressed: one part out of the mixing dish again.
     """
 
     taken = QtCore.Signal(str)
     stirred = QtCore.Signal(str)
+    taken_out = QtCore.Signal(str)
 
     def __init__(self, names: Sequence[str], theme: Theme) -> None:
         super().__init__()
         self.names, self.theme, self.chosen = list(names), theme, ""
         self.setMouseTracking(True)
+        self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
+        self.setAccessibleName(say("panel.inks"))
         self._at = -1
+        self._pressed = -1
+        self._long = QtCore.QTimer(self, singleShot=True, interval=_LONG_MS)
+        self._long.timeout.connect(self._pressed_long)
         policy = self.sizePolicy()
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
@@ -124,7 +136,8 @@ class DishGrid(QtWidgets.QWidget):
                 painter.setBrush(QtGui.QColor(self.theme.chosen))
                 painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
             elif k == self._at:
-                painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.line), 1))
+                strong = self.theme.accent if self.hasFocus() else self.theme.line
+                painter.setPen(QtGui.QPen(QtGui.QColor(strong), 1.4))
                 painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
                 painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
             paint_dish(painter, box, {name: 1.0} if name != WATER.name else {}, self.theme)
@@ -156,20 +169,81 @@ class DishGrid(QtWidgets.QWidget):
         self.update()
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Dip, or stir."""
+        """Stir with the other button or Ctrl; else wait whether it is pressed long."""
         at = self._index(event.position())
         if at < 0:
             return
         stirs = event.button() == QtCore.Qt.MouseButton.RightButton or (
             event.modifiers() & QtCore.Qt.KeyboardModifier.ControlModifier
         )
-        (self.stirred if stirs else self.taken).emit(self.names[at])
+        if stirs:
+            self.stirred.emit(self.names[at])
+        else:
+            self._pressed = at
+            self._long.start()
+
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Dip where it was pressed."""
+        pressed, self._pressed = self._pressed, -1
+        self._long.stop()
+        if pressed >= 0 and self._index(event.position()) == pressed:
+            self.taken.emit(self.names[pressed])
+
+    def _pressed_long(self) -> None:
+        """Stir: a pen and a finger have no other button."""
+        pressed, self._pressed = self._pressed, -1
+        if pressed >= 0:
+            self.stirred.emit(self.names[pressed])
+
+    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
+        """Mark the dish that keys mean."""
+        super().focusInEvent(event)
+        if self._at < 0:
+            self._point(self.names.index(self.chosen) if self.chosen in self.names else 0)
+
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
+        """Go from dish to dish, dip with Enter or Space, stir with +, take out with -."""
+        key, at = event.key(), max(self._at, 0)
+        ways = {
+            _KEY.Key_Left: -1, _KEY.Key_Right: 1,
+            _KEY.Key_Up: -self.columns(self.width()), _KEY.Key_Down: self.columns(self.width()),
+        }  # fmt: skip
+        if key in ways:
+            if 0 <= at + ways[key] < len(self.names):
+                self._point(at + ways[key])
+        elif key in (_KEY.Key_Return, _KEY.Key_Enter, _KEY.Key_Space):
+            self.taken.emit(self.names[at])
+        elif key in (_KEY.Key_Plus, _KEY.Key_Equal):
+            self.stirred.emit(self.names[at])
+        elif key == _KEY.Key_Minus:
+            self.taken_out.emit(self.names[at])
+        else:
+            super().keyPressEvent(event)
+
+    def event(self, event: QtCore.QEvent) -> bool:
+        """Have + and - before the view does, while the dishes have the focus."""
+        if event.type() == QtCore.QEvent.Type.ShortcutOverride and event.key() in (
+            _KEY.Key_Plus, _KEY.Key_Equal, _KEY.Key_Minus,
+        ):  # fmt: skip
+            event.accept()
+            return True
+        return super().event(event)
+
+    def _point(self, at: int) -> None:
+        """Mark a dish, and let it be seen."""
+        self._at = at
+        self.setToolTip(_tool_tip(self.names[at]))
+        self.update()
+        area = self.parentWidget().parentWidget() if self.parentWidget() else None
+        if isinstance(area, QtWidgets.QScrollArea):
+            middle = self.box(at).center().toPoint()
+            area.ensureVisible(middle.x(), middle.y(), _DISH, _DISH)
 
 
 def _tool_tip(name: str) -> str:
     pigment = load_pigment(name)
     names = " ".join(filter(None, (pigment.name, pigment.chinese)))
-    return f"{names}\n{say('Click: dip. Right button or Ctrl: stir a part into the mixing dish')}"
+    return f"{names}\n{say('inks.dish_hint')}"
 
 
 class _MixingDish(QtWidgets.QWidget):
@@ -210,6 +284,11 @@ class InkPanel(QtWidgets.QWidget):
         self._told = QtWidgets.QLabel()
         self._told.setWordWrap(True)
         self._told.setObjectName("faint")
+        self._told.setTextInteractionFlags(
+            QtCore.Qt.TextInteractionFlag.LinksAccessibleByMouse
+            | QtCore.Qt.TextInteractionFlag.LinksAccessibleByKeyboard
+        )
+        self._told.linkActivated.connect(self._link)
         self.water = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.water.setRange(0, _MOST_WATER)
         self.tip_only = QtWidgets.QCheckBox(say("Only the tip"))
@@ -222,6 +301,7 @@ class InkPanel(QtWidgets.QWidget):
         layout.addWidget(self._make_mixing_card())
         self.dishes.taken.connect(lambda name: self._dip(name))
         self.dishes.stirred.connect(self.stir)
+        self.dishes.taken_out.connect(self.take_out)
         self.water.valueChanged.connect(lambda _: self._show_mixture())
         self._show_mixture()
 
@@ -253,6 +333,19 @@ class InkPanel(QtWidgets.QWidget):
         self._stirred[name] = self._stirred.get(name, 0.0) + 1.0
         self._show_mixture()
 
+    def take_out(self, name: str) -> None:
+        """Take one part of an ink out of the mixing dish again."""
+        left = self._stirred.get(name, 0.0) - 1.0
+        if left > 0.0:
+            self._stirred[name] = left
+        else:
+            self._stirred.pop(name, None)
+        self._show_mixture()
+
+    def _link(self, link: str) -> None:
+        sign, name = link[0], link[1:]
+        (self.stir if sign == "+" else self.take_out)(name)
+
     def empty(self) -> None:
         """Wash the mixing dish."""
         self._stirred = {}
@@ -274,10 +367,21 @@ class InkPanel(QtWidgets.QWidget):
         self._mixing.update()
         self._dip_button.setEnabled(bool(parts))
         if not parts:
-            self._told.setText(say("Mixing dish: stir inks in with the right button"))
+            self._told.setText(say("inks.mixing_hint"))
             return
-        told = (f"{ink_label(name)} {100 * part:.0f} %" for name, part in parts.items())
-        self._told.setText("  ".join(told))
+        self._told.setText("<br>".join(self._line(name, part) for name, part in parts.items()))
+
+    def _line(self, name: str, part: float) -> str:
+        """An ink of the mixing dish, with signs to put a part in and to take one out."""
+        told = f"{html.escape(ink_label(name))} {100 * part:.0f} %"
+        if name == WATER.name and name not in self._stirred:
+            return told
+        style = f"color:{self.dishes.theme.accent}; text-decoration:none"
+        signs = (
+            f'<a href="{sign}{html.escape(name)}" style="{style}">&nbsp;<b>{shown}</b>&nbsp;</a>'
+            for sign, shown in (("-", "−"), ("+", "+"))
+        )
+        return f"{next(signs)} {told} {next(signs)}"
 
     # -- the brush --------------------------------------------------------------------------
 
@@ -303,4 +407,5 @@ class InkPanel(QtWidgets.QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Use other colours."""
         self.dishes.theme = self._mixing.theme = theme
+        self._show_mixture()
         self.update()

@@ -1,15 +1,31 @@
-"""Keys that count while they are held, wherever the focus is: size, force, harder, softer."""
+"""Keys that count while they are held, and those of the keypad, wherever the focus is.
+
+Size, force, harder, softer; Space, which steers. The keypad turns the view with NumLock or without:
+Qt would take its digits for those above the letters.
+"""
 
 from __future__ import annotations
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.shortcuts import SHORTCUTS
+from paint3d.app.window.canvas import WRITING
 from paint3d.app.window.hand import CanvasHand
 
 __all__ = ["HeldKeys"]
 
-_WRITING = (QtWidgets.QLineEdit, QtWidgets.QAbstractSpinBox, QtWidgets.QPlainTextEdit)
+_KIND, _KEY = QtCore.QEvent.Type, QtCore.Qt.Key
+_PAD = QtCore.Qt.KeyboardModifier.KeypadModifier
+_OTHERS = (  # that count together with a key of the keypad
+    QtCore.Qt.KeyboardModifier.ControlModifier | QtCore.Qt.KeyboardModifier.AltModifier
+)
+_DIGITS = {
+    _KEY.Key_Insert: _KEY.Key_0, _KEY.Key_End: _KEY.Key_1, _KEY.Key_Down: _KEY.Key_2,
+    _KEY.Key_PageDown: _KEY.Key_3, _KEY.Key_Left: _KEY.Key_4, _KEY.Key_Clear: _KEY.Key_5,
+    _KEY.Key_Right: _KEY.Key_6, _KEY.Key_Home: _KEY.Key_7, _KEY.Key_Up: _KEY.Key_8,
+    _KEY.Key_PageUp: _KEY.Key_9, _KEY.Key_Delete: _KEY.Key_Period, _KEY.Key_Comma: _KEY.Key_Period,
+}  # fmt: skip
+"""What a key of the keypad is without NumLock to what it is with it; some write a comma."""
 
 
 class HeldKeys(QtCore.QObject):
@@ -20,14 +36,20 @@ class HeldKeys(QtCore.QObject):
     Signals
     -------
     tapped : str
-        The action of a key that was let go at once.
+        The action of a key that was let go at once, or of one of the keypad.
+    alt_taken : ()
+        The window was moved with Alt, as some window managers do, where Alt was to turn the view.
     """
 
     tapped = QtCore.Signal(str)
+    alt_taken = QtCore.Signal()
 
-    def __init__(self, window: QtWidgets.QWidget, hand: CanvasHand) -> None:
+    def __init__(
+        self, window: QtWidgets.QWidget, canvas: QtWidgets.QWidget, hand: CanvasHand
+    ) -> None:
         super().__init__(window)
-        self._window, self._hand = window, hand
+        self._window, self._canvas, self._hand = window, canvas, hand
+        self._alt = False
         self._keys: dict[int, tuple[str, str]] = {}
         held = {one.keys: one.action for one in SHORTCUTS if one.gesture in ("hold", "drag")}
         self._taps = {one.keys: one.action for one in SHORTCUTS if one.gesture == "press"}
@@ -35,6 +57,11 @@ class HeldKeys(QtCore.QObject):
             QtGui.QKeySequence(keys)[0].toCombined(): (keys, action)
             for keys, action in held.items()
             if action in ("size", "force", "harder", "softer")
+        }
+        self._pad = {
+            QtGui.QKeySequence(one.keys)[0].toCombined(): one.action
+            for one in SHORTCUTS
+            if "Num+" in one.keys
         }
         QtWidgets.QApplication.instance().installEventFilter(self)
 
@@ -45,17 +72,55 @@ class HeldKeys(QtCore.QObject):
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
         """Look at keys of this window, unless something is being written."""
         kind = event.type()
-        if kind not in (QtCore.QEvent.Type.KeyPress, QtCore.QEvent.Type.KeyRelease):
+        if watched is self._window:
+            self._watch_window(kind)
+        if kind not in (_KIND.KeyPress, _KIND.KeyRelease, _KIND.ShortcutOverride):
             return False
-        if not self._window.isActiveWindow() or isinstance(
-            QtWidgets.QApplication.focusWidget(), _WRITING
-        ):
+        if not self._window.isActiveWindow():
             return False
-        if kind == QtCore.QEvent.Type.KeyRelease:
+        if event.key() == _KEY.Key_Alt:
+            self._alt = kind != _KIND.KeyRelease
+        if isinstance(QtWidgets.QApplication.focusWidget(), WRITING):
+            return False
+        if kind == _KIND.KeyRelease:
             return self._let_go(event)
-        found = self._held.get(event.keyCombination().toCombined())
-        if found is None:
+        if event.modifiers() & _PAD:
+            return self._press_pad(kind, event)
+        if kind == _KIND.ShortcutOverride:
             return False
+        if event.key() == _KEY.Key_Space and self._is_over_canvas():
+            return self._hold(event, ("Space", "steer"))
+        found = self._held.get(event.keyCombination().toCombined())
+        return False if found is None else self._hold(event, found)
+
+    def _watch_window(self, kind: QtCore.QEvent.Type) -> None:
+        """Let go of all keys with the focus; notice a window that is moved with Alt."""
+        if kind == _KIND.WindowDeactivate:
+            self._alt = False
+            self._keys.clear()
+            self._hand.held.clear()
+        elif kind == _KIND.Move and self._alt:
+            self.alt_taken.emit()
+
+    def _is_over_canvas(self) -> bool:
+        """Whether a key is meant for the picture, and not for a button that has the focus."""
+        focus = QtWidgets.QApplication.focusWidget()
+        return focus is None or focus is self._canvas
+
+    def _press_pad(self, kind: QtCore.QEvent.Type, event: QtGui.QKeyEvent) -> bool:
+        """Do what a key of the keypad asks for; nothing else hears of it."""
+        key = QtCore.Qt.Key(event.key())
+        keys = (event.modifiers() & _OTHERS) | _PAD
+        combined = QtCore.QKeyCombination(keys, _DIGITS.get(key, key)).toCombined()
+        action = self._pad.get(combined)
+        if action is None:
+            return False
+        event.accept()
+        if kind == _KIND.KeyPress:
+            self.tapped.emit(action)
+        return True
+
+    def _hold(self, event: QtGui.QKeyEvent, found: tuple[str, str]) -> bool:
         if not event.isAutoRepeat() and event.key() not in self._keys:
             self._keys[event.key()] = found
             self._hand.held.add(found[1])

@@ -48,8 +48,9 @@ class PaintActions:
         self._post("redo")
 
     def do_cancel_stroke(self) -> None:
-        """Take the stroke that is going on back."""
+        """Take the stroke that is going on back; the keys are the picture's again."""
         self._window.hand.cancel()
+        self._window.canvas.setFocus()
 
     # -- brush ------------------------------------------------------------------------------
 
@@ -67,9 +68,7 @@ class PaintActions:
 
     def do_number(self, k: int) -> None:
         """Take the k-th brush."""
-        names = brush_names()
-        if k <= len(names):
-            self._post("set_brush", names[k - 1])
+        self._post("set_brush", brush_names()[k - 1])
 
     # -- ink --------------------------------------------------------------------------------
 
@@ -209,7 +208,7 @@ class PaintActions:
         self._post("set_locked", place, not self._document.layers[place].locked)
 
 
-for _k in range(1, 10):
+for _k in range(1, 1 + len(brush_names())):
     setattr(
         PaintActions,
         f"do_brush_{_k}",

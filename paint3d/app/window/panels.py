@@ -149,6 +149,23 @@ class Panels:
         for dock in self.docks.values():
             dock.setVisible(not shown)
 
+    def step(self, by: int) -> None:
+        """Bring the focus to the next panel (by 1), or the one before (-1), or to the picture."""
+        names, window = list(self.docks), self._window
+        focus = window.focusWidget()
+        inside = [n for n in names if focus is not None and self.docks[n].isAncestorOf(focus)]
+        at = names.index(inside[0]) if inside else (-1 if by > 0 else len(names))
+        for name in names[at + 1 :] if by > 0 else names[:at][::-1]:
+            first = next(
+                filter(_takes_keys, self.docks[name].findChildren(QtWidgets.QWidget)), None
+            )
+            if first is not None:
+                self.docks[name].show()
+                self.docks[name].raise_()
+                first.setFocus(QtCore.Qt.FocusReason.TabFocusReason)
+                return
+        window.canvas.setFocus(QtCore.Qt.FocusReason.OtherFocusReason)
+
     def close_down(self) -> None:
         """Stop what goes on beside."""
         self.brushes.close_down()
@@ -162,11 +179,18 @@ class Panels:
         self.brushes.set_ink(ink)
 
 
+def _takes_keys(widget: QtWidgets.QWidget) -> bool:
+    """Whether keys can do something with a widget, besides scrolling it."""
+    tab = bool(widget.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus)
+    return tab and widget.isEnabled() and not isinstance(widget, QtWidgets.QScrollArea)
+
+
 def _scrolled(panel: QtWidgets.QWidget) -> QtWidgets.QScrollArea:
     """A panel that scrolls where the window is too low for it."""
     area = QtWidgets.QScrollArea()
     area.setObjectName("plain")
     area.setWidgetResizable(True)
     area.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setFocusPolicy(QtCore.Qt.FocusPolicy.NoFocus)
     area.setWidget(panel)
     return area

@@ -18,6 +18,7 @@ from paint3d.app.window.commands import (
     CHECKABLE,
     ICONS_OF,
     MENUS,
+    ON_PICTURE,
     TOOLS,
     keys_of,
     text_of,
@@ -32,6 +33,7 @@ from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.player import Player
 from paint3d.app.window.stage import Stage
+from paint3d.app.window.steering import Steering
 from paint3d.app.window.theme import (
     DARK_THEME,
     LIGHT_THEME,
@@ -90,7 +92,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.setCentralWidget(self.canvas)
         self.stage = Stage(self.canvas.pixel_size, DARK if dark else LIGHT)
         self.hand = CanvasHand(self.canvas, self.stage)
-        self.keys = HeldKeys(self, self.hand)
+        self.steering = Steering(self.canvas, self.hand, lambda: self.theme)
+        self.canvas.finger = self.settings.finger
+        self.keys = HeldKeys(self, self.canvas, self.hand)
         self.files = Files(self)
         self.player = Player(self)
         self.painting, self.viewing = PaintActions(self), ViewActions(self)
@@ -99,8 +103,10 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._make_actions()
         self.panels = Panels(self)
         self.copying, self.both_hands = Copying(self), BothHands(self, plugged, feel)
-        self.keys.tapped.connect(lambda name: self.actions_by_name[name].trigger())
-        for name, on in (("brush", True), ("dark", dark)):
+        for asked in (self.keys.tapped, self.steering.asked):
+            asked.connect(lambda name: self.actions_by_name[name].trigger())
+        self.keys.alt_taken.connect(lambda: self.tell(say("hint.alt_taken"), state="bad"))
+        for name, on in (("brush", True), ("dark", dark), ("grips", True), ("show_mask", True)):
             with QtCore.QSignalBlocker(self.actions_by_name[name]):
                 self.actions_by_name[name].setChecked(on)
         self.hud = Hud(self)
@@ -152,6 +158,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         action = QtGui.QAction(text, self)
         if name not in self.keys.taps():
             action.setShortcuts([QtGui.QKeySequence(key) for key in keys])
+        if name in ON_PICTURE:
+            action.setShortcutContext(QtCore.Qt.ShortcutContext.WidgetShortcut)
+            self.canvas.addAction(action)
         action.setToolTip(text.rstrip("…") + (f"  ({keys[0]})" if keys else ""))
         action.setCheckable(name in CHECKABLE)
         if name in ICONS_OF:
@@ -164,14 +173,16 @@ class StudioWindow(QtWidgets.QMainWindow):
         return action
 
     def _make_status(self) -> None:
-        self.told = QtWidgets.QLabel()
+        self.told = QtWidgets.QLabel()  # as wide as there is room for, however long the text
+        policy = QtWidgets.QSizePolicy.Policy
+        self.told.setSizePolicy(policy.Ignored, policy.Preferred)
         self.state = QtWidgets.QLabel()
         self.state.setObjectName("state")
         self.statusBar().addWidget(self.told, 1)
         self.statusBar().addPermanentWidget(self.state)
         self.statusBar().setSizeGripEnabled(False)
         self.statusBar().setContentsMargins(8, 0, 12, 0)
-        self.tell(say("Paint with the left button or a pen; turn with Alt or the middle button"))
+        self.tell(say("hint.turn"))
 
     # -- choices ----------------------------------------------------------------------------
 
@@ -270,6 +281,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         """Say something in the status line, marked by its shape."""
         mark = "" if state == "off" else f"{STATES[state]}  "
         self.told.setText(mark + text)
+        self.told.setToolTip(text)
         self.told.setStyleSheet(f"color: {self.theme.state_colour(state)}")
 
     def _resized(self) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6 import QtWidgets
 
 from paint3d.app.window.dialogs import KeysDialog, PreferencesDialog
+from paint3d.app.window.steering import STEPS
 from paint3d.app.window.wording import say
 
 if TYPE_CHECKING:
@@ -53,6 +54,32 @@ class ViewActions:
         """See it from below."""
         self._window.hand.look_from("bottom")
 
+    def do_upright(self) -> None:
+        """Roll the picture back."""
+        self._window.steering.upright()
+
+    def do_grips(self, on: bool) -> None:
+        """Show the grips on the picture, or not."""
+        self._window.steering.grips.shown = on
+        self._window.canvas.update()
+
+    def do_show_mask(self, on: bool) -> None:
+        """Hatch where no paint is taken, or not."""
+        self._window.stage.shows_mask = on
+
+    def do_next_panel(self) -> None:
+        """Go on to the next panel, with the keys."""
+        self._window.panels.step(1)
+
+    def do_previous_panel(self) -> None:
+        """Go back to the panel before, with the keys."""
+        self._window.panels.step(-1)
+
+    def do_menus(self) -> None:
+        """Open the first menu, with the keys."""
+        bar = self._window.menuBar()
+        bar.setActiveAction(bar.actions()[0])
+
     def do_brush(self, on: bool) -> None:
         """Draw the brush, or not."""
         self._window.stage.shows_brush = on
@@ -81,6 +108,7 @@ class ViewActions:
         before, chosen = window.settings, dialog.chosen()
         window.keep(**chosen)
         window.hand.set_settings(pressure_by=chosen["pressure_by"])
+        window.canvas.finger = chosen["finger"]
         if chosen["theme"] != before.theme:
             window.actions_by_name["dark"].setChecked(window.wants_dark())
         if chosen["language"] != before.language:
@@ -99,3 +127,11 @@ class ViewActions:
             "one does."
         )
         QtWidgets.QMessageBox.about(self._window, "paint3d", f"paint3d {__version__}\n\n{told}")
+
+
+for _step in STEPS:
+    setattr(
+        ViewActions,
+        f"do_{_step}",
+        lambda self, step=_step: self._window.steering.step(step),
+    )

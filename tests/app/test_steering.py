@@ -1,0 +1,386 @@
+"""The view is turned, moved, rolled and brought near: by mouse, pen, fingers and keys."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from paint3d.app.model.navigation import picture_axes, roll_of
+from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse
+from tests.app.pointers import Touching, pen, pen_drag, tap
+from tests.app.windows import faults, opened, settled
+
+KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
+CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program, "sphere", 4.0, "porcelain") as window:
+        yield window
+
+
+@pytest.fixture(autouse=True)
+def first_view(window):
+    window.hand.show_all()
+    window.canvas._pen_seen_s = -1e9  # no pen was ever here
+    window.canvas.setFocus()
+    live(0.05)
+    yield
+    settled(window)
+    assert not window.canvas._mode
+    assert not window.hand.in_stroke
+
+
+def back(window) -> np.ndarray:
+    return picture_axes(window.hand.camera)[2]
+
+
+def distance(window) -> float:
+    camera = window.hand.camera
+    return float(np.linalg.norm(camera.position - camera.focus))
+
+
+def by(x: float, y: float) -> np.ndarray:
+    return np.array([x, y], float)
+
+
+def strokes(window) -> int:
+    settled(window)
+    return len(window.document.strokes)
+
+
+def changes(window, before) -> set[str]:
+    """What became of the view since `before`: turned, rolled, moved, zoomed."""
+    now, found = window.hand.camera, set()
+    if picture_axes(now)[2] @ picture_axes(before)[2] < 1 - 1e-6:
+        found.add("orbit")
+    if abs(roll_of(now) - roll_of(before)) > 1e-3:
+        found.add("roll")
+    if np.linalg.norm(now.focus - before.focus) > 1e-3:
+        found.add("pan")
+    far = [np.linalg.norm(view.position - view.focus) for view in (now, before)]
+    if abs(far[0] / far[1] - 1) > 1e-3:
+        found.add("dolly")
+    return found
+
+
+def test_near_shows_one_and_a_half_tufts_all_round_and_never_less_near(window) -> None:
+    canvas = window.canvas
+    window.post("set_brush", "gongbi")
+    settled(window)
+    length = window.document.painter.brush.length_mm
+    mouse(canvas, KIND.MouseMove, 0.45 * canvas.width(), 0.5 * canvas.height())
+    place, first = window.hand.place(), distance(window)
+    QtTest.QTest.keyClick(canvas, KEY.Key_F)
+    live(0.1)
+    camera = window.hand.camera
+    np.testing.assert_allclose(camera.focus, place, atol=1e-6)
+    half = np.tan(0.5 * camera.view_angle) * distance(window)
+    assert distance(window) < first
+    assert 1.5 * length <= half <= 2.0 * length
+    for _ in range(6):
+        canvas.wheeled.emit(3.0, 0.5 * canvas.width(), 0.5 * canvas.height())
+    near = distance(window)
+    QtTest.QTest.keyClick(canvas, KEY.Key_F)
+    assert distance(window) <= near * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("key", "held", "towards"),
+    [
+        (KEY.Key_1, HELD.NoModifier, (0, -1, 0)),
+        (KEY.Key_1, HELD.ControlModifier, (0, 1, 0)),
+        (KEY.Key_3, HELD.NoModifier, (1, 0, 0)),
+        (KEY.Key_3, HELD.ControlModifier, (-1, 0, 0)),
+        (KEY.Key_7, HELD.NoModifier, (0, 0, 1)),
+        (KEY.Key_7, HELD.ControlModifier, (0, 0, -1)),
+        (KEY.Key_End, HELD.NoModifier, (0, -1, 0)),  # the same keys without NumLock
+        (KEY.Key_PageDown, HELD.NoModifier, (1, 0, 0)),
+        (KEY.Key_Home, HELD.NoModifier, (0, 0, 1)),
+    ],
+)
+def test_the_keypad_turns_the_view_and_leaves_the_brush(window, key, held, towards) -> None:
+    brush, load = window.document.painter.brush, window.document.surface.ink.load.copy()
+    with faults() as found:
+        QtTest.QTest.keyClick(window.canvas, key, held | HELD.KeypadModifier)
+        settled(window)
+    assert found == []
+    np.testing.assert_allclose(back(window), towards, atol=1e-9)
+    assert window.document.painter.brush == brush
+    assert (window.document.surface.ink.load == load).all()
+
+
+def test_the_digits_above_the_letters_still_take_brushes(window) -> None:
+    camera = window.hand.camera
+    for key, held, name in (
+        (KEY.Key_1, HELD.NoModifier, "full"), (KEY.Key_0, HELD.NoModifier, "zhongbaiyun"),
+        (KEY.Key_2, HELD.ControlModifier, "feibai"), (KEY.Key_7, HELD.NoModifier, "gongbi"),
+    ):  # fmt: skip
+        QtTest.QTest.keyClick(window.canvas, key, held)
+        settled(window)
+        assert window.document.painter.brush.name == name
+    assert window.hand.camera is camera
+
+
+def test_a_drag_beside_the_object_turns_it_and_one_near_its_edge_paints(window) -> None:
+    n, before = strokes(window), window.hand.camera
+    drag(window.canvas, CORNER, (0.2, 0.2))
+    assert changes(window, before) == {"orbit"}
+    assert strokes(window) == n
+    window.hand.look(before)
+    canvas = window.canvas
+    x = next(x for x in range(canvas.width()) if window.hand.meets([(x, 0.5 * canvas.height())])[0])
+    drag(canvas, ((x - 10) / canvas.width(), 0.5), (0.5, 0.5))
+    assert changes(window, before) == set()
+    assert strokes(window) == n + 1
+
+
+@pytest.mark.parametrize(
+    ("keys", "what"),
+    [
+        (HELD.NoModifier, "orbit"),
+        (HELD.ShiftModifier, "pan"),
+        (HELD.ControlModifier, "dolly"),
+        (HELD.ShiftModifier | HELD.ControlModifier, "roll"),
+    ],
+)
+@pytest.mark.parametrize("by", ["mouse", "pen"])
+def test_space_held_steers_over_the_object(window, keys, what, by) -> None:
+    n, before = strokes(window), window.hand.camera
+    QtTest.QTest.keyPress(window.canvas, KEY.Key_Space, keys)
+    if by == "mouse":
+        drag(window.canvas, (0.5, 0.4), (0.56, 0.5), keys=keys)
+    else:
+        pen_drag(window.canvas, (0.5, 0.4), (0.56, 0.5), keys=keys)
+    QtTest.QTest.keyRelease(window.canvas, KEY.Key_Space, keys)
+    assert changes(window, before) == {what}
+    assert strokes(window) == n
+    drag(window.canvas, (0.45, 0.5), (0.55, 0.5))
+    assert strokes(window) == n + 1
+
+
+def test_space_presses_a_button_that_has_the_focus(window) -> None:
+    window.panels.docks["inks"].raise_()
+    window.panels.inks.tip_only.setFocus()
+    before = window.panels.inks.tip_only.isChecked()
+    QtTest.QTest.keyClick(window.panels.inks.tip_only, KEY.Key_Space)
+    assert window.panels.inks.tip_only.isChecked() is not before
+    window.panels.inks.tip_only.setChecked(before)
+
+
+def test_keys_that_are_held_are_let_go_of_with_the_focus(window) -> None:
+    QtTest.QTest.keyPress(window.canvas, KEY.Key_Space)
+    assert "steer" in window.hand.held
+    QtWidgets.QApplication.sendEvent(window, QtCore.QEvent(QtCore.QEvent.Type.WindowDeactivate))
+    assert not window.hand.held
+    QtTest.QTest.keyRelease(window.canvas, KEY.Key_Space)
+
+
+@pytest.mark.parametrize("name", ["orbit", "pan", "dolly", "roll"])
+@pytest.mark.parametrize("by", ["mouse", "pen", "finger"])
+def test_grips_steer_whatever_takes_them(window, name, by) -> None:
+    n, before, canvas = strokes(window), window.hand.camera, window.canvas
+    box = window.steering.grips.box(name, canvas.rect())
+    size = np.array([canvas.width(), canvas.height()])
+    start = np.array([box.center().x(), box.center().y()]) / size
+    end = start + np.array([-0.05, 0.1])
+    if by == "mouse":
+        drag(canvas, start, end)
+    elif by == "pen":
+        pen_drag(canvas, start, end)
+    else:
+        with Touching(canvas) as fingers:
+            fingers.drag({1: (start * size, end * size)})
+    assert changes(window, before) == {name}
+    assert strokes(window) == n
+
+
+def test_a_tap_on_a_grip_holds_upright_or_shows_everything(window) -> None:
+    canvas, first = window.canvas, window.hand.camera
+    QtTest.QTest.keyClick(canvas, KEY.Key_BracketLeft, HELD.ControlModifier)
+    assert roll_of(window.hand.camera) > 0.1
+    QtTest.QTest.keyClick(canvas, KEY.Key_Plus)
+    for name in ("roll", "dolly"):
+        at = window.steering.grips.box(name, canvas.rect()).center()
+        drag(canvas, *[(at.x() / canvas.width(), at.y() / canvas.height())] * 2, n=2)
+    assert roll_of(window.hand.camera) == pytest.approx(0.0, abs=1e-6)
+    assert changes(window, first) == set()
+
+
+def test_a_pens_buttons_steer(window) -> None:
+    n = strokes(window)
+    for button, what in ((BUTTON.RightButton, "orbit"), (BUTTON.MiddleButton, "pan")):
+        before = window.hand.camera
+        pen_drag(window.canvas, (0.45, 0.5), (0.55, 0.55), held=button)  # the tip on the tablet
+        assert changes(window, before) == {what}
+        before = window.hand.camera
+        pen_drag(window.canvas, (0.45, 0.5), (0.55, 0.55), held=button, pressure=0.0)  # above it
+        assert changes(window, before) == {what}
+        window.hand.look(before)
+    before = window.hand.camera
+    pen_drag(window.canvas, (0.45, 0.5), (0.55, 0.5), keys=ALT)
+    assert changes(window, before) == {"orbit"}
+    assert strokes(window) == n
+    pen_drag(window.canvas, (0.45, 0.5), (0.55, 0.5))
+    assert strokes(window) == n + 1
+
+
+def test_two_fingers_move_zoom_and_roll_and_three_turn(window) -> None:
+    n, canvas = strokes(window), window.canvas
+    w, h = canvas.width(), canvas.height()
+    a, b = np.array([0.4 * w, 0.5 * h]), np.array([0.6 * w, 0.5 * h])
+    before = window.hand.camera
+    with Touching(canvas) as fingers:
+        fingers.drag({1: (a, a + by(0, 60)), 2: (b, b + by(0, 60))})
+    assert changes(window, before) == {"pan"}
+    window.hand.look(before)
+    with Touching(canvas) as fingers:
+        fingers.drag({1: (a, a - by(60, 0)), 2: (b, b + by(60, 0))})
+    assert "dolly" in changes(window, before)
+    assert "roll" not in changes(window, before)
+    assert distance(window) < np.linalg.norm(before.position - before.focus)
+    window.hand.look(before)
+    with Touching(canvas) as fingers:
+        fingers.drag({1: (a, a + by(30, 60)), 2: (b, b - by(30, 60))})
+    assert "roll" in changes(window, before)
+    assert roll_of(window.hand.camera) > 0.2  # anticlockwise, as the fingers went
+    window.hand.look(before)
+    with Touching(canvas) as fingers:
+        three = {
+            1: (a, a + by(50, 0)),
+            2: (b, b + by(50, 0)),
+            3: ((a + b) / 2, (a + b) / 2 + by(50, 0)),
+        }
+        fingers.drag(three)
+    assert changes(window, before) == {"orbit"}
+    assert strokes(window) == n
+
+
+def test_taps_undo_and_redo_and_one_finger_paints_until_a_pen_is_used(window) -> None:
+    canvas = window.canvas
+    w, h = canvas.width(), canvas.height()
+    a, b = np.array([0.45 * w, 0.5 * h]), np.array([0.55 * w, 0.5 * h])
+    before, n = window.hand.camera, strokes(window)
+    with Touching(canvas) as fingers:
+        fingers.drag({1: (a, b)})
+    assert strokes(window) == n + 1
+    assert changes(window, before) == set()
+    tap(canvas, a, b)
+    assert strokes(window) == n
+    tap(canvas, a, b, (a + b) / 2)
+    assert strokes(window) == n + 1
+    pen(canvas, KIND.TabletMove, *a, pressure=0.0)
+    live(0.3)
+    with Touching(canvas) as fingers:
+        fingers.drag({1: (a, b)})
+    assert strokes(window) == n + 1
+    assert changes(window, before) == {"orbit"}
+    canvas.finger = "paint"
+    with Touching(canvas) as fingers:
+        fingers.drag({1: (a, b)})
+    assert strokes(window) == n + 2
+    canvas.finger = "auto"
+
+
+def test_the_palm_beside_a_pen_does_nothing(window) -> None:
+    canvas, before = window.canvas, window.hand.camera
+    w, h = canvas.width(), canvas.height()
+    n = strokes(window)
+    with Touching(canvas) as fingers:
+        pen(canvas, KIND.TabletPress, 0.45 * w, 0.5 * h)
+        fingers.drag({1: ((0.6 * w, 0.7 * h), (0.65 * w, 0.75 * h))})
+        pen(canvas, KIND.TabletMove, 0.55 * w, 0.5 * h)
+        pen(canvas, KIND.TabletRelease, 0.55 * w, 0.5 * h, pressure=0.0)
+    assert strokes(window) == n + 1
+    assert changes(window, before) == set()
+
+
+def test_a_second_finger_soon_takes_the_dot_back(window) -> None:
+    canvas = window.canvas
+    w, h = canvas.width(), canvas.height()
+    n = strokes(window)
+    with Touching(canvas) as fingers:
+        fingers.set({1: (0.45 * w, 0.5 * h)})
+        fingers.set({1: (0.48 * w, 0.5 * h)})
+        fingers.set({1: (0.48 * w, 0.5 * h), 2: (0.6 * w, 0.5 * h)})
+        fingers.set({1: (0.48 * w, 0.6 * h), 2: (0.6 * w, 0.6 * h)})
+    assert strokes(window) == n
+
+
+@pytest.mark.parametrize(
+    ("key", "held", "what"),
+    [
+        (KEY.Key_Left, HELD.NoModifier, "orbit"),
+        (KEY.Key_Right, HELD.NoModifier, "orbit"),
+        (KEY.Key_Up, HELD.NoModifier, "orbit"),
+        (KEY.Key_Down, HELD.NoModifier, "orbit"),
+        (KEY.Key_Left, HELD.ShiftModifier, "pan"),
+        (KEY.Key_Down, HELD.ShiftModifier, "pan"),
+        (KEY.Key_Plus, HELD.NoModifier, "dolly"),
+        (KEY.Key_Minus, HELD.NoModifier, "dolly"),
+        (KEY.Key_BracketLeft, HELD.ControlModifier, "roll"),
+        (KEY.Key_BracketRight, HELD.ControlModifier, "roll"),
+        (KEY.Key_4, HELD.KeypadModifier, "orbit"),
+        (KEY.Key_8, HELD.KeypadModifier | HELD.ControlModifier, "pan"),
+        (KEY.Key_Plus, HELD.KeypadModifier, "dolly"),
+        (KEY.Key_Slash, HELD.KeypadModifier, "roll"),
+    ],
+)
+def test_keys_steer(window, key, held, what) -> None:
+    before = window.hand.camera
+    QtTest.QTest.keyClick(window.canvas, key, held)
+    live(0.02)
+    assert changes(window, before) == {what}
+
+
+def test_arrows_and_tab_belong_to_the_panel_that_has_the_focus(window) -> None:
+    before = window.hand.camera
+    window.panels.docks["brushes"].raise_()
+    brushes = window.panels.brushes.findChild(QtWidgets.QListWidget)
+    brushes.setFocus()
+    row = brushes.currentRow()
+    QtTest.QTest.keyClick(brushes, KEY.Key_Down if row == 0 else KEY.Key_Up)
+    assert brushes.currentRow() != row
+    assert window.hand.camera is before
+    QtTest.QTest.keyClick(brushes, KEY.Key_Tab)
+    assert window.panels.docks["brushes"].isVisible()
+    assert QtWidgets.QApplication.focusWidget() is not brushes
+    window.panels.brushes.show_brush(window.document.painter.brush)
+
+
+def test_alt_that_moves_the_window_is_told(window) -> None:
+    QtTest.QTest.keyPress(window.canvas, KEY.Key_Alt, ALT)
+    window.move(window.x() + 7, window.y() + 5)
+    live(0.1)
+    QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
+    assert "Space" in window.told.text()
+
+
+@pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is not installed")
+@pytest.mark.parametrize("num_lock", [False, True])
+def test_real_key_codes_of_the_keypad_turn_the_view(window, num_lock) -> None:
+    def press(*keys: str) -> None:
+        subprocess.run(["xdotool", "key", *keys], check=True)
+        live(0.15)
+
+    subprocess.run(["xdotool", "windowfocus", str(int(window.winId()))], check=True)
+    live(0.2)
+    brush = window.document.painter.brush
+    if num_lock:
+        press("Num_Lock")
+    try:
+        for code, towards in ((87, (0, -1, 0)), (89, (1, 0, 0)), (79, (0, 0, 1))):
+            press(str(code))
+            np.testing.assert_allclose(back(window), towards, atol=1e-9)
+    finally:
+        if num_lock:
+            press("Num_Lock")
+    assert window.document.painter.brush == brush
