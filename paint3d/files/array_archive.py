@@ -22,11 +22,13 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from paint3d.errors import SessionError
+from paint3d.files.progress import Progress
 
 __all__ = ["read_archive", "write_archive"]
 
 TEXT = "session.json"
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # a fixed date: the same session gives the same bytes
+PART = 1 << 24  # bytes written between two looks at whether it is still wanted
 MAX_BYTES = 4 << 30
 MAX_ENTRIES = 10_000
 MAX_TEXT = 1 << 24
@@ -37,8 +39,15 @@ HEADER = re.compile(  # plain numbers only: never objects, which would be pickle
 )
 
 
-def write_archive(path: Path, text: Mapping[str, object], arrays: Mapping[str, NDArray]) -> None:
+def write_archive(
+    path: Path,
+    text: Mapping[str, object],
+    arrays: Mapping[str, NDArray],
+    progress: Progress | None = None,
+) -> None:
     """Write a JSON object and arrays by name.
+
+    `progress` is told the share of the arrays that is written.
 
     Raises
     ------
@@ -50,13 +59,19 @@ def write_archive(path: Path, text: Mapping[str, object], arrays: Mapping[str, N
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
         line = json.dumps(text, ensure_ascii=False, allow_nan=False, indent=1)
         archive.writestr(_entry(TEXT), line.encode("utf-8", "surrogatepass"))
+        total, done = sum(array.nbytes for array in arrays.values()) or 1, 0
         for name, array in arrays.items():
             head = io.BytesIO()
             array = np.ascontiguousarray(array)
             npy.write_array_header_1_0(head, npy.header_data_from_array_1_0(array))
             with archive.open(_entry(f"{name}.npy"), "w", force_zip64=True) as file:
                 file.write(head.getvalue())
-                file.write(array.reshape(-1).view(np.uint8).data)
+                data = array.reshape(-1).view(np.uint8).data
+                for at in range(0, len(data), PART):
+                    file.write(data[at : at + PART])
+                    done += len(data[at : at + PART])
+                    if progress is not None:
+                        progress(done / total)
 
 
 def _entry(name: str) -> zipfile.ZipInfo:
@@ -65,7 +80,9 @@ def _entry(name: str) -> zipfile.ZipInfo:
     return entry
 
 
-def read_archive(path: Path) -> tuple[dict[str, object], dict[str, NDArray]]:
+def read_archive(
+    path: Path, progress: Progress | None = None
+) -> tuple[dict[str, object], dict[str, NDArray]]:
     """Return the JSON object and the arrays of a file that may come from a stranger.
 
     Nothing is executed or unpacked to the disk. Arrays of objects are refused, and no memory is
@@ -80,11 +97,13 @@ def read_archive(path: Path) -> tuple[dict[str, object], dict[str, NDArray]]:
         with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
             entries = _checked(archive, os.fstat(file.fileno()).st_size)
             text = _parse(archive.read(entries.pop(TEXT)))
-            return text, {
-                name.removesuffix(".npy"): _read_array(archive, entry)
-                for name, entry in entries.items()
-                if name.endswith(".npy")
-            }
+            arrays = {}
+            for k, (name, entry) in enumerate(entries.items()):
+                if name.endswith(".npy"):
+                    arrays[name.removesuffix(".npy")] = _read_array(archive, entry)
+                if progress is not None:
+                    progress((k + 1) / len(entries))
+            return text, arrays
     except zipfile.BadZipFile as cause:
         raise SessionError(f"it is damaged, or no session: {cause}") from None
     except OSError as cause:

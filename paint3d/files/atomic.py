@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -14,39 +15,58 @@ __all__ = ["write_atomically"]
 
 
 @contextmanager
-def write_atomically(path: str | os.PathLike[str]) -> Iterator[Path]:
+def write_atomically(
+    path: str | os.PathLike[str], progress: Callable[[float], None] | None = None
+) -> Iterator[Path]:
     """Yield a temporary path beside `path`; move it over `path` when the block ends well.
 
     The data are flushed to the disk before the move, so after a crash the old file or the new
     one is there, never half of one. If the block raises, the temporary file is removed and an
-    existing file at `path` stays as it was.
+    existing file at `path` stays as it was. Where `path` is a symbolic link, the file that it
+    leads to is replaced and the link stays.
 
     Parameters
     ----------
     path : path-like
         Where the file is wanted. The temporary name keeps its suffixes, since some writers
         choose the format by them.
+    progress : callable, optional
+        Called with 1 when all is written, just before the move; what it raises leaves everything
+        as it was.
 
     Raises
     ------
     ExportError
         If the folder is missing or not writable, or the system refuses the writing.
     """
-    target = Path(path)
+    named = Path(path)
     try:
+        target = _behind_links(named)
         temporary = _reserve(target)
     except OSError as cause:
-        raise ExportError(f"{target}: cannot write here: {_reason(cause)}") from None
+        raise ExportError(f"{named}: cannot write here: {_reason(cause)}") from None
     try:
         yield temporary
         _flush(temporary)
+        if progress is not None:
+            progress(1.0)
         os.replace(temporary, target)
         _flush_folder(target.parent)
     except OSError as cause:
-        raise ExportError(f"{target}: cannot write: {_reason(cause)}") from None
+        raise ExportError(f"{named}: cannot write: {_reason(cause)}") from None
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def _behind_links(path: Path) -> Path:
+    """The file that a path leads to, through all symbolic links; it need not be there."""
+    if not path.is_symlink():
+        return path
+    target = Path(os.path.realpath(path))
+    if target.is_symlink():
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+    return target
 
 
 def _reserve(target: Path) -> Path:

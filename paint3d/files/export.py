@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 from paint3d.errors import ExportError, UnknownNameError
 from paint3d.files.atomic import write_atomically
 from paint3d.files.export_options import ExportOptions
-from paint3d.files.painting import Exportable, Painting, read_painting
+from paint3d.files.painting import Exportable, Painting, Untextured, read_painting
+from paint3d.files.progress import Progress, part_of
 from paint3d.files.records import write_records
 from paint3d.files.session import SESSION_SUFFIX, Session, save_session
 from paint3d.files.write_3mf import write_3mf
@@ -23,7 +25,14 @@ from paint3d.files.write_wrl import write_wrl
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["EXPORT_SUFFIXES", "check_export_path", "export"]
+__all__ = [
+    "EXPORT_SUFFIXES",
+    "FORMATS",
+    "PreparedExport",
+    "check_export_path",
+    "export",
+    "prepare_export",
+]
 
 DEFAULT_ROUGHNESS = 0.5
 ANY_MESH = frozenset({"unit", "up_axis", "filaments"})
@@ -50,6 +59,7 @@ def export(
     texture: bool | int = False,
     filaments: int | Sequence[str] | None = None,
     packed_normals: bool = False,
+    size: tuple[int, int] | None = None,
 ) -> None:
     """Write a painting to `path`; the suffix chooses the format.
 
@@ -84,6 +94,8 @@ def export(
         triangle.
     packed_normals : bool
         .p3d.txt: write the paper's seven numbers a vertex, one of them for the normal.
+    size : (int, int), optional
+        .png: width and height, pixels; by default 1600 x 1200.
 
     Raises
     ------
@@ -99,15 +111,75 @@ def export(
         _save(surface, path)
         return
     options = ExportOptions(
-        tolerance, exact, unit, up_axis, unlit, texture, filaments, packed_normals
+        tolerance, exact, unit, up_axis, unlit, texture, filaments, packed_normals, size
     )
-    form = FORMATS[suffix]
-    options.refuse_others(form.takes, suffix, _formats_by_wish())
-    unit = options.unit or form.unit
-    painting = read_painting(surface, options).placed(unit, options.up_axis or form.up_axis)
-    painting = painting._replace(title=path.name[: -len(suffix)] or painting.material)
-    with write_atomically(path) as temporary:
-        form.write(temporary, painting, options, unit)
+    prepare_export(surface, path, options).write()
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedExport:
+    """What is to be written, taken from a surface that may be painted on meanwhile."""
+
+    path: Path
+    suffix: str
+    options: ExportOptions
+    painting: Painting | Untextured
+
+    def write(self, progress: Progress | None = None) -> None:
+        """Write the file.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the share done now and then, and with 1 before the file takes its place;
+            what it raises leaves everything as it was.
+
+        Raises
+        ------
+        ExportError
+            If the file cannot be written.
+        """
+        form, options, painting = FORMATS[self.suffix], self.options, self.painting
+        told = part_of(progress, 0.0, 0.3) or (lambda share: None)
+        told(0.0)
+        if isinstance(painting, Untextured):
+            painting = painting.baked()
+        told(0.5)
+        unit = options.unit or form.unit
+        painting = painting.placed(unit, options.up_axis or form.up_axis)
+        title = self.path.name[: -len(self.suffix)] or painting.material
+        told(1.0)
+        with write_atomically(self.path, progress) as temporary:
+            form.write(temporary, painting._replace(title=title), options, unit)
+
+
+def prepare_export(
+    surface: Exportable | TriangleMesh,
+    path: str | os.PathLike[str],
+    options: ExportOptions,
+    progress: Progress | None = None,
+) -> PreparedExport:
+    """Take from a surface what an export needs; nothing is written yet.
+
+    Parameters
+    ----------
+    surface : PaintedSurface or TriangleMesh
+    path : path-like
+        Its suffix is that of one of `FORMATS`.
+    options : ExportOptions
+    progress : callable, optional
+        Called with the share done, now and then; what it raises stops it.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is not known, or the format cannot do what is asked.
+    """
+    path, suffix = Path(path), check_export_path(path)
+    if suffix not in FORMATS:
+        raise ExportError(f"{path}: a session is saved; expected one of {' '.join(FORMATS)}")
+    options.refuse_others(FORMATS[suffix].takes, suffix, _formats_by_wish())
+    return PreparedExport(path, suffix, options, read_painting(surface, options, progress))
 
 
 def _save(surface: Exportable | TriangleMesh, path: Path) -> None:
@@ -197,7 +269,8 @@ def _write_records(path: Path, painting: Painting, options: ExportOptions, unit:
 def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from paint3d.view.picture import render_picture  # brings VTK: only where a picture is asked
 
-    render_picture(*painting[:4], path, gloss=_gloss(painting.material))
+    look = {} if options.size is None else {"size": options.size}
+    render_picture(*painting[:4], path, gloss=_gloss(painting.material), **look)
 
 
 def _roughness(material: str) -> float:
@@ -228,6 +301,6 @@ FORMATS: dict[str, Format] = {
     ".wrl": Format(_write_wrl, "m", "y"),
     ".p3d.txt": Format(_write_records, takes=frozenset({"packed_normals"})),
     ".html": Format(_write_html, takes=frozenset({"filaments"})),
-    ".png": Format(_write_png, takes=frozenset({"filaments"})),
+    ".png": Format(_write_png, takes=frozenset({"filaments", "size"})),
 }
 EXPORT_SUFFIXES = (*FORMATS, SESSION_SUFFIX)

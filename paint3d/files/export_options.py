@@ -15,6 +15,7 @@ __all__ = ["MOST_FILAMENTS", "UP_AXES", "ExportOptions"]
 UP_AXES = ("y", "z")
 MOST_FILAMENTS = 64
 TEXTURE_SIZES = (16, 16384)
+_WISHES = ("unit", "up_axis", "unlit", "texture", "filaments", "packed_normals", "size")
 HEX = re.compile(r"#?([0-9a-fA-F]{6})")
 
 
@@ -41,6 +42,8 @@ class ExportOptions:
         Reduce the colours to one of these for each triangle: how many, or their sRGB as hex.
     packed_normals : bool
         Write the paper's seven numbers a vertex, with one for the normal, instead of nine.
+    size : (int, int) or None
+        Width and height of a picture, pixels.
 
     Raises
     ------
@@ -56,6 +59,7 @@ class ExportOptions:
     texture: bool | int = False
     filaments: int | Sequence[str] | None = None
     packed_normals: bool = False
+    size: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         as_number(self.tolerance, "tolerance (dE00)", low=0.0)
@@ -87,7 +91,7 @@ class ExportOptions:
         ExportError
             For the first wish that it does not know.
         """
-        for wish in ("unit", "up_axis", "unlit", "texture", "filaments", "packed_normals"):
+        for wish in _WISHES:
             if getattr(self, wish) not in (None, False) and wish not in takes:
                 raise ExportError(
                     f"{suffix} files cannot have {wish.replace('_', ' ')}; "

@@ -12,10 +12,12 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from paint3d.errors import MeshError
 from paint3d.files.handover import make_memory_file, receive
+from paint3d.files.progress import Progress
 from paint3d.files.reading import Reading, Wanted
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -23,12 +25,18 @@ __all__ = ["MAX_MEMORY", "MAX_SECONDS", "read_apart"]
 
 MAX_MEMORY = 2 << 30
 MAX_SECONDS = 20
+LOOK_S = 0.05  # how often it is looked whether the file is still wanted
+START_S, BYTES_A_SECOND = 0.4, 20e6  # what reading takes, about
 START = "import sys, json; sys.path[:] = json.loads(sys.argv.pop()); \
 from paint3d.files.child import main; main()"
 
 
-def read_apart(path: Path, wanted: Wanted, seconds: float = MAX_SECONDS) -> Reading:
+def read_apart(
+    path: Path, wanted: Wanted, seconds: float = MAX_SECONDS, progress: Progress | None = None
+) -> Reading:
     """Read a mesh file in a child process with 2 GiB of memory and 20 s.
+
+    `progress` is told a share guessed from the file's size; what it raises ends the child.
 
     Raises
     ------
@@ -37,13 +45,15 @@ def read_apart(path: Path, wanted: Wanted, seconds: float = MAX_SECONDS) -> Read
     """
     descriptor = make_memory_file()
     try:
-        _run(path, wanted, descriptor, seconds)
+        _run(path, wanted, descriptor, seconds, progress)
         return _received(path, descriptor)
     finally:
         os.close(descriptor)
 
 
-def _run(path: Path, wanted: Wanted, descriptor: int, seconds: float) -> None:
+def _run(
+    path: Path, wanted: Wanted, descriptor: int, seconds: float, progress: Progress | None
+) -> None:
     request = {
         "path": os.fsencode(path).hex(),
         "wanted": list(wanted),
@@ -53,26 +63,42 @@ def _run(path: Path, wanted: Wanted, descriptor: int, seconds: float) -> None:
     }
     command = [sys.executable, "-I", "-W", "ignore", "-c", START]
     command += [json.dumps(request), json.dumps([os.path.abspath(entry) for entry in sys.path])]
-    try:
-        done = subprocess.run(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,  # nothing comes, but its end tells at once that the child ended
-            stderr=subprocess.DEVNULL,
-            pass_fds=(descriptor,),
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # its threads reserve memory
-            timeout=seconds,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        raise MeshError(
-            f"{path}: reading it took longer than {seconds:g} s; expected a simpler file"
-        ) from None
-    if done.returncode < 0:
-        number = -done.returncode
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,  # nothing comes, but its end tells at once that the child ended
+        stderr=subprocess.DEVNULL,
+        pass_fds=(descriptor,),
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # its threads reserve memory
+    ) as child:
+        try:
+            _wait(child, path, seconds, progress)
+        except BaseException:
+            child.kill()
+            raise
+    if child.returncode < 0:
+        number = -child.returncode
         if number in (signal.SIGXCPU, signal.SIGKILL):
             raise MeshError(f"{path}: reading it took too long or too much memory")
         raise MeshError(f"{path}: reading it crashed ({signal.Signals(number).name})")
+
+
+def _wait(child: subprocess.Popen, path: Path, seconds: float, progress: Progress | None) -> None:
+    """Wait for a child to end, telling how far it should be by now."""
+    began, expected = time.monotonic(), START_S + path.stat().st_size / BYTES_A_SECOND
+    while True:
+        left = seconds - (time.monotonic() - began)
+        try:
+            child.communicate(timeout=max(0.0, left if progress is None else min(LOOK_S, left)))
+            return
+        except subprocess.TimeoutExpired:
+            gone = time.monotonic() - began
+        if gone >= seconds:
+            raise MeshError(
+                f"{path}: reading it took longer than {seconds:g} s; expected a simpler file"
+            )
+        if progress is not None:
+            progress(gone / (gone + expected))
 
 
 def _received(path: Path, descriptor: int) -> Reading:

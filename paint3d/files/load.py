@@ -8,6 +8,7 @@ from pathlib import Path
 
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.isolation import read_apart
+from paint3d.files.progress import Progress
 from paint3d.files.reading import MESH_SUFFIXES, UNITS_MM, Wanted, read_surface
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -24,6 +25,7 @@ def load_mesh(
     *,
     from_points: bool | None = None,
     texture: bool = False,
+    progress: Progress | None = None,
 ) -> TriangleMesh:
     """Load a mesh in millimetres, z up, with the vertex and face order of its file.
 
@@ -45,6 +47,8 @@ def load_mesh(
     texture : bool
         Whether to read the materials' colours and textures (glTF, OBJ) at the vertices. Pictures
         outside the file's folder are not followed, and the logger says so.
+    progress : callable, optional
+        Called with about the share done, now and then; what it raises stops it.
 
     Returns
     -------
@@ -64,7 +68,7 @@ def load_mesh(
     found = _find(path)
     if found is None:
         return read_surface(_built_in(str(path)), wanted).mesh
-    reading = read_apart(found, wanted)
+    reading = read_apart(found, wanted, progress=progress)
     for note in reading.notes:
         log.warning("%s: %s", found, note)
     return reading.mesh

@@ -13,10 +13,11 @@ from paint3d.files.export_options import ExportOptions
 from paint3d.files.filaments import choose_filaments, choose_for_triangles, split_by_filament
 from paint3d.files.load import UNITS_MM
 from paint3d.files.position_steps import find_steps
-from paint3d.files.texture import bake_texture
+from paint3d.files.progress import Progress, part_of
+from paint3d.files.texture import Detail, bake_detail
 from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
 
-__all__ = ["Exportable", "Painting", "PlainSurface", "read_painting"]
+__all__ = ["Exportable", "Painting", "PlainSurface", "Untextured", "read_painting"]
 
 UNIT_LENGTH = 1e-6  # a normal nearer to length 1 than this is left as it is
 
@@ -40,7 +41,10 @@ class Exportable(Protocol):
         ...
 
     def export_arrays(
-        self, tolerance: float | None = 1.0, srgb: NDArray[np.uint8] | None = None
+        self,
+        tolerance: float | None = 1.0,
+        srgb: NDArray[np.uint8] | None = None,
+        progress: Progress | None = None,
     ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Return vertices (K, 3) mm, faces (F, 3), unit normals (K, 3) and sRGB codes (K, 3).
 
@@ -50,6 +54,8 @@ class Exportable(Protocol):
             dE00 by which colours may be missed; None for all vertices.
         srgb : (V, 3) uint8, optional
             Codes to export instead of the painting's own.
+        progress : callable, optional
+            Called with the share done, now and then; what it raises stops it.
         """
         ...
 
@@ -104,7 +110,10 @@ class PlainSurface:
         return areas
 
     def export_arrays(
-        self, tolerance: float | None = 1.0, srgb: NDArray[np.uint8] | None = None
+        self,
+        tolerance: float | None = 1.0,
+        srgb: NDArray[np.uint8] | None = None,
+        progress: Progress | None = None,
     ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Return the mesh's arrays as they are; none of its vertices was added for painting."""
         mesh = self.mesh
@@ -129,8 +138,29 @@ def _smooth_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
     return normals
 
 
-def read_painting(surface: Exportable | TriangleMesh, options: ExportOptions) -> Painting:
-    """Return what is to be written of a surface, checked.
+class Untextured(NamedTuple):
+    """A surface's arrays whose colours are still to be baked into a texture."""
+
+    detail: Detail
+    size: int | None
+    material: str
+
+    def baked(self) -> Painting:
+        """Return the painting with its texture; on a large object this takes long."""
+        vertices, faces, normals, uv, image = bake_detail(self.detail, self.size)
+        white = np.full((len(vertices), 3), 255, np.uint8)
+        painting = _checked((vertices, faces, normals, white), self.material)
+        return painting._replace(uv=uv, image=image)
+
+
+def read_painting(
+    surface: Exportable | TriangleMesh,
+    options: ExportOptions,
+    progress: Progress | None = None,
+) -> Painting | Untextured:
+    """Return what is to be written of a surface, checked; it may be painted on afterwards.
+
+    `progress` is told the share done; what it raises stops it.
 
     Raises
     ------
@@ -142,18 +172,21 @@ def read_painting(surface: Exportable | TriangleMesh, options: ExportOptions) ->
     material = str(getattr(surface.material, "name", "painting"))
     if options.texture:
         size = None if options.texture is True else int(options.texture)
-        vertices, faces, normals, uv, image = bake_texture(surface, size)
-        white = np.full((len(vertices), 3), 255, np.uint8)
-        painting = _checked((vertices, faces, normals, white), material)
-        return painting._replace(uv=uv, image=image)
+        detail = tuple(np.array(array) for array in surface.detail_arrays())
+        return Untextured(detail, size, material)
     if options.filaments is None:
-        return _checked(
-            surface.export_arrays(None if options.exact else options.tolerance), material
-        )
+        tolerance = None if options.exact else options.tolerance
+        return _checked(surface.export_arrays(tolerance, **_told(progress)), material)
     filaments = choose_filaments(surface.srgb, surface.vertex_areas, options.filaments)
     codes = filaments.palette[filaments.chosen]
-    arrays = surface.export_arrays(None if options.exact else 0.0, codes)
+    told = _told(part_of(progress, 0.3, 1.0))
+    arrays = surface.export_arrays(None if options.exact else 0.0, codes, **told)
     return _in_filaments(_checked(arrays, material), filaments.palette)
+
+
+def _told(progress: Progress | None) -> dict[str, Progress]:
+    """What `export_arrays` is given besides; a surface need not know of progress."""
+    return {} if progress is None else {"progress": progress}
 
 
 def _in_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:

@@ -18,6 +18,7 @@ from paint3d.device.recorded import Recording, checked_header
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.array_archive import read_archive, write_archive
 from paint3d.files.atomic import write_atomically
+from paint3d.files.progress import Progress, part_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.state import restore_surface, surface_state
@@ -76,10 +77,20 @@ def is_session_path(path: str | os.PathLike[str]) -> bool:
     return os.fspath(path).lower().endswith(SESSION_SUFFIX)
 
 
-def save_session(session: Session, path: str | os.PathLike[str]) -> None:
+def save_session(
+    session: Session, path: str | os.PathLike[str], progress: Progress | None = None
+) -> None:
     """Save a session: after any failure the file is as it was.
 
     The same session gives the same bytes.
+
+    Parameters
+    ----------
+    session : Session
+    path : path-like
+    progress : callable, optional
+        Called with the share done, and with 1 before the file takes its place; what it raises
+        leaves everything as it was.
 
     Raises
     ------
@@ -88,9 +99,9 @@ def save_session(session: Session, path: str | os.PathLike[str]) -> None:
     """
     path = Path(path)
     text, arrays = _parts(session)
-    with write_atomically(path) as temporary:
+    with write_atomically(path, progress) as temporary:
         try:
-            write_archive(temporary, text, arrays)
+            write_archive(temporary, text, arrays, part_of(progress, 0.2, 0.95))
         except (TypeError, ValueError) as cause:
             raise ExportError(f"{path}: settings cannot be saved: {cause}") from None
 
@@ -151,8 +162,14 @@ def _strokes(headers: Sequence[Mapping], arrays: dict[str, NDArray]) -> tuple[Re
     return tuple(strokes)
 
 
-def load_session(path: str | os.PathLike[str]) -> Session:
+def load_session(path: str | os.PathLike[str], progress: Progress | None = None) -> Session:
     """Open a session of this version or an older one; it may come from a stranger.
+
+    Parameters
+    ----------
+    path : path-like
+    progress : callable, optional
+        Called with the share done, now and then; what it raises stops it.
 
     Raises
     ------
@@ -161,7 +178,7 @@ def load_session(path: str | os.PathLike[str]) -> Session:
     """
     path = Path(path)
     try:
-        return _session(_upgraded(read_archive(path)))
+        return _session(_upgraded(read_archive(path, part_of(progress, 0.0, 0.3))), progress)
     except SessionError as cause:
         raise SessionError(f"{path}: {_one_line(cause)}") from None
     except Paint3DError as cause:
@@ -188,7 +205,7 @@ def _upgraded(parts: Parts) -> Parts:
     return parts
 
 
-def _session(parts: Parts) -> Session:
+def _session(parts: Parts, progress: Progress | None = None) -> Session:
     text, arrays = parts
     mesh = TriangleMesh(
         arrays["mesh/vertices"],
@@ -208,4 +225,5 @@ def _session(parts: Parts) -> Session:
     state = dict(text["surface"])
     state |= {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
     strokes = _strokes(text["strokes"], arrays)
-    return Session(restore_surface(mesh, state), tuple(recordings), dict(settings), strokes)
+    surface = restore_surface(mesh, state, part_of(progress, 0.35, 0.9))
+    return Session(surface, tuple(recordings), dict(settings), strokes)

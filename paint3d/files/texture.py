@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 
 from paint3d.errors import ExportError
 
-__all__ = ["Detailed", "TexturedMesh", "bake_texture"]
+__all__ = ["Detail", "Detailed", "TexturedMesh", "bake_detail", "bake_texture"]
+
+Detail = tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]
+"""What `Detailed.detail_arrays` returns."""
 
 PADDING = 4  # texels between charts
 FILLED = 0.6  # share of a texture that xatlas covers, nearly
@@ -26,7 +29,7 @@ SMALL_CHART = 0.002  # of the area
 class Detailed(Protocol):
     """A surface that knows which of its triangles lie in which of the object's own."""
 
-    def detail_arrays(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]:
+    def detail_arrays(self) -> Detail:
         """Return the object and what is painted on it.
 
         Own vertices (B, 3), faces (R, 3) and normals (B, 3); all vertices (V, 3), faces (F, 3),
@@ -63,7 +66,12 @@ def bake_texture(surface: Detailed, size: int | None = None) -> TexturedMesh:
     ExportError
         If xatlas is not installed, or cannot lay out the mesh.
     """
-    vertices, faces, normals, points, triangles, owners, srgb = surface.detail_arrays()
+    return bake_detail(surface.detail_arrays(), size)
+
+
+def bake_detail(detail: Detail, size: int | None = None) -> TexturedMesh:
+    """Bake what a surface's `detail_arrays` returned; see `bake_texture`."""
+    vertices, faces, normals, points, triangles, owners, srgb = detail
     areas = _double_areas(vertices, faces) / 2.0
     if size is None:
         size = _enough_pixels(areas.sum(), _double_areas(points, triangles) / 2.0)

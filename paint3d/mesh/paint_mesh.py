@@ -156,13 +156,24 @@ class PaintMesh:
         Parameters
         ----------
         progress : callable, optional
-            Called with the share done, now and then; what it raises stops between two cells.
+            Called with the share done, now and then, and at last with 1; what it raises stops
+            between two cells, and leaves the mesh as it was.
         """
-        for cell in range(self.n_cells):
-            while activate_cell(self.arrays, cell) < 0:
-                self.reserve()
-            if progress is not None and cell % _CELLS_A_STEP == 0:
-                progress(cell / self.n_cells)
+        before = None
+        if progress is not None:
+            before = self.arrays._replace(**{k: v.copy() for k, v in self.arrays._asdict().items()})
+        try:
+            for cell in range(self.n_cells):
+                while activate_cell(self.arrays, cell) < 0:
+                    self.reserve()
+                if progress is not None and cell % _CELLS_A_STEP == 0:
+                    progress(cell / self.n_cells)
+            if progress is not None:
+                progress(1.0)
+        except BaseException:
+            if before is not None:
+                self.arrays = before
+            raise
 
     # -- what there is ----------------------------------------------------------------------
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from paint3d.mesh.paint_mesh import PaintMesh
 
 __all__ = ["refinement_log", "repeat_refinement", "saved_ids"]
 
+_HALVED_AT_ONCE = 1 << 16  # some hundredths of a second
 _FIRST_ROOM = 1 << 18  # a log may come from a stranger: more room is made as it proves right
 
 
@@ -25,8 +28,17 @@ def refinement_log(mesh: PaintMesh) -> NDArray[np.int32]:
     return halved[np.argsort(child[halved], kind="stable")].astype(np.int32)
 
 
-def repeat_refinement(mesh: PaintMesh, log: NDArray[np.int32]) -> None:
+def repeat_refinement(
+    mesh: PaintMesh, log: NDArray[np.int32], progress: Callable[[float], None] | None = None
+) -> None:
     """Refine a fresh mesh as the log says: the same vertices and triangles, in the same order.
+
+    Parameters
+    ----------
+    mesh : PaintMesh
+    log : (n,) int32
+    progress : callable, optional
+        Called with the share done, now and then; what it raises stops it.
 
     Raises
     ------
@@ -38,8 +50,14 @@ def repeat_refinement(mesh: PaintMesh, log: NDArray[np.int32]) -> None:
     log, at = np.ascontiguousarray(log, np.int32), np.zeros(1, np.int64)
     if len(log):
         mesh.reserve(min(len(log), _FIRST_ROOM))
-    while (state := repeat_splits(mesh.arrays, log, at)) == NO_ROOM:
-        mesh.reserve()
+    state = 0
+    for end in range(_HALVED_AT_ONCE, len(log) + _HALVED_AT_ONCE, _HALVED_AT_ONCE):
+        while (state := repeat_splits(mesh.arrays, log[:end], at)) == NO_ROOM:
+            mesh.reserve()
+        if state == BAD_LOG:
+            break
+        if progress is not None:
+            progress(min(1.0, end / len(log)))
     if state == BAD_LOG:
         raise MeshError(
             f"bisection {int(at[0])} of the refinement log halves triangle {log[at[0]]}, which "

@@ -19,9 +19,15 @@ __all__ = ["coarse_faces"]
 
 Difference = Callable[[NDArray, NDArray], NDArray]
 
+_JUDGED_AT_ONCE = 1 << 16  # triangles: some hundredths of a second
+
 
 def coarse_faces(
-    paint_mesh: PaintMesh, colours: NDArray, tolerance: float, difference: Difference
+    paint_mesh: PaintMesh,
+    colours: NDArray,
+    tolerance: float,
+    difference: Difference,
+    progress: Callable[[float], None] | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Return the vertices and triangles that show the colours to within a tolerance.
 
@@ -35,6 +41,8 @@ def coarse_faces(
         vertex whose colour is not interpolated exactly.
     difference : callable
         ``difference(a, b)`` of colours (n, 3), (n, 3) float64 as (n,), for example CIEDE2000.
+    progress : callable, optional
+        Called with the share done, now and then; what it raises stops it.
 
     Returns
     -------
@@ -62,7 +70,7 @@ def coarse_faces(
     if not paint_mesh.refines:
         return _compact(order, paint_mesh.base_faces, paint_mesh.n_base_vertices)
     forest = _Forest(paint_mesh)
-    wanted = forest.close(forest.coarse_misses(colours, tolerance, difference))
+    wanted = forest.close(forest.coarse_misses(colours, tolerance, difference, progress))
     return _compact(order, forest.faces(wanted), paint_mesh.n_base_vertices)
 
 
@@ -92,7 +100,13 @@ class _Forest:
             self.parent[self.child[self.halved] + side] = self.halved
         self.split = _splits(mesh)[self.nodes[self.child[self.halved], 1]]
 
-    def coarse_misses(self, colours: NDArray, tolerance: float, difference: Difference) -> NDArray:
+    def coarse_misses(
+        self,
+        colours: NDArray,
+        tolerance: float,
+        difference: Difference,
+        progress: Callable[[float], None] | None = None,
+    ) -> NDArray:
         """(N,) bool: nodes that are too coarse for one of the vertices inside."""
         misses = np.zeros(len(self.nodes), bool)
         node = self.halved
@@ -101,13 +115,29 @@ class _Forest:
         rows = np.arange(len(node))
         weights[rows, self.edge[node]] = 0.5
         weights[rows, (self.edge[node] + 1) % 3] = 0.5
+        total, done = self._n_judged() if progress is not None else 0, 0
         while len(node):
-            self._judge(misses, node, vertex, weights, colours, tolerance, difference)
+            for at in range(0, len(node), _JUDGED_AT_ONCE):
+                some = slice(at, at + _JUDGED_AT_ONCE)
+                told = node[some], vertex[some], weights[some]
+                self._judge(misses, *told, colours, tolerance, difference)
+                if progress is not None:
+                    done += len(told[0])
+                    progress(done / total)
             above = self.parent[node]
             inner = above >= 0
             weights = self._lift(node[inner], above[inner], weights[inner])
             node, vertex = above[inner], vertex[inner]
         return misses
+
+    def _n_judged(self) -> int:
+        """How many pairs there are of a halved node and itself or one above it."""
+        node, total = self.halved, 0
+        while len(node):
+            total += len(node)
+            above = self.parent[node]
+            node = above[above >= 0]
+        return total
 
     def _judge(
         self,

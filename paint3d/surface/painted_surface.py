@@ -133,7 +133,7 @@ class PaintedSurface:
     def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
         """Refine the whole surface now instead of where paint comes; nothing painted changes.
 
-        What `progress` (see `PaintMesh.refine_all`) raises stops it half way, which harms nothing.
+        What `progress` (see `PaintMesh.refine_all`) raises leaves everything as it was.
         """
         try:
             self.paint_mesh.refine_all(progress)
@@ -440,7 +440,10 @@ class PaintedSurface:
         )
 
     def export_arrays(
-        self, tolerance: float | None = EXPORT_TOLERANCE, srgb: NDArray | None = None
+        self,
+        tolerance: float | None = EXPORT_TOLERANCE,
+        srgb: NDArray | None = None,
+        progress: Callable[[float], None] | None = None,
     ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """The painting for a file: bisections that its colours do not need are taken back.
 
@@ -451,6 +454,8 @@ class PaintedSurface:
             all vertices and triangles that there are.
         srgb : (V, 3) uint8, optional
             Codes to give out, and to judge by, instead of the painting's own.
+        progress : callable, optional
+            Called with the share done, now and then; what it raises stops it.
 
         Returns
         -------
@@ -471,7 +476,7 @@ class PaintedSurface:
         elif srgb is None and not self.painted.any():
             return self._source_arrays()
         else:
-            ids, faces = coarse_faces(mesh, codes, tolerance, _code_difference)
+            ids, faces = coarse_faces(mesh, codes, tolerance, _code_difference, progress)
         return mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]
 
     def detail_arrays(self) -> tuple[NDArray, ...]:

@@ -141,7 +141,11 @@ def _kept_flow(surface: PaintedSurface, ids: NDArray) -> State:
     return {"flows": True, **{f"flow_{name}": array for name, array in kept.items()}}
 
 
-def restore_surface(mesh: TriangleMesh, state: Mapping[str, object]) -> PaintedSurface:
+def restore_surface(
+    mesh: TriangleMesh,
+    state: Mapping[str, object],
+    progress: Callable[[float], None] | None = None,
+) -> PaintedSurface:
     """Return the surface that `surface_state` described.
 
     Parameters
@@ -150,6 +154,8 @@ def restore_surface(mesh: TriangleMesh, state: Mapping[str, object]) -> PaintedS
         The object as it was before painting.
     state : mapping
         Of this version or an older one. It may come from a stranger: everything is checked.
+    progress : callable, optional
+        Called with the share done, now and then; what it raises stops it.
 
     Raises
     ------
@@ -164,7 +170,7 @@ def restore_surface(mesh: TriangleMesh, state: Mapping[str, object]) -> PaintedS
         pigments = [_known(Pigment, entry, palette) for entry in state["pigments"]]
         if len(pigments) > _MOST_PIGMENTS or len({p.name for p in pigments}) < len(pigments):
             raise SessionError(f"it has {len(pigments)} pigments with repeated or too many names")
-        repeat_refinement(surface.paint_mesh, _integers(state, "splits"))
+        repeat_refinement(surface.paint_mesh, _integers(state, "splits"), progress)
         if surface.n_vertices > surface.paint_mesh.n_base_vertices:
             surface.make_room()
         for pigment in pigments:

@@ -30,8 +30,15 @@ from paint3d.app.model.stroke_log import StrokeLog, weights_of
 from paint3d.app.model.symmetry import Symmetry
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import ExportError, Paint3DError, SessionError
-from paint3d.files.export import check_export_path, export
+from paint3d.files.export import (
+    PreparedExport,
+    check_export_path,
+    export,
+    prepare_export,
+)
+from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
+from paint3d.files.progress import Progress
 from paint3d.files.session import Session, is_session_path, load_session, save_session
 from paint3d.ink.materials import Material
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -118,8 +125,22 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         unit: str | None = None,
         brush: str | BrushSpec = DEFAULT_BRUSH,
         ink: Ink = DEFAULT_INKS[0],
+        undo_bytes: int = MEMORY_BUDGET,
     ) -> Document:
         """Start a painting on a mesh, its file, or a built-in object.
+
+        Parameters
+        ----------
+        mesh : path-like or TriangleMesh
+        resolution : float or None
+            mm.
+        material : str or Material
+        unit : {"mm", "cm", "m", "in"}, optional
+            Of a file.
+        brush, ink
+            In the hand.
+        undo_bytes : int
+            Of undo steps in memory; more go to the disk.
 
         Raises
         ------
@@ -129,7 +150,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         if not isinstance(mesh, TriangleMesh):
             mesh = load_mesh(mesh, unit)
         surface = PaintedSurface(mesh, resolution, material)
-        return cls(surface, Painter(surface, brush, ink), unit=unit or "mm")
+        painter = Painter(surface, brush, ink)
+        return cls(surface, painter, unit=unit or "mm", undo_bytes=undo_bytes)
 
     @classmethod
     def open(
@@ -139,10 +161,13 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         material: str | Material = "porcelain",
         *,
         unit: str | None = None,
+        undo_bytes: int = MEMORY_BUDGET,
+        progress: Progress | None = None,
     ) -> Document:
         """Open a saved session (.p3d) to go on with, or a mesh to start on.
 
-        Resolution, material and unit are for meshes; a session has its own.
+        Resolution, material and unit are for meshes; a session has its own. `progress` is called
+        with the share done, now and then; what it raises stops it.
 
         Raises
         ------
@@ -150,17 +175,22 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
             If the file cannot be used.
         """
         if not is_session_path(path):
-            return cls.new(path, resolution, material, unit=unit)
-        session = load_session(path)
+            return cls.new(path, resolution, material, unit=unit, undo_bytes=undo_bytes)
+        session = load_session(path, progress)
         try:
             painter = saved_painter(session.surface, session.settings)
             unit = saved_unit(session.settings)
-            return cls(session.surface, painter, Path(path), session, unit)
+            return cls(session.surface, painter, Path(path), session, unit, undo_bytes)
         except Paint3DError as cause:
             raise SessionError(f"{path}: {cause}") from None
 
-    def save(self, path: str | os.PathLike[str] | None = None) -> None:
+    def save(
+        self, path: str | os.PathLike[str] | None = None, *, progress: Progress | None = None
+    ) -> None:
         """Save everything to a session, by default to the one it came from.
+
+        `progress` is called with the share done, and with 1 before the file takes its place; what
+        it raises leaves everything as it was.
 
         Raises
         ------
@@ -173,7 +203,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         if not is_session_path(path):
             raise ExportError(f"{path}: a painting is saved as .p3d; other formats are exported")
         self._gather()
-        save_session(self._session(), path)
+        save_session(self._session(), path, progress)
         self.path, self.modified = path, False
 
     def _session(self) -> Session:
@@ -201,6 +231,16 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
             save_session(self._session(), path)
         else:
             export(self.surface, path, **options)
+
+    def prepare_export(
+        self, path: str | os.PathLike[str], options: ExportOptions, progress: Progress | None = None
+    ) -> PreparedExport:
+        """Take what an export needs, to be written while painting goes on.
+
+        See `paint3d.files.export.prepare_export`.
+        """
+        self._gather()
+        return prepare_export(self.surface, path, options, progress)
 
     # -- what is shown --------------------------------------------------------------------
 
