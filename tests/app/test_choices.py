@@ -7,7 +7,9 @@ import string
 
 import pytest
 
+from paint3d.app.model.brush_size import resized
 from paint3d.app.model.places import config_folder, recovery_folder
+from paint3d.app.model.saved_settings import chosen_brush, chosen_inks, in_hand
 from paint3d.app.model.settings import Settings, load_settings, save_settings
 from paint3d.app.model.shortcuts import (
     GESTURES,
@@ -18,9 +20,11 @@ from paint3d.app.model.shortcuts import (
     find_shortcuts,
 )
 from paint3d.app.model.texts import LANGUAGES, Texts, load_texts, system_language
+from paint3d.brush.presets import load_brush
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.files.load import BUILT_IN_OBJECTS
-from paint3d.ink.materials import load_materials
+from paint3d.ink.materials import load_material, load_materials
+from paint3d.ink.pigments import load_pigment
 
 
 def named_in(text):
@@ -90,6 +94,7 @@ def test_settings_come_back(tmp_path):
     own = Settings(language="zh", pressure_curve=((0.0, 0.0), (0.5, 0.7), (1.0, 1.0)), wet=True)
     own = own.with_recent("/a/b.p3d").with_recent("/c.p3d").with_recent("/a/b.p3d")
     own = dataclasses.replace(own, buttons={3: "dip"}, window={"panels": ["inks"]})
+    own = dataclasses.replace(own, inks=("indigo", {"cinnabar": 0.75, "water": 0.25}))
     save_settings(own, tmp_path / "new")
     assert load_settings(tmp_path / "new") == (own, None)
     assert own.recent == ("/a/b.p3d", "/c.p3d")
@@ -104,7 +109,12 @@ def test_settings_come_back(tmp_path):
         ("", "Expecting value"),
         ("[]", "holds a list"),
         ("{}", "version is None"),
-        ('{"version": 2}', "version is 2"),
+        ('{"version": 3}', "version is 3"),
+        ('{"version": 2, "wet": 1}', "wet is 1"),
+        ('{"version": 2, "inks": ["pine soot", {"water": "much"}]}', "part of water is 'much'"),
+        ('{"version": 2, "inks": [[]]}', "inks is"),
+        ('{"version": 2, "exports": []}', "exports is"),
+        ('{"version": 2, "brush_mm": 0}', "brush_mm"),
         ('{"version": 1, "language": "xx"}', "language is 'xx'"),
         ('{"version": 1, "smoothing": NaN}', "smoothing is nan"),
         ('{"version": 1, "smoothing": "much"}', "smoothing is 'much'"),
@@ -132,6 +142,29 @@ def test_bad_settings_are_set_aside_with_a_message(tmp_path, text, message):
 def test_what_a_newer_program_adds_is_passed_over(tmp_path):
     (tmp_path / "settings.json").write_text(json.dumps({"version": 1, "theme": "dark", "new": 1}))
     assert load_settings(tmp_path) == (Settings(theme="dark"), None)
+
+
+def test_the_first_version_s_wet_was_no_choice(tmp_path):
+    (tmp_path / "settings.json").write_text(json.dumps({"version": 1, "wet": False}))
+    assert load_settings(tmp_path)[0].wet is None
+    xuan = load_material("xuan")
+    assert Settings(wet=True).wants_wet(xuan)
+    assert not Settings(wet=False).wants_wet(xuan)
+
+
+def test_brush_and_inks_in_hand_are_kept_as_words_and_found_again():
+    brush = resized(load_brush("zhongkai"), 31.0)
+    mixed = {"indigo": 3.0, load_pigment("cinnabar"): 1.0}
+    kept = dataclasses.replace(Settings(), **in_hand(brush, [mixed, {"gamboge": 2.0}]))
+    assert chosen_brush(kept) == brush
+    assert chosen_inks(kept) == [{"indigo": 3.0, "cinnabar": 1.0}, "gamboge"]
+    as_made = dataclasses.replace(kept, **in_hand(load_brush("gongbi"), ["indigo"]))
+    assert chosen_brush(as_made) == load_brush("gongbi")
+    assert as_made.brush_mm is None
+    assert chosen_inks(as_made) == ["indigo", "cinnabar"]
+    gone = Settings(brush="mop", inks=("mud", {"water": 0.0}))
+    assert chosen_brush(gone) == load_brush("full")
+    assert chosen_inks(gone) == ["pine soot", "cinnabar"]
 
 
 def test_settings_that_cannot_be_saved_are_told(tmp_path):

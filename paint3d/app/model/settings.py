@@ -17,10 +17,14 @@ from paint3d.arrays import as_number
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.errors import ExportError, InputError, Paint3DError
 from paint3d.files.atomic import write_atomically
+from paint3d.ink.materials import Material
 
 __all__ = ["Settings", "load_settings", "save_settings"]
 
-VERSION = 1
+VERSION = 2
+WET_AT_FIRST: frozenset[str] = frozenset()
+"""Materials on which ink spreads unless it was chosen otherwise."""
+
 _MOST_RECENT = 12
 _CHOICES = {
     "language": ("system", "en", "zh"),
@@ -35,7 +39,9 @@ _RANGES = {
     "autosave_s": (10.0, 3600.0),
     "undo_megabytes": (1.0, 1e6),
     "force_n": (0.0, 7.9),
+    "brush_mm": (1.0, 1000.0),
 }
+_MAYBE = ("brush_mm",)  # may also be None
 
 
 @dataclass(frozen=True)
@@ -48,8 +54,14 @@ class Settings:
     theme : {"system", "light", "dark"}
     unit : {"mm", "cm", "m", "in"}
         Of lengths as they are shown.
-    material, brush, inks, resolution_mm
+    material, resolution_mm
         Of new paintings.
+    brush : str
+        In the hand when a new painting begins.
+    brush_mm : float or None
+        Its tuft's length; None: as it is made.
+    inks : tuple of str, or of mappings of str to float
+        At hand then, the one it is dipped in first; mixtures as parts by name.
     pressure_curve : tuple of (float, float)
         See `PressureCurve`.
     pressure_by : {"keys", "speed"}
@@ -59,8 +71,8 @@ class Settings:
         Of a mouse, at first.
     smoothing : float
         0 to 1.
-    wet : bool
-        Whether ink spreads and dries while painting.
+    wet : bool or None
+        Whether ink spreads and dries while painting; None: as the material asks for.
     autosave_s : float
         The least time between two bases of a sitting.
     undo_megabytes : float
@@ -70,7 +82,9 @@ class Settings:
     buttons : dict of int to str
         Actions of a 6-DOF mouse's buttons.
     window : dict
-        What the window keeps for itself: sizes, panels.
+        What the window keeps for itself: size, place, panels.
+    exports : dict
+        What was chosen last for exports and films.
 
     Raises
     ------
@@ -83,19 +97,21 @@ class Settings:
     unit: str = "mm"
     material: str = "porcelain"
     brush: str = "full"
-    inks: tuple[str, ...] = ("pine soot", "cinnabar")
+    brush_mm: float | None = None
+    inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
     resolution_mm: float = 0.4
     pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
     pressure_by: str = "keys"
     finger: str = "auto"
     force_n: float = 1.5
     smoothing: float = 0.0
-    wet: bool = False
+    wet: bool | None = None
     autosave_s: float = 120.0
     undo_megabytes: float = 512.0
     recent: tuple[str, ...] = ()
     buttons: Mapping[int, str] = field(default_factory=lambda: dict(DEFAULT_ACTIONS))
     window: Mapping[str, object] = field(default_factory=dict)
+    exports: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, known in _CHOICES.items():
@@ -104,15 +120,17 @@ class Settings:
                     f"{name} is {getattr(self, name)!r}; expected {' or '.join(known)}"
                 )
         for name, (low, high) in _RANGES.items():
-            as_number(getattr(self, name), name, low, high)
-        if not isinstance(self.wet, bool):
+            if getattr(self, name) is not None or name not in _MAYBE:
+                as_number(getattr(self, name), name, low, high)
+        if self.wet is not None and not isinstance(self.wet, bool):
             raise InputError(f"wet is {self.wet!r}; expected true or false")
-        for name in ("inks", "recent"):
-            _check_words(name, getattr(self, name))
+        _check_words("recent", self.recent)
+        _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))
-        if not isinstance(self.window, Mapping):
-            raise InputError(f"window is {self.window!r:.40}; expected names and values")
+        for name in ("window", "exports"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected names, values")
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
 
@@ -120,6 +138,10 @@ class Settings:
     def curve(self) -> PressureCurve:
         """The pressure curve, ready for use."""
         return PressureCurve(self.pressure_curve)
+
+    def wants_wet(self, material: Material) -> bool:
+        """Whether ink spreads on a material: as was chosen, else as the material asks for."""
+        return self.wet if self.wet is not None else material.name in WET_AT_FIRST
 
     def with_recent(self, path: str | os.PathLike[str]) -> Settings:
         """With a file at the head of the recent ones."""
@@ -136,6 +158,18 @@ class Settings:
 def _check_words(name: str, words: object) -> None:
     if not isinstance(words, tuple) or not all(isinstance(word, str) and word for word in words):
         raise InputError(f"{name} is {words!r:.60}; expected names")
+
+
+def _check_inks(inks: object) -> None:
+    if not isinstance(inks, tuple):
+        raise InputError(f"inks is {inks!r:.60}; expected names or mixtures")
+    for ink in inks:
+        if not isinstance(ink, Mapping):
+            _check_words("inks", (ink,))
+            continue
+        _check_words("inks", tuple(ink))
+        for name, part in ink.items():
+            as_number(part, f"part of {name}", 0.0, 1e9)
 
 
 def _file(folder: Path | None) -> Path:
@@ -182,8 +216,10 @@ def _parse(text: str) -> Settings:
     if not isinstance(found, dict):
         raise InputError(f"it holds a {type(found).__name__}; expected settings by name")
     version = found.pop("version", None)
-    if isinstance(version, bool) or version != VERSION:
+    if isinstance(version, bool) or version not in (1, VERSION):
         raise InputError(f"its version is {version!r}; expected {VERSION}")
+    if version == 1:
+        found.pop("wet", None)  # was written by itself, and never chosen
     known = {own.name for own in dataclasses.fields(Settings)}
     values = {name: value for name, value in found.items() if name in known}
     for name in ("inks", "recent", "pressure_curve"):
