@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "plane (default: what a crash left, or a bowl)",
     )
     add_surface_options(parser)
+    parser.set_defaults(material=None, resolution=None)  # as was chosen last in the window
     parser.add_argument("--language", choices=_LANGUAGES, help="of the window (default: as chosen)")
     add_quiet_option(parser)
 
@@ -42,7 +43,8 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.files.load import BUILT_IN_OBJECTS
     from paint3d.ink.materials import load_material
 
-    load_material(options.material)
+    if options.material is not None:
+        load_material(options.material)
     target = options.target
     if target is not None and target not in BUILT_IN_OBJECTS and not Path(target).is_file():
         known = ", ".join(BUILT_IN_OBJECTS)

@@ -13,7 +13,7 @@ import io
 import os
 import tempfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
@@ -124,11 +124,24 @@ def _whole(stream: BinaryIO, name: str) -> bytes:
     return data
 
 
-def save_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
+def save_recording(
+    recording: Recording,
+    path: str | os.PathLike[str],
+    progress: Callable[[float], None] | None = None,
+) -> None:
     """Write a recording: .jsonl, .csv or .inkml, each also with .gz.
 
     The file appears whole or not at all, and the same recording gives the same bytes. JSON
     Lines and CSV keep every number exactly; InkML keeps pad recordings (see `write_inkml`).
+
+    Parameters
+    ----------
+    recording : Recording
+    path : path-like
+        Where it is a symbolic link, the file behind it is replaced.
+    progress : callable, optional
+        Called with 1 when all is written, before the file takes its place; what it raises leaves
+        everything as it was.
 
     Raises
     ------
@@ -142,6 +155,7 @@ def save_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     suffix = (target.with_suffix("") if zipped else target).suffix.lower()
     if suffix not in _WRITERS:
         raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(_WRITERS)} [.gz]")
+    target = Path(os.path.realpath(target)) if target.is_symlink() else target  # the link stays
     try:
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:40]}.")
     except OSError as cause:
@@ -152,6 +166,8 @@ def save_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
         umask = os.umask(0)
         os.umask(umask)
         os.chmod(temporary, 0o666 & ~umask)
+        if progress is not None:
+            progress(1.0)
         os.replace(temporary, target)
     except OSError as cause:
         raise ExportError(f"{target}: cannot write: {cause.strerror or cause}") from None

@@ -31,17 +31,25 @@ def wait_for(condition, seconds: float = 20.0) -> None:
         live(0.02)
 
 
-def answer(press) -> None:
-    """Let `press` deal with the dialog that opens next; it is called with it."""
+def answer(press, kind=QtWidgets.QDialog, but=QtWidgets.QProgressDialog) -> None:
+    """Let `press` deal with the dialog that opens next; it is called with it.
+
+    Bars that show how far something is are left alone; see `answer_bar`.
+    """
 
     def look() -> None:
         dialog = QtWidgets.QApplication.activeModalWidget()
-        if dialog is None or not dialog.isVisible():
+        if not isinstance(dialog, kind) or isinstance(dialog, but) or not dialog.isVisible():
             QtCore.QTimer.singleShot(30, look)
         else:
             press(dialog)
 
     QtCore.QTimer.singleShot(30, look)
+
+
+def answer_bar(press) -> None:
+    """Let `press` deal with the bar that opens next."""
+    answer(press, QtWidgets.QProgressDialog, ())
 
 
 def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):

@@ -33,12 +33,11 @@ from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.export import (
     PreparedExport,
     check_export_path,
-    export,
     prepare_export,
 )
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
-from paint3d.files.progress import Progress
+from paint3d.files.progress import Progress, part_of
 from paint3d.files.session import Session, is_session_path, load_session, save_session
 from paint3d.ink.materials import Material
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -217,8 +216,17 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         strokes = tuple(stroke.recording() for stroke in self.strokes)
         return Session(self.surface, self._recordings, settings, strokes)
 
-    def export(self, path: str | os.PathLike[str], **options: object) -> None:
+    def export(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        progress: Progress | None = None,
+        **options: object,
+    ) -> None:
         """Write the painting in the format that the suffix names; see `paint3d.export`.
+
+        `progress` is called with the share done, and with 1 before the file takes its place; what
+        it raises leaves everything as it was.
 
         Raises
         ------
@@ -228,9 +236,11 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         check_export_path(path)
         self._gather()
         if is_session_path(path):
-            save_session(self._session(), path)
-        else:
-            export(self.surface, path, **options)
+            save_session(self._session(), path, progress)
+            return
+        told = part_of(progress, 0.0, 0.6)
+        prepared = prepare_export(self.surface, path, ExportOptions(**options), told)
+        prepared.write(part_of(progress, 0.6, 1.0))
 
     def prepare_export(
         self, path: str | os.PathLike[str], options: ExportOptions, progress: Progress | None = None

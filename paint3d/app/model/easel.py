@@ -12,7 +12,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from queue import SimpleQueue
@@ -209,6 +209,12 @@ class Easel:
                 self._stale = True
                 self._wake.notify()
 
+    def keep_every(self, seconds: float) -> None:
+        """Let the sitting have its bases no oftener than that, from now on."""
+        with self._wake:
+            self._base_every_s = seconds
+            self._wake.notify()
+
     def stop(self, keep: bool = False) -> None:
         """Do what was asked for and end the thread; a second time does nothing.
 
@@ -287,6 +293,8 @@ class Easel:
             action = getattr(self.document, name) if job.command is name else job.command
             given = job.arguments if job.command is name else (self.document, *job.arguments)
             job.result.set_result(action(*given, **job.options))
+        except CancelledError as stopped:  # as who asked for it wished
+            job.result.set_exception(stopped)
         except Exception as error:
             self._tell(name, error)
             job.result.set_exception(error)

@@ -10,7 +10,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_length
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import Paint3DError
@@ -92,7 +92,7 @@ class BrushPanel(QtWidgets.QWidget):
         view.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         for name in brush_names():
             spec = load_brush(name)
-            item = QtWidgets.QListWidgetItem(f"{say(name)}\n{spec.length_mm:g} mm")
+            item = QtWidgets.QListWidgetItem(f"{say(name)}\n{say_length(spec.length_mm)}")
             item.setData(QtCore.Qt.ItemDataRole.UserRole, name)
             item.setToolTip(
                 say(
@@ -118,7 +118,14 @@ class BrushPanel(QtWidgets.QWidget):
         self._wanted = brush.length_mm
         with QtCore.QSignalBlocker(self._size):
             self._size.setValue(_step_of(brush.length_mm))
-        self._told.setText(f"{brush.length_mm:.3g} mm")
+        self._told.setText(say_length(brush.length_mm))
+
+    def show_unit(self) -> None:
+        """Tell lengths in the unit that is chosen now."""
+        for row in range(self._list.count()):
+            length = load_brush(self._name(row)).length_mm
+            self._list.item(row).setText(f"{say(self._name(row))}\n{say_length(length)}")
+        self._told.setText(say_length(self._wanted))
 
     def set_ink(self, ink: object) -> None:
         """Paint the previews in this ink: a name, or parts by name."""
@@ -166,7 +173,7 @@ class BrushPanel(QtWidgets.QWidget):
     def _want(self, length: float) -> None:
         least, most = size_limits(self.brush)
         self._wanted = min(max(length, 1.0001 * least), 0.9999 * most)
-        self._told.setText(f"{self._wanted:.3g} mm")
+        self._told.setText(say_length(self._wanted))
         self._settle.start()
 
     def _size_settled(self) -> None:

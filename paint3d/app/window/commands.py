@@ -5,7 +5,16 @@ from __future__ import annotations
 from paint3d.app.model.shortcuts import GESTURES, SHORTCUTS, find_shortcuts
 from paint3d.brush.presets import brush_names
 
-__all__ = ["CHECKABLE", "ICONS_OF", "MENUS", "ON_PICTURE", "TOOLS", "keys_of", "text_of"]
+__all__ = [
+    "ALWAYS",
+    "CHECKABLE",
+    "ICONS_OF",
+    "MENUS",
+    "ON_PICTURE",
+    "TOOLS",
+    "keys_of",
+    "text_of",
+]
 
 MENUS: dict[str, tuple[str, ...]] = {
     "file": ("new", "open", "save", "save_as", "export", "-", "screenshot", "turntable", "-",
@@ -42,6 +51,14 @@ ON_PICTURE = frozenset(
     | {f"{how}_{way}" for how in ("turn", "pan") for way in ("left", "right", "up", "down")}
 )
 """Whose keys count only while the picture has the focus: lists and sliders want them too."""
+
+ALWAYS = frozenset(
+    {
+        "new", "open", "quit", "preferences", "smoothing", "brush", "panels", "full_screen", "dark",
+        "shortcuts", "about",
+    }
+)  # fmt: skip
+"""What can be asked for while nothing is open."""
 
 ICONS_OF = {
     "new": "new", "open": "open", "save": "save", "export": "export", "screenshot": "camera",

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.model.saved_settings import chosen_material
 from paint3d.app.model.settings import Settings
 from paint3d.app.model.shortcuts import GROUPS, SHORTCUTS, Shortcut
 from paint3d.app.model.texts import load_texts
 from paint3d.app.window.commands import text_of
+from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.wording import say
 from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
 from paint3d.ink.materials import material_names
@@ -43,76 +45,57 @@ def ask_unit(parent: QtWidgets.QWidget, name: str, size_mm: float) -> str | None
     return list(sizes)[texts.index(text)] if accepted else None
 
 
-def _buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBox:
-    standard = QtWidgets.QDialogButtonBox.StandardButton
-    buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
-    buttons.button(standard.Ok).setText(say(accept))
-    buttons.button(standard.Cancel).setText(say("button.cancel"))
-    buttons.accepted.connect(dialog.accept)
-    buttons.rejected.connect(dialog.reject)
-    return buttons
-
-
-class NewDialog(QtWidgets.QDialog):
+class NewDialog(FormDialog):
     """Ask what to paint on."""
 
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(say("action.new").rstrip("…"))
-        form = QtWidgets.QFormLayout(self)
-        form.setContentsMargins(18, 16, 18, 14)
-        form.setVerticalSpacing(10)
-        self.object = QtWidgets.QComboBox()
-        for name in BUILT_IN_OBJECTS:
-            self.object.addItem(say(f"object.{name}"), name)
-        self.object.addItem(say("A mesh file…"), "")
-        self.material = QtWidgets.QComboBox()
-        for name in material_names():
-            self.material.addItem(say(f"surface.{name}"), name)
-        self.material.setCurrentIndex(material_names().index(settings.material))
-        self.resolution = QtWidgets.QDoubleSpinBox()
-        self.resolution.setRange(0.05, 10.0)
+        super().__init__(parent, say("action.new").rstrip("…"))
+        objects = {name: say(f"object.{name}") for name in BUILT_IN_OBJECTS}
+        self.object = self.add_box(say("Object"), objects | {"": say("A mesh file…")}, None)
+        materials = {name: say(f"surface.{name}") for name in material_names()}
+        chosen = chosen_material(settings)
+        self.material = self.add_box(say("surface.material"), materials, chosen)
+        fine = settings.resolution_mm
+        self.resolution = self.add_number(say("surface.resolution"), 0.05, 10.0, fine, "mm", 2)
         self.resolution.setSingleStep(0.05)
-        self.resolution.setSuffix(" mm")
-        self.resolution.setValue(settings.resolution_mm)
-        form.addRow(say("Object"), self.object)
-        form.addRow(say("surface.material"), self.material)
-        form.addRow(say("surface.resolution"), self.resolution)
-        form.addRow(_buttons(self, "Begin"))
+        self.finish("Begin")
 
     def chosen(self) -> tuple[str, str, float]:
         """Object ("" for a file), material and resolution (mm)."""
         return self.object.currentData(), self.material.currentData(), self.resolution.value()
 
 
-class PreferencesDialog(QtWidgets.QDialog):
+class PreferencesDialog(FormDialog):
     """Ask how the program should be."""
 
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(say("action.preferences").rstrip("…"))
-        form = QtWidgets.QFormLayout(self)
-        form.setContentsMargins(18, 16, 18, 14)
-        form.setVerticalSpacing(10)
+        super().__init__(parent, say("action.preferences").rstrip("…"))
         self.boxes: dict[str, QtWidgets.QComboBox] = {}
+        self.numbers: dict[str, QtWidgets.QDoubleSpinBox] = {}
         rows = (
             ("language", "menu.language", "language.", ("system", "en", "zh")),
             ("theme", "menu.theme", "theme.", ("system", "light", "dark")),
+            ("unit", "Lengths are shown in", "unit.", tuple(UNITS_MM)),
             ("pressure_by", "action.force", "hand.pressure_by_", ("keys", "speed")),
             ("finger", "finger.title", "finger.", ("auto", "paint", "turn")),
         )
         for name, label, prefix, choices in rows:
-            box = QtWidgets.QComboBox()
-            for choice in choices:
-                box.addItem(say(prefix + choice), choice)
-            box.setCurrentIndex(choices.index(getattr(settings, name)))
-            self.boxes[name] = box
-            form.addRow(say(label), box)
-        form.addRow(_buttons(self, "button.ok"))
+            texts = {choice: say(prefix + choice) for choice in choices}
+            self.boxes[name] = self.add_box(say(label), texts, getattr(settings, name))
+        wet = {None: say("As the material asks for"), True: say("Always"), False: say("Never")}
+        self.boxes["wet"] = self.add_box(say("surface.wet"), wet, settings.wet)
+        for name, label, low, high, unit in (
+            ("autosave_s", "Keep a whole copy for recovery every", 10.0, 3600.0, "s"),
+            ("undo_megabytes", "Memory for undo, from the next painting on", 16.0, 65536.0, "MB"),
+        ):
+            value = getattr(settings, name)
+            self.numbers[name] = self.add_number(say(label), low, high, value, unit)
+        self.finish("button.ok")
 
-    def chosen(self) -> dict[str, str]:
+    def chosen(self) -> dict[str, object]:
         """Settings by name."""
-        return {name: box.currentData() for name, box in self.boxes.items()}
+        numbers = {name: box.value() for name, box in self.numbers.items()}
+        return {name: box.currentData() for name, box in self.boxes.items()} | numbers
 
 
 class KeysDialog(QtWidgets.QDialog):

@@ -47,6 +47,7 @@ class CanvasHand(QtCore.QObject):
         self.camera: Camera | None = None
         self.hand: Hand | None = None
         self.settings = HandSettings()
+        self.first_force = 1.5  # N, of a mouse
         self.in_stroke = False
         self.held: set[str] = set()
         self.adjusted = False
@@ -63,7 +64,7 @@ class CanvasHand(QtCore.QObject):
         """Take another object in hand."""
         source = self._stage.easel.document.surface.source
         self._surface = ClosestPoints(source)
-        force = self.hand.force if self.hand is not None else 1.5
+        force = self.hand.force if self.hand is not None else self.first_force
         self.hand = Hand(self._surface, self.settings, force)
         self.in_stroke, self._place = False, None
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6 import QtCore, QtGui
 
 from paint3d.app.window.brush_panel import plain_name
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_length
 
 if TYPE_CHECKING:
     from paint3d.app.window.studio import StudioWindow
@@ -28,11 +28,8 @@ class Hud:
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
         """Draw it."""
         window = self._window
-        if window.stage.easel is None:
-            self._paint_welcome(painter, area)
-            return
         frame, theme = window.stage.frame, window.theme
-        if frame is None:
+        if window.stage.easel is None or frame is None:
             return
         brush = window.document.painter.brush
         plate = QtCore.QRectF(
@@ -50,7 +47,7 @@ class Hud:
         painter.setPen(QtGui.QColor(theme.text))
         text = plate.adjusted(52, 5, -8, -_HEIGHT / 2)
         left = QtCore.Qt.AlignmentFlag.AlignLeft | QtCore.Qt.AlignmentFlag.AlignVCenter
-        painter.drawText(text, left, f"{say(plain_name(brush))}  ·  {brush.length_mm:.3g} mm")
+        painter.drawText(text, left, f"{say(plain_name(brush))}  ·  {say_length(brush.length_mm)}")
         painter.setPen(QtGui.QColor(theme.faint))
         below = plate.adjusted(52, _HEIGHT / 2 - 2, -8, -4)
         told = f"{say('ink {share:.0f} %', share=100 * load)}  ·  {window.panels.ink_name()}"
@@ -75,9 +72,3 @@ class Hud:
         top = box.bottom() - 2 - (box.height() - 4) * load
         painter.fillRect(QtCore.QRectF(box.left(), top, box.width(), box.height()), ink)
         painter.restore()
-
-    def _paint_welcome(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
-        painter.setPen(QtGui.QColor(self._window.theme.faint))
-        painter.drawText(
-            area, QtCore.Qt.AlignmentFlag.AlignCenter, say("Open an object, or drop a file here")
-        )

@@ -3,92 +3,246 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, wait
 
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.wording import say
 
-__all__ = ["Progress", "run_beside"]
+__all__ = ["Progress", "is_waiting", "result_of", "run_beside"]
 
 _SOON_MS = 350  # work that is done by then shows no bar
 _LOOK_MS = 40
+_GRACE_S = 0.6  # that work has to stop in; then it is left to itself, and what it makes is dropped
+_SHORT_S = 1.0  # what work takes of which nothing is known, about
+_STEPS = 1000  # of the bar
+
+_KIND = QtCore.QEvent.Type
+_DEAF = frozenset(
+    {
+        _KIND.KeyPress, _KIND.Shortcut, _KIND.ShortcutOverride, _KIND.MouseButtonPress,
+        _KIND.MouseButtonDblClick, _KIND.TabletPress, _KIND.TouchBegin, _KIND.Wheel,
+        _KIND.ContextMenu, _KIND.DragEnter, _KIND.Drop, _KIND.Close,
+    }
+)  # fmt: skip
+"""What the window does not hear while work goes on that it waits for."""
+
+_waiting: list[QtWidgets.QWidget] = []
 
 
 class Progress:
     """Given to the work: how far it is, and whether it should stop."""
 
     def __init__(self) -> None:
-        self.share: float | None = None
-        self._stopped = threading.Event()
+        self._lock = threading.Lock()
+        self._stopped = self._settled = False
+        self._share, self._upto, self._expected_s = 0.0, 1.0, _SHORT_S
+        self._told = time.monotonic()
 
     def __call__(self, share: float) -> None:
-        """Say how far it is, 0 to 1.
+        """Say how far it is, 0 to 1; with 1 it is done, and cannot be stopped any more.
 
         Raises
         ------
         CancelledError
             If it is no longer wanted.
         """
-        self.share = float(share)
+        with self._lock:
+            if self._stopped:
+                raise CancelledError
+            self._settled = self._settled or share >= 1.0
+        self._tell(float(share), max(float(share), self._upto), self._expected_s)
+
+    def expect(self, share: float, upto: float, seconds: float) -> None:
+        """Say how far it is, and that it comes to `upto` in some seconds, about.
+
+        The bar moves on by itself toward `upto`, the slower the longer nothing is said.
+        """
         self.check()
+        self._tell(share, upto, seconds)
+
+    def _tell(self, share: float, upto: float, seconds: float) -> None:
+        self._share = max(share, self.share)
+        self._upto, self._expected_s, self._told = upto, seconds, time.monotonic()
+
+    @property
+    def share(self) -> float:
+        """How far it should be by now, 0 to 1."""
+        gone = time.monotonic() - self._told
+        ahead = max(0.0, self._upto - self._share)
+        return self._share + ahead * gone / (gone + 2.0 * self._expected_s)
 
     def check(self) -> None:
         """Raise CancelledError if it is no longer wanted."""
-        if self._stopped.is_set():
+        if self._stopped:
             raise CancelledError
 
     def stop(self) -> None:
-        """Want it no longer."""
-        self._stopped.set()
+        """Want it no longer; if it is done, nothing happens."""
+        with self._lock:
+            self._stopped = not self._settled
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether it is no longer wanted."""
+        return self._stopped
+
+
+def result_of(future: Future, progress: Progress) -> object:
+    """Wait for what somebody else does; what waits in a queue when it is stopped is not begun."""
+    while not wait([future], timeout=_LOOK_MS / 1e3).done:
+        try:
+            progress.check()
+        except CancelledError:
+            future.cancel()
+            raise
+    return future.result()
 
 
 def run_beside(
-    parent: QtWidgets.QWidget, title: str, work: Callable[[Progress], object]
+    parent: QtWidgets.QWidget,
+    title: str,
+    work: Callable[[Progress], object],
+    here: Callable[[], None] | None = None,
 ) -> Future[object]:
     """Run work in a thread of its own while the window lives on; returns when it has ended.
+
+    Meanwhile the window takes no clicks and keys: nothing else can be begun that what is made
+    would replace. When it is stopped, this returns within a second, whether the work has noticed
+    or not; what it makes later is dropped.
 
     Parameters
     ----------
     parent : QWidget
+        If work goes on already that this one waits for, nothing is done.
     title : str
         What is being done.
     work : callable
-        Called with a `Progress`; `Progress.check` raises CancelledError once it is to stop.
+        Called with a `Progress`, which raises CancelledError once it is to stop.
+    here : callable, optional
+        Called again and again in the window's own thread while the work goes on.
 
     Returns
     -------
     Future
-        Done: its result, its error, or cancelled.
+        Done: its result or its error; a CancelledError if it was stopped.
     """
-    progress, loop = Progress(), QtCore.QEventLoop()
-    dialog = QtWidgets.QProgressDialog(title, say("button.cancel"), 0, 0, parent)
-    dialog.setWindowTitle(say("Please wait"))
-    dialog.setWindowModality(QtCore.Qt.WindowModality.WindowModal)
-    dialog.setMinimumDuration(_SOON_MS)
-    dialog.setAutoClose(False)
-    dialog.setAutoReset(False)
-    dialog.canceled.connect(progress.stop)
-    soon = QtCore.QTimer(singleShot=True, interval=_SOON_MS)
-    soon.timeout.connect(dialog.show)
-    with ThreadPoolExecutor(1, thread_name_prefix="paint3d-work") as beside:
-        future = beside.submit(work, progress)
-        look = QtCore.QTimer(interval=_LOOK_MS)
+    if parent in _waiting:
+        return _cancelled()
+    progress, future = Progress(), Future()
+    worker = threading.Thread(target=_do, args=(work, progress, future), name="paint3d-work")
+    _waiting.append(parent)
+    try:
+        bar = _Bar(parent, title, progress, future, here)
+        worker.start()
+        bar.wait()
+    finally:
+        _waiting.remove(parent)
+    return future if future.done() else _cancelled()
 
-        def looked() -> None:
-            if progress.share is not None:
-                dialog.setRange(0, 1000)
-                dialog.setValue(round(1000 * progress.share))
-            if future.done():
-                loop.quit()
 
-        look.timeout.connect(looked)
-        look.start()
+def is_waiting(window: QtWidgets.QWidget) -> bool:
+    """Whether a window waits for work beside it."""
+    return window in _waiting
+
+
+def _do(work: Callable[[Progress], object], progress: Progress, future: Future) -> None:
+    try:
+        result = work(progress)
+        progress(1.0)  # from here on it is done; if it was stopped before, it does not count
+        future.set_result(result)
+    except BaseException as error:
+        future.set_exception(error)
+
+
+def _cancelled() -> Future[object]:
+    future: Future[object] = Future()
+    future.set_exception(CancelledError())
+    return future
+
+
+class _Bar(QtCore.QObject):
+    """Shows how far work is, until it has ended or has been left to itself."""
+
+    def __init__(
+        self,
+        parent: QtWidgets.QWidget,
+        title: str,
+        progress: Progress,
+        future: Future,
+        here: Callable[[], None] | None,
+    ) -> None:
+        super().__init__()
+        self._window, self._progress, self._future, self._here = parent, progress, future, here
+        self._error: BaseException | None = None
+        self._stopped_at: float | None = None
+        self._loop = QtCore.QEventLoop()
+        self._dialog = dialog = QtWidgets.QProgressDialog(
+            title, say("button.cancel"), 0, _STEPS, parent
+        )
+        dialog.setWindowTitle(say("Please wait"))
+        dialog.setWindowModality(QtCore.Qt.WindowModality.WindowModal)
+        dialog.setMinimumDuration(10 * _SOON_MS)  # it is shown by us
+        dialog.setMinimumWidth(360)
+        dialog.setAutoClose(False)
+        dialog.setAutoReset(False)
+        dialog.canceled.connect(self._stop)
+
+    def wait(self) -> None:
+        """Live until it has ended."""
+        soon = QtCore.QTimer(singleShot=True, interval=_SOON_MS)
+        soon.timeout.connect(self._show)
+        look = QtCore.QTimer(interval=_LOOK_MS if self._here is None else 0)
+        look.timeout.connect(self._look)
+        program = QtWidgets.QApplication.instance()
+        program.installEventFilter(self)
         soon.start()
-        loop.exec()
+        look.start()
+        self._loop.exec()
         soon.stop()
         look.stop()
-    dialog.close()
-    dialog.deleteLater()
-    return future
+        program.removeEventFilter(self)
+        self._dialog.close()
+        self._dialog.deleteLater()
+        if self._error is not None:
+            raise self._error
+
+    def _show(self) -> None:
+        if self._stopped_at is None:
+            self._dialog.show()
+
+    def _stop(self) -> None:
+        if self._stopped_at is None:
+            self._stopped_at = time.monotonic()
+            self._progress.stop()
+
+    def _look(self) -> None:
+        self._dialog.setValue(round(_STEPS * min(self._progress.share, 1.0)))
+        left = self._progress.is_stopped and time.monotonic() - self._stopped_at > _GRACE_S
+        if self._future.done() or left:
+            self._loop.quit()
+        elif self._here is not None and self._stopped_at is None:
+            self._do_here()
+
+    def _do_here(self) -> None:
+        try:
+            self._here()
+        except Exception as error:
+            self._error = error
+            self._progress.stop()
+            self._loop.quit()
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Keep clicks and keys from the window."""
+        if event.type() not in _DEAF or not self._is_the_windows(watched):
+            return False
+        event.setAccepted(event.type() == _KIND.ShortcutOverride)  # else it becomes a shortcut
+        return True
+
+    def _is_the_windows(self, watched: QtCore.QObject) -> bool:
+        """Whether an event is for the window itself, something in it, or one of its actions."""
+        if isinstance(watched, QtWidgets.QWidget):
+            return watched.window() is self._window
+        return watched is self._window.windowHandle() or watched.parent() is self._window

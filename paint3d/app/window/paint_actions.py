@@ -99,7 +99,8 @@ class PaintActions:
             self._post("pick_colour", vertex)
 
     def do_wet(self, on: bool) -> None:
-        """Let ink spread in real time, or not."""
+        """Let ink spread in real time, or not; kept for paintings to come."""
+        self._window.keep(wet=on)
         if self._window.stage.easel is not None:
             self._window.stage.easel.wet = on
 

@@ -105,6 +105,12 @@ class Panels:
         if self._window.actions_by_name["mask"].isChecked():
             self._window.painting.do_mask(True)
 
+    def set_open(self, is_open: bool) -> None:
+        """Let what needs a painting be used, or not."""
+        for panel in (self.brushes, self.inks, self.surface, self.layers, self.history):
+            panel.setEnabled(is_open)
+        self.copybook.setEnabled(is_open)
+
     # -- following the painting -------------------------------------------------------------
 
     def open(self) -> None:

@@ -79,7 +79,12 @@ class Stage:
     # -- one document -----------------------------------------------------------------------
 
     def open(
-        self, document: Document, *, wet: bool = False, sitting: Sitting | None = None
+        self,
+        document: Document,
+        *,
+        wet: bool = False,
+        sitting: Sitting | None = None,
+        base_every_s: float = 120.0,
     ) -> None:
         """Put another document on stage; the one before is finished first.
 
@@ -90,6 +95,8 @@ class Stage:
             Let ink spread and dry in real time.
         sitting : Sitting, optional
             Where what is painted is kept until it is saved.
+        base_every_s : float
+            See `Easel`.
         """
         self.close_document()
         surface = document.surface
@@ -98,7 +105,7 @@ class Stage:
         self.scene.clear(self._object.centre, self._object.radius, gloss)
         self.scene.apply(self._object.uploads(document.refresh()))
         self._baking = self._baker.submit(self._object.light.bake)
-        self.easel = Easel(document, wet, sitting)
+        self.easel = Easel(document, wet, sitting, base_every_s)
         self.touch()
 
     def close_document(self) -> None:

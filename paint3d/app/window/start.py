@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
+from concurrent.futures import CancelledError
 
 import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.settings import load_settings
-from paint3d.app.window.files import FINEST_MM
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from paint3d.app.window.wording import language as spoken
 from paint3d.device.force_port import HidForcePort
 from paint3d.device.hid_nodes import list_nodes
 from paint3d.device.hot_plug import PluggedDevices
@@ -62,7 +63,7 @@ def run_studio(
     target: str | None,
     *,
     resolution: float | None = None,
-    material: str = "porcelain",
+    material: str | None = None,
     language: str | None = None,
 ) -> int:
     """Open the window and stay until it is closed.
@@ -72,9 +73,9 @@ def run_studio(
     target : str or None
         A mesh, a painting or a built-in object; None: what a crash left, or a bowl.
     resolution : float, optional
-        Of a mesh, mm.
-    material : str
-        Of a mesh.
+        Of a mesh, mm; by default what was chosen last.
+    material : str, optional
+        Of a mesh; by default what was chosen last.
     language : str, optional
         "en" or "zh"; by default what was chosen last, or the system's.
 
@@ -91,13 +92,14 @@ def run_studio(
     app = make_program()
     settings, problem = load_settings()
     choose_language(language or settings.language)
+    _translate_qt(app)
     window = StudioWindow(app, settings, plugged=_plugged(), feel=_feel)
     if problem is not None:
         window.tell(problem, state="bad")
     window.show()
     window.files.show_recent()
     try:
-        _open_first(window, target, resolution or FINEST_MM, material)
+        _open_first(window, target, resolution, material)
     except BaseException:
         window.close()
         raise
@@ -121,13 +123,24 @@ def _feel(document: Document) -> ForceFeedback | None:
     return ForceFeedback(HidForcePort(nodes[0]), document.surface.contact_tree, settings)
 
 
-def _open_first(window: StudioWindow, target: str | None, resolution: float, material: str) -> None:
+def _translate_qt(app: QtWidgets.QApplication) -> None:
+    """Have Qt's own dialogs speak as the window does."""
+    if spoken() == "zh":
+        translator = QtCore.QTranslator(app)
+        folder = QtCore.QLibraryInfo.path(QtCore.QLibraryInfo.LibraryPath.TranslationsPath)
+        if translator.load("qtbase_zh_CN", folder):
+            app.installTranslator(translator)
+
+
+def _open_first(
+    window: StudioWindow, target: str | None, resolution: float | None, material: str | None
+) -> None:
+    """Open what a crash left, else what was asked for; stopped, the window stays empty."""
     if window.files.offer_recovery():
         return
     window.files.quiet = True
     opened = window.files.open_path(target or _FIRST, resolution, material, asked=True)
     window.files.quiet = False
-    if not opened and window.files.error is not None:
-        raise window.files.error
-    if not opened:
-        window.files.open_path(_FIRST, asked=True)
+    error = window.files.error
+    if not opened and error is not None and not isinstance(error, CancelledError):
+        raise error

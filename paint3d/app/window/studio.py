@@ -10,11 +10,14 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.devices import Feedback, Plugged
 from paint3d.app.model.document import Document
+from paint3d.app.model.saved_settings import in_hand
 from paint3d.app.model.settings import Settings, save_settings
 from paint3d.app.model.sitting import Sitting
+from paint3d.app.window.begin_page import BeginPage
 from paint3d.app.window.both_hands import BothHands
 from paint3d.app.window.canvas import Canvas
 from paint3d.app.window.commands import (
+    ALWAYS,
     CHECKABLE,
     ICONS_OF,
     MENUS,
@@ -24,11 +27,13 @@ from paint3d.app.window.commands import (
     text_of,
 )
 from paint3d.app.window.copying import Copying
-from paint3d.app.window.files import Files, named
+from paint3d.app.window.files import Files
 from paint3d.app.window.hand import CanvasHand
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.icons import make_icon
+from paint3d.app.window.jobs import is_waiting
 from paint3d.app.window.keys import HeldKeys
+from paint3d.app.window.named import named
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.player import Player
@@ -42,7 +47,8 @@ from paint3d.app.window.theme import (
     is_system_dark,
 )
 from paint3d.app.window.view_actions import ViewActions
-from paint3d.app.window.wording import say
+from paint3d.app.window.window_place import restore_window, window_words
+from paint3d.app.window.wording import choose_unit, say
 from paint3d.errors import Paint3DError
 from paint3d.view.live_scene import DARK, LIGHT
 
@@ -83,6 +89,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         super().__init__()
         self._app = app
         self.settings = settings or Settings()
+        choose_unit(self.settings.unit)
         self._system_dark = is_system_dark(app)
         dark = self.wants_dark() if dark is None else dark
         self.setObjectName("studio")
@@ -110,14 +117,18 @@ class StudioWindow(QtWidgets.QMainWindow):
             with QtCore.QSignalBlocker(self.actions_by_name[name]):
                 self.actions_by_name[name].setChecked(on)
         self.hud = Hud(self)
+        self.begin_page = BeginPage(self)
+        self._show_open(False)
         self._make_status()
         self.hand.set_settings(
             curve=self.settings.curve,
             smoothing=self.settings.smoothing,
             pressure_by=self.settings.pressure_by,
         )
+        self.hand.first_force = self.settings.force_n
         self.panels.hand.show_settings(self.hand.settings)
         self.resize(1280, 800)
+        restore_window(self, self.settings.window)
         self._next_draw = 0.0
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
@@ -208,6 +219,15 @@ class StudioWindow(QtWidgets.QMainWindow):
         except Paint3DError as error:
             self.tell(str(error), state="bad")
 
+    def show_unit(self) -> None:
+        """Tell lengths in the unit of the settings."""
+        choose_unit(self.settings.unit)
+        self.panels.brushes.show_unit()
+        self.panels.surface.show_unit()
+        if self.stage.easel is not None:
+            self.panels.surface.show_surface(self.document.surface)
+        self.canvas.update()
+
     # -- the document -----------------------------------------------------------------------
 
     @property
@@ -218,13 +238,29 @@ class StudioWindow(QtWidgets.QMainWindow):
     def show_document(self, document: Document) -> None:
         """Paint on this from now on; what was painted on before is let go of."""
         self.player.stop()
-        wet = self.actions_by_name["wet"].isChecked()
+        wet = self.settings.wants_wet(document.surface.material)
+        self._keep_in_hand()
         self.stage.close_document()
-        self.stage.open(document, wet=wet, sitting=self._sitting(document))
+        self._show_open(False)
+        sitting = self._sitting(document)
+        every = self.settings.autosave_s
+        self.stage.open(document, wet=wet, sitting=sitting, base_every_s=every)
+        self._show_open(True)
+        with QtCore.QSignalBlocker(self.actions_by_name["wet"]):
+            self.actions_by_name["wet"].setChecked(wet)
         self.hand.open()
         self.both_hands.open(document)
         self.panels.open()
         self.show_title()
+
+    def _show_open(self, is_open: bool) -> None:
+        """Let what needs a painting be asked for, or not; what was lit for another one goes out."""
+        for name, action in self.actions_by_name.items():
+            action.setEnabled((is_open and name not in ("undo", "redo")) or name in ALWAYS)
+            if name in CHECKABLE and name not in ALWAYS:
+                with QtCore.QSignalBlocker(action):
+                    action.setChecked(False)
+        self.panels.set_open(is_open)
 
     def _sitting(self, document: Document) -> Sitting | None:
         """Where what is painted is kept; without one, painting goes on and it is said."""
@@ -245,6 +281,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def tick(self) -> None:
         """Follow the easel, and draw when there is something new and time for it."""
+        self.begin_page.show_page(self.stage.easel is None and not is_waiting(self))
         if self.stage.easel is None:
             return
         now = time.perf_counter()
@@ -286,10 +323,30 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _resized(self) -> None:
         self.stage.set_size(self.canvas.pixel_size)
+        self.begin_page.place()
+
+    def hold(self) -> None:
+        """Draw and follow nothing until `go_on`."""
+        self._timer.stop()
+
+    def go_on(self) -> None:
+        """Draw and follow again."""
+        self.stage.touch()
+        self._timer.start(_TICK_MS)
 
     def post(self, command: str, *arguments: object) -> None:
-        """Have the easel do something; what goes wrong is told."""
-        self.stage.easel.post(command, *arguments)
+        """Have the easel do something; what goes wrong is told. Nothing, while nothing is open."""
+        if self.stage.easel is not None:
+            self.stage.easel.post(command, *arguments)
+
+    def _keep_in_hand(self) -> None:
+        """Remember the brush, the inks and the force for the next painting."""
+        if self.stage.easel is None:
+            return
+        with self.stage.easel.paused() as document:
+            chosen = in_hand(document.painter.brush, document.inks)
+        force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
+        self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:
         """Ask about what is unsaved, then let go of everything."""
@@ -299,6 +356,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._timer.stop()
         self.both_hands.close()
         self.panels.close_down()
-        self.keep(smoothing=self.hand.settings.smoothing)
+        self._keep_in_hand()
+        self.keep(smoothing=self.hand.settings.smoothing, window=window_words(self))
         self.stage.close()
         event.accept()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_length
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -67,7 +67,7 @@ class SurfacePanel(QtWidgets.QWidget):
         self._shown = told
         material = surface.material
         self.name.setText(say(f"surface.{material.name}"))
-        fine = "" if surface.resolution is None else f"{surface.resolution:g} mm  ·  "
+        fine = "" if surface.resolution is None else f"{say_length(surface.resolution)}  ·  "
         self.size.setText(fine + say("status.vertices", count=surface.n_vertices))
         for key, bar in self._bars.items():
             bar.setValue(round(100 * getattr(material, key)))
@@ -75,6 +75,10 @@ class SurfacePanel(QtWidgets.QWidget):
         pixels = QtGui.QPixmap(_SWATCH, _SWATCH)
         pixels.fill(QtGui.QColor(red, green, blue))
         self.swatch.setPixmap(pixels)
+
+    def show_unit(self) -> None:
+        """Tell lengths in the unit that is chosen now, the next time."""
+        self._shown = ()
 
     def set_theme(self, theme: Theme) -> None:
         """Nothing here is painted by hand."""

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import queue
+from collections.abc import Iterator
+from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 from PIL import Image
-from PySide6 import QtWidgets
 
 from paint3d.app.model.navigation import orbit
+from paint3d.app.window.film_dialog import Film
+from paint3d.app.window.jobs import Progress, run_beside
 from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
 from paint3d.files.atomic import write_atomically
@@ -16,40 +21,79 @@ from paint3d.files.atomic import write_atomically
 if TYPE_CHECKING:
     from paint3d.app.window.studio import StudioWindow
 
-__all__ = ["write_turntable"]
+__all__ = ["FILMS", "write_turntable"]
 
-_FRAME_MS = 70
-_FORMATS = {".gif": "GIF", ".webp": "WEBP"}
+FILMS = {".gif": "GIF", ".webp": "WEBP"}
+"""What the formats of films are called by who writes them."""
+
+_AHEAD = 3  # pictures that are drawn before they are written
+_DRAWN = 0.9  # of the time, about, that drawing takes
+_LOOK_S = 0.05
 
 
-def write_turntable(window: StudioWindow, path: Path, n_frames: int) -> None:
-    """Draw the film frame by frame, with a bar, and write it; nothing if it was stopped.
+def write_turntable(window: StudioWindow, path: Path, film: Film) -> Future:
+    """Draw a film picture by picture, with a bar, and write it; nothing if it was stopped.
 
     Raises
     ------
     ExportError
-        If the suffix is not .gif or .webp, or the file cannot be written.
+        If the suffix is not .gif or .webp, or the pictures are too many for their size.
     """
-    kind = _FORMATS.get(path.suffix.lower())
-    if kind is None:
+    form = FILMS.get(path.suffix.lower())
+    if form is None:
         raise ExportError(f"{path}: a film is written as .gif or .webp")
-    bar = QtWidgets.QProgressDialog(
-        say("Drawing the film…"), say("button.cancel"), 0, n_frames, window
-    )
-    bar.setMinimumDuration(300)
-    camera, height, frames = window.hand.camera, window.canvas.height(), []
-    for k in range(n_frames):
-        window.stage.set_camera(orbit(camera, -2.0 * height * k / n_frames, 0.0, height))
-        frames.append(Image.fromarray(window.stage.picture()[::-1, :, :3]))
-        bar.setValue(k + 1)
-        QtWidgets.QApplication.processEvents()
-        if bar.wasCanceled():
-            break
-    window.stage.set_camera(camera)
-    bar.close()
-    if len(frames) < n_frames:
-        return
-    with write_atomically(path) as part:
-        frames[0].save(
-            part, format=kind, save_all=True, append_images=frames[1:], duration=_FRAME_MS, loop=0
+    film = film._replace(size=film.size or window.canvas.pixel_size)
+    if film.is_too_long:
+        width, height = film.size
+        raise ExportError(
+            f"{path}: {film.n_pictures} pictures of {width} x {height} pixels are too many; "
+            "expected a shorter or smaller film"
         )
+    camera, drawn = window.hand.camera, queue.Queue(_AHEAD)
+    n, turn = film.n_pictures, 2.0 * window.canvas.height()
+    done = 0
+
+    def draw() -> None:
+        nonlocal done
+        if done < n and not drawn.full():
+            window.stage.set_camera(orbit(camera, -turn * done / n, 0.0, window.canvas.height()))
+            drawn.put(Image.fromarray(np.array(window.stage.picture()[::-1, :, :3])))
+            done += 1
+
+    def work(progress: Progress) -> None:
+        pictures = _taken(drawn, n, progress)
+        first = next(pictures)
+        with write_atomically(path, progress) as part:
+            first.save(
+                part,
+                format=form,
+                save_all=True,
+                append_images=pictures,
+                duration=round(1e3 / film.rate),
+                loop=0,
+            )
+
+    window.hold()
+    window.stage.hide_brush()
+    window.stage.set_size(film.size)
+    try:
+        return run_beside(window, say("Drawing the film…"), work, draw)
+    finally:
+        window.stage.set_size(window.canvas.pixel_size)
+        window.stage.set_camera(camera)
+        window.go_on()
+
+
+def _taken(drawn: queue.Queue, n: int, progress: Progress) -> Iterator[Image.Image]:
+    """Pictures as they are drawn."""
+    for k in range(n):
+        progress.expect(_DRAWN * k / n, _DRAWN * (k + 1) / n, _LOOK_S)
+        while True:
+            progress.check()
+            try:
+                picture = drawn.get(timeout=_LOOK_S)
+                break
+            except queue.Empty:
+                continue
+        yield picture
+    progress.expect(_DRAWN, 0.99, 1.0 + 0.02 * n)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6 import QtWidgets
+from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.dialogs import KeysDialog, PreferencesDialog
 from paint3d.app.window.steering import STEPS
@@ -100,7 +100,7 @@ class ViewActions:
         self._window.keep(theme="dark" if on else "light")
 
     def do_preferences(self) -> None:
-        """Ask for language, theme and what a mouse presses by."""
+        """Ask for language, theme, units, and how much is kept."""
         window = self._window
         dialog = PreferencesDialog(window, window.settings)
         if not dialog.exec():
@@ -109,6 +109,15 @@ class ViewActions:
         window.keep(**chosen)
         window.hand.set_settings(pressure_by=chosen["pressure_by"])
         window.canvas.finger = chosen["finger"]
+        window.show_unit()
+        easel = window.stage.easel
+        if easel is not None:
+            easel.keep_every(window.settings.autosave_s)
+        if chosen["wet"] != before.wet and easel is not None:
+            wet = window.settings.wants_wet(window.document.surface.material)
+            with QtCore.QSignalBlocker(window.actions_by_name["wet"]):
+                window.actions_by_name["wet"].setChecked(wet)
+            easel.wet = wet
         if chosen["theme"] != before.theme:
             window.actions_by_name["dark"].setChecked(window.wants_dark())
         if chosen["language"] != before.language:

@@ -8,15 +8,27 @@ from __future__ import annotations
 
 from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
+from paint3d.files.load import UNITS_MM
 
-__all__ = ["choose_language", "language", "say"]
+__all__ = ["choose_language", "choose_unit", "language", "say", "say_length"]
 
 _texts = [Texts("en")]
+_unit = ["mm"]
 
 
 def choose_language(code: str) -> None:
     """Speak "en", "zh" or as the "system" from now on; what is open keeps its words."""
     _texts[0] = Texts(code)
+
+
+def choose_unit(unit: str) -> None:
+    """Tell lengths in "mm", "cm", "m" or "in" from now on."""
+    _unit[0] = unit
+
+
+def say_length(mm: float) -> str:
+    """A length in words, in the unit that was chosen."""
+    return f"{mm / UNITS_MM[_unit[0]]:.3g} {_unit[0]}"
 
 
 def language() -> str:

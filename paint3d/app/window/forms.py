@@ -1,0 +1,110 @@
+"""Small dialogs with a row for each question."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from PySide6 import QtWidgets
+
+from paint3d.app.window.wording import say
+
+__all__ = ["FormDialog", "SizeBoxes", "buttons", "kept_number"]
+
+LEAST_PIXELS, MOST_PIXELS = 64, 4096
+
+
+def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBox:
+    """OK, by another name, and Cancel."""
+    standard = QtWidgets.QDialogButtonBox.StandardButton
+    box = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
+    box.button(standard.Ok).setText(say(accept))
+    box.button(standard.Cancel).setText(say("button.cancel"))
+    box.accepted.connect(dialog.accept)
+    box.rejected.connect(dialog.reject)
+    return box
+
+
+def kept_number(kept: Mapping[str, object], name: str, default: float) -> float:
+    """A number that was kept under a name; the default where there is none."""
+    value = kept.get(name)
+    usable = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return float(value) if usable else default
+
+
+class FormDialog(QtWidgets.QDialog):
+    """A dialog whose rows are added to `form`; close it with `finish`."""
+
+    def __init__(self, parent: QtWidgets.QWidget, title: str) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(title)
+        self.form = QtWidgets.QFormLayout(self)
+        self.form.setContentsMargins(18, 16, 18, 14)
+        self.form.setVerticalSpacing(10)
+
+    def finish(self, accept: str) -> None:
+        """Put the buttons below."""
+        self.form.addRow(buttons(self, accept))
+
+    def add_box(self, label: str, choices: Mapping[object, str], chosen: object):
+        """A row to choose one of several: what they mean, by what is chosen."""
+        box = QtWidgets.QComboBox()
+        for value, text in choices.items():
+            box.addItem(text, value)
+        box.setCurrentIndex(max(0, list(choices).index(chosen) if chosen in choices else 0))
+        self.form.addRow(label, box)
+        return box
+
+    def add_number(
+        self, label: str, low: float, high: float, value: float, unit: str = "", digits: int = 0
+    ) -> QtWidgets.QDoubleSpinBox:
+        """A row for a number."""
+        box = QtWidgets.QDoubleSpinBox()
+        box.setDecimals(digits)
+        box.setRange(low, high)
+        box.setSuffix(f" {unit}" if unit else "")
+        box.setValue(value)
+        self.form.addRow(label, box)
+        return box
+
+    def add_check(self, text: str, on: bool) -> QtWidgets.QCheckBox:
+        """A row for yes or no."""
+        box = QtWidgets.QCheckBox(text)
+        box.setChecked(on)
+        self.form.addRow("", box)
+        return box
+
+
+class SizeBoxes(QtWidgets.QWidget):
+    """Width and height of a picture, pixels; by default in the screen's proportions."""
+
+    def __init__(self, size: tuple[int, int], proportions: tuple[int, int]) -> None:
+        super().__init__()
+        self._ratio = proportions[1] / proportions[0]
+        row = QtWidgets.QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        self.width_box, self.height_box = QtWidgets.QSpinBox(), QtWidgets.QSpinBox()
+        for box, value in ((self.width_box, size[0]), (self.height_box, size[1])):
+            box.setRange(LEAST_PIXELS, MOST_PIXELS)
+            box.setSingleStep(16)
+            box.setValue(value)
+        self.kept = QtWidgets.QCheckBox(say("In proportion"))
+        self.kept.setChecked(abs(size[1] - self._ratio * size[0]) <= 1.0)
+        row.addWidget(self.width_box)
+        row.addWidget(QtWidgets.QLabel("×"))
+        row.addWidget(self.height_box)
+        row.addWidget(self.kept)
+        self.width_box.valueChanged.connect(lambda n: self._follow(self.height_box, n, self._ratio))
+        self.height_box.valueChanged.connect(
+            lambda n: self._follow(self.width_box, n, 1.0 / self._ratio)
+        )
+
+    def _follow(self, box: QtWidgets.QSpinBox, pixels: int, ratio: float) -> None:
+        if self.kept.isChecked():
+            box.blockSignals(True)
+            box.setValue(round(pixels * ratio))
+            box.blockSignals(False)
+
+    def size_in_pixels(self) -> tuple[int, int]:
+        """Width and height."""
+        return self.width_box.value(), self.height_box.value()

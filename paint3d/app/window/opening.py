@@ -1,0 +1,255 @@
+"""Opening objects and paintings, and bringing back what a crash left."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.saved_settings import chosen_brush, chosen_inks, chosen_material
+from paint3d.app.model.sitting import Unfinished, recoverable
+from paint3d.app.window.dialogs import NewDialog, ask_unit, implausible
+from paint3d.app.window.jobs import Progress, is_waiting, run_beside
+from paint3d.app.window.named import named
+from paint3d.app.window.warming import warm_up
+from paint3d.app.window.wording import say
+from paint3d.errors import Paint3DError
+from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, load_mesh
+from paint3d.files.progress import part_of
+from paint3d.files.session import SESSION_SUFFIX, is_session_path
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["Opening"]
+
+_FACES_A_SECOND = 3e5  # of a mesh that is made ready to be painted on, about
+
+
+class Opening:
+    """For one window; a part of `Files`.
+
+    Attributes
+    ----------
+    error : BaseException or None
+        What went wrong last.
+    quiet : bool
+        Keep it there instead of showing it.
+    """
+
+    _window: StudioWindow
+    error: BaseException | None
+    quiet: bool
+    may_leave: Callable[[], bool]
+
+    # -- asking -----------------------------------------------------------------------------
+
+    def new(self) -> None:
+        """Ask for an object, a material and a fineness, and begin."""
+        dialog = NewDialog(self._window, self._window.settings)
+        if not dialog.exec() or not self.may_leave():
+            return
+        name, material, resolution = dialog.chosen()
+        self._window.keep(material=material, resolution_mm=resolution)
+        if name:
+            self.open_path(name, resolution, material, asked=True)
+        else:
+            self.open(resolution, material)
+
+    def open(self, resolution: float | None = None, material: str | None = None) -> None:
+        """Ask for a file, and open it."""
+        meshes = " ".join(f"*{suffix}" for suffix in (SESSION_SUFFIX, *MESH_SUFFIXES))
+        kinds = f"{say('Objects and paintings')} ({meshes});;{say('All files')} (*)"
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._window, say("action.open").rstrip("…"), "", kinds
+        )
+        if path:
+            self.open_path(path, resolution, material)
+
+    # -- opening ----------------------------------------------------------------------------
+
+    def open_path(
+        self,
+        path: str,
+        resolution: float | None = None,
+        material: str | None = None,
+        *,
+        asked: bool = False,
+    ) -> bool:
+        """Open a painting, a mesh or a built-in object; say whether that went well.
+
+        If it is stopped or fails, the painting that is open stays as it is.
+
+        Parameters
+        ----------
+        path : str
+        resolution : float, optional
+            mm; of a mesh. By default what was chosen last.
+        material : str, optional
+            Of a mesh. By default what was chosen last.
+        asked : bool
+            Whether it was asked already what becomes of the painting that is open.
+        """
+        if is_waiting(self._window):
+            return False
+        if not asked and self._window.stage.easel is not None and not self.may_leave():
+            return False
+        self.error = None
+        if not self.went_well(run_beside(self._window, say("status.compiling"), _warm_up)):
+            return False
+        title = say("status.opening", name=named(Path(path).name))
+        if is_session_path(path):
+            done = self._open_session(path, title)
+        else:
+            done = self._open_mesh(path, title, resolution, material)
+        if done is None or not self.went_well(done):
+            return False
+        self._window.show_document(done.result())
+        if path not in BUILT_IN_OBJECTS:
+            self._remember(path)
+        return True
+
+    def _open_session(self, path: str, title: str) -> Future:
+        undo_bytes = self._undo_bytes()
+
+        def work(progress: Progress) -> Document:
+            told = part_of(progress, 0.0, 0.95)
+            return Document.open(path, undo_bytes=undo_bytes, progress=told)
+
+        return run_beside(self._window, title, work)
+
+    def _open_mesh(
+        self, path: str, title: str, resolution: float | None, material: str | None
+    ) -> Future | None:
+        loaded = run_beside(
+            self._window, title, lambda progress: load_mesh(path, progress=_before_one(progress))
+        )
+        if not self.went_well(loaded):
+            return None
+        mesh, unit = loaded.result(), None
+        size = float(np.ptp(mesh.vertices, axis=0).max())
+        if path not in BUILT_IN_OBJECTS and implausible(size):
+            unit = ask_unit(self._window, Path(path).name, size)
+            if unit is None:
+                return None
+        settings = self._window.settings
+        resolution = settings.resolution_mm if resolution is None else resolution
+        material = chosen_material(settings) if material is None else material
+        brush, inks = chosen_brush(settings), chosen_inks(settings)
+        undo_bytes = self._undo_bytes()
+
+        def make(progress: Progress) -> Document:
+            found: TriangleMesh = mesh
+            if unit is not None:
+                found = load_mesh(path, unit, progress=part_of(progress, 0.0, 0.4))
+            progress.expect(0.4 if unit else 0.0, 0.98, 0.2 + found.n_faces / _FACES_A_SECOND)
+            document = Document.new(
+                found,
+                resolution,
+                material,
+                unit=unit,
+                brush=brush,
+                ink=inks[0],
+                undo_bytes=undo_bytes,
+            )
+            document.inks[1] = inks[1]
+            return document
+
+        return run_beside(self._window, title, make)
+
+    def _undo_bytes(self) -> int:
+        return int(self._window.settings.undo_megabytes * (1 << 20))
+
+    def went_well(self, done: Future) -> bool:
+        """Whether work ended well; what went wrong is told."""
+        error = done.exception()
+        if error is None:
+            return True
+        self.error = error
+        if isinstance(error, CancelledError):
+            self._window.tell(say("Stopped"))
+        elif not isinstance(error, Paint3DError | OSError):
+            raise error
+        elif not self.quiet:
+            QtWidgets.QMessageBox.warning(self._window, "paint3d", str(error))
+        return False
+
+    def _remember(self, path: str) -> None:
+        """Put a file first among the recent ones."""
+        self._window.keep(recent=self._window.settings.with_recent(path).recent)
+        self.show_recent()
+
+    def show_recent(self) -> None:
+        """Fill the menu of recent files."""
+        menu = self._window.recent_menu
+        menu.clear()
+        for path in self.recent_files():
+            menu.addAction(Path(path).name, lambda path=path: self.open_path(path))
+        menu.setEnabled(bool(menu.actions()))
+
+    def recent_files(self) -> list[str]:
+        """Those that are still there, the last opened first."""
+        return [path for path in self._window.settings.recent if Path(path).exists()]
+
+    # -- what a crash left ------------------------------------------------------------------
+
+    def offer_recovery(self) -> bool:
+        """Ask about a painting that was never saved; True if it was brought back."""
+        left = recoverable()
+        if not left:
+            return False
+        one = left[0]
+        box = QtWidgets.QMessageBox(self._window)
+        box.setWindowTitle("paint3d")
+        name = one.path.name if one.path else named(one.object_name)
+        when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
+        box.setText(say("ask.recover", name=name, time=when.toString("yyyy-MM-dd hh:mm:ss")))
+        role = QtWidgets.QMessageBox.ButtonRole
+        back = box.addButton(say("button.recover"), role.AcceptRole)
+        away = box.addButton(say("button.delete"), role.DestructiveRole)
+        box.addButton(say("button.later"), role.RejectRole)
+        box.setDefaultButton(back)
+        box.exec()
+        if box.clickedButton() is away:
+            one.discard()
+        if box.clickedButton() is not back:
+            return False
+        return self.recover(one)
+
+    def recover(self, one: Unfinished) -> bool:
+        """Bring a painting back; what it was kept in is deleted once it is kept anew.
+
+        If it is stopped, it stays where it is and is offered again.
+        """
+        title = say("status.opening", name=named(one.object_name))
+        done = run_beside(self._window, title, lambda progress: _recovered(one, progress))
+        if not self.went_well(done):
+            return False
+        back = done.result()
+        self._window.show_document(back.document)
+        one.discard()
+        self._window.tell(say("Brought back; save it to keep it"), state="good")
+        return True
+
+
+def _warm_up(progress: Progress) -> None:
+    progress.expect(0.0, 0.98, 20.0)
+    warm_up(progress.check)
+
+
+def _before_one(progress: Progress):
+    return part_of(progress, 0.0, 0.98)
+
+
+def _recovered(one: Unfinished, progress: Progress):
+    if "progress" in inspect.signature(one.recover).parameters:
+        return one.recover(progress=part_of(progress, 0.0, 0.98))
+    progress.expect(0.0, 0.98, 10.0)
+    return one.recover()
