@@ -64,12 +64,19 @@ class Session:
     strokes : sequence of Recording
         What was painted by hand, stroke by stroke, with what is known of each in its header;
         there may be very many.
+    undone : sequence of Recording
+        Strokes that were taken back and can be done again, the next one last.
+    history : mapping or None
+        How strokes are taken back and done again: words, numbers, arrays, and mappings of these
+        (`app.model.saved_history`). What was read may come from a stranger and was not checked.
     """
 
     surface: PaintedSurface
     recordings: Sequence[Recording] = ()
     settings: Mapping[str, object] = field(default_factory=dict)
     strokes: Sequence[Recording] = ()
+    undone: Sequence[Recording] = ()
+    history: Mapping[str, object] | None = None
 
 
 def is_session_path(path: str | os.PathLike[str]) -> bool:
@@ -113,6 +120,11 @@ def _parts(session: Session) -> Parts:
     for k, recording in enumerate(session.recordings):
         arrays |= {f"recordings/{k}/{name}": getattr(recording, name) for name in SAMPLES}
     arrays |= _packed(session.strokes)
+    more: dict[str, object] = {}
+    if session.history is not None:
+        more["history"], own = _split(session.history, "history/")
+        more["undone"] = [_own_words(recording.header) for recording in session.undone]
+        arrays |= own | _packed(session.undone, "undone/")
     text = {
         "format": FORMAT,
         "version": VERSION,
@@ -121,14 +133,40 @@ def _parts(session: Session) -> Parts:
         "recordings": [dict(recording.header) for recording in session.recordings],
         "settings": dict(session.settings),
         "strokes": [_own_words(recording.header) for recording in session.strokes],
+        **more,
     }
     return text, {name: array for name, array in arrays.items() if array is not None}
 
 
-def _packed(strokes: Sequence[Recording]) -> dict[str, NDArray]:
+def _split(state: Mapping[str, object], prefix: str) -> tuple[dict, dict[str, NDArray]]:
+    """Words and numbers by themselves, and the arrays by their way through the mappings."""
+    words, arrays = {}, {}
+    for name, value in state.items():
+        if isinstance(value, np.ndarray):
+            arrays[f"{prefix}{name}"] = value
+        elif isinstance(value, Mapping):
+            words[name], own = _split(value, f"{prefix}{name}/")
+            arrays |= own
+        else:
+            words[name] = value
+    return words, dict(sorted(arrays.items()))
+
+
+def _joined(words: Mapping[str, object], arrays: Mapping[str, NDArray], prefix: str) -> dict:
+    """What `_split` took apart: the arrays of this prefix, and those of one mapping in it."""
+    state: dict[str, object] = {}
+    for name, value in words.items():
+        own = f"{prefix}{name}/"
+        inner = {k.removeprefix(own): v for k, v in arrays.items() if k.startswith(own)}
+        state[name] = {**value, **inner} if inner and isinstance(value, Mapping) else value
+    own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+    return state | {name: array for name, array in own.items() if "/" not in name}
+
+
+def _packed(strokes: Sequence[Recording], prefix: str = "strokes/") -> dict[str, NDArray]:
     """All strokes in one column each: an archive has no room for an entry a stroke."""
     starts = np.concatenate([[0], np.cumsum([len(s) for s in strokes], dtype=np.int64)])
-    arrays = {"strokes/starts": starts.astype(np.int64)}
+    arrays = {f"{prefix}starts": starts.astype(np.int64)}
     for name in SAMPLES if strokes else ():
         columns = [getattr(s, name) for s in strokes]
         if name in _MAY_LACK:
@@ -136,7 +174,7 @@ def _packed(strokes: Sequence[Recording]) -> dict[str, NDArray]:
                 np.full((len(s), *_MAY_LACK[name]), np.nan) if column is None else column
                 for s, column in zip(strokes, columns, strict=True)
             ]
-        arrays[f"strokes/{name}"] = np.concatenate(columns)
+        arrays[f"{prefix}{name}"] = np.concatenate(columns)
     return arrays
 
 
@@ -146,16 +184,19 @@ def _own_words(header: Mapping[str, object]) -> dict[str, object]:
     return {k: v for k, v in header.items() if k not in common or v != common[k]}
 
 
-def _strokes(headers: Sequence[Mapping], arrays: dict[str, NDArray]) -> tuple[Recording, ...]:
-    starts = arrays["strokes/starts"]
-    n = len(arrays["strokes/time_ns"]) if len(headers) else 0
+def _strokes(
+    headers: Sequence[Mapping], arrays: dict[str, NDArray], prefix: str = "strokes/"
+) -> tuple[Recording, ...]:
+    starts = arrays[f"{prefix}starts"]
+    n = len(arrays[f"{prefix}time_ns"]) if len(headers) else 0
     whole = starts.dtype == np.int64 and starts.shape == (len(headers) + 1,)
     if not whole or starts[0] != 0 or starts[-1] != n or (np.diff(starts) <= 0).any():
         raise SessionError(f"its {len(headers)} strokes do not share out {n} samples")
     strokes = []
     for k, header in enumerate(headers):
         own = slice(int(starts[k]), int(starts[k + 1]))
-        columns = {n: arrays[f"strokes/{n}"][own] for n in SAMPLES if f"strokes/{n}" in arrays}
+        given = [name for name in SAMPLES if f"{prefix}{name}" in arrays]
+        columns = {name: arrays[f"{prefix}{name}"][own] for name in given}
         if np.isnan(columns["pressure"]).all():
             columns["pressure"] = None
         strokes.append(Recording(**columns, header=dict(header)))
@@ -224,6 +265,9 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
     prefix = "surface/"
     state = dict(text["surface"])
     state |= {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
-    strokes = _strokes(text["strokes"], arrays)
+    strokes, undone, history = _strokes(text["strokes"], arrays), (), None
+    if isinstance(text.get("history"), Mapping):
+        undone = _strokes(text["undone"], arrays, "undone/")
+        history = _joined(text["history"], arrays, "history/")
     surface = restore_surface(mesh, state, part_of(progress, 0.35, 0.9))
-    return Session(surface, tuple(recordings), dict(settings), strokes)
+    return Session(surface, tuple(recordings), dict(settings), strokes, undone, history)

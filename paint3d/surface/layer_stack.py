@@ -196,6 +196,11 @@ class LayerStack:
         self.activate(self._keys.index(state.active))
         self._keys = list(state.keys)
 
+    def dry_by_key(self) -> dict[int, DryLayers]:
+        """What has dried on each layer that is known, also on those that were removed."""
+        own = {key: content.dry for key, content in self._contents.items()}
+        return own | {self._active: self._surface.dry_layers}
+
     def _key(self, place: int) -> int:
         if not 0 <= place < len(self._keys):
             raise InputError(f"layer {place}; expected 0 to {len(self._keys) - 1}")

@@ -23,16 +23,29 @@ from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["STATE_VERSION", "restore_surface", "surface_state"]
+__all__ = [
+    "FLOW_VERTICES",
+    "HABIT",
+    "MOST_INK",
+    "MOST_STATIONS",
+    "STATE_VERSION",
+    "checked_flow",
+    "layer_state",
+    "restore_layer",
+    "restore_surface",
+    "surface_state",
+]
 
 STATE_VERSION = 4
-_MOST_STATIONS = 256
+HABIT = (PICKUP, CAPACITY, REACH)
+"""Which of `InkField.habit` are of the brush; the other is the material's."""
+MOST_STATIONS = 256
 _MOST_PIGMENTS = 256
-_HABIT = (PICKUP, CAPACITY, REACH)
-_VERTICES = ("vertices", "order", "fresh")  # of a flow: numbers of vertices
+FLOW_VERTICES = ("vertices", "order", "fresh")
+"""Arrays of `PaintedSurface.keep_flow` that hold numbers of vertices."""
 _OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
-_MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
+MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
 _FASTEST_MM_S = 1e6  # that water rises or falls
 _LONGEST_PACE = 3600.0  # s
 
@@ -81,14 +94,21 @@ def surface_state(surface: PaintedSurface) -> State:
         "load": ink.load.copy(),
         "off_surface": ink.off_surface.copy(),
         "stations": ink.stations.copy(),
-        "habit": ink.habit[list(_HABIT)],
-        **_open_layer(surface, ids),
+        "habit": ink.habit[list(HABIT)],
+        **layer_state(surface, ids),
         **_resting_layers(surface, ids),
     }
 
 
-def _open_layer(surface: PaintedSurface, ids: NDArray) -> State:
-    """What is on the layer that is painted on; `ids` (V,) are the vertices' numbers in a file."""
+def layer_state(surface: PaintedSurface, ids: NDArray) -> State:
+    """Return what is on the layer that is painted on, as `surface_state` names it.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    ids : (V,) int32
+        The vertices' numbers in a file.
+    """
     ink, dry, n = surface.ink, surface.dry_layers, surface.n_vertices
     inked = np.flatnonzero((ink.coverage[:n] != 0) | (ink.amounts[:n] != 0).any(axis=1))
     rows = inked[np.argsort(ids[inked], kind="stable")]
@@ -116,7 +136,7 @@ def _resting_layers(surface: PaintedSurface, ids: NDArray) -> State:
     for place in range(len(stack)):
         if place != active:
             stack.activate(place)
-            own = _open_layer(surface, ids)
+            own = layer_state(surface, ids)
             state |= {f"layer{place}_{name}": value for name, value in own.items()}
     stack.activate(active)
     return state
@@ -129,14 +149,14 @@ def _whole(state: State) -> State:
 
 def _alike(n_pigments: int) -> State:
     """A brush that holds its load alike all along, as every brush once did."""
-    return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(_HABIT))}
+    return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(HABIT))}
 
 
 def _kept_flow(surface: PaintedSurface, ids: NDArray) -> State:
     kept = surface.keep_flow()
     if kept is None:
         return {"flows": False}
-    for name in _VERTICES:
+    for name in FLOW_VERTICES:
         kept[name] = ids[kept[name]]
     return {"flows": True, **{f"flow_{name}": array for name, array in kept.items()}}
 
@@ -213,7 +233,7 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
     now[saved_ids(surface.paint_mesh)] = np.arange(n, dtype=np.int32)
     layers, active = state["layers"], state["active"]
     if layers is None:
-        _put_layer(surface, state, now)
+        restore_layer(surface, state, now)
         return
     if type(active) is not int or not 0 <= active < len(layers):
         raise SessionError(f"layer {active!r:.20} of {len(layers)} is painted on")
@@ -233,12 +253,27 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
             for name, value in state.items()
             if name.startswith(prefix)
         }
-        _put_layer(surface, own, now)
+        restore_layer(surface, own, now)
     stack.activate(active)
     surface.touch(stack.painted_ids())
 
 
-def _put_layer(surface: PaintedSurface, state: State, now: NDArray) -> None:
+def restore_layer(surface: PaintedSurface, state: State, now: NDArray) -> None:
+    """Put what `layer_state` gave on the layer that is painted on, which is empty.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    state : mapping
+        It may come from a stranger.
+    now : (V,) int32
+        The vertex of each number in the file.
+
+    Raises
+    ------
+    SessionError
+        If it is none of this surface.
+    """
     n, count, ink = len(now), len(surface.pigments), surface.ink
     wet = now[_vertices(state, "touched", n)]
     ink.amounts[wet] = _amounts(state, "amounts", (len(wet), count), np.float32)
@@ -256,7 +291,8 @@ def _put_layer(surface: PaintedSurface, state: State, now: NDArray) -> None:
     surface.dry_layers.restore(room, dry, spectra, amounts, share, over)
     surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
     if state["flows"]:
-        _put_water(surface, state, now)
+        count = len(surface.pigments)
+        surface.restore_flow(checked_flow(state, n, count, lambda ids: now[ids]))
 
 
 def _spectra(state: State, name: str, n: int) -> NDArray[np.uint16]:
@@ -270,19 +306,36 @@ def _put_brush(surface: PaintedSurface, state: State) -> None:
     """Let the brush hold along its tuft what it held."""
     ink = surface.ink
     n = len(np.atleast_1d(state["stations"]))
-    if not 1 <= n <= _MOST_STATIONS:
-        raise SessionError(f"the brush has {n} stations; expected 1 to {_MOST_STATIONS}")
+    if not 1 <= n <= MOST_STATIONS:
+        raise SessionError(f"the brush has {n} stations; expected 1 to {MOST_STATIONS}")
     stations = _amounts(state, "stations", (n, len(ink.load)), np.float64)
     if n > 1 and not np.allclose(stations.sum(axis=0), ink.load, rtol=1e-6, atol=1e-9):
         raise SessionError("stations and load differ in what the brush holds")
-    ink.habit[list(_HABIT)] = _amounts(state, "habit", (len(_HABIT),), np.float64)
+    ink.habit[list(HABIT)] = _amounts(state, "habit", (len(HABIT),), np.float64)
     surface.ink = ink._replace(stations=stations.copy())
 
 
-def _put_water(surface: PaintedSurface, state: State, now: NDArray) -> None:
-    kept = {}
-    for name in _VERTICES:
-        kept[name] = now[_vertices(state, f"flow_{name}", len(now))]
+def checked_flow(
+    state: Mapping[str, object],
+    n_vertices: int,
+    n_pigments: int,
+    now: Callable[[NDArray], NDArray],
+) -> dict[str, NDArray]:
+    """Return what `PaintedSurface.restore_flow` takes, of what a file holds as ``flow_...``.
+
+    Parameters
+    ----------
+    state : mapping
+    n_vertices, n_pigments : int
+    now : callable
+        The vertices (N,) that have some numbers (N,) in the file.
+
+    Raises
+    ------
+    SessionError
+        If an array is none that water could leave.
+    """
+    kept = {name: now(_vertices(state, f"flow_{name}", n_vertices)) for name in FLOW_VERTICES}
     if not np.isin(kept["order"], kept["vertices"]).all():
         raise SessionError("flow_order holds vertices that are not among flow_vertices")
     shape = (len(kept["vertices"]),)
@@ -294,13 +347,13 @@ def _put_water(surface: PaintedSurface, state: State, now: NDArray) -> None:
     kept["speed"] = as_array(state["flow_speed"], "flow_speed", shape, np.float64, SessionError)
     if np.abs(kept["speed"]).max(initial=0.0) > _FASTEST_MM_S:
         raise SessionError(f"flow_speed exceeds {_FASTEST_MM_S:g} mm/s")
-    shape = (*shape, len(surface.pigments))
+    shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
     kept["pace"] = _amounts(state, "flow_pace", (1,), np.float64, _LONGEST_PACE)
     if not kept["pace"][0] > 0.0:
         raise SessionError("flow_pace is 0; expected a time")
-    surface.restore_flow(kept)
+    return kept
 
 
 def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:
@@ -314,7 +367,7 @@ def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:
 
 
 def _amounts(
-    state: State, name: str, shape: tuple[int, ...], dtype: type, most: float = _MOST_INK
+    state: State, name: str, shape: tuple[int, ...], dtype: type, most: float = MOST_INK
 ) -> NDArray:
     values = as_array(state[name], name, shape, dtype, SessionError)
     if values.size and not 0.0 <= values.min() <= values.max() <= most:

@@ -9,18 +9,25 @@ from __future__ import annotations
 
 import pickle
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.surface.delta import DeltaRecorder, SurfaceDelta
+from paint3d.surface.delta import BrushLoad, DeltaRecorder, SurfaceDelta
+from paint3d.surface.packed_delta import (
+    PackedDelta,
+    PackedFlow,
+    VertexNumbers,
+    pack_delta,
+    pack_flow,
+)
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.vertex_sets import union
 
-__all__ = ["Part", "UndoHistory"]
+__all__ = ["Painting", "Part", "Step", "UndoHistory"]
 
 MEMORY_BUDGET = 512 << 20  # bytes
 
@@ -61,9 +68,12 @@ class UndoHistory:
         self._keep = keep or (lambda: None)
         self._restore = restore or (lambda kept: None)
         self._recorder = DeltaRecorder(surface)
-        self._done: list[_Step] = []
-        self._undone: list[_Step] = []
+        self._done: list[Step] = []
+        self._undone: list[Step] = []
+        self._since = Step(None, 0)  # what came after an undo: the next undo or redo forgets it
         self._newest = 0
+        self._numbers: VertexNumbers | None = None
+        self._water: tuple[PackedFlow | None, Mapping[str, NDArray] | None] = (None, None)
         self._file = _StepFile()
         self._kept = self._keep()
 
@@ -96,20 +106,23 @@ class UndoHistory:
     def n_bytes(self) -> int:
         """Memory that the steps take, without those on the disk."""
         parts = [part for step in self._steps() for part in step.parts]
-        return sum(part.n_bytes for part in parts if isinstance(part, _Painting))
+        return sum(part.n_bytes for part in parts if isinstance(part, Painting))
 
     @property
     def n_spilled(self) -> int:
         """Parts of steps that lie on the disk."""
         parts = [part for step in self._steps() for part in step.parts]
-        return sum(isinstance(p, _Painting) and isinstance(p.delta, _Place) for p in parts)
+        return sum(isinstance(p, Painting) and isinstance(p.delta, _Place) for p in parts)
 
     def begin(self, label: object) -> None:
         """Start a step; what was undone before cannot be done again."""
         self.seal()
+        if self._done:
+            self._done[-1].parts += self._since.parts
+        self._since.parts = []
         self._undone.clear()
         self._newest += 1
-        self._done.append(_Step(label, self._newest))
+        self._done.append(Step(label, self._newest))
         self._spill()
 
     def change(self, state: Callable[[], Part], action: Callable[[], None]) -> None:
@@ -124,8 +137,7 @@ class UndoHistory:
         self.seal()
         before = state()
         action()
-        if self._done:
-            self._done[-1].parts.append(before)
+        self._add(before)
         self._recorder.restart()
         self._kept = self._keep()
 
@@ -134,15 +146,32 @@ class UndoHistory:
         return self._recorder.before(vertex_ids)
 
     def seal(self) -> None:
-        """Put what changed so far into the step that goes on."""
+        """Put what changed so far into the step that goes on, if anything did."""
         part = self._take()
-        if self._done:
+        if not self._is_nothing(part):
+            self._add(part)
+
+    def _is_nothing(self, part: Painting) -> bool:
+        """Whether a part that was just taken leads nowhere."""
+        delta, dry = part.delta, self._surface.dry_layers
+        if len(delta.vertex_ids) or len(delta.dry.rows) or delta.dry.count != dry.count:
+            return False
+        if delta.flow is not self._recorder.water:
+            return False
+        brush = vars(BrushLoad.of(self._surface))
+        return _equal(vars(delta.brush), brush) and _equal(part.kept, self._kept)
+
+    def _add(self, part: Part) -> None:
+        """Put a part into the step that goes on, if there is one."""
+        if self._undone:
+            self._since.parts.append(part)
+        elif self._done:
             self._done[-1].parts.append(part)
 
-    def _take(self) -> _Painting:
+    def _take(self) -> Painting:
         delta, kept = self._recorder.take(), self._kept
         self._kept = self._keep()
-        return _Painting(delta, kept, delta.n_bytes)
+        return Painting(delta, kept, delta.n_bytes)
 
     def undo(self) -> NDArray:
         """Take back the last step; return the vertices (N,) int32 whose colours may change.
@@ -151,23 +180,29 @@ class UndoHistory:
         """
         if not self._done:
             return np.empty(0, np.int32)
-        self.seal()
+        first = self._take_back_since()
         step = self._done.pop()
-        touched = self._exchange(step)
+        second = self._exchange(step)
         self._undone.append(step)
         self._spill()
-        return touched
+        return self._union([first, second])
 
     def redo(self) -> NDArray:
         """Do again what was undone last; return vertices (N,) int32. What came since goes."""
         if not self._undone:
             return np.empty(0, np.int32)
-        first = self._exchange(_Step(None, 0, [self._take()]))
+        first = self._take_back_since()
         step = self._undone.pop()
         second = self._exchange(step)
         self._done.append(step)
         self._spill()
         return self._union([first, second])
+
+    def _take_back_since(self) -> NDArray:
+        """Bring the surface to the end of the last step that is done, where one was undone."""
+        self.seal()
+        step, self._since = self._since, Step(None, 0)
+        return self._exchange(step)
 
     def _union(self, sets: list[NDArray]) -> NDArray:
         return union(sets, self._surface.paint_mesh.capacity)
@@ -179,12 +214,14 @@ class UndoHistory:
             self._undone.pop()
         return touched
 
-    def _exchange(self, step: _Step) -> NDArray:
+    def _exchange(self, step: Step) -> NDArray:
         """Bring the surface to the other end of a step, and turn the step round."""
+        if not step.parts:
+            return np.empty(0, np.int32)
         back, touched = [], [np.empty(0, np.int32)]
         water = self._recorder.water
         for part in reversed(step.parts):
-            if isinstance(part, _Painting):
+            if isinstance(part, Painting):
                 other, ids, water = self._exchange_painting(part, water)
             else:
                 other, ids = part.exchange(self._surface)
@@ -193,7 +230,7 @@ class UndoHistory:
             touched.append(ids)
         step.parts = back
         everything = self._union(touched)
-        if all(isinstance(part, _Painting) for part in back):
+        if all(isinstance(part, Painting) for part in back):
             self._recorder.accept(everything, water)
         else:  # another layer may lie open
             self._recorder.restart()
@@ -201,18 +238,75 @@ class UndoHistory:
         return everything
 
     def _exchange_painting(
-        self, part: _Painting, water: Mapping[str, NDArray] | None
-    ) -> tuple[_Painting, NDArray, Mapping[str, NDArray] | None]:
-        delta = part.delta
-        if isinstance(delta, _Place):
-            delta = self._file.read(delta)
+        self, part: Painting, water: Mapping[str, NDArray] | None
+    ) -> tuple[Painting, NDArray, Mapping[str, NDArray] | None]:
+        delta = self._read(part)
+        if isinstance(delta, PackedDelta):
+            delta = delta.unpacked(self._vertex_numbers(), self._unpacked_flow(delta.flow))
         kept = self._keep()
         back, ids = delta.exchange(self._surface, water)
         self._restore(part.kept)
-        return _Painting(back, kept, back.n_bytes), ids, delta.flow
+        return Painting(back, kept, back.n_bytes), ids, delta.flow
 
-    def _steps(self) -> list[_Step]:
-        return [*self._done, *self._undone]
+    def _steps(self) -> list[Step]:
+        return [*self._done, self._since, *self._undone]
+
+    def _read(self, part: Painting) -> SurfaceDelta | PackedDelta:
+        """What a part holds, wherever it lies."""
+        return self._file.read(part.delta) if isinstance(part.delta, _Place) else part.delta
+
+    def _vertex_numbers(self) -> VertexNumbers:
+        if self._numbers is None:
+            self._numbers = VertexNumbers(self._surface.paint_mesh)
+        return self._numbers
+
+    def _unpacked_flow(self, flow: PackedFlow | None) -> Mapping[str, NDArray] | None:
+        """Water as it was; the same where it is asked for twice, so that none has to be moved."""
+        if flow is not self._water[0]:
+            self._water = flow, flow.unpacked(self._vertex_numbers()) if flow else None
+        return self._water[1]
+
+    # -- for a file -------------------------------------------------------------------------
+
+    def steps(self) -> tuple[Sequence[Step], Step, Sequence[Step]]:
+        """The steps done, what came since one was undone, and those undone; sealed."""
+        self.seal()
+        return tuple(self._done), self._since, tuple(self._undone)
+
+    def packed(self, step: Step, place: int, flows: dict[int, PackedFlow]) -> PackedDelta:
+        """A `Painting` of a step as a file holds it; so it is kept from now on.
+
+        Parameters
+        ----------
+        step : Step
+        place : int
+            Of the part in it.
+        flows : dict
+            Of what was packed before, by identity; filled.
+        """
+        part = step.parts[place]
+        delta = self._read(part)
+        if isinstance(delta, PackedDelta):
+            return delta
+        flow, packed_flow = delta.flow, None
+        if flow is not None:
+            if id(flow) not in flows:
+                flows[id(flow)] = pack_flow(flow, self._vertex_numbers())
+            packed_flow = flows[id(flow)]
+            if flow is self._recorder.water:
+                self._water = packed_flow, flow
+        packed = pack_delta(delta, self._vertex_numbers(), packed_flow)
+        if not isinstance(part.delta, _Place):
+            step.parts[place] = Painting(packed, part.kept, packed.n_bytes)
+        return packed
+
+    def resume(self, done: Sequence[Step], since: Step, undone: Sequence[Step]) -> None:
+        """Have the steps of another history, of the same surface as it is now."""
+        self._done, self._since, self._undone = list(done), since, list(undone)
+        for number, step in enumerate([*done, *reversed(undone)], self._newest + 1):
+            step.number = number
+        self._newest += len(done) + len(undone)
+        self._spill()
 
     def _spill(self) -> None:
         """Write to the disk what memory has no room for: what is farthest from now first."""
@@ -221,9 +315,20 @@ class UndoHistory:
             for k, part in enumerate(step.parts):
                 if n_bytes <= self._budget:
                     return
-                if isinstance(part, _Painting) and part.n_bytes:
+                if isinstance(part, Painting) and part.n_bytes:
                     n_bytes -= part.n_bytes
-                    step.parts[k] = _Painting(self._file.write(part.delta), part.kept, 0)
+                    step.parts[k] = Painting(self._file.write(part.delta), part.kept, 0)
+
+
+def _equal(one: object, two: object) -> bool:
+    """Whether two things that were kept say the same."""
+    if one is two:
+        return True
+    if isinstance(one, Mapping) and isinstance(two, Mapping):
+        return one.keys() == two.keys() and all(_equal(one[key], two[key]) for key in one)
+    if isinstance(one, np.ndarray) and isinstance(two, np.ndarray):
+        return np.array_equal(one, two)
+    return type(one) is type(two) and isinstance(one, int | float | str) and one == two
 
 
 @dataclass(frozen=True)
@@ -235,16 +340,18 @@ class _Place:
 
 
 @dataclass(frozen=True, eq=False)
-class _Painting:
+class Painting:
     """A delta, what the painter remembered, and how much memory that takes."""
 
-    delta: SurfaceDelta | _Place
+    delta: SurfaceDelta | PackedDelta | _Place
     kept: object
     n_bytes: int
 
 
 @dataclass(eq=False)
-class _Step:
+class Step:
+    """What leads back over a step, or over it again, oldest part first."""
+
     label: object
     number: int
     parts: list[Part] = field(default_factory=list)
@@ -257,7 +364,7 @@ class _StepFile:
         self._file: BinaryIO | None = None
         self._end = 0
 
-    def write(self, delta: SurfaceDelta) -> _Place:
+    def write(self, delta: SurfaceDelta | PackedDelta) -> _Place:
         if self._file is None:
             self._file = tempfile.TemporaryFile(prefix="paint3d-undo-")  # noqa: SIM115
         data = pickle.dumps(delta, protocol=5)
@@ -271,6 +378,6 @@ class _StepFile:
         if self._file is not None:
             self._file.close()
 
-    def read(self, place: _Place) -> SurfaceDelta:
+    def read(self, place: _Place) -> SurfaceDelta | PackedDelta:
         self._file.seek(place.start)
         return pickle.loads(self._file.read(place.length))  # our own bytes, in a file of our own

@@ -247,9 +247,6 @@ def test_a_painting_is_replayed_from_its_strokes_also_those_of_earlier_sittings(
     paint(document, (5, -20), (5, 20))
     document.save(tmp_path / "a.p3d")
     opened = Document.open(tmp_path / "a.p3d")
-    assert opened.oldest_stroke == 3
-    with pytest.raises(InputError, match="expected 3 to 3"):
-        opened.replay_history(1)
     again = opened.replayed()
     same_vertices(again.surface, document.surface)
     assert [layer.name for layer in again.layers] == ["1", "over"]

@@ -329,3 +329,14 @@ def test_bad_layers_of_a_session_are_told(changes, message):
     state = surface_state(document.surface) | changes
     with pytest.raises(SessionError, match=message):
         restore_surface(document.surface.source, state)
+
+
+def test_redo_paints_on_its_own_layer_whatever_was_chosen_since():
+    document = small_plane()
+    document.add_layer("over")
+    paint(document, *ACROSS)
+    then = everything(document)
+    document.undo()
+    document.select_layer(0)
+    document.redo()
+    same(everything(document), then)

@@ -18,6 +18,7 @@ from paint3d.app.model.history_commands import HistoryCommands
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.layer_commands import LayerCommands
 from paint3d.app.model.mask import Mask, Stencil
+from paint3d.app.model.saved_history import restore_history, saved_history
 from paint3d.app.model.saved_settings import (
     DEFAULT_BRUSH,
     DEFAULT_INKS,
@@ -26,7 +27,7 @@ from paint3d.app.model.saved_settings import (
     saved_unit,
 )
 from paint3d.app.model.stroke_commands import StrokeCommands
-from paint3d.app.model.stroke_log import StrokeLog, weights_of
+from paint3d.app.model.stroke_log import StrokeLog, strokes_of, weights_of
 from paint3d.app.model.symmetry import Symmetry
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import ExportError, Paint3DError, SessionError
@@ -73,6 +74,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         Anything else that is to be kept with the painting, as JSON holds it.
     modified : bool
         Whether something changed since it was saved.
+    refused_history : str
+        Why the steps that were saved with it could not be used; empty where they could.
     """
 
     def __init__(
@@ -95,14 +98,28 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self._recordings = tuple(saved.recordings if saved else ())
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
-        self._dipped = True
+        self._dipped = self.settings.get("fresh", True) is not False
         self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
+        self.refused_history = self._take_history(saved)
         self.symmetry = Symmetry()
         self.mask = Mask()
         self._stencil: Stencil | None = None
         self._images: list[ImagePainter] = []
         self._refused = False
         self._pending: list[NDArray] = []
+
+    def _take_history(self, saved: Session | None) -> str:
+        """Have the way back that was saved; why not, where it is damaged."""
+        if saved is None or saved.history is None:
+            return ""
+        try:
+            undone = strokes_of(saved.undone, self.settings.get("brushes"))
+            log = self._log
+            held = restore_history(self.surface, self._undo, saved.history, log.strokes, undone)
+        except SessionError as error:
+            return str(error)
+        self._log.hold(held)
+        return ""
 
     def _keep(self) -> dict[str, object]:
         """What undo brings back besides the surface."""
@@ -211,10 +228,15 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         settings["azimuth"] = self.painter.azimuth
         settings["hairs"] = hair_words(self.painter)
         settings["dipped"] = weights_of(self.painter.dipped)
+        settings["fresh"] = self._dipped
         settings["inks"] = [weights_of(ink) for ink in self.inks]
-        settings["brushes"] = {s.brush.name: brush_words(s.brush) for s in self.strokes}
+        history, gone = saved_history(self.surface, self._undo, self._log.current)
+        settings["brushes"] = {
+            stroke.brush.name: brush_words(stroke.brush) for stroke in (*self.strokes, *gone)
+        }
         strokes = tuple(stroke.recording() for stroke in self.strokes)
-        return Session(self.surface, self._recordings, settings, strokes)
+        undone = tuple(stroke.recording() for stroke in gone)
+        return Session(self.surface, self._recordings, settings, strokes, undone, history)
 
     def export(
         self,

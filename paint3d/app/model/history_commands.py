@@ -7,7 +7,7 @@ from typing import Self
 
 from numpy.typing import NDArray
 
-from paint3d.app.model.stroke_log import Stroke, StrokeLog
+from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.ink.pigments import Pigment
@@ -57,11 +57,12 @@ class HistoryCommands:
             Vertices whose colours may have changed.
         """
         self.break_off()
-        chosen = self.painter.brush, self.painter.dipped
+        painter = self.painter
+        brush, dipped = painter.brush, painter.dipped
         touched = self._undo.undo()
-        if (self.painter.brush, self.painter.dipped) != chosen:
-            self.painter.change_brush(chosen[0])
-            self.painter.dip(chosen[1])
+        if painter.brush != brush or weights_of(painter.dipped) != weights_of(dipped):
+            painter.change_brush(brush)
+            painter.dip(dipped)
             self._dipped = True
         return self._stepped(touched)
 

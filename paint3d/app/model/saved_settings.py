@@ -50,7 +50,7 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, object]) -> Pa
     brush = _brush(settings.get("brush"))
     painter = Painter(surface, brush, None if surface.pigments else ink, azimuth)
     if "dipped" in settings:
-        dipped = _mixture(settings["dipped"], surface)
+        dipped = saved_mixture(settings["dipped"], surface)
         painter.restore({**painter.keep(), "_dipped": dipped})
     restore_hairs(painter, settings.get("hairs"))
     return painter
@@ -69,7 +69,7 @@ def saved_inks(surface: PaintedSurface, settings: Mapping[str, object]) -> list[
         return None
     if not isinstance(inks, list) or len(inks) != 2:
         raise SessionError(f"the inks are {inks!r:.60}; expected two")
-    return [_mixture(ink, surface) for ink in inks]
+    return [saved_mixture(ink, surface) for ink in inks]
 
 
 def saved_unit(settings: Mapping[str, object]) -> str:
@@ -124,7 +124,7 @@ def _brush(saved: object) -> BrushSpec:
     return load_brush(saved if isinstance(saved, str) else DEFAULT_BRUSH)
 
 
-def _mixture(saved: object, surface: PaintedSurface) -> Mixture:
+def saved_mixture(saved: object, surface: PaintedSurface) -> Mixture:
     """Weights of inks by name; those that the palette has otherwise, or not, as on the surface."""
     if not isinstance(saved, Mapping) or not saved:
         raise SessionError(f"an ink is {saved!r:.60}; expected weights by name")

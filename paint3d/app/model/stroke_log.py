@@ -19,7 +19,7 @@ from paint3d.ink.pigments import Pigment
 from paint3d.pose.brush_pose import contacts_of
 from paint3d.stroke.laying import DIP
 
-__all__ = ["Stroke", "StrokeLog", "recording_of", "weights_of"]
+__all__ = ["Stroke", "StrokeLog", "recording_of", "strokes_of", "weights_of"]
 
 _PAUSE_NS = 200_000_000  # between two strokes that are joined to one recording
 _LANDING_NS = 1_000_000
@@ -98,16 +98,19 @@ class StrokeLog:
     def __init__(
         self, before: Sequence[Recording] = (), brushes: Mapping[str, Mapping] | None = None
     ) -> None:
-        known = brushes if isinstance(brushes, Mapping) else {}
-        self._before = [_stroke_of(recording, known) for recording in before]
+        self._before = strokes_of(before, brushes)
         self.strokes: list[Stroke] = list(self._before)
         self.current: Stroke | None = None
         self.tags: dict[str, object] = {}
 
     @property
     def n_before(self) -> int:
-        """Strokes of earlier sittings."""
+        """Strokes of earlier sittings that no step takes back."""
         return len(self._before)
+
+    def hold(self, count: int) -> None:
+        """From now on the last so many strokes are steps that can be taken back."""
+        self._before = self.strokes[: len(self.strokes) - count]
 
     def begin(
         self, brush: BrushSpec, ink: str | Pigment | Mapping, layer: str, dipped: bool
@@ -148,7 +151,7 @@ class StrokeLog:
         self.current = None
 
     def follow(self, strokes: Sequence[Stroke]) -> None:
-        """Have these strokes of this sitting, after undo or redo."""
+        """Have these strokes besides those before, after undo or redo."""
         self.strokes = [*self._before, *strokes]
 
     def recording(self, object_name: str, first: int = 0) -> Recording | None:
@@ -207,6 +210,20 @@ def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) 
         header=dict(header),
         contact=contacts_of(samples),
     )
+
+
+def strokes_of(
+    recordings: Sequence[Recording], brushes: Mapping[str, Mapping] | None = None
+) -> list[Stroke]:
+    """Strokes that were saved; see `StrokeLog`.
+
+    Raises
+    ------
+    SessionError
+        If a header is not that of a stroke.
+    """
+    known = brushes if isinstance(brushes, Mapping) else {}
+    return [_stroke_of(recording, known) for recording in recordings]
 
 
 def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping]) -> Stroke:
