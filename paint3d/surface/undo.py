@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.surface.delta import BrushLoad, DeltaRecorder, SurfaceDelta
+from paint3d.surface.layer_stack import StackState
 from paint3d.surface.packed_delta import (
     PackedDelta,
     PackedFlow,
@@ -30,6 +31,7 @@ from paint3d.surface.vertex_sets import union
 __all__ = ["Painting", "Part", "Step", "UndoHistory"]
 
 MEMORY_BUDGET = 512 << 20  # bytes
+_LAYER = "1"
 
 
 class Part(Protocol):
@@ -138,8 +140,7 @@ class UndoHistory:
         before = state()
         action()
         self._add(before)
-        self._recorder.restart()
-        self._kept = self._keep()
+        self._begin_here()
 
     def before(self, vertex_ids: NDArray) -> tuple[NDArray, NDArray]:
         """Amounts (N, P) and coverage (N,) of vertices (N,) when a step or `seal` was last."""
@@ -213,6 +214,52 @@ class UndoHistory:
         if self._undone:
             self._undone.pop()
         return touched
+
+    def prepend(self, prepare: Callable[[], None], paint: Callable[[], None]) -> None:
+        """Have steps before all others: those that `paint` begins on a layer of its own.
+
+        That the layers, the brush and the water as they are now come instead belongs to the last
+        of its steps. Where something is raised, everything is as it was.
+
+        Parameters
+        ----------
+        prepare : callable
+            Makes the bare surface and the brush ready: where undo ends.
+        paint : callable
+            Begins one step at least.
+        """
+        if self._done:
+            raise ValueError("steps are done; expected them to be undone first")
+        self._take_back_since()
+        surface, stack = self._surface, self._surface.layers
+        undone, self._undone = self._undone, []
+        now, brush, kept = stack.state(), BrushLoad.of(surface), self._keep()
+        try:
+            stack.add(_LAYER, 0)
+            own = stack.state().active
+            stack.put(StackState((own,), own))
+            prepare()
+            self._begin_here()
+            paint()
+            self.change(stack.state, lambda: stack.put(now))
+            brush.put(surface)
+            self._restore(kept)
+            self.seal()
+        except BaseException:
+            self._done = []
+            stack.put(now)
+            brush.put(surface)
+            self._restore(kept)
+            self._begin_here()
+            raise
+        finally:
+            self._undone = undone
+        self._spill()
+
+    def _begin_here(self) -> None:
+        """Take everything as it is now, whatever it was."""
+        self._recorder.restart()
+        self._kept = self._keep()
 
     def _exchange(self, step: Step) -> NDArray:
         """Bring the surface to the other end of a step, and turn the step round."""

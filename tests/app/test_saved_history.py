@@ -1,13 +1,19 @@
 """Undo, redo and the history of strokes after a painting was saved and opened."""
 
+import dataclasses
+from concurrent.futures import CancelledError
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.app.model import document as document_module
 from paint3d.app.model.document import Document
 from paint3d.app.model.symmetry import MirrorPlane, Symmetry
-from tests.app.hands import paint, small_plane
+from paint3d.errors import InputError
+from paint3d.files.session import load_session, save_session
+from tests.app.hands import paint, same_vertices, small_plane
 
 ACTIONS = st.sampled_from(
     ["stroke", "stroke", "stroke", "undo", "undo", "redo", "dry", "time", "dip", "tip", "wipe",
@@ -120,3 +126,135 @@ def test_saving_again_gives_the_same_file(tmp_path):
         document.save(tmp_path / name)
         assert (tmp_path / name).read_bytes() == (tmp_path / "a.p3d").read_bytes()
         document = Document.open(tmp_path / "a.p3d")
+
+
+def without_steps(document, path):
+    """A painting as it was saved before steps were, opened."""
+    document.save(path)
+    session = load_session(path)
+    save_session(dataclasses.replace(session, undone=(), history=None), path)
+    return Document.open(path)
+
+
+def painting_on_layers():
+    document = small_plane(material="xuan")
+    paint(document, (-20, 0), (20, 0))
+    document.add_layer("over")
+    document.dip({"cinnabar": 0.5, "water": 0.5})
+    document.scale_brush(0.7)
+    paint(document, (0, -20), (0, 20))
+    document.set_brush("feibai")
+    paint(document, (5, -20), (5, 20))
+    return document
+
+
+def test_strokes_without_steps_are_painted_again_underneath(tmp_path):
+    document = painting_on_layers()
+    document.let_time_pass(0.4)  # which no stroke repeats
+    opened = without_steps(document, tmp_path / "a.p3d")
+    assert (opened.oldest_stroke, opened.earliest_stroke, opened.can_undo) == (3, 0, True)
+    paint(opened, (-20, 12), (20, 12))
+    then, layers = everything(opened), opened.layers
+    for upto in (3, 2, 1, 0):
+        opened.undo()
+        assert len(opened.strokes) == upto
+        if upto < 3:
+            wanted = opened.replayed(upto)
+            same_paint(opened.surface, wanted.surface)
+            assert [layer.name for layer in opened.layers] == ["1", "over"][: max(1, upto)]
+        close(opened)
+    assert not opened.can_undo
+    while opened.can_redo:
+        opened.redo()
+    unchanged(opened, then)
+    assert opened.layers == layers
+    close(opened)
+    again = reopened(opened, tmp_path / "b.p3d")
+    assert again.oldest_stroke == 0
+    for upto in (1, 4, 0, 2):
+        for one in (again, opened):
+            one.replay_history(upto)
+        same(again, opened)
+
+
+def unchanged(document, then):
+    """Nothing is other than then, though there may be more vertices."""
+    now = everything(document)
+    for name in set(then) - {"steps"}:
+        value = now[name][: len(then[name])] if then[name].ndim else now[name]
+        np.testing.assert_array_equal(value, then[name], err_msg=name)
+
+
+def same_paint(one, two):
+    """The same places are painted, with the same; sums of layers may be rounded to other codes."""
+    seen = []
+    for surface in (one, two):
+        ids = np.flatnonzero(surface.painted)
+        ids = ids[np.lexsort(surface.paint_mesh.vertices[ids].T)]
+        seen.append((surface.paint_mesh.vertices[ids], surface.srgb[ids].astype(int)))
+    (vertices, codes), (others, wanted) = seen
+    np.testing.assert_array_equal(vertices, others)
+    assert np.abs(codes - wanted).max(initial=0) <= 1
+
+
+def close(document):
+    """The ledger closes."""
+    accounts = document.painter.ledger()
+    loaded = accounts.pop("loaded")
+    assert sum(accounts.values()) == pytest.approx(loaded, rel=1e-6)
+
+
+def test_painting_again_can_be_stopped(tmp_path):
+    opened = without_steps(painting_on_layers(), tmp_path / "a.p3d")
+    paint(opened, (-20, 12), (20, 12))
+    opened.undo()
+    then, strokes = everything(opened), list(opened.strokes)
+
+    def stop(share):
+        if share > 0.5:
+            raise CancelledError
+
+    opened.progress = stop
+    with pytest.raises(CancelledError):
+        opened.replay_history(1)
+    opened.progress = None
+    unchanged(opened, then)
+    assert opened.strokes == strokes
+    assert (opened.oldest_stroke, opened.can_redo) == (3, True)
+    opened.redo()
+    opened.replay_history(0)
+    assert not opened.surface.painted.any()
+
+
+def test_strokes_over_a_recording_are_not_painted_again(tmp_path):
+    document = painting_on_layers()
+    recording = document.recording()
+    document.save(tmp_path / "a.p3d")
+    session = load_session(tmp_path / "a.p3d")
+    session = dataclasses.replace(session, recordings=(recording,), undone=(), history=None)
+    save_session(session, tmp_path / "a.p3d")
+    opened = Document.open(tmp_path / "a.p3d")
+    assert not opened.can_undo
+    assert opened.earliest_stroke == 3
+    with pytest.raises(InputError, match="stroke 1 of the history; expected 3 to 3"):
+        opened.replay_history(1)
+    with pytest.raises(InputError, match="lie over a recording"):
+        opened.recall_strokes()
+
+
+def test_only_the_nearest_steps_are_kept_where_there_are_too_many(tmp_path, monkeypatch):
+    document = small_plane(material="xuan")
+    for y in range(-20, 20, 8):
+        paint(document, (-20, y), (20, y))
+    document.undo()
+    monkeypatch.setattr(document_module, "MOST_BYTES", 6_000)
+    opened = reopened(document, tmp_path / "a.p3d")
+    assert 0 < opened.oldest_stroke < 4
+    assert not opened.can_redo  # what was undone is farther
+    same_vertices(opened.surface, document.surface)
+    for one in (document, opened):
+        one.replay_history(1)
+    same_vertices(opened.surface, document.surface)
+    opened.replay_history(4)
+    document.replay_history(4)
+    same_vertices(opened.surface, document.surface)

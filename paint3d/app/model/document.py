@@ -18,7 +18,7 @@ from paint3d.app.model.history_commands import HistoryCommands
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.layer_commands import LayerCommands
 from paint3d.app.model.mask import Mask, Stencil
-from paint3d.app.model.saved_history import restore_history, saved_history
+from paint3d.app.model.saved_history import MOST_BYTES, restore_history, saved_history
 from paint3d.app.model.saved_settings import (
     DEFAULT_BRUSH,
     DEFAULT_INKS,
@@ -230,7 +230,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         settings["dipped"] = weights_of(self.painter.dipped)
         settings["fresh"] = self._dipped
         settings["inks"] = [weights_of(ink) for ink in self.inks]
-        history, gone = saved_history(self.surface, self._undo, self._log.current)
+        history, gone = saved_history(self.surface, self._undo, self._log.current, MOST_BYTES)
         settings["brushes"] = {
             stroke.brush.name: brush_words(stroke.brush) for stroke in (*self.strokes, *gone)
         }

@@ -7,6 +7,7 @@ from typing import Self
 
 from numpy.typing import NDArray
 
+from paint3d.app.model.recall_commands import RecallCommands
 from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
@@ -20,7 +21,7 @@ from paint3d.surface.vertex_sets import union
 __all__ = ["HistoryCommands"]
 
 
-class HistoryCommands:
+class HistoryCommands(RecallCommands):
     """The history of a `Document`."""
 
     surface: PaintedSurface
@@ -41,7 +42,7 @@ class HistoryCommands:
     @property
     def can_undo(self) -> bool:
         """Whether there is something to undo."""
-        return bool(self._undo.done)
+        return bool(self._undo.done) or self.earliest_stroke < self.oldest_stroke
 
     @property
     def can_redo(self) -> bool:
@@ -51,12 +52,17 @@ class HistoryCommands:
     def undo(self) -> NDArray:
         """Take back the last step; the brush stays the one that was chosen last.
 
+        Where a stroke is the last that was done and no step takes it back, all are painted again
+        first; see `recall_strokes`.
+
         Returns
         -------
         (N,) int32
             Vertices whose colours may have changed.
         """
         self.break_off()
+        if not self._undo.done and self.can_undo:
+            self.recall_strokes()
         painter = self.painter
         brush, dipped = painter.brush, painter.dipped
         touched = self._undo.undo()
@@ -78,18 +84,21 @@ class HistoryCommands:
         return touched
 
     @property
-    def oldest_stroke(self) -> int:
-        """How many strokes were there when this was opened, which cannot be undone."""
-        return self._log.n_before
+    def undone_strokes(self) -> list[Stroke]:
+        """Strokes that were taken back and can be done again, the next one first."""
+        return [label for label in reversed(self._undo.undone) if isinstance(label, Stroke)]
 
     def replay_history(self, upto: int) -> NDArray:
-        """Show the painting as it was after so many strokes, by undo and redo.
+        """Show the painting as it was before the next stroke began, by undo and redo.
+
+        Strokes that no step takes back are painted again where that is needed; see
+        `recall_strokes`.
 
         Parameters
         ----------
         upto : int
-            From `oldest_stroke`, those of earlier sittings, to as many as there are with those
-            that were undone.
+            After how many strokes: from `earliest_stroke` to as many as there are with those that
+            were undone.
 
         Returns
         -------
@@ -99,20 +108,27 @@ class HistoryCommands:
         Raises
         ------
         InputError
-            If there are not so many.
+            If there are not so many, or they lie over a recording.
         """
-        undone = sum(isinstance(label, Stroke) for label in self._undo.undone)
-        most = len(self.strokes) + undone
-        if not self.oldest_stroke <= upto <= most:
+        self.end_stroke()
+        most = len(self.strokes) + len(self.undone_strokes)
+        if not self.earliest_stroke <= upto <= most:
             raise InputError(
-                f"stroke {upto} of the history; expected {self.oldest_stroke} to {most}"
+                f"stroke {upto} of the history; expected {self.earliest_stroke} to {most}"
             )
         touched: list[NDArray] = []
+        if upto < self.oldest_stroke:
+            touched.append(self.recall_strokes())
         while len(self.strokes) > upto:
             touched.append(self.undo())
-        while len(self.strokes) < upto:
+        while len(self.strokes) < upto or self._next_is_no_stroke():
             touched.append(self.redo())
         return union(touched, self.surface.paint_mesh.capacity)
+
+    def _next_is_no_stroke(self) -> bool:
+        """Whether what can be done again next is drying, or a change of the layers."""
+        undone = self._undo.undone
+        return bool(undone) and not isinstance(undone[-1], Stroke)
 
     def replayed(self, upto: int | None = None) -> Self:
         """The first strokes painted once more on the bare object, as another document.

@@ -46,7 +46,7 @@ def saved_history(
     surface: PaintedSurface,
     history: UndoHistory,
     current: Stroke | None,
-    most_bytes: int = MOST_BYTES,
+    most_bytes: int,
 ) -> tuple[dict[str, object], list[Stroke]]:
     """Return the steps as a session holds them, and the strokes that were undone.
 
