@@ -21,20 +21,21 @@ from paint3d.files.progress import Progress
 from paint3d.files.reading import Reading, Wanted
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["MAX_MEMORY", "MAX_SECONDS", "read_apart"]
+__all__ = ["MAX_MEMORY", "MAX_SECONDS", "PICTURE_SECONDS", "read_apart"]
 
 MAX_MEMORY = 2 << 30
 MAX_SECONDS = 20
 LOOK_S = 0.05  # how often it is looked whether the file is still wanted
 START_S, BYTES_A_SECOND = 0.4, 20e6  # what reading takes, about
+PICTURE_SECONDS = 60  # where a mesh is made fine enough for its pictures
 START = "import sys, json; sys.path[:] = json.loads(sys.argv.pop()); \
 from paint3d.files.child import main; main()"
 
 
 def read_apart(
-    path: Path, wanted: Wanted, seconds: float = MAX_SECONDS, progress: Progress | None = None
+    path: Path, wanted: Wanted, seconds: float | None = None, progress: Progress | None = None
 ) -> Reading:
-    """Read a mesh file in a child process with 2 GiB of memory and 20 s.
+    """Read a mesh file in a child process with 2 GiB of memory and 20 s, with pictures 60 s.
 
     `progress` is told a share guessed from the file's size; what it raises ends the child.
 
@@ -43,6 +44,8 @@ def read_apart(
     MeshError
         As the reader says, or that it crashed, took too long or needed too much memory.
     """
+    if seconds is None:
+        seconds = PICTURE_SECONDS if wanted.texture else MAX_SECONDS
     descriptor = make_memory_file()
     try:
         _run(path, wanted, descriptor, seconds, progress)

@@ -29,7 +29,8 @@ def load_mesh(
 ) -> TriangleMesh:
     """Load a mesh in millimetres, z up, with the vertex and face order of its file.
 
-    A file is read in a child process, which is given 20 s and 2 GiB of memory and may crash
+    With `texture` its vertices come first, where each of them has one colour. A file is read in a
+    child process, which is given 20 s (60 s with `texture`) and 2 GiB of memory and may crash
     alone. What the user should know about the result (a surface built through points, a texture
     left out) is logged as a warning by the logger "paint3d".
 
@@ -45,8 +46,10 @@ def load_mesh(
         Whether to build a surface through the points of a file without triangles. By default
         only for point clouds: files that speak of faces and hold none are refused.
     texture : bool
-        Whether to read the materials' colours and textures (glTF, OBJ) at the vertices. Pictures
-        outside the file's folder are not followed, and the logger says so.
+        Whether to take the colours and pictures of the materials (glTF, OBJ). Where a picture is
+        finer than the mesh, triangles are halved until it shows, up to some 200,000 vertices
+        more. Pictures outside the file's folder are not followed, and the logger says so, as it
+        says what else a file holds that is left out.
     progress : callable, optional
         Called with about the share done, now and then; what it raises stops it.
 

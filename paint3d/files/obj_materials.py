@@ -1,8 +1,8 @@
-"""Diffuse colours of OBJ materials (.mtl), read at the vertices."""
+"""Diffuse colours and pictures of OBJ materials (.mtl), face by face."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,18 +11,25 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import plain_text, read_beside
-from paint3d.files.textures import (
-    linear_from_srgb,
-    open_picture,
-    sample_picture,
-    srgb_from_linear,
-)
+from paint3d.files.raw_mesh import left_out
+from paint3d.files.textures import REPEAT, Look, linear_from_srgb, open_picture
 
-__all__ = ["obj_colours"]
+__all__ = ["ObjLooks", "names_materials", "obj_looks"]
 
 MAX_LIBRARY = 1 << 26
 OPTIONS = {"-s": 3, "-o": 3, "-t": 3, "-mm": 2, "-bm": 1, "-texres": 1, "-clamp": 1, "-boost": 1}
 OPTIONS |= {"-blendu": 1, "-blendv": 1, "-cc": 1, "-imfchan": 1, "-type": 1}  # and their words
+
+
+LEFT_OUT = {  # what of a material is left out, by the words that begin its lines
+    b"bump": "relief (a bump map)",
+    b"map_bump": "relief (a bump map)",
+    b"norm": "relief (a normal map)",
+    b"map_d": "transparency",
+    b"map_ks": "gloss from a picture",
+    b"map_ke": "light of its own",
+    b"disp": "displacement",
+}
 
 
 @dataclass
@@ -31,87 +38,90 @@ class Material:
 
     diffuse: tuple[float, float, float] = (1.0, 1.0, 1.0)
     picture: NDArray[np.uint8] | None = None
+    clamped: bool = False
+
+    def look(self) -> Look:
+        """What is seen of it."""
+        if self.picture is not None:
+            return Look(picture=self.picture, wrap=("clamp",) * 2 if self.clamped else REPEAT)
+        codes = np.floor(255.0 * np.clip(self.diffuse, 0.0, 1.0) + 0.5).astype(np.uint8)
+        return Look(tuple(float(x) for x in linear_from_srgb(codes)))
 
 
-def obj_colours(
-    lines: Sequence[bytes], n_vertices: int, folder: Path
-) -> tuple[NDArray[np.uint8] | None, list[str]]:
-    """Return the mean sRGB colour (V, 3) of each vertex's corners, and notes on what is left out.
+@dataclass(frozen=True)
+class ObjLooks:
+    """What an OBJ file says of its colours; see `RawMesh` for looks, look_of and uv."""
 
-    A texture replaces the diffuse colour. Vertices that no face uses are white. None where the
-    file names no material that could be read.
+    looks: tuple[Look, ...]
+    look_of: NDArray[np.int64]
+    uv: NDArray[np.float64]
+    notes: tuple[str, ...]
+
+
+def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
+    """Return the looks of an OBJ's faces; none where it names no material that could be read.
+
+    A texture replaces the diffuse colour.
 
     Parameters
     ----------
     lines : sequence of bytes
         Of the OBJ file, stripped.
-    n_vertices : int
-        V.
+    sizes : (P,) int64
+        Corners of each face.
     folder : Path
         Of the file; material libraries and pictures elsewhere are not followed.
     """
     notes: list[str] = []
+    dropped: set[str] = set()
     materials: dict[bytes, Material] = {}
-    places = [line[3:].split()[:2] for line in lines if line[:3] == b"vt "]
-    uv = np.array([(*map(float, words), 0.0)[:2] for words in places], np.float64).reshape(-1, 2)
     for line in lines:
         if line.startswith(b"mtllib "):
-            _read_library(_name(line[7:]), folder, materials, notes)
-    total, count = np.zeros((n_vertices, 3)), np.zeros(n_vertices)
-    for name, vertices, places in _corners(lines, n_vertices, len(uv)):
-        if name not in materials:
-            continue
-        colours = _corner_colours(materials[name], uv, places)
-        for channel in range(3):
-            total[:, channel] += np.bincount(vertices, colours[:, channel], n_vertices)
-        count += np.bincount(vertices, minlength=n_vertices)
-    if not count.any():
-        return None, notes
-    mean = np.where(count[:, None] > 0, total / np.maximum(count, 1.0)[:, None], 1.0)
-    return srgb_from_linear(mean), notes
+            _read_library(_name(line[7:]), folder, materials, notes, dropped)
+    names = {name: k for k, name in enumerate(materials)}
+    look_of, places = _by_face(lines, names, int(sizes.sum()))
+    notes += left_out(dropped)
+    if not (look_of >= 0).any():
+        return ObjLooks((), look_of, np.empty((0, 2)), tuple(dict.fromkeys(notes)))
+    written = [line[3:].split()[:2] for line in lines if line[:3] == b"vt "]
+    table = [[*map(float, words), 0.0, 0.0][:2] for words in written]
+    known = np.array([*table, [np.nan, np.nan]], np.float64)
+    known = known * (1.0, -1.0) + (0.0, 1.0)  # OBJ counts from the lower left
+    uv = known[np.where(places < len(table), places, -1)]
+    looks = tuple(material.look() for material in materials.values())
+    return ObjLooks(looks, look_of, uv, tuple(dict.fromkeys(notes)))
+
+
+def names_materials(lines: Sequence[bytes]) -> bool:
+    """Whether an OBJ file has colours in a material library."""
+    kinds = {line.partition(b" ")[0] for line in lines}
+    return {b"mtllib", b"usemtl"} <= kinds
 
 
 def _name(words: bytes) -> str:
     return words.strip().decode("utf-8", "surrogateescape")
 
 
-def _corner_colours(
-    material: Material, uv: NDArray[np.float64], places: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Return linear colours (N, 3) at corners with these texture places (N,), -1: none."""
-    codes = np.floor(255.0 * np.clip(material.diffuse, 0.0, 1.0) + 0.5).astype(np.uint8)
-    colours = np.tile(linear_from_srgb(codes), (len(places), 1))
-    if material.picture is not None:
-        known = places >= 0
-        flipped = uv[places[known]] * (1.0, -1.0) + (0.0, 1.0)  # OBJ counts from the lower left
-        colours[known] = sample_picture(material.picture, flipped)
-    return colours
-
-
-def _corners(
-    lines: Sequence[bytes], n_vertices: int, n_places: int
-) -> Iterator[tuple[bytes, NDArray[np.int64], NDArray[np.int64]]]:
-    """Yield each material's name with the vertices and the texture places (-1: none) it covers."""
-    vertices_so_far = places_so_far = 0
-    name = b""
-    found: dict[bytes, tuple[list[int], list[int]]] = {}
+def _by_face(
+    lines: Sequence[bytes], names: dict[bytes, int], n_corners: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return each face's material (-1: none) and each corner's texture place (-1: none)."""
+    look, looks = -1, []
+    places = np.full(n_corners, -1, np.int64)
+    so_far = at = 0
     for line in lines:
-        if line[:2] == b"v ":
-            vertices_so_far += 1
-        elif line[:3] == b"vt ":
-            places_so_far += 1
+        if line[:3] == b"vt ":
+            so_far += 1
         elif line.startswith(b"usemtl"):
-            name = line[6:].strip()
+            look = names.get(line[6:].strip(), -1)
         elif line[:2] == b"f ":
-            vertices, places = found.setdefault(name, ([], []))
+            looks.append(look)
             for corner in line[2:].split():
-                v, _, rest = corner.partition(b"/")
-                vertices.append(_index(v, vertices_so_far))
-                places.append(_index(rest.partition(b"/")[0], places_so_far))
-    for name, (vertices, places) in found.items():
-        v, t = np.array(vertices, np.int64), np.array(places, np.int64)
-        inside = (v >= 0) & (v < n_vertices)
-        yield name, v[inside], np.where(t < n_places, t, -1)[inside]
+                rest = corner.partition(b"/")[2]
+                if rest and look >= 0:
+                    places[at] = _index(rest.partition(b"/")[0], so_far)
+                at += 1
+    return np.array(looks, np.int64), places
 
 
 def _index(word: bytes, so_far: int) -> int:
@@ -123,7 +133,11 @@ def _index(word: bytes, so_far: int) -> int:
 
 
 def _read_library(
-    name: str, folder: Path, materials: dict[bytes, Material], notes: list[str]
+    name: str,
+    folder: Path,
+    materials: dict[bytes, Material],
+    notes: list[str],
+    dropped: set[str],
 ) -> None:
     try:
         text = plain_text(read_beside(folder, name, MAX_LIBRARY))
@@ -141,8 +155,20 @@ def _read_library(
             try:
                 picture = open_picture(read_beside(folder, _picture_name(words[1:], line)))
                 material.picture = picture
+                material.clamped = b"-clamp on" in line
             except MeshError as cause:
                 notes.append(f"a texture is left out: {cause}")
+        elif words and words[0].lower() in LEFT_OUT:
+            dropped.add(LEFT_OUT[words[0].lower()])
+        elif words[:1] == [b"d"] and _part(words[1:2]) < 1.0:
+            dropped.add("transparency")
+
+
+def _part(words: list[bytes]) -> float:
+    try:
+        return float(words[0])
+    except (ValueError, IndexError):
+        return 1.0
 
 
 def _diffuse(

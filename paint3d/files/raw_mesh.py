@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.textures import Look
 
-__all__ = ["RawMesh", "as_codes", "check_count", "index_array", "parse_numbers"]
+__all__ = ["RawMesh", "as_codes", "check_count", "index_array", "left_out", "parse_numbers"]
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,12 @@ class RawMesh:
         and not a point cloud.
     notes : tuple of str
         What the user should know, such as a texture that was left out.
+    looks : tuple of Look
+        The materials that were read.
+    look_of : (P,) int64 or None
+        Of each polygon, -1 for none; None where no material was read.
+    uv : (N, 2) float64 or None
+        Place of every corner on its polygon's picture, from the upper left; nan where unknown.
     """
 
     vertices: NDArray[np.float64]
@@ -49,12 +57,21 @@ class RawMesh:
     y_up: bool = False
     announces_faces: bool = False
     notes: tuple[str, ...] = ()
+    looks: tuple[Look, ...] = ()
+    look_of: NDArray[np.int64] | None = None
+    uv: NDArray[np.float64] | None = None
 
     @classmethod
     def of_triangles(cls, vertices: NDArray, faces: NDArray, **others: object) -> RawMesh:
         """Return a raw mesh with (F, 3) triangles."""
         faces = np.asarray(faces, np.int64).reshape(-1, 3)
         return cls(vertices, faces.ravel(), np.full(len(faces), 3), **others)
+
+
+def left_out(what: Iterable[str]) -> tuple[str, ...]:
+    """Return one note on what a file says and paint3d does not take; none where there is none."""
+    named = sorted(what)
+    return (f"left out: {', '.join(named)}",) if named else ()
 
 
 def parse_numbers(text: bytes, what: str) -> NDArray[np.float64]:

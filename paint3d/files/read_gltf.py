@@ -12,7 +12,7 @@ from paint3d.errors import MeshError
 from paint3d.files.gltf_buffers import GltfFile
 from paint3d.files.gltf_materials import GltfPaint
 from paint3d.files.position_steps import METRE_MM, STEPS, take_steps
-from paint3d.files.raw_mesh import RawMesh
+from paint3d.files.raw_mesh import RawMesh, left_out
 from paint3d.files.textures import srgb_from_linear
 
 __all__ = ["read_gltf"]
@@ -23,8 +23,8 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     """Read the default scene, with the transforms of its nodes applied.
 
-    Points and lines are passed over, as are skins and animations. COLOR_0 is linear by the
-    specification and comes back as sRGB codes, with `texture` times the materials' base colours.
+    Points and lines are passed over, as are skins and animations; that and what else is dropped
+    is noted. COLOR_0 is linear by the specification and comes back as sRGB codes.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     folder : Path
         Where the buffers and pictures of a .gltf lie; others are not followed.
     texture : bool
-        Whether materials and their textures are read at the vertices.
+        Whether the materials' base colours and their pictures are read.
 
     Raises
     ------
@@ -41,16 +41,23 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         If the file is broken, or compressed by an extension.
     """
     file = GltfFile(data, folder)
-    paint = GltfPaint(file) if texture else None
+    paint = GltfPaint(file)
     parts = []
     for matrix, mesh in _placed_meshes(file):
         for primitive in mesh.get("primitives", []):
-            part = _primitive(file, primitive, paint)
+            part = _primitive(file, primitive, paint, texture)
             if part is not None:
                 parts.append(_transformed(part, matrix))
     if not parts:
         raise MeshError("its scene has no triangles; expected a surface")
-    return _merged(parts, paint.notes if paint else [])
+    return _merged(parts, paint, _dropped(file))
+
+
+def _dropped(file: GltfFile) -> set[str]:
+    """What a document says besides its meshes and materials."""
+    dropped = {kind for kind in ("animations", "skins") if file.document.get(kind)}
+    primitives = (p for m in file.document.get("meshes", []) for p in m.get("primitives", []))
+    return dropped | ({"morph targets"} if any("targets" in p for p in primitives) else set())
 
 
 def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict]]:
@@ -89,7 +96,7 @@ def _local(node: dict) -> NDArray[np.float64]:
     return matrix
 
 
-def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint | None) -> RawMesh | None:
+def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint, texture: bool) -> RawMesh | None:
     """Return one primitive in its own frame, or None for points and lines."""
     mode = primitive.get("mode", TRIANGLES)
     if mode not in (TRIANGLES, STRIP, FAN):
@@ -114,13 +121,15 @@ def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint | None) -> RawM
     if others[STEPS] is not None:
         vertices = take_steps(vertices, others[STEPS][:, 0])
     colours = others["COLOR_0"]
-    base = None if paint is None else paint.base_colours(primitive, len(vertices))
-    if base is not None:
-        colours = base if colours is None else colours * base
     colours = None if colours is None else srgb_from_linear(colours)
+    faces = _triangles(indices, mode)
+    number, uv = paint.look_of(primitive, len(vertices), texture)
+    if uv is not None:
+        uv = uv[np.clip(faces, 0, len(vertices) - 1).ravel()]
     return RawMesh.of_triangles(
-        vertices, _triangles(indices, mode), colours=colours, normals=others["NORMAL"]
-    )
+        vertices, faces, colours=colours, normals=others["NORMAL"],
+        look_of=np.full(len(faces), number), uv=uv,
+    )  # fmt: skip
 
 
 def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
@@ -141,17 +150,20 @@ def _transformed(part: RawMesh, matrix: NDArray[np.float64]) -> RawMesh:
     turn = matrix[:3, :3]
     vertices = part.vertices @ turn.T + matrix[:3, 3]
     faces = part.corners.reshape(-1, 3)
-    normals = part.normals
+    normals, uv = part.normals, part.uv
     mirrored = np.linalg.det(turn) < 0.0
     if mirrored:
         faces = faces[:, ::-1]
+        uv = None if uv is None else uv.reshape(-1, 3, 2)[:, ::-1].reshape(-1, 2)
     if normals is not None:
         cofactor = np.stack([np.cross(turn[(k + 1) % 3], turn[(k + 2) % 3]) for k in range(3)])
         normals = normals @ cofactor.T * (-1.0 if mirrored else 1.0)
-    return RawMesh.of_triangles(vertices, faces, colours=part.colours, normals=normals)
+    return RawMesh.of_triangles(
+        vertices, faces, colours=part.colours, normals=normals, look_of=part.look_of, uv=uv
+    )
 
 
-def _merged(parts: list[RawMesh], notes: list[str]) -> RawMesh:
+def _merged(parts: list[RawMesh], paint: GltfPaint, dropped: set[str]) -> RawMesh:
     first = np.cumsum([0, *(len(part.vertices) for part in parts)])
     for part in parts:  # checked here: after merging, a wrong index would hit another part
         if len(part.corners) and int(part.corners.max()) >= len(part.vertices):
@@ -176,5 +188,12 @@ def _merged(parts: list[RawMesh], notes: list[str]) -> RawMesh:
         normals,
         unit_mm=METRE_MM,
         y_up=True,
-        notes=tuple(dict.fromkeys(notes)),
+        notes=(*dict.fromkeys(paint.notes), *left_out(dropped | paint.dropped)),
+        looks=tuple(paint.looks),
+        look_of=np.concatenate([part.look_of for part in parts]) if paint.looks else None,
+        uv=np.concatenate([_uv(part) for part in parts]) if paint.looks else None,
     )
+
+
+def _uv(part: RawMesh) -> NDArray[np.float64]:
+    return np.full((len(part.corners), 2), np.nan) if part.uv is None else part.uv

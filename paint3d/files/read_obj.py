@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import plain_text
-from paint3d.files.obj_materials import obj_colours
-from paint3d.files.raw_mesh import RawMesh, as_codes, index_array, parse_numbers
+from paint3d.files.obj_materials import names_materials, obj_looks
+from paint3d.files.raw_mesh import RawMesh, as_codes, index_array, left_out, parse_numbers
 
 __all__ = ["read_obj"]
 
@@ -34,7 +34,7 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     folder : Path
         Where its material libraries and pictures lie; others are not followed.
     texture : bool
-        Whether materials and their textures are read at the vertices, instead of vertex colours.
+        Whether materials and their pictures are read, instead of vertex colours.
 
     Raises
     ------
@@ -57,10 +57,15 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     else:
         corners = corners - 1
     if not texture:
-        return RawMesh(vertices, corners, sizes, colours)
-    sampled, notes = obj_colours(lines, len(vertices), folder)
-    colours = colours if sampled is None else sampled
-    return RawMesh(vertices, corners, sizes, colours, notes=tuple(dict.fromkeys(notes)))
+        dropped = ("its colours and pictures",) if names_materials(lines) else ()
+        return RawMesh(vertices, corners, sizes, colours, notes=left_out(dropped))
+    found = obj_looks(lines, sizes, folder)
+    if not found.looks:
+        return RawMesh(vertices, corners, sizes, colours, notes=found.notes)
+    return RawMesh(
+        vertices, corners, sizes, notes=found.notes,
+        looks=found.looks, look_of=found.look_of, uv=found.uv,
+    )  # fmt: skip
 
 
 def _lines(data: bytes) -> list[bytes]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import PACKED, plain_text, read_contents
+from paint3d.files.detail import show_pictures
 from paint3d.files.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -107,14 +108,25 @@ def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     vertices = raw.vertices * scale
     if len(raw.sizes) == 0:
         return _without_faces(raw, vertices, name, wanted.from_points)
-    faces = triangulate(vertices, raw.corners, raw.sizes)
+    pictured = raw.look_of is not None and len(raw.looks) > 0
+    corners = np.arange(len(raw.corners)) if pictured else raw.corners
+    faces = triangulate(vertices[raw.corners] if pictured else vertices, corners, raw.sizes)
+    corners, faces = faces, raw.corners[faces] if pictured else faces
     distinct = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
     notes = raw.notes
     if not distinct.all() and distinct.any():
         notes += (f"left out {(~distinct).sum():,} faces that name a vertex twice",)
-        faces = faces[distinct]
+        faces, corners = faces[distinct], corners[distinct]
     normals = _unit_normals(raw.normals)
-    return Reading(TriangleMesh(vertices, faces, raw.colours, name, normals), notes)
+    if not pictured:
+        return Reading(TriangleMesh(vertices, faces, raw.colours, name, normals), notes)
+    polygon = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
+    shown = show_pictures(
+        vertices, faces, raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks,
+        raw.colours, normals,
+    )  # fmt: skip
+    normals = _unit_normals(shown.normals)
+    return Reading(TriangleMesh(*shown[:3], name, normals), notes)
 
 
 def _check_raw(raw: RawMesh) -> None:

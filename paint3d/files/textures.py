@@ -4,15 +4,69 @@ from __future__ import annotations
 
 import io
 import warnings
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 
-__all__ = ["linear_from_srgb", "open_picture", "sample_picture", "srgb_from_linear"]
+__all__ = [
+    "REPEAT",
+    "WRAPS",
+    "Look",
+    "linear_from_srgb",
+    "open_picture",
+    "sample_picture",
+    "srgb_from_linear",
+]
 
 MAX_PIXELS = 1 << 26
+WRAPS = ("repeat", "clamp", "mirror")
+REPEAT = ("repeat", "repeat")
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What a material says of its colour: a factor times a picture.
+
+    Attributes
+    ----------
+    factor : tuple of 3 floats
+        Linear, 0 to 1.
+    picture : (H, W, 3) uint8 or None
+        sRGB codes.
+    wrap : tuple of 2 of `WRAPS`
+        What becomes of places outside the picture, along its width and its height.
+    """
+
+    factor: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    picture: NDArray[np.uint8] | None = None
+    wrap: tuple[str, str] = REPEAT
+
+    def at(self, uv: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return linear colours (N, 3) at places (N, 2) counted from the upper left corner."""
+        if self.picture is None:
+            return np.broadcast_to(np.array(self.factor, np.float64), (len(uv), 3))
+        return sample_picture(self.picture, uv, self.wrap) * self.factor
+
+    @cached_property
+    def _coded(self) -> NDArray[np.uint8]:
+        table = linear_from_srgb(np.arange(256, dtype=np.uint8))
+        codes = srgb_from_linear(table[:, None] * np.array(self.factor))
+        return np.stack([codes[self.picture[..., k], k] for k in range(3)], axis=-1)
+
+    def codes_at(self, uv: NDArray) -> NDArray[np.uint8]:
+        """Return the sRGB codes (N, 3) of the picture's nearest pixels to places (N, 2)."""
+        height, width = self._coded.shape[:2]
+        columns = _nearest(uv[:, 0], width, self.wrap[0])
+        rows = _nearest(uv[:, 1], height, self.wrap[1])
+        return self._coded.reshape(-1, 3)[rows * width + columns]
+
+    def texels(self) -> tuple[int, int]:
+        """Width and height of the picture; (0, 0) where there is none."""
+        return (0, 0) if self.picture is None else self.picture.shape[1::-1]
 
 
 def open_picture(data: bytes) -> NDArray[np.uint8]:
@@ -39,10 +93,12 @@ def open_picture(data: bytes) -> NDArray[np.uint8]:
         raise MeshError(f"its texture is no picture that can be read: {cause}") from None
 
 
-def sample_picture(picture: NDArray[np.uint8], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def sample_picture(
+    picture: NDArray[np.uint8], uv: NDArray[np.float64], wrap: tuple[str, str] = REPEAT
+) -> NDArray[np.float64]:
     """Return linear colours (N, 3), 0 to 1, at places on a picture.
 
-    Between four pixels the linear colours are mixed; outside, the picture repeats.
+    Between four pixels the linear colours are mixed.
 
     Parameters
     ----------
@@ -51,19 +107,42 @@ def sample_picture(picture: NDArray[np.uint8], uv: NDArray[np.float64]) -> NDArr
     uv : (N, 2) float64
         From the upper left corner, 0 to 1 over width and height. Places that are not finite
         count as the corner.
+    wrap : tuple of 2 of `WRAPS`
+        Outside, the picture repeats, ends in its border's colour, or is mirrored.
     """
-    height, width = picture.shape[:2]
     table = linear_from_srgb(np.arange(256, dtype=np.uint8))
-    place = np.where(np.isfinite(uv), uv, 0.0) % 1.0 * (width, height) - 0.5
-    low = np.floor(place).astype(np.int64)
-    share = place - low
+    uv = np.where(np.isfinite(uv), uv, 0.0)
+    columns, across = _pixels(uv[:, 0], picture.shape[1], wrap[0])
+    rows, down = _pixels(uv[:, 1], picture.shape[0], wrap[1])
     colour = np.zeros((len(uv), 3))
     for dx in (0, 1):
         for dy in (0, 1):
-            weight = np.abs(1 - dx - share[:, 0]) * np.abs(1 - dy - share[:, 1])
-            pixel = picture[(low[:, 1] + dy) % height, (low[:, 0] + dx) % width]
-            colour += weight[:, None] * table[pixel]
+            weight = np.abs(1 - dx - across) * np.abs(1 - dy - down)
+            colour += weight[:, None] * table[picture[rows[dy], columns[dx]]]
     return colour
+
+
+def _nearest(places: NDArray, n: int, wrap: str) -> NDArray[np.int64]:
+    """Return the pixels (N,) of n in which places lie."""
+    if wrap == "mirror":
+        places = 1.0 - np.abs(places % 2.0 - 1.0)
+    pixel = np.floor(places * n).astype(np.int64)
+    return pixel % n if wrap == "repeat" else np.clip(pixel, 0, n - 1)
+
+
+def _pixels(places: NDArray[np.float64], n: int, wrap: str) -> tuple[NDArray, NDArray]:
+    """Return the two pixels (2, N) of n between which places lie, and the share of the second."""
+    if wrap == "mirror":
+        places = 1.0 - np.abs(places % 2.0 - 1.0)
+    elif wrap == "clamp":
+        places = np.clip(places, 0.0, 1.0)
+    else:
+        places = places % 1.0
+    places = places * n - 0.5
+    low = np.floor(places).astype(np.int64)
+    pair = np.stack([low, low + 1])
+    pair = pair % n if wrap == "repeat" else np.clip(pair, 0, n - 1)
+    return pair, places - low
 
 
 def linear_from_srgb(codes: NDArray[np.uint8]) -> NDArray[np.float64]:
