@@ -22,7 +22,7 @@ def load_object(options: argparse.Namespace) -> TriangleMesh:
         If the file cannot be read or holds no usable surface.
     """
     path = os.path.abspath(options.on)  # a name means another file in another folder
-    how = (options.unit, options.from_points, options.texture)
+    how = (options.unit, options.from_points, options.texture, options.up)
     return _load(options.on, path, _state(path), *how)
 
 
@@ -43,7 +43,8 @@ def _load(
     unit: str | None,
     from_points: bool | None,
     texture: bool,
+    up: str | None,
 ) -> TriangleMesh:
     from paint3d.files.load import load_mesh
 
-    return load_mesh(name, unit, from_points=from_points, texture=texture)
+    return load_mesh(name, unit, from_points=from_points, texture=texture, up=up)

@@ -13,6 +13,7 @@ __all__ = [
     "add_painting_options",
     "add_quiet_option",
     "add_surface_options",
+    "add_up_option",
     "check_output_file",
     "check_output_folder",
     "parse_hairs",
@@ -23,6 +24,7 @@ __all__ = [
 ]
 
 UNITS = ("mm", "cm", "m", "in")
+_UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
 _MOST_HAIRS = 10_000  # as `brush.bristle_spec.MOST_HAIRS`, known here before NumPy is loaded
 _FINEST_MM = 0.005  # the finest that `PaintedSurface` takes; known here before anything is loaded
 
@@ -130,7 +132,20 @@ def add_painting_options(
     parser.add_argument(
         "--texture",
         action="store_true",
-        help="take the object's colours from the materials and textures of its file",
+        help="show the materials and pictures of the object's file, on a mesh that is refined "
+        "until they can be seen",
+    )
+    add_up_option(parser)
+
+
+def add_up_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--up``."""
+    parser.add_argument(
+        "--up",
+        metavar="AXIS",
+        choices=(*_UP_AXES, "auto"),
+        help="axis of the mesh file that points up: x, y, z, or --up=-x and so on; auto: guess it "
+        "where the format does not say and it is sure (default: as the format says, else z)",
     )
 
 

@@ -38,7 +38,8 @@ def main() -> None:
     arrays = {"vertices": mesh.vertices, "faces": mesh.faces}
     arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
     arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
-    send(descriptor, arrays, {"name": mesh.name, "notes": list(reading.notes)})
+    facts = {"name": mesh.name, "notes": list(reading.notes), "knows_up": reading.knows_up}
+    send(descriptor, arrays, facts)
 
 
 if __name__ == "__main__":

@@ -120,4 +120,4 @@ def _received(path: Path, descriptor: int) -> Reading:
         str(facts["name"]),
         arrays.get("normals"),
     )
-    return Reading(mesh, tuple(map(str, facts["notes"])))
+    return Reading(mesh, tuple(map(str, facts["notes"])), bool(facts["knows_up"]))

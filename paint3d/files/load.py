@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import logging
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.isolation import read_apart
 from paint3d.files.progress import Progress
-from paint3d.files.reading import MESH_SUFFIXES, UNITS_MM, Wanted, read_surface
+from paint3d.files.reading import MESH_SUFFIXES, UNITS_MM, Reading, Wanted, read_surface
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.upright import UP_AXES, guess_up, turn_mesh, turn_up
 
-__all__ = ["BUILT_IN_OBJECTS", "MESH_SUFFIXES", "UNITS_MM", "load_mesh"]
+__all__ = ["AUTO", "BUILT_IN_OBJECTS", "MESH_SUFFIXES", "UNITS_MM", "load_mesh", "read_mesh"]
+
+AUTO = "auto"
 
 BUILT_IN_OBJECTS = ("bowl", "plate", "vase", "sphere", "plane")
 
@@ -25,6 +29,7 @@ def load_mesh(
     *,
     from_points: bool | None = None,
     texture: bool = False,
+    up: str | None = None,
     progress: Progress | None = None,
 ) -> TriangleMesh:
     """Load a mesh in millimetres, z up, with the vertex and face order of its file.
@@ -50,6 +55,10 @@ def load_mesh(
         finer than the mesh, triangles are halved until it shows, up to some 200,000 vertices
         more. Pictures outside the file's folder are not followed, and the logger says so, as it
         says what else a file holds that is left out.
+    up : {"z", "y", "x", "-z", "-y", "-x", "auto"}, optional
+        The axis of the file that points up; it becomes z. By default what the format says (glTF:
+        y), and z for formats that say nothing. With "auto" those are guessed from how the object
+        would stand, and the logger says what was taken for up; where that is not sure, it is z.
     progress : callable, optional
         Called with about the share done, now and then; what it raises stops it.
 
@@ -65,16 +74,51 @@ def load_mesh(
         If the file cannot be read or holds no usable surface: one line with file, reason and
         what was expected.
     """
+    reading = read_mesh(
+        path, unit, from_points=from_points, texture=texture, up=up, progress=progress
+    )
+    for note in reading.notes:
+        log.warning("%s: %s", path, note)
+    return reading.mesh
+
+
+def read_mesh(
+    path: str | os.PathLike[str],
+    unit: str | None = None,
+    *,
+    from_points: bool | None = None,
+    texture: bool = False,
+    up: str | None = None,
+    progress: Progress | None = None,
+) -> Reading:
+    """Load a mesh as `load_mesh` does, with what there is to tell instead of logging it.
+
+    Raises
+    ------
+    MeshError, UnknownNameError
+    """
     if unit is not None and unit not in UNITS_MM:
         raise UnknownNameError("unit", str(unit), UNITS_MM)
-    wanted = Wanted(unit, from_points, texture)
+    if up is not None and up not in (*UP_AXES, AUTO):
+        raise UnknownNameError("up axis", str(up), (*UP_AXES, AUTO))
+    wanted = Wanted(unit, from_points, texture, None if up == AUTO else up)
     found = _find(path)
     if found is None:
-        return read_surface(_built_in(str(path)), wanted).mesh
+        return replace(read_surface(_built_in(str(path)), wanted), knows_up=True)
     reading = read_apart(found, wanted, progress=progress)
-    for note in reading.notes:
-        log.warning("%s: %s", found, note)
-    return reading.mesh
+    return _guessed(reading) if up == AUTO and not reading.knows_up else reading
+
+
+def _guessed(reading: Reading) -> Reading:
+    guess = guess_up(reading.mesh)
+    if not guess.sure:
+        note = "which way is up is not sure; z is taken (--up takes another axis)"
+        return replace(reading, notes=(*reading.notes, note))
+    if guess.up == "z":
+        return reading
+    mesh = turn_mesh(reading.mesh, turn_up(guess.up))
+    note = f"{guess.up} is taken for up (--up takes another axis)"
+    return replace(reading, mesh=mesh, notes=(*reading.notes, note))
 
 
 def _find(path: str | os.PathLike[str]) -> Path | None:

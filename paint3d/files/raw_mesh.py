@@ -33,8 +33,8 @@ class RawMesh:
     normals : (V, 3) float64 or None
     unit_mm : float or None
         Millimetres in one unit, where the format or the file says so.
-    y_up : bool
-        Whether the format says that y, not z, points up.
+    up : {"y", "z"} or None
+        The axis that points up, where the format says so.
     announces_faces : bool
         Whether the file speaks of faces even if it holds none: a mesh without triangles, then,
         and not a point cloud.
@@ -54,7 +54,7 @@ class RawMesh:
     colours: NDArray[np.uint8] | None = None
     normals: NDArray[np.float64] | None = None
     unit_mm: float | None = None
-    y_up: bool = False
+    up: str | None = None
     announces_faces: bool = False
     notes: tuple[str, ...] = ()
     looks: tuple[Look, ...] = ()

@@ -221,4 +221,5 @@ def _merged(pieces: list[RawMesh], unit_mm: float) -> RawMesh:
         np.concatenate([piece.sizes for piece in pieces]),
         colours,
         unit_mm=unit_mm,
+        up="z",
     )

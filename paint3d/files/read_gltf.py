@@ -187,7 +187,7 @@ def _merged(parts: list[RawMesh], paint: GltfPaint, dropped: set[str]) -> RawMes
         colours,
         normals,
         unit_mm=METRE_MM,
-        y_up=True,
+        up="y",
         notes=(*dict.fromkeys(paint.notes), *left_out(dropped | paint.dropped)),
         looks=tuple(paint.looks),
         look_of=np.concatenate([part.look_of for part in parts]) if paint.looks else None,

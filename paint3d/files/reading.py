@@ -18,6 +18,7 @@ from paint3d.files.detail import show_pictures
 from paint3d.files.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.upright import turn_rows, turn_up
 
 __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface"]
 
@@ -38,14 +39,16 @@ class Wanted(NamedTuple):
     unit: str | None = None
     from_points: bool | None = None
     texture: bool = False
+    up: str | None = None
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A mesh, and what its reader has to tell the user."""
+    """A mesh, what its reader has to tell the user, and whether it is known which way is up."""
 
     mesh: TriangleMesh
     notes: tuple[str, ...] = ()
+    knows_up: bool = False
 
 
 AS_IT_IS = Wanted()
@@ -102,8 +105,17 @@ def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
 
 def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     _check_raw(raw)
-    if raw.y_up:
-        raw = _z_up(raw)
+    turn = turn_up(wanted.up or raw.up or "z")
+    raw = replace(
+        raw,
+        vertices=turn_rows(raw.vertices, turn),
+        normals=None if raw.normals is None else turn_rows(raw.normals, turn),
+    )
+    reading = _checked_mesh(raw, name, wanted)
+    return replace(reading, knows_up=(wanted.up or raw.up) is not None)
+
+
+def _checked_mesh(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     scale = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
     vertices = raw.vertices * scale
     if len(raw.sizes) == 0:
@@ -159,13 +171,6 @@ def _without_faces(
     faces = surface_through(vertices, raw.normals)
     note = f"it is a point cloud: built {len(faces):,} triangles through {len(vertices):,} points"
     return Reading(TriangleMesh(vertices, faces, raw.colours, name), (*raw.notes, note))
-
-
-def _z_up(raw: RawMesh) -> RawMesh:
-    def turn(v: NDArray | None) -> NDArray | None:
-        return None if v is None else np.stack([v[:, 0], -v[:, 2], v[:, 1]], axis=1)
-
-    return replace(raw, vertices=turn(raw.vertices), normals=turn(raw.normals))
 
 
 def _unit_normals(normals: NDArray[np.float64] | None) -> NDArray[np.float64] | None:

@@ -174,3 +174,20 @@ def test_inks_are_listed_with_their_sources(paint3d) -> None:
     assert lines[0].split()[-1] == "source"
     assert sum(line.startswith("pine soot") for line in lines) == 1
     assert "\x1b" not in done.stdout
+
+
+def test_an_object_is_stood_up_on_request(paint3d, recording: Path, tmp_path: Path) -> None:
+    from paint3d.files.export import export
+    from paint3d.files.load import load_mesh
+    from paint3d.mesh.upright import turn_mesh, turn_up
+
+    lying, out = tmp_path / "lying.ply", tmp_path / "a.ply"
+    export(turn_mesh(load_mesh("plane"), turn_up("-x").T), lying)
+    for up, axis in (("-x", 2), ("auto", 2), (None, 0)):
+        wish = [] if up is None else [f"--up={up}"]
+        done = paint3d("replay", recording, "--on", lying, "--out", out, *wish)
+        assert done.returncode == 0, done.stderr
+        assert np.ptp(load_mesh(out).vertices, axis=0).argmin() == axis
+    done = paint3d("replay", recording, "--on", lying, "--out", out, "--up=w")
+    assert done.returncode == 2
+    assert "--up" in done.stderr

@@ -1,0 +1,218 @@
+"""Which side of an object is up: guessed from how it would stand, with how sure that is."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import UnknownNameError
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["UP_AXES", "Upright", "guess_up", "turn_mesh", "turn_rows", "turn_up"]
+
+UP_AXES = ("z", "y", "x", "-z", "-y", "-x")
+"""What may point up, the most usual first."""
+
+_NEAR = 0.01  # of the object's size: what is so low touches the ground
+_MOST_FACES = 6000
+_CELLS = 40  # along the object, in which it is tried what water stays on it
+_MIRRORED = 0.02  # of the size: a mirror image that lies so near is the same
+_HABIT = {"z": 0.06, "y": 0.06}  # axes that programs take for up
+_SURE = 0.14  # by which the best must be better than any other
+_LEAST = 0.4  # and what it must have
+
+
+class Upright(NamedTuple):
+    """A guess: the axis of the mesh that points up, whether it is sure, the score of each."""
+
+    up: str
+    sure: bool
+    scores: dict[str, float]
+
+
+def turn_up(up: str) -> NDArray[np.float64]:
+    """Return the rotation (3, 3), of quarter turns, that brings an axis of `UP_AXES` to z.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such axis.
+    """
+    rows = {
+        "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+        "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+        "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+        "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+        "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+        "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+    }
+    if up not in rows:
+        raise UnknownNameError("up axis", str(up), UP_AXES)
+    return np.array(rows[up], np.float64)
+
+
+def turn_rows(rows: NDArray, turn: NDArray[np.float64]) -> NDArray:
+    """Return vectors (N, 3) after a rotation (3, 3); quarter turns are exact to the last bit."""
+    if (np.count_nonzero(turn, axis=1) == 1).all():
+        axes = np.abs(turn).argmax(axis=1)
+        return np.stack([rows[:, axis] * turn[k, axis] for k, axis in enumerate(axes)], axis=1)
+    return rows @ turn.T
+
+
+def turn_mesh(mesh: TriangleMesh, turn: NDArray[np.float64], scale: float = 1.0) -> TriangleMesh:
+    """Return a mesh after a rotation (3, 3) and in another size."""
+    if scale == 1.0 and np.array_equal(turn, np.eye(3)):
+        return mesh
+    vertices = scale * turn_rows(mesh.vertices.astype(np.float64), turn)
+    normals = mesh.normals
+    if normals is not None:
+        normals = turn_rows(normals.astype(np.float64), turn)
+    return TriangleMesh(vertices, mesh.faces, mesh.colours, mesh.name, normals)
+
+
+def guess_up(mesh: TriangleMesh) -> Upright:
+    """Guess which of its axes points up on an object as people stand it.
+
+    What speaks for a side at the bottom: it is flat, broad against the object's outline, the
+    middle of the surface lies low and well over it; what is hollow opens to the top; and an
+    animal's two halves are left and right.
+    """
+    step = max(1, mesh.n_faces // _MOST_FACES)
+    faces = np.arange(0, mesh.n_faces, step)
+    corners = mesh.vertices[mesh.faces[faces]].astype(np.float64)
+    area = mesh.double_areas[faces]
+    points = np.concatenate([corners.mean(axis=1), corners.reshape(-1, 3)])
+    size = max(float(np.ptp(points, axis=0).max()), 1e-30)
+    middle = np.average(corners.mean(axis=1), axis=0, weights=area + 1e-30)
+    mirrored = _mirrored(points, size)
+    open_to = area @ mesh.face_normals[faces] / max(float(area.sum()), 1e-30)  # 0 where closed
+    even = _even_points(mesh)
+    scores = {}
+    for up in UP_AXES:
+        turn = turn_up(up)
+        stands = _standing(corners @ turn.T, area, mesh.face_normals[faces] @ turn.T, size)
+        stands += 0.4 * open_to @ turn[2]
+        axis = "xyz".index(up[-1])
+        across = mirrored[axis] and mirrored.count(True) == 1
+        low = float((middle @ turn.T)[2])
+        heights = points @ turn[2]
+        height = max(float(np.ptp(heights)), 1e-30)
+        lowness = 1.0 - (low - heights.min()) / height
+        score = _HABIT.get(up, 0.0) + stands + 0.6 * (lowness - 0.5) - 0.5 * across
+        scores[up] = float(score + 1.2 * _holds(even @ turn.T, size))
+    order = sorted(scores, key=lambda up: -scores[up])
+    best, next_best = (scores[up] for up in order[:2])
+    sure = best - next_best > _SURE and best > _LEAST
+    return Upright(order[0], sure, scores)
+
+
+def _standing(corners: NDArray[np.float64], area: NDArray, normals: NDArray, size: float) -> float:
+    """How well an object (F, 3, 3) would stand on the ground under it, 0 to about 1.5."""
+    low = corners[..., 2].min()
+    outline = _hull_area(corners[..., :2].reshape(-1, 2))
+    if outline <= 1e-6 * size * size:
+        return 0.0
+    touching = corners[..., 2] < low + _NEAR * size
+    foot = corners[..., :2][touching]
+    lies = touching.all(axis=1) & (normals[:, 2] < -0.95)
+    flat = min(0.5 * float(area[lies].sum()) / outline, 1.0)
+    broad = _hull_area(foot) / outline
+    middle = np.average(corners.mean(axis=1)[:, :2], axis=0, weights=area + 1e-30)
+    held = _depth_inside(foot, middle) / np.sqrt(outline)
+    return 0.4 * np.sqrt(flat) + 0.4 * np.sqrt(broad) + 0.8 * min(held, 0.4)
+
+
+def _hull_area(points: NDArray) -> float:
+    hull = _hull(points)
+    x, y = hull.T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def _hull(points: NDArray) -> NDArray:
+    """Corners (H, 2) of the convex hull, counter-clockwise (Andrew's monotone chain)."""
+    points = np.unique(points, axis=0)
+    if len(points) > 400:  # only what lies outermost in some direction can be a corner, nearly
+        angles = np.linspace(0.0, 2.0 * np.pi, 181)[:-1]
+        far = points @ np.stack([np.cos(angles), np.sin(angles)])
+        points = points[np.unique(far.argmax(axis=0))]
+    if len(points) < 3:
+        return points
+    chains = []
+    for run in (points, points[::-1]):
+        chain: list[NDArray] = []
+        for p in run:
+            while len(chain) > 1 and _left_of(chain[-2], chain[-1], p) <= 0.0:
+                chain.pop()
+            chain.append(p)
+        chains += chain[:-1]
+    return np.array(chains)
+
+
+def _left_of(a: NDArray, b: NDArray, c: NDArray) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def _depth_inside(points: NDArray, place: NDArray) -> float:
+    """How deep a place lies in the convex hull of points; 0 outside."""
+    hull = _hull(points)
+    if len(hull) < 3:
+        return 0.0
+    along = np.roll(hull, -1, axis=0) - hull
+    length = np.linalg.norm(along, axis=1)
+    inward = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.maximum(length, 1e-30)[:, None]
+    return max(0.0, float(np.einsum("ij,ij->i", inward, place - hull).min()))
+
+
+def _mirrored(points: NDArray, size: float) -> list[bool]:
+    """Whether points (N, 3) are their own mirror image along each axis, nearly."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points)
+    some = points[:: max(1, len(points) // 1500)]
+    found = []
+    for axis in range(3):
+        image = some.copy()
+        middle = 0.5 * (points[:, axis].min() + points[:, axis].max())
+        image[:, axis] = 2.0 * middle - image[:, axis]
+        distance, _ = tree.query(image)
+        found.append(float(np.quantile(distance, 0.9)) < _MIRRORED * size)
+    return found
+
+
+def _even_points(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """(N, 3) points spread evenly over the surface."""
+    n = 16 * _CELLS**2
+    ends = np.cumsum(mesh.double_areas)
+    at = (np.arange(n) + 0.5) / n * ends[-1]
+    face = np.minimum(np.searchsorted(ends, at), mesh.n_faces - 1)
+    # two irrational steps spread the points over each triangle (Roberts' sequence)
+    u, v = ((np.arange(n) * step) % 1.0 for step in (0.7548776662466927, 0.5698402909980532))
+    over = u + v > 1.0
+    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
+    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    return np.einsum("nc,nci->ni", weights, mesh.vertices[mesh.faces[face]].astype(np.float64))
+
+
+def _holds(points: NDArray[np.float64], size: float) -> float:
+    """Mean depth of the water that stays on an object (N, 3), in its heights."""
+    low = points.min(axis=0)
+    height = float(np.ptp(points[:, 2]))
+    if height < 1e-3 * size:
+        return 0.0
+    place = ((points[:, :2] - low[:2]) / size * (_CELLS - 1)).astype(np.int64) + 1
+    ground = np.full((_CELLS + 2, _CELLS + 2), -1.0)
+    np.maximum.at(ground, (place[:, 0], place[:, 1]), (points[:, 2] - low[2]) / height)
+    there = ground >= 0.0
+    water = np.where(there, 2.0, -1.0)
+    for _ in range(_CELLS * 4):
+        lowest = np.full_like(water, -1.0)
+        lowest[1:-1, 1:-1] = np.minimum.reduce(
+            [water[:-2, 1:-1], water[2:, 1:-1], water[1:-1, :-2], water[1:-1, 2:]]
+        )
+        level = np.maximum(ground, np.minimum(water, lowest))
+        if np.array_equal(level, water):
+            break
+        water = level
+    return float((water - ground)[there].mean())
