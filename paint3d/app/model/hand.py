@@ -211,7 +211,10 @@ class Hand:
         state = self._state
         state.began_ns = event.time_ns
         state.beside, state.speed, state.sent_ns = False, 0.0, event.time_ns
-        self._waiting = [stand]
+        pressure = self._pressure(event)
+        self._waiting = [replace(stand, time_ns=stand.time_ns - _STEP_NS)]
+        if pressure > 0.0:  # it was pressed when it was first heard of
+            self._waiting.append(replace(stand, pressure=pressure))
         return self._ready(brush)
 
     def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
@@ -274,7 +277,7 @@ class Hand:
     def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """Up where the brush is, and down where the pointer is now."""
         lifted = self.end(self._state.sent_ns, brush)
-        landed = max(event.time_ns, lifted[-1].time_ns + _STEP_NS)
+        landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
         return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
 
     def _follow(self, event: PointerInput, pulled: bool, pressed: bool = False) -> _Stand | None:
