@@ -13,7 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.navigation import picture_axes, roll_of
-from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse
+from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, wait_for
 from tests.app.pointers import Touching, pen, pen_drag, tap
 from tests.app.windows import faults, opened, settled
 
@@ -273,8 +273,10 @@ def test_taps_undo_and_redo_and_one_finger_paints_until_a_pen_is_used(window) ->
         fingers.drag({1: (a, b)})
     assert strokes(window) == n + 1
     assert changes(window, before) == set()
+    wait_for(window.actions_by_name["undo"].isEnabled)
     tap(canvas, a, b)
     assert strokes(window) == n
+    wait_for(window.actions_by_name["redo"].isEnabled)
     tap(canvas, a, b, (a + b) / 2)
     assert strokes(window) == n + 1
     pen(canvas, KIND.TabletMove, *a, pressure=0.0)

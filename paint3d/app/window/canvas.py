@@ -192,7 +192,10 @@ class Canvas(QtWidgets.QWidget):
     def _time_ns(self, kind: str, event: QtGui.QPointerEvent) -> int:
         """When an event happened."""
         known = len(self._clock.untimed)
-        painting = self._pen_down or kind == "finger" or bool(event.buttons() & _BUTTON.LeftButton)
+        if kind == "touch":
+            painting = event.type() != _KIND.TouchBegin
+        else:
+            painting = self._pen_down or bool(event.buttons() & _BUTTON.LeftButton)
         handled = time.perf_counter_ns()
         found = self._clock.time_ns(kind, event.timestamp(), handled, painting)
         if kind == "pen" and len(self._clock.untimed) > known:
@@ -240,7 +243,7 @@ class Canvas(QtWidgets.QWidget):
 
     def _take_fingers(self, event: QtGui.QTouchEvent) -> None:
         """Hear what fingers mean, unless they belong to the hand that holds the pen."""
-        now = self._time_ns("finger", event)
+        now = self._time_ns("touch", event)
         if event.type() == _KIND.TouchBegin:
             self._palm = self._pen_down or time.monotonic() - self._pen_seen_s < _PALM_S
         if self._palm:
