@@ -49,7 +49,7 @@ class Touching:
     def __enter__(self) -> Touching:
         return self
 
-    def set(self, places) -> None:
+    def set(self, places, wait=0.012) -> None:
         """Let fingers be at these places, by their numbers; others are lifted."""
         sequence = QtTest.QTest.touchEvent(self._canvas, _SCREEN[0], False)
         for number in {*places, *self._down}:
@@ -63,7 +63,7 @@ class Touching:
                 sequence.press(number, place, self._canvas)
         sequence.commit()
         self._down = dict(places)
-        live(0.012)
+        live(wait)
 
     def drag(self, ways, n=8) -> None:
         """Drag fingers from where to where, and lift them."""
@@ -86,5 +86,5 @@ def tap(canvas, *places) -> None:
     """Tap with fingers at these places, one after the other, and lift them."""
     with Touching(canvas) as fingers:
         for k in range(1, 1 + len(places)):
-            fingers.set(dict(enumerate(places[:k])))
-        fingers.set({})
+            fingers.set(dict(enumerate(places[:k])), 0.0)
+        fingers.set({}, 0.0)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
-from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.app.model.held_ink import ink_srgb
 from paint3d.device.sample import DeviceSample
-from paint3d.ink.pigments import Pigment
 from paint3d.pose.brush_pose import object_poses
 from paint3d.projection.contact import Contact
 from paint3d.surface.painted_surface import PaintedSurface
@@ -163,24 +161,13 @@ def view_brush(document: Document, sample: DeviceSample) -> BrushView:
     place = None if path.contact is None else path.contact[0]
     contact = painter.contact(position, orientation, sample.pressure, place)
     parts = tuple(np.round(held / held.sum(), 3)) if held.sum() > 0.0 else ()
+    colour = ink_srgb(tuple(surface.pigments), parts, on_hair=True)
     return BrushView(
         position,
         orientation,
         sample.pressure,
         contact,
-        np.array(_ink_colour(tuple(surface.pigments), parts), np.uint8),
+        np.array(colour, np.uint8),
         float(min(1.0, held.sum() / painter.tuft.load)),
         document.in_stroke,
     )
-
-
-@lru_cache(maxsize=64)
-def _ink_colour(pigments: tuple[Pigment, ...], parts: tuple[float, ...]) -> tuple[int, ...]:
-    """The sRGB of a mixture that hides what is behind it; of hair where there is none."""
-    if not parts:
-        return 214, 198, 168
-    k = sum(w * p.K for w, p in zip(parts, pigments, strict=True))
-    s = sum(w * p.S for w, p in zip(parts, pigments, strict=True))
-    ratio = k / np.maximum(s, 1e-9)
-    deep = 1.0 + ratio - np.sqrt(ratio**2 + 2.0 * ratio)
-    return tuple(int(code) for code in srgb_from_reflectance(np.clip(deep, 0.0, 1.0)))

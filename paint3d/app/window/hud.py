@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from PySide6 import QtCore, QtGui
 
+from paint3d.app.model.held_ink import HeldInk, held_ink
 from paint3d.app.window.brush_panel import plain_name
+from paint3d.app.window.ink_panel import ink_label
 from paint3d.app.window.wording import say, say_length
 
 if TYPE_CHECKING:
@@ -15,7 +17,8 @@ if TYPE_CHECKING:
 __all__ = ["Hud"]
 
 _PORCELAIN = "#f3f0ea"
-_MARGIN, _HEIGHT, _WIDTH = 14, 46, 236
+_MARGIN, _HEIGHT, _LEAST_WIDTH = 14, 46, 236
+_BESIDE = 52  # where the words begin
 
 
 class Hud:
@@ -28,47 +31,59 @@ class Hud:
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
         """Draw it."""
         window = self._window
-        frame, theme = window.stage.frame, window.theme
-        if window.stage.easel is None or frame is None:
+        if window.stage.easel is None:
             return
-        brush = window.document.painter.brush
+        theme, brush = window.theme, window.document.painter.brush
+        held = held_ink(window.document.painter)
+        name = f"{say(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
+        told = self.told(held)
+        wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, told))
+        width = min(max(_LEAST_WIDTH, wide + _BESIDE + 14), area.width() - 2 * _MARGIN)
         plate = QtCore.QRectF(
-            area.left() + _MARGIN, area.bottom() - _MARGIN - _HEIGHT, _WIDTH, _HEIGHT
+            area.left() + _MARGIN, area.bottom() - _MARGIN - _HEIGHT, width, _HEIGHT
         )
         back = QtGui.QColor(theme.panel)
         back.setAlpha(222)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1))
         painter.setBrush(back)
         painter.drawRoundedRect(plate, 10, 10)
-        seen = frame.brush
-        ink = QtGui.QColor(*(int(c) for c in seen.srgb)) if seen is not None else None
-        load = seen.load if seen is not None else 1.0
-        self._paint_drop(painter, plate, ink, load)
+        self._paint_drop(painter, plate, held)
         painter.setPen(QtGui.QColor(theme.text))
-        text = plate.adjusted(52, 5, -8, -_HEIGHT / 2)
+        text = plate.adjusted(_BESIDE, 5, -8, -_HEIGHT / 2)
         left = QtCore.Qt.AlignmentFlag.AlignLeft | QtCore.Qt.AlignmentFlag.AlignVCenter
-        painter.drawText(text, left, f"{say(plain_name(brush))}  ·  {say_length(brush.length_mm)}")
+        painter.drawText(text, left, name)
         painter.setPen(QtGui.QColor(theme.faint))
-        below = plate.adjusted(52, _HEIGHT / 2 - 2, -8, -4)
-        told = f"{say('ink {share:.0f} %', share=100 * load)}  ·  {window.panels.ink_name()}"
+        below = plate.adjusted(_BESIDE, _HEIGHT / 2 - 2, -8, -4)
         right = QtCore.Qt.TextElideMode.ElideRight
-        painter.drawText(below, left, painter.fontMetrics().elidedText(told, right, below.width()))
+        told = painter.fontMetrics().elidedText(told, right, round(below.width()))
+        painter.drawText(below, left, told)
 
-    def _paint_drop(
-        self, painter: QtGui.QPainter, plate: QtCore.QRectF, ink: QtGui.QColor | None, load: float
-    ) -> None:
-        """A dish with as much ink in it as the brush has."""
+    def told(self, held: HeldInk) -> str:
+        """How much of which inks the brush holds, in words."""
+        share = say("ink {share:.0f} %", share=100 * held.share)
+        if not held.parts:
+            return share
+        if len(held.parts) == 1:
+            return f"{share}  ·  {ink_label(held.parts[0][0])}"
+        inks = " + ".join(f"{ink_label(ink)} {100 * part:.0f} %" for ink, part in held.parts)
+        return f"{share}  ·  {inks}"
+
+    def _paint_drop(self, painter: QtGui.QPainter, plate: QtCore.QRectF, held: HeldInk) -> None:
+        """A dish with as much ink in it as the brush has, the tip's lowest."""
         theme = self._window.theme
         box = QtCore.QRectF(plate.left() + 9, plate.top() + 7, 32, 32)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.faint), 1.4))
         painter.setBrush(QtGui.QColor(_PORCELAIN))
         painter.drawEllipse(box)
-        if ink is None or load <= 0.0:
+        if not held.bands:
             return
         clip = QtGui.QPainterPath()
         clip.addEllipse(box.adjusted(2, 2, -2, -2))
         painter.save()
         painter.setClipPath(clip)
-        top = box.bottom() - 2 - (box.height() - 4) * load
-        painter.fillRect(QtCore.QRectF(box.left(), top, box.width(), box.height()), ink)
+        step = (box.height() - 4) * held.share / len(held.bands)
+        for k, colour in enumerate(held.bands):
+            top = box.bottom() - 2 - (k + 1) * step
+            band = QtCore.QRectF(box.left(), top, box.width(), step + 0.5)
+            painter.fillRect(band, QtGui.QColor(*colour))
         painter.restore()

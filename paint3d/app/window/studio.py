@@ -33,7 +33,7 @@ from paint3d.app.window.hud import Hud
 from paint3d.app.window.icons import make_icon
 from paint3d.app.window.jobs import is_waiting
 from paint3d.app.window.keys import HeldKeys
-from paint3d.app.window.named import named
+from paint3d.app.window.named import described
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.player import Player
@@ -59,6 +59,8 @@ _REST = 0.5  # of a picture's time, left to the hand's events before the next on
 _SLOW_S = 0.1  # what was painted last had waited so long: it is said to be behind
 _TOLD_MS = 6000
 _UNTIMED = "This pen gives no times of its own; they are evened out"
+_TOOLS, _SMALL_TOOLS = QtCore.QSize(19, 19), QtCore.QSize(16, 16)
+_AROUND_TOOLS = 60  # pixels of the window's height that menus and status line take
 
 
 class StudioWindow(QtWidgets.QMainWindow):
@@ -156,8 +158,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         bar = QtWidgets.QToolBar(say("Tools"))
         bar.setObjectName("tools")
         bar.setMovable(False)
-        bar.setIconSize(QtCore.QSize(19, 19))
+        bar.setIconSize(_TOOLS)
         self.addToolBar(QtCore.Qt.ToolBarArea.LeftToolBarArea, bar)
+        self.tools, self._tools_height = bar, None
         for name in TOOLS:
             if name == "-":
                 bar.addSeparator()
@@ -188,6 +191,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         policy = QtWidgets.QSizePolicy.Policy
         self.told.setSizePolicy(policy.Ignored, policy.Preferred)
         self.state = QtWidgets.QLabel()
+        self._told_state = self._state = "off"
         self.state.setObjectName("state")
         self.statusBar().addWidget(self.told, 1)
         self.statusBar().addPermanentWidget(self.state)
@@ -210,6 +214,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         for name, icon in ICONS_OF.items():
             self.actions_by_name[name].setIcon(make_icon(icon, self.theme))
         self.panels.set_theme(self.theme)
+        for label, state in ((self.told, self._told_state), (self.state, self._state)):
+            label.setStyleSheet(f"color: {self.theme.state_colour(state)}")
+        self.canvas.update()
 
     def keep(self, **changes: object) -> None:
         """Change settings, and save them."""
@@ -238,6 +245,8 @@ class StudioWindow(QtWidgets.QMainWindow):
     def show_document(self, document: Document) -> None:
         """Paint on this from now on; what was painted on before is let go of."""
         self.player.stop()
+        if self._told_state != "bad":  # what was good news of the one before
+            self.tell(say("hint.turn"))
         wet = self.settings.wants_wet(document.surface.material)
         self._keep_in_hand()
         self.stage.close_document()
@@ -273,7 +282,7 @@ class StudioWindow(QtWidgets.QMainWindow):
     def show_title(self) -> None:
         """Name the painting, and say whether something is unsaved."""
         document = self.document
-        name = document.path.name if document.path else named(document.surface.source.name)
+        name = document.path.name if document.path else described(document)
         self.setWindowTitle(f"{name}[*] – paint3d")
         self.setWindowModified(document.modified)
 
@@ -310,16 +319,35 @@ class StudioWindow(QtWidgets.QMainWindow):
         word = "behind by {ms:.0f} ms" if slow else "keeps up, {ms:.1f} ms"
         state = "slow" if slow else "good"
         text = say("has caught up") if caught_up else say(word, ms=1e3 * frame.lag_s)
-        seen = say("{fps:.0f} pictures/s", fps=1.0 / max(self.stage.picture_s, 1e-3))
-        self.state.setText(f"{STATES[state]} {say('Painting')} {text}   ·   {seen}")
+        seen = ""
+        if self.stage.picture_s > 0.0:  # something has been drawn
+            seen = "   ·   " + say("{fps:.0f} pictures/s", fps=1.0 / self.stage.picture_s)
+        self._state = state
+        self.state.setText(f"{STATES[state]} {say('Painting')} {text}{seen}")
         self.state.setStyleSheet(f"color: {self.theme.state_colour(state)}")
 
     def tell(self, text: str, *, state: str = "off") -> None:
         """Say something in the status line, marked by its shape."""
         mark = "" if state == "off" else f"{STATES[state]}  "
+        self._told_state = state
         self.told.setText(mark + text)
         self.told.setToolTip(text)
         self.told.setStyleSheet(f"color: {self.theme.state_colour(state)}")
+
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
+        """Draw the tools closer together where the window is low, so that none is lost."""
+        super().resizeEvent(event)
+        if self._tools_height is None:
+            self._tools_height = self.tools.layout().sizeHint().height()
+        tight = self._tools_height > event.size().height() - _AROUND_TOOLS
+        if tight is self.tools.property("tight"):
+            return
+        self.tools.setProperty("tight", tight)
+        self.tools.setIconSize(_SMALL_TOOLS if tight else _TOOLS)
+        for widget in (self.tools, *self.tools.findChildren(QtWidgets.QToolButton)):
+            widget.style().unpolish(widget)
+            widget.style().polish(widget)
+        self.tools.layout().invalidate()
 
     def _resized(self) -> None:
         self.stage.set_size(self.canvas.pixel_size)

@@ -32,7 +32,7 @@ class SurfacePanel(QtWidgets.QWidget):
         self.size = QtWidgets.QLabel()
         self.size.setObjectName("faint")
         self.size.setWordWrap(True)
-        self._bars = {}
+        self._numbers: dict[str, QtWidgets.QLabel] = {}
         head = QtWidgets.QHBoxLayout()
         head.addWidget(self.swatch)
         words = QtWidgets.QVBoxLayout()
@@ -41,10 +41,9 @@ class SurfacePanel(QtWidgets.QWidget):
         head.addLayout(words, 1)
         form = QtWidgets.QFormLayout()
         for key, text in _NUMBERS:
-            bar = self._bars[key] = QtWidgets.QProgressBar()
-            bar.setRange(0, 100)
-            bar.setFormat("%v %")
-            form.addRow(say(text), bar)
+            number = self._numbers[key] = QtWidgets.QLabel()
+            number.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
+            form.addRow(say(text), number)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(10, 8, 10, 8)
         layout.addLayout(head)
@@ -69,8 +68,8 @@ class SurfacePanel(QtWidgets.QWidget):
         self.name.setText(say(f"surface.{material.name}"))
         fine = "" if surface.resolution is None else f"{say_length(surface.resolution)}  ·  "
         self.size.setText(fine + say("status.vertices", count=surface.n_vertices))
-        for key, bar in self._bars.items():
-            bar.setValue(round(100 * getattr(material, key)))
+        for key, number in self._numbers.items():
+            number.setText(f"{100 * getattr(material, key):.0f} %")
         red, green, blue = (int(code) for code in srgb_from_reflectance(material.reflectance))
         pixels = QtGui.QPixmap(_SWATCH, _SWATCH)
         pixels.fill(QtGui.QColor(red, green, blue))

@@ -104,6 +104,14 @@ QToolBar {{ background: {panel}; border: none; border-right: 1px solid {line}; p
     spacing: 3px; }}
 QToolBar::separator {{ background: {line}; height: 1px; margin: 5px 6px; }}
 QToolButton {{ border: 1px solid transparent; border-radius: 6px; padding: 5px; }}
+QToolBar[tight="true"] {{ padding: 2px 4px; spacing: 0px; }}
+QToolBar[tight="true"]::separator {{ margin: 2px 6px; }}
+QToolBar[tight="true"] QToolButton {{ padding: 3px; }}
+QToolButton#qt_toolbar_ext_button {{ background: {raised}; border: 1px solid {line};
+    min-height: 14px; padding: 1px; }}
+QToolButton:focus, QPushButton:focus {{ border-color: {accent}; }}
+QSlider:focus, QCheckBox:focus {{ background: {chosen}; border-radius: 4px; }}
+QListView:focus {{ border-color: {accent}; }}
 QToolButton:hover {{ background: {raised}; border-color: {line}; }}
 QToolButton:checked {{ background: {chosen}; border: 1px solid {accent}; }}
 QToolButton:pressed {{ background: {chosen}; }}

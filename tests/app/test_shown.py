@@ -1,0 +1,192 @@
+"""What the window shows of brush, ink, surface and itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from paint3d.app.model.held_ink import held_ink, ink_srgb
+from paint3d.app.window.commands import TOOLS
+from paint3d.brush.presets import brush_names
+from paint3d.ink.pigments import WATER, load_pigment
+from tests.app.gestures import KIND, answer, live, mouse
+from tests.app.pointers import Touching
+from tests.app.windows import faults, opened, settled
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program) as window:
+        yield window
+
+
+def held(window):
+    return held_ink(window.document.painter)
+
+
+def disc(window) -> np.ndarray:
+    """(3,) mean colour of the ink's disc over the picture."""
+    canvas = window.canvas
+    shot = canvas.grab().toImage()
+    ratio = canvas.devicePixelRatioF()
+    x, y = 14 + 9 + 16, canvas.height() - 1 - 14 - 46 + 7 + 24
+    colour = shot.pixelColor(round(x * ratio), round(y * ratio))
+    return np.array([colour.red(), colour.green(), colour.blue()])
+
+
+def test_the_ink_in_the_brush_is_shown_before_the_pointer_came(window) -> None:
+    assert window.stage.frame is None or window.stage.frame.brush is None
+    assert held(window).share == pytest.approx(1.0)
+    assert window.hud.told(held(window)) == "ink 100 %  ·  pine soot"
+    assert disc(window).max() < 90
+
+
+def test_all_inks_of_a_mixture_are_named_and_shown_in_their_colour(window) -> None:
+    window.panels.inks.dipped.emit({"indigo": 0.2, "water": 0.8}, None)
+    window.panels.inks.dipped.emit("pine soot", 0.35)
+    settled(window)
+    told = window.hud.told(held(window))
+    assert all(name in told for name in ("water", "pine soot", "indigo"))
+    assert len(held(window).bands) == 2
+    window.panels.inks.dipped.emit({"pine soot": 0.05, "water": 0.95}, None)
+    settled(window)
+    assert disc(window).min() > 180  # water with a little soot is no black
+    window.panels.inks.dipped.emit("indigo", None)
+    settled(window)
+    red, _, blue = disc(window)
+    assert blue > red + 80
+    window.post("rinse")
+    settled(window)
+    assert window.hud.told(held(window)) == "ink 0 %"
+    window.panels.inks.dipped.emit("pine soot", None)
+    settled(window)
+
+
+def test_ink_on_hair_lets_the_hair_through_where_it_is_thin() -> None:
+    soot = load_pigment("pine soot")
+    dry = ink_srgb((soot, WATER), (0.0, 1.0), on_hair=True)
+    thin = ink_srgb((soot, WATER), (0.05, 0.95), on_hair=True)
+    full = ink_srgb((soot, WATER), (1.0, 0.0), on_hair=True)
+    assert sum(dry) > sum(thin) > 400 > 3 * 70 > sum(full)
+
+
+def test_the_title_says_what_is_painted_on(window) -> None:
+    assert window.windowTitle() == "Plane, Xuan paper, 200 × 200 mm[*] – paint3d"
+
+
+def test_brushes_are_named_in_the_menu_and_all_can_be_chosen(window) -> None:
+    texts = [action.text() for action in window.menus["brush"].actions()]
+    assert set(brush_names()) <= set(texts)
+    assert not any(text.startswith("Brush ") for text in texts)
+    for k, name in enumerate(brush_names(), 1):
+        action = window.actions_by_name[f"brush_{k}"]
+        assert (action.text(), len(action.shortcuts())) == (name, 1)
+    window.actions_by_name[f"brush_{len(brush_names())}"].trigger()
+    settled(window)
+    assert window.document.painter.brush.name == brush_names()[-1]
+    window.post("set_brush", "full")
+    settled(window)
+
+
+def test_the_surface_is_told_in_numbers_that_look_like_nothing_else(window) -> None:
+    panel = window.panels.surface
+    assert not panel.findChildren(QtWidgets.QProgressBar)
+    numbers = [label.text() for label in panel.findChildren(QtWidgets.QLabel)]
+    assert {"100 %", "50 %", "0 %"} <= set(numbers)
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (1280, 720), (1100, 620)])
+def test_no_tool_is_lost_in_a_low_window(window, size) -> None:
+    before = window.size()
+    window.resize(*size)
+    live(0.2)
+    room = window.tools.rect()
+    for name in set(TOOLS) - {"-"}:
+        button = window.tools.widgetForAction(window.actions_by_name[name])
+        assert button.isVisible(), name
+        assert room.contains(button.geometry()), name
+    for dock in ("brushes", "inks", "layers"):
+        window.panels.docks[dock].raise_()
+    assert window.size().height() <= size[1]
+    window.resize(before)
+    live(0.1)
+
+
+def test_the_status_can_be_read_right_after_the_theme_has_changed(window) -> None:
+    window.tell("all is well", state="good")
+    window.actions_by_name["dark"].setChecked(True)
+    for label in (window.told, window.state):
+        assert window.theme.name == "dark"
+        assert any(
+            colour in label.styleSheet()
+            for colour in (window.theme.good, window.theme.slow, window.theme.faint)
+        )
+    window.actions_by_name["dark"].setChecked(False)
+
+
+def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
+    window.tell("Brought back; save it to keep it", state="good")
+    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    assert "Brought back" not in window.told.text()
+
+
+def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
+    inks = window.panels.inks
+    window.panels.docks["inks"].raise_()
+    inks.stir("cinnabar")
+    inks.stir("cinnabar")
+    inks.stir("gamboge")
+    inks._told.linkActivated.emit("-cinnabar")
+    assert inks.mixture() == {"cinnabar": 0.5, "gamboge": 0.5}
+    inks._told.linkActivated.emit("+gamboge")
+    inks._told.linkActivated.emit("-cinnabar")
+    assert inks.mixture() == {"gamboge": 1.0}
+    inks.dishes.setFocus()
+    for key in (QtCore.Qt.Key.Key_Plus, QtCore.Qt.Key.Key_Minus, QtCore.Qt.Key.Key_Minus):
+        QtTest.QTest.keyClick(inks.dishes, key)
+    at = inks.dishes.names[inks.dishes._at]
+    assert at not in inks.mixture() or at == "gamboge"
+    inks.empty()
+
+
+def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
+    dishes = window.panels.inks.dishes
+    window.panels.docks["inks"].raise_()
+    window.panels.inks.empty()
+    at = dishes.box(2).center()
+    with Touching(dishes) as fingers:
+        fingers.set({1: (at.x(), at.y())})
+        live(0.7)
+    assert window.panels.inks.mixture() == {dishes.names[2]: 1.0}
+    left = QtCore.Qt.MouseButton.LeftButton
+    mouse(dishes, KIND.MouseButtonPress, at.x(), at.y(), left, left)
+    mouse(dishes, KIND.MouseButtonRelease, at.x(), at.y(), left)
+    settled(window)
+    assert window.document.inks[0] == dishes.names[2]
+
+
+def test_the_list_of_keys_opens_and_names_pens_and_fingers(window) -> None:
+    found: list[str] = []
+
+    def read(dialog) -> None:
+        found.extend(label.text() for label in dialog.findChildren(QtWidgets.QLabel))
+        dialog.close()
+
+    answer(read)
+    with faults() as wrong:
+        window.actions_by_name["shortcuts"].trigger()
+    assert wrong == []
+    told = "\n".join(found)
+    for words in (
+        "Pen button 1",
+        "Fingers: 2",
+        "Space+Left button",
+        "Beside the object",
+        "Keypad 7",
+    ):
+        assert words in told
+    assert "Bend" not in told
