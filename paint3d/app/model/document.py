@@ -74,6 +74,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         Anything else that is to be kept with the painting, as JSON holds it.
     modified : bool
         Whether something changed since it was saved.
+    left_out : bool
+        Whether some steps found no room in the file when it was saved last.
     refused_history : str
         Why the steps that were saved with it could not be used; empty where they could.
     """
@@ -95,6 +97,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         at_hand = saved_inks(surface, self.settings) or [painter.dipped, DEFAULT_INKS[1]]
         self.inks: list[Ink] = list(at_hand)
         self.modified = False
+        self.left_out = False
         self._recordings = tuple(saved.recordings if saved else ())
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
@@ -231,6 +234,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         settings["fresh"] = self._dipped
         settings["inks"] = [weights_of(ink) for ink in self.inks]
         history, gone = saved_history(self.surface, self._undo, self._log.current, MOST_BYTES)
+        kept, steps = len(history["done"]) + len(history["undone"]), self._undo
+        self.left_out = kept < len(steps.done) + len(steps.undone)
         settings["brushes"] = {
             stroke.brush.name: brush_words(stroke.brush) for stroke in (*self.strokes, *gone)
         }

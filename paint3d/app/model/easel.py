@@ -294,6 +294,7 @@ class Easel:
             given = job.arguments if job.command is name else (self.document, *job.arguments)
             job.result.set_result(action(*given, **job.options))
         except CancelledError as stopped:  # as who asked for it wished
+            self._base_due = True  # the journal says that it was done
             job.result.set_exception(stopped)
         except Exception as error:
             self._tell(name, error)
@@ -323,7 +324,12 @@ class Easel:
     # -- keeping ----------------------------------------------------------------------------
 
     def _watch_steps(self, name: str) -> None:
-        """Notice before an undo or redo that it leads past the base, which must then follow."""
+        """Notice before an undo or redo that it leads past the base, which must then follow.
+
+        Bases hold the steps themselves, as far as there is room.
+        """
+        if not self.document.left_out:
+            return
         steps = self.document.steps
         number = {"undo": steps.next_undo, "redo": steps.next_redo}.get(name, steps.newest + 1)
         if name == "replay_history" or 0 < number <= self._base_step:

@@ -29,6 +29,7 @@ class HistoryCommands(RecallCommands):
     strokes: Sequence[Stroke]
     layers: tuple[Layer, ...]
     modified: bool
+    _passing: bool = False
     _dipped: bool
     _log: StrokeLog
     _undo: UndoHistory
@@ -61,6 +62,7 @@ class HistoryCommands(RecallCommands):
             Vertices whose colours may have changed.
         """
         self.break_off()
+        self._passing = False
         if not self._undo.done and self.can_undo:
             self.recall_strokes()
         painter = self.painter
@@ -75,6 +77,7 @@ class HistoryCommands(RecallCommands):
     def redo(self) -> NDArray:
         """Do again what was undone last; returns as `undo`."""
         self.break_off()
+        self._passing = False
         return self._stepped(self._undo.redo())
 
     def _stepped(self, touched: NDArray) -> NDArray:
@@ -88,7 +91,7 @@ class HistoryCommands(RecallCommands):
         """Strokes that were taken back and can be done again, the next one first."""
         return [label for label in reversed(self._undo.undone) if isinstance(label, Stroke)]
 
-    def replay_history(self, upto: int) -> NDArray:
+    def replay_history(self, upto: int, passing: bool = False) -> NDArray:
         """Show the painting as it was before the next stroke began, by undo and redo.
 
         Strokes that no step takes back are painted again where that is needed; see
@@ -99,6 +102,8 @@ class HistoryCommands(RecallCommands):
         upto : int
             After how many strokes: from `earliest_stroke` to as many as there are with those that
             were undone.
+        passing : bool
+            Only to look at: what is painted next comes after all strokes, not in their stead.
 
         Returns
         -------
@@ -123,7 +128,13 @@ class HistoryCommands(RecallCommands):
             touched.append(self.undo())
         while len(self.strokes) < upto or self._next_is_no_stroke():
             touched.append(self.redo())
+        self._passing = passing
         return union(touched, self.surface.paint_mesh.capacity)
+
+    def _come_back(self) -> None:
+        """Do all again that was undone only to look at what was before."""
+        if self._passing:
+            self.replay_history(len(self.strokes) + len(self.undone_strokes))
 
     def _next_is_no_stroke(self) -> bool:
         """Whether what can be done again next is drying, or a change of the layers."""

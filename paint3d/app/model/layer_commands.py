@@ -22,6 +22,7 @@ class LayerCommands:
     painter: Painter
     modified: bool
     _undo: UndoHistory
+    _passing: bool
     _refuse_in_stroke: Callable[[str], None]
     _gather: Callable[[], None]
 
@@ -104,6 +105,8 @@ class LayerCommands:
     def _restack(self, step: str | None, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
         self._refuse_in_stroke("another order of layers")
+        if step is not None and self._passing:
+            raise InputError(f"{step} was asked for during a replay; expected its end first")
         surface, painter = self.surface, self.painter
         stack = surface.layers
         self._gather()

@@ -32,6 +32,7 @@ class StrokeCommands:
     _stencil: Stencil | None
     _dipped: bool
     _refused: bool
+    _come_back: Callable[[], None]
     _paintable: Callable[[], Layer]
     _note: Callable
 
@@ -55,6 +56,7 @@ class StrokeCommands:
             over until `end_stroke` or `cancel_stroke`: they belong to the stroke that was refused.
         """
         self._refuse_in_stroke("a stroke")
+        self._come_back()
         self._refused = True
         layer = self._paintable()
         self._refused = False
@@ -175,6 +177,7 @@ class StrokeCommands:
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""
         self._refuse_in_stroke("drying")
+        self._come_back()
         self._paintable()
         self._undo.begin("dry")
         self.surface.dry()

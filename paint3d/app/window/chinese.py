@@ -63,6 +63,12 @@ CHINESE = {
     "Always": "总是", "Never": "从不",
     "Keep a whole copy for recovery every": "每隔多久留存完整副本",
     "Memory for undo, from the next painting on": "撤销所用内存（下一作品起）",
+    "There is no stroke to replay": "没有可重放的笔画", "Stop": "停止",
+    "Painting {n} strokes again, to go back to them…": "正在重画 {n} 笔，以便退回…",
+    "{n} strokes were painted again; drying between them is not repeated":
+        "已重画 {n} 笔；其间的变干不再重现",
+    "Its undo steps cannot be used: {why}": "其撤销步骤无法使用：{why}",
+    "Brought back; save it to keep it": "已找回；请保存", "Everything": "一切",
     "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real one "
     "does.":
         "用一支会弯、会散、会干的笔，在器物上写字作画。",

@@ -41,7 +41,7 @@ class PaintActions:
 
     def do_undo(self) -> None:
         """Take the last step back."""
-        self._post("undo")
+        self._window.recalling.undo()
 
     def do_redo(self) -> None:
         """Do it again."""

@@ -82,8 +82,11 @@ class Panels:
         self._window.hand.sized.connect(self.brushes.resize_brush)
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
-        for panel in (self.layers, self.history):
-            panel.asked.connect(lambda what, *told: post(what, *(x for x in told if x is not None)))
+        self.layers.asked.connect(
+            lambda what, *told: post(what, *(x for x in told if x is not None))
+        )
+        self.history.asked.connect(self._window.recalling.go_to)
+        self.history.told.connect(self._window.tell)
         self.history.exported.connect(self._window.files.save_recording)
         self.hand.read.connect(lambda changes: self._window.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
@@ -121,7 +124,10 @@ class Panels:
         self.brushes.set_ink(document.inks[0])
         self.layers.show_layers(document.layers, document.active_layer)
         self.copybook.show_copybook(None)
-        self.history.show_strokes(document.strokes, document.oldest_stroke, can_redo=False)
+        self.history.open(document)
+        if document.refused_history:
+            why = document.refused_history
+            self._window.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
 
     def follow(self, frame: Frame) -> None:
         """Show what a frame says."""

@@ -37,6 +37,7 @@ from paint3d.app.window.named import described
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.player import Player
+from paint3d.app.window.recalling import Recalling
 from paint3d.app.window.stage import Stage
 from paint3d.app.window.steering import Steering
 from paint3d.app.window.theme import (
@@ -106,6 +107,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.keys = HeldKeys(self, self.canvas, self.hand)
         self.files = Files(self)
         self.player = Player(self)
+        self.recalling = Recalling(self)
         self.painting, self.viewing = PaintActions(self), ViewActions(self)
         self.actions_by_name: dict[str, QtGui.QAction] = {}
         self.menus: dict[str, QtWidgets.QMenu] = {}

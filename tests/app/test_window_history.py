@@ -1,0 +1,239 @@
+"""The history of a painting that was saved and opened again, in the real window."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest
+
+from paint3d.app.model.sitting import Sitting, recoverable
+from paint3d.app.window.studio import StudioWindow
+from paint3d.files.session import load_session, save_session
+from tests.app.gestures import live, pen_stroke, wait_for
+
+ROWS = (0.42, 0.47, 0.52, 0.57)
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    window = StudioWindow(program)
+    window.show()
+    window.files.quiet = True
+    yield window
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+@pytest.fixture(scope="module")
+def painting(window, tmp_path_factory):
+    """A painting of four strokes with a dip, drying and a layer between, saved; and its states."""
+    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    for k, row in enumerate(ROWS):
+        if k == 1:
+            choose(window, "swap_inks")
+        if k == 2:
+            choose(window, "dry")
+            choose(window, "add_layer")
+        pen_stroke(window.canvas, (0.42, row), (0.55, row), [0.1, *[0.5] * 8, 0.0])
+        settled(window)
+    states = []
+    for upto in range(len(ROWS) + 1):  # undo itself is held to the bit elsewhere
+        window.post("replay_history", upto)
+        settled(window)
+        states.append(state(window))
+    path = tmp_path_factory.mktemp("painting") / "painting.p3d"
+    with window.stage.easel.paused() as document:
+        document.save(path)
+    return path, states
+
+
+@pytest.fixture
+def painted(window, painting, tmp_path):
+    """The same in a file of its own."""
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    return Path(shutil.copy(painting[0], tmp_path)), painting[1]
+
+
+def settled(window) -> None:
+    """Wait until everything asked for is painted and seen."""
+    window.stage.easel.post(lambda document: None).result(20)
+    wait_for(lambda: window.stage.easel.is_still)
+    live(0.05)
+
+
+def choose(window, name) -> None:
+    wait_for(window.actions_by_name[name].isEnabled)
+    window.actions_by_name[name].trigger()
+    settled(window)
+
+
+def press(window, *keys) -> None:
+    """Press keys, as a hand does."""
+    window.activateWindow()
+    window.canvas.setFocus()
+    wait_for(window.isActiveWindow)
+    QtTest.QTest.keyClick(window.canvas, *keys)
+    settled(window)
+
+
+def state(window):
+    """How many strokes there are, and the colour of every vertex."""
+    with window.stage.easel.paused() as document:
+        return len(document.strokes), document.surface.srgb.copy()
+
+
+def looks(window, then) -> None:
+    """The painting is as it was then; vertices that came since are left out."""
+    n, codes = state(window)
+    assert n == then[0]
+    np.testing.assert_array_equal(codes[: len(then[1])], then[1])
+
+
+def click(window, row) -> None:
+    """Click a row of the history with the mouse."""
+    shown = window.panels.history.list
+    window.panels.docks["history"].raise_()
+    live(0.05)
+    place = shown.visualItemRect(shown.item(row)).center()
+    QtTest.QTest.mouseClick(shown.viewport(), QtCore.Qt.MouseButton.LeftButton, pos=place)
+    settled(window)
+
+
+CTRL, SHIFT = QtCore.Qt.KeyboardModifier.ControlModifier, QtCore.Qt.KeyboardModifier.ShiftModifier
+Z = QtCore.Qt.Key.Key_Z
+
+
+def test_a_painting_that_was_opened_is_undone_and_done_again(window, painted):
+    path, states = painted
+    assert window.files.open_path(str(path), asked=True)
+    settled(window)
+    looks(window, states[-1])
+    assert window.panels.history.list.count() == len(ROWS)
+    wait_for(window.actions_by_name["undo"].isEnabled)
+    for _ in range(6):  # four strokes, drying, a layer
+        press(window, Z, CTRL)
+    looks(window, states[0])
+    wait_for(lambda: not window.actions_by_name["undo"].isEnabled())
+    assert window.panels.history.list.count() == len(ROWS)  # fainter, and not forgotten
+    for _ in range(6):
+        press(window, Z, CTRL | SHIFT)
+    looks(window, states[-1])
+
+
+def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
+    path, states = painted
+    assert window.files.open_path(str(path), asked=True)
+    settled(window)
+    for upto in (3, 1, 4, 1):
+        click(window, upto - 1)
+        looks(window, states[upto])
+        assert window.panels.history.list.currentRow() == upto - 1
+        assert window.panels.history.slider.value() == upto
+    with window.stage.easel.paused() as document:
+        document.save()
+    assert window.files.open_path(str(path), asked=True)  # undone when it was saved
+    settled(window)
+    looks(window, states[1])
+    assert window.panels.history.list.count() == len(ROWS)
+    click(window, 3)
+    looks(window, states[4])
+
+
+@pytest.mark.parametrize("speed", [16.0, None])
+def test_replay_plays_all_strokes(window, painted, speed):
+    path, states = painted
+    assert window.files.open_path(str(path), asked=True)
+    settled(window)
+    panel, seen = window.panels.history, []
+    panel.pace.setCurrentIndex(panel.pace.findData(speed))
+    QtTest.QTest.mouseClick(panel.play, QtCore.Qt.MouseButton.LeftButton)
+    while panel.is_playing:
+        live(0.005)
+        now = len(window.document.strokes)
+        if not seen or seen[-1] != now:
+            seen.append(now)
+    settled(window)
+    assert seen[-5:] == [0, 1, 2, 3, 4]
+    looks(window, states[-1])
+
+
+def test_painting_while_strokes_are_replayed_loses_none(window, painted):
+    path, states = painted
+    assert window.files.open_path(str(path), asked=True)
+    settled(window)
+    panel = window.panels.history
+    panel.pace.setCurrentIndex(panel.pace.findData(0.25))
+    QtTest.QTest.mouseClick(panel.play, QtCore.Qt.MouseButton.LeftButton)
+    wait_for(lambda: len(window.document.strokes) in (1, 2))
+    pen_stroke(window.canvas, (0.42, 0.62), (0.55, 0.62), [0.1, *[0.5] * 8, 0.0])
+    settled(window)
+    wait_for(lambda: not panel.is_playing)
+    assert len(window.document.strokes) == 5
+    press(window, Z, CTRL)
+    looks(window, states[-1])
+
+
+def test_strokes_of_an_older_file_are_painted_again_to_go_back(window, painted):
+    path, states = painted
+    session = load_session(path)
+    save_session(dataclasses.replace(session, undone=(), history=None), path)
+    assert window.files.open_path(str(path), asked=True)
+    settled(window)
+    click(window, 0)
+    looks(window, states[1])
+    assert "painted again" in window.told.text()
+    click(window, 3)
+    looks(window, states[4])
+    assert window.files.open_path(str(path), asked=True)
+    wait_for(window.actions_by_name["undo"].isEnabled)
+    press(window, Z, CTRL)
+    assert len(window.document.strokes) == 3
+
+
+def test_damaged_steps_are_dropped_and_it_is_said(window, painted):
+    path, states = painted
+    session = load_session(path)
+    history = {**session.history, "done": ["stroke"]}
+    save_session(dataclasses.replace(session, history=history), path)
+    assert window.files.open_path(str(path), asked=True)
+    settled(window)
+    looks(window, states[-1])
+    assert "undo steps cannot be used" in window.told.text()
+
+
+def test_a_replay_of_nothing_says_so(window):
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    settled(window)
+    QtTest.QTest.mouseClick(window.panels.history.play, QtCore.Qt.MouseButton.LeftButton)
+    assert "no stroke" in window.told.text()
+
+
+def test_a_painting_brought_back_after_a_crash_has_its_history(window, painted, tmp_path):
+    path, states = painted
+    assert window.files.open_path(str(path), asked=True)
+    settled(window)
+    press(window, Z, CTRL)
+    press(window, Z, CTRL)
+    sitting = Sitting(window.document, tmp_path / "left")  # a base, as a crash leaves it
+    sitting.note({"do": "redo"})
+    sitting.close(keep=True)
+    (left,) = recoverable(tmp_path / "left")
+    assert window.files.recover(left)
+    settled(window)
+    looks(window, states[3])
+    press(window, Z, CTRL | SHIFT)
+    looks(window, states[4])
+    click(window, 0)
+    looks(window, states[1])
