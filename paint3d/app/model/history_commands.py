@@ -115,7 +115,7 @@ class HistoryCommands(RecallCommands):
         InputError
             If there are not so many, or they lie over a recording.
         """
-        self.end_stroke()
+        self.break_off()
         most = len(self.strokes) + len(self.undone_strokes)
         if not self.earliest_stroke <= upto <= most:
             raise InputError(

@@ -68,7 +68,6 @@ CHINESE = {
     "{n} strokes were painted again; drying between them is not repeated":
         "已重画 {n} 笔；其间的变干不再重现",
     "Its undo steps cannot be used: {why}": "其撤销步骤无法使用：{why}",
-    "Brought back; save it to keep it": "已找回；请保存", "Everything": "一切",
     "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real one "
     "does.":
         "用一支会弯、会散、会干的笔，在器物上写字作画。",
