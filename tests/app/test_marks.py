@@ -1,0 +1,143 @@
+"""Each measure of marks, on marks that are made to be good or bad."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.app.marks import (
+    Mark,
+    Way,
+    begins_and_goes_on,
+    beyond,
+    cut_faces,
+    ink_per_mm,
+    inked_share,
+    largest_jump,
+    largest_rise,
+    off_the_way,
+    stations,
+    stray,
+    strongest_spot,
+)
+
+SPACING = 0.1
+WAY = Way([[0.0, 0.0, 0.0], [60.0, 0.0, 0.0]])
+
+
+def made(
+    half_width, middle=lambda x: 0.0 * x, ink=lambda x: 1.0 + 0.0 * x, ends=(0.0, 60.0)
+) -> Mark:
+    """A mark along x whose half width, middle and ink are functions of x."""
+    x, y = np.meshgrid(
+        np.arange(-10.0, 80.0, SPACING) + 0.5 * SPACING, np.arange(-20.0, 20.0, SPACING) + 0.05
+    )
+    x, y = x.ravel(), y.ravel()
+    inside = (np.abs(y - middle(x)) < half_width(x)) & (x >= ends[0]) & (x <= ends[1])
+    x, y = x[inside], y[inside]
+    points = np.stack([x, y, np.zeros_like(x)], axis=1)
+    return Mark(points, np.full(len(x), SPACING**2), np.ones(len(x)), ink(x))
+
+
+def even(half: float):
+    return lambda x: half + 0.0 * x
+
+
+def test_a_straight_mark_is_as_wide_as_it_is_and_in_the_middle() -> None:
+    found = stations(made(even(3.0)), WAY)
+    np.testing.assert_allclose(found.width, 6.0, rtol=0.02)
+    assert off_the_way(found) < 0.06
+    assert largest_jump(found) < 0.1
+    assert ink_per_mm(made(even(3.0)), WAY) == pytest.approx(6.0, rel=0.02)
+
+
+def test_a_mark_beside_the_way_is_found_beside_it() -> None:
+    found = stations(made(even(3.0), lambda x: 6.5 + 0.0 * x), WAY)
+    assert off_the_way(found, 50.0) == pytest.approx(6.5, abs=0.1)
+    assert off_the_way(stations(made(even(3.0), ends=(70.0, 71.0)), WAY)) == np.inf
+
+
+def test_the_sides_are_those_of_the_surface() -> None:
+    """On the wall of a cylinder about z, left of a way up is against its turn."""
+    angle = np.linspace(0.0, 1.0, 300)
+    way = Way([[50.0, 0.0, 0.0], [50.0, 0.0, 40.0]], [1.0, 0.0, 0.0])
+    z = np.full(300, 20.0)
+    points = np.stack([50.0 * np.cos(0.1 * angle), 50.0 * np.sin(0.1 * angle), z], axis=1)
+    along, aside = way.place(points)
+    np.testing.assert_allclose(along, 20.0, atol=1e-9)
+    assert aside[-1] == pytest.approx(-50.0 * np.sin(0.1))
+
+
+def test_a_curved_way_is_followed() -> None:
+    angle = np.linspace(0.0, np.pi, 400)
+    circle = np.stack([30.0 * np.cos(angle), 30.0 * np.sin(angle), 0.0 * angle], axis=1)
+    way = Way(circle)
+    assert way.length_mm == pytest.approx(30.0 * np.pi, rel=1e-3)
+    along, aside = way.place(1.1 * circle[::50])
+    np.testing.assert_allclose(along, 30.0 * angle[::50], atol=0.02)
+    np.testing.assert_allclose(aside, -3.0, atol=0.02)
+
+
+def test_gaps_are_not_inked() -> None:
+    whole, broken = made(even(3.0)), made(lambda x: 3.0 * (np.abs(x - 30.0) > 8.0))
+    assert inked_share(whole, WAY, 2.5) == 1.0
+    assert inked_share(broken, WAY, 2.5) == pytest.approx(1.0 - (16.0 - 5.0) / 60.0, abs=0.01)
+    aside = made(even(3.0), lambda x: 6.5 + 0.0 * x)
+    assert inked_share(aside, WAY, 2.5) == 0.0
+    assert inked_share(whole.where(np.zeros(len(whole.points), bool)), WAY, 2.5) == 0.0
+
+
+def test_a_jump_is_measured_where_it_is() -> None:
+    found = stations(made(even(2.0), lambda x: 4.0 * (x > 30.0)), WAY)
+    assert largest_jump(found) == pytest.approx(4.0, abs=0.2)
+    assert stray(made(even(2.0)), WAY, 2.5) == 0.0
+    assert stray(made(even(2.0), lambda x: 9.0 * (x > 30.0)), WAY, 2.5) == pytest.approx(
+        8.5, abs=0.2
+    )
+
+
+def test_ink_over_the_end_is_found() -> None:
+    assert beyond(made(even(2.0)), WAY) < 0.1
+    assert beyond(made(even(2.0), ends=(0.0, 63.0)), WAY) == pytest.approx(3.0, abs=0.1)
+
+
+def test_a_knob_at_the_start_is_wider_than_what_follows() -> None:
+    early, late = begins_and_goes_on(stations(made(even(2.5)), WAY), 35.0)
+    assert early == pytest.approx(late, rel=0.02)
+    knob = made(lambda x: np.where(x < 4.0, 4.0, 2.5))
+    early, late = begins_and_goes_on(stations(knob, WAY), 35.0)
+    assert early > 1.4 * late
+
+
+def test_widths_that_fall_never_rise() -> None:
+    taper = stations(made(lambda x: 4.0 * (1.0 - x / 62.0)), WAY)
+    assert largest_rise(taper.width) < 0.03
+    scallops = stations(made(lambda x: 4.0 - x / 20.0 + 0.5 * np.sin(x)), WAY)
+    assert largest_rise(scallops.width) > 0.1
+    dot = stations(made(lambda x: np.where(x > 58.0, 1.5, 4.0 * (1.0 - x / 62.0))), WAY)
+    assert largest_rise(dot.width) > 0.2
+
+
+def test_a_dark_drop_at_an_end_is_found() -> None:
+    assert strongest_spot(made(even(3.0)), WAY, 6.0) == pytest.approx(1.0)
+    drop = made(even(3.0), ink=lambda x: np.where(x > 57.0, 2.5, 1.0))
+    assert strongest_spot(drop, WAY, 6.0) == pytest.approx(2.5)
+
+
+def test_only_what_is_near_is_taken() -> None:
+    both = Mark(*map(np.concatenate, zip(
+        made(even(1.0)), made(even(1.0), lambda x: 12.0 + 0.0 * x), strict=True
+    )))  # fmt: skip
+    assert off_the_way(stations(both, WAY)) > 5.0
+    assert off_the_way(stations(both.within(WAY, 5.0), WAY)) < 0.1
+    assert off_the_way(stations(both, WAY, reach_mm=5.0)) < 0.1
+
+
+def test_faces_are_cut_into_pieces_of_their_whole_area() -> None:
+    vertices = np.array([[0.0, 0, 0], [2.0, 0, 0], [0, 2.0, 0]])
+    cover = np.array([1.0, 0.0, 0.5])
+    mark = cut_faces(vertices, np.array([[0, 1, 2]]), cover, 3.0 * cover, 4)
+    assert mark.areas.sum() == pytest.approx(2.0)
+    assert (mark.areas * mark.cover).sum() == pytest.approx(2.0 * 0.5)
+    assert (mark.areas * mark.ink).sum() == pytest.approx(2.0 * 1.5)
+    np.testing.assert_allclose(mark.cover, 1.0 - mark.points[:, 0] / 2 - mark.points[:, 1] / 4)
