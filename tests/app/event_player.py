@@ -23,7 +23,15 @@ from paint3d.app.window.studio import StudioWindow
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.view.camera import Camera
 
-__all__ = ["DeviceEvent", "EventPlayer", "EventRecording", "hand_over", "open_for", "pen_ways"]
+__all__ = [
+    "DeviceEvent",
+    "EventPlayer",
+    "EventRecording",
+    "hand_over",
+    "open_for",
+    "pen_ways",
+    "surface_of",
+]
 
 FOLDER = Path(__file__).parent / "recordings"
 KIND, TYPE = QtCore.QEvent.Type, QtGui.QInputDevice.DeviceType
@@ -59,7 +67,7 @@ MODIFIERS = {
     "alt": QtCore.Qt.KeyboardModifier.AltModifier,
 }
 PAUSE_MS = 500  # between two recordings played after each other
-MARGIN = 0.25  # of the way between two events: pen ways are this dense
+_surfaces: list[tuple[object, ClosestPoints]] = []  # of the object that was asked about last
 
 
 @dataclass(frozen=True)
@@ -451,6 +459,14 @@ def pixel_of(
     return 0.5 * width + scale * float(off @ right), 0.5 * height - scale * float(off @ up)
 
 
+def surface_of(window: StudioWindow) -> ClosestPoints:
+    """The object that is open, to be asked where rays meet it; made once for each."""
+    mesh = window.stage.easel.document.surface.source
+    if not _surfaces or _surfaces[0][0] is not mesh:
+        _surfaces[:] = [(mesh, ClosestPoints(mesh))]
+    return _surfaces[0][1]
+
+
 def pen_ways(
     window: StudioWindow, recording: EventRecording, step_px: float = 1.0
 ) -> list[NDArray]:
@@ -458,7 +474,7 @@ def pen_ways(
 
     The view must be that in which it is played.
     """
-    surface = ClosestPoints(window.stage.easel.document.surface.source)
+    surface = surface_of(window)
     size = (window.canvas.width(), window.canvas.height())
     aspect = recording.header.get("aspect")
     ways = []
