@@ -77,7 +77,7 @@ def window(program):
 
 def settled(window) -> None:
     """Wait until everything asked for is painted."""
-    window.stage.easel.post(lambda document: None).result(20)
+    window.stage.easel.post(lambda document: None).result(120)
     live(0.1)
 
 
