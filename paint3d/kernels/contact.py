@@ -31,7 +31,8 @@ _STACK = 64
 _TOLERANCE = 1e-4  # mm, tangential residual at which the foot point counts as found
 _ITERATIONS = 8
 _WARM = 0.15  # of the reach: a root that has moved farther is looked for afresh
-_NEAR = 0.03  # of the reach: a place that the hand means lies on the surface, or hardly off it
+_NEAR = 0.03  # of the reach: a place between two that the hand means lies hardly off the surface
+_ON = 0.001  # of the reach: one that it means lies on it
 
 
 class ContactTree(NamedTuple):
@@ -274,13 +275,14 @@ def find_foot(tree, x, y, z, ux, uy, uz, reach, out, warm):
 def find_meant(tree, x, y, z, ux, uy, uz, reach, out):
     """The point of the surface that the hand means by a place (x, y, z) on it or hardly off it.
 
-    The nearest one, on triangles that face up the handle (ux, uy, uz) or, in a fold, on others;
-    farther off, as where the stroke was made on another object, only on those that face it.
+    The nearest one on triangles that face up the handle (ux, uy, uz), near by first. In a fold the
+    place may lie on one that does not; but a place a little under the surface of a thin wall, as
+    between two events of a hasty hand, must not come out on the other side.
     Returns the triangle, or -1; `out` (6,) gets the point and the interpolated unit normal.
     """
     triangle = closest_point(tree, x, y, z, ux, uy, uz, _NEAR * reach, out)
     if triangle < 0:
-        triangle = closest_point(tree, x, y, z, -ux, -uy, -uz, _NEAR * reach, out)
+        triangle = closest_point(tree, x, y, z, -ux, -uy, -uz, _ON * reach, out)
     if triangle < 0:
         triangle = closest_point(tree, x, y, z, ux, uy, uz, reach, out)
     return triangle
