@@ -82,6 +82,8 @@ def restore_undo(
         ]
         ways = steps[: len(done)], steps[len(done)], steps[len(done) + 1 :]
         _check_course(surface, *ways)
+    except SessionError:
+        raise
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
         raise SessionError(f"they are incomplete near {cause}") from None
     except InputError as cause:

@@ -1,6 +1,7 @@
 """Undo, redo and the history of strokes after a painting was saved and opened."""
 
 import dataclasses
+import re
 from concurrent.futures import CancelledError
 
 import numpy as np
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 
 from paint3d.app.model import document as document_module
 from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.sitting import Sitting, recoverable
 from paint3d.app.model.symmetry import MirrorPlane, Symmetry
 from paint3d.errors import InputError
 from paint3d.files.session import load_session, save_session
@@ -258,3 +261,123 @@ def test_only_the_nearest_steps_are_kept_where_there_are_too_many(tmp_path, monk
     opened.replay_history(4)
     document.replay_history(4)
     same_vertices(opened.surface, document.surface)
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    """A session with steps of every kind."""
+    document = painting_on_layers()
+    document.let_time_pass(0.3)
+    paint(document, (-20, 9), (20, 9))
+    document.dry()
+    paint(document, (-20, -9), (20, -9))
+    document.remove_layer(0)
+    document.undo()
+    document.undo()
+    path = tmp_path_factory.mktemp("saved") / "a.p3d"
+    document.save(path)
+    return path
+
+
+def first(value, number):
+    """An array of which the first number is another."""
+    array = np.array(value)
+    array.flat[0] = number
+    return array
+
+
+DAMAGE = {
+    "version": ("steps.version", lambda old: 99, "version 99"),
+    "strokes": ("done", lambda old: ["stroke"], "steps are counted"),
+    "words": ("done", lambda old: [7] * len(old), "expected a word|strokes; expected"),
+    "none": ("steps.vertices", lambda old: None, "incomplete near|vertices is"),
+    "range": ("steps.vertices", lambda old: first(old, 10**8), "holds .*expected 0 to"),
+    "below": ("steps.dry_rows", lambda old: first(old, -1), "do not follow"),
+    "count": ("steps.dry_count", lambda old: old + np.int32(2**31 - 9), "do not follow|rows of"),
+    "much": ("steps.amounts", lambda old: first(old, 1e30), "holds what is no ink"),
+    "nan": ("steps.coverage", lambda old: first(old, np.nan), "no ink|no number"),
+    "starts": ("steps.vertices_starts", lambda old: old * 2, "not shared out"),
+    "of": ("steps.amounts_of", lambda old: first(old, 9999), "is given from"),
+    "parts": ("steps.parts", lambda old: old + np.int32(1), "do not share out"),
+    "stack": ("steps.stack", lambda old: first(old, 77), "stacks|load has shape"),
+    "stacks": ("steps.stacks", lambda old: [[[0, 0], 0]] * len(old), "layers"),
+    "layers": ("steps.layers", lambda old: [{"name": 1}] * 9, "described by|incomplete"),
+    "brush": ("brushes", lambda old: [{"name": "x"}] * len(old), "describes no brush"),
+    "painter": ("painter", lambda old: first(old, 99), "painters are"),
+    "hairs": ("hair_loads", lambda old: -np.abs(old) - 1.0, "hairs is out of range"),
+    "water": ("steps.flow_water", lambda old: first(old, -5.0), "flow_water holds"),
+    "patch": ("steps.flow_size", lambda old: old + np.int32(10**8), "water is kept"),
+    "flow rows": ("steps.flow_rows", lambda old: old[::-1].copy(), "not in order"),
+    "flow": ("steps.flow_names", lambda old: ["water"], "incomplete near"),
+    "stations": ("steps.stations_starts", lambda old: first(old, 1), "not shared out"),
+    "loaded": ("loaded", lambda old: first(old, np.inf), "out of range"),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_damaged_steps_are_dropped_and_the_painting_is_kept(saved, tmp_path, name):
+    where, damage, message = DAMAGE[name]
+    session = load_session(saved)
+    history = {**session.history, "steps": dict(session.history["steps"])}
+    inner = history["steps"] if "." in where else history
+    key = where.split(".")[-1]
+    inner[key] = damage(inner[key])
+    save_session(dataclasses.replace(session, history=history), tmp_path / "a.p3d")
+    opened = Document.open(tmp_path / "a.p3d")
+    assert re.search(message, opened.refused_history)
+    assert "\n" not in opened.refused_history
+    same_vertices(opened.surface, Document.open(saved).surface)
+    assert not opened.steps.done
+    paint(opened, (-20, 0), (20, 0))
+    opened.undo()
+    same_paint(opened.surface, Document.open(saved).surface)
+
+
+def test_random_damage_never_ends_in_anything_but_a_clear_word(saved, tmp_path):
+    """Numbers of the steps are changed here and there, and everything is undone and done again."""
+    chance = np.random.default_rng(7)
+    for _ in range(12):
+        session = load_session(saved)
+        steps = {k: np.array(v) if isinstance(v, np.ndarray) else v
+                 for k, v in session.history["steps"].items()}  # fmt: skip
+        arrays = [array for array in steps.values() if isinstance(array, np.ndarray) and array.size]
+        for array in chance.choice(len(arrays), 2):
+            data = arrays[array].reshape(-1).view(np.uint8)
+            data[chance.integers(len(data))] ^= 1 << chance.integers(8)
+        history = {**session.history, "steps": steps}
+        save_session(dataclasses.replace(session, history=history), tmp_path / "a.p3d")
+        opened = Document.open(tmp_path / "a.p3d")
+        for way in ("undo", "redo"):
+            for _ in range(12):
+                getattr(opened, way)()
+        opened.let_time_pass(0.1)
+        assert np.isfinite(opened.surface.amounts).all()
+
+
+def test_painting_while_looking_at_what_was_before_comes_after_all(tmp_path):
+    document = painting_on_layers()
+    document.replay_history(1, True)
+    with pytest.raises(InputError, match="during a replay"):
+        document.remove_layer(0)
+    paint(document, (-20, 9), (20, 9))
+    assert len(document.strokes) == 4
+    document.replay_history(1)
+    paint(document, (-20, 9), (20, 9))
+    assert len(document.strokes) == 2
+
+
+def test_strokes_that_were_undone_can_still_be_done_again_after_a_crash(tmp_path):
+    document = painting_on_layers()
+    document.undo()
+    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    for command in ("undo", "redo", "redo", "undo", "undo"):
+        easel.post(command).result(60)
+    easel.stop(keep=True)
+    (left,) = recoverable(tmp_path)
+    assert len(list(left.folder.glob("base-1.p3d"))) == 1  # no base was needed for that
+    recovered = left.recover()
+    same(recovered.document, document)
+    for _ in range(2):
+        for one in (recovered.document, document):
+            one.redo()
+        same(recovered.document, document)
