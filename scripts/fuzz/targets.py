@@ -233,13 +233,34 @@ def _session_seeds() -> list[tuple[str, bytes]]:
     surface.settle(ids[:3])
     surface.diffuse(0.05)
     session = Session(surface, (_recording(),), {"brush": "full"})
-    return [_written(".p3d", partial(save_session, session))]
+    return [_written(".p3d", partial(save_session, session)), _session_with_steps()]
+
+
+def _session_with_steps() -> tuple[str, bytes]:
+    from paint3d.app.model.document import Document
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+
+    document = Document.new(TriangleMesh(CORNERS, FACES), 4.0, "xuan")
+    for _ in range(2):
+        document.begin_stroke()
+        document.feed(list(_recording().samples()))
+        document.end_stroke()
+        document.let_time_pass(0.05)
+        document.dry()
+    document.add_layer()
+    document.undo()
+    return _written(".p3d", document.save)
 
 
 def _check_session(suffix: str, content: bytes) -> None:
-    from paint3d.files.session import load_session
+    from paint3d.app.model.document import Document
 
-    surface = load_session(_file(suffix, content)).surface
+    document = Document.open(_file(suffix, content))
+    for _ in document.steps.done:
+        document.undo()
+    while document.can_redo:
+        document.redo()
+    surface = document.surface
     assert surface.srgb.shape == (surface.n_vertices, 3)
     surface.diffuse(0.01)
     assert np.isfinite(surface.amounts).all()
