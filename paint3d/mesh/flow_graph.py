@@ -1,38 +1,272 @@
-"""The graph on which liquids move over a patch of surface: who touches whom, how strongly.
+"""The graph on which liquids move over a surface: who touches whom, how strongly.
+
+It is made block by block where liquid comes. A block is a cube of the lattice's cells; it is
+*open* once the ways from its nodes are known, for which it and the cells around are refined first:
+vertices and triangles there never change again (`kernels.refine`). What is known of a block
+depends on the block alone, not on when and with which others it was opened.
 
 Vertices at the same place on both sides of a crease are one node. Weights are the cotangents of
-the intrinsic Delaunay triangulation of the patch (`kernels.intrinsic`); areas are those of the
-paint mesh, so that what is counted here is what is counted there.
+the intrinsic Delaunay triangulation of the block and a margin (`kernels.intrinsic`); areas are
+those of the paint mesh, so that what is counted here is what is counted there.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.kernels.diffusion import activate_cells
 from paint3d.kernels.intrinsic import cotangent_weights, flip_to_delaunay, pair_edges
+from paint3d.kernels.wet_graph import count_vertices, leaves_in_box, list_vertices, pick_nodes
+from paint3d.mesh.paint_mesh import PaintMesh
 
-__all__ = ["FlowGraph", "build_flow_graph", "graph_of_triangles"]
+__all__ = ["FlowGraph", "graph_of_triangles", "with_room"]
+
+_BLOCK_CELLS = 3  # along an axis
+_MARGIN_EDGES = 2.5  # around a block: flips that reach it start nearer than that
 
 
-class FlowGraph(NamedTuple):
-    """N nodes, L links in either direction, C vertices (several on a crease share a node)."""
+class FlowGraph:
+    """N nodes, L links in either direction, C vertices (some share a node on a crease), B blocks.
 
-    vertices: NDArray  # (C,) int32, ids in the paint mesh
-    node_of: NDArray  # (C,) int32
-    points: NDArray  # (N, 3) float64, mm
-    area: NDArray  # (N,) float64, mm2
-    rim: NDArray  # (N,) uint8, 1 where triangles around the node are missing
-    runs: NDArray  # (N + 1,) int64
-    links: NDArray  # (L,) int32
-    weights: NDArray  # (L,) float64, >= 0
+    Arrays may be longer than what they hold.
+
+    Parameters
+    ----------
+    mesh : PaintMesh
+    make_room : callable
+        Lets the mesh grow.
+
+    Attributes
+    ----------
+    n_nodes, n_places, n_links : int
+        N, C and L.
+    vertices, node_of : (C,) int32
+        Ids in the paint mesh, and the node of each.
+    points : (N, 3) float64
+        mm.
+    area : (N,) float64
+        mm2.
+    block : (N,) int32
+    closed : (N,) uint8
+        1 where the links of a node are not known.
+    first, last : (N,) int64
+        The run of each node's links.
+    links, weights : (L,) int32, (L,) float64
+        Weights are >= 0.
+    owner : (L,) int32
+        The node whose link it is.
+    block_open : (B,) bool
+    block_nodes : (B,) int64
+        How many nodes of each are known.
+    """
+
+    def __init__(self, mesh: PaintMesh, make_room: Callable[[], None]) -> None:
+        self._mesh, self._make_room = mesh, make_room
+        place = mesh.arrays.cell_place // _BLOCK_CELLS
+        self._block_places, block = np.unique(place, axis=0, return_inverse=True)
+        self._cell_block = block.ravel().astype(np.int32)
+        self._cells = np.argsort(self._cell_block, kind="stable").astype(np.int32)  # by blocks
+        self._cell_runs = np.searchsorted(
+            self._cell_block[self._cells], np.arange(self.n_blocks + 1)
+        )
+        self._beside: dict[int, list[int]] = {}
+        self.block_open = np.zeros(self.n_blocks, bool)
+        self.block_nodes = np.zeros(self.n_blocks, np.int64)
+        self._known = np.zeros(mesh.n_cells, bool)
+        self._start, self._stop = np.zeros((2, mesh.n_cells), np.int64)
+        self._place = np.zeros(0, np.int32)  # of each vertex among those known, plus 1
+        self.n_nodes = self.n_places = self.n_links = 0
+        self.vertices, self.node_of = np.zeros((2, 0), np.int32)
+        self.points = np.zeros((0, 3))
+        self.area = np.zeros(0)
+        self.block, self.closed = np.zeros(0, np.int32), np.zeros(0, np.uint8)
+        self.first, self.last = np.zeros((2, 0), np.int64)
+        self.links, self.owner = np.zeros((2, 0), np.int32)
+        self.weights = np.zeros(0)
 
     @property
-    def n_nodes(self) -> int:
-        """Nodes, N."""
-        return len(self.area)
+    def n_blocks(self) -> int:
+        """Blocks that the surface meets, B."""
+        return len(self._block_places)
+
+    # -- where things are -------------------------------------------------------------------
+
+    def places(self, ids: NDArray) -> NDArray:
+        """(N,) place of vertices among those known, -1 for others."""
+        known = ids < len(self._place)  # the mesh may have grown since
+        place = np.full(len(ids), -1, np.int32)
+        place[known] = self._place[ids[known]] - 1
+        return place
+
+    def cells_of(self, ids: NDArray) -> NDArray:
+        """The cells in which some vertices (N,) lie, rising."""
+        fields = self._mesh.arrays
+        marks = np.zeros(self._mesh.n_cells, bool)
+        marks[fields.sheet_cell[fields.vertex_sheet[ids]]] = True
+        return np.flatnonzero(marks)
+
+    def blocks_of(self, cells: NDArray) -> NDArray:
+        """The blocks of some cells (K,), rising."""
+        return np.unique(self._cell_block[cells])
+
+    def around(self, cells: NDArray) -> NDArray:
+        """Some cells (K,) and those that the surface goes on into from there, rising."""
+        fields = self._mesh.arrays
+        marks = np.zeros(self._mesh.n_cells, bool)
+        marks[cells] = True
+        sheets = _runs(fields.cell_sheets, cells)
+        linked = fields.linked_sheet[_runs(fields.sheet_links, sheets)]
+        marks[fields.sheet_cell[linked]] = True
+        return np.flatnonzero(marks)
+
+    def blocks_around(self, blocks: NDArray) -> NDArray:
+        """Some blocks (K,) and those next to them, rising."""
+        return self.blocks_of(self.around(self._cells[_runs(self._cell_runs, blocks)]))
+
+    def apart(self, blocks: NDArray) -> list[NDArray]:
+        """Some blocks (K,), rising, in groups that no block lies next to two of."""
+        head = {}  # of each block and those next to it: a block of its group
+
+        def top(block: int) -> int:
+            while head[block] != block:
+                block = head[block]
+            return block
+
+        for block in blocks.tolist():
+            if block not in self._beside:
+                self._beside[block] = self.blocks_around(np.array([block])).tolist()
+            around = [block, *self._beside[block]]
+            tops = sorted({top(other) for other in around if other in head} | {block})
+            for other in (*around, *tops):
+                head.setdefault(other, tops[0])
+            for other in tops:
+                head[other] = tops[0]
+        groups: dict[int, list[int]] = {}
+        for block in blocks.tolist():
+            groups.setdefault(top(block), []).append(block)
+        return [np.array(group) for group in groups.values()]
+
+    def nodes_of(self, blocks: NDArray) -> NDArray:
+        """The known nodes of some blocks (K,), rising: always in the same order."""
+        cells = self._cells[_runs(self._cell_runs, blocks)]
+        cells = cells[self._known[cells]]
+        starts, stops = self._start[cells], self._stop[cells]
+        nodes = np.empty(int((stops - starts).sum()), np.int32)
+        pick_nodes(starts, stops, nodes)
+        return nodes
+
+    # -- growth -----------------------------------------------------------------------------
+
+    def know(self, cells: NDArray) -> None:
+        """Refine some cells (K,), and give their vertices nodes."""
+        cells = cells[~self._known[cells]]
+        done = 0
+        while done < len(cells):
+            done = activate_cells(self._mesh.arrays, cells, done)
+            if done < len(cells):
+                self._make_room()
+        if len(cells):
+            self._add_nodes(cells)
+
+    def _add_nodes(self, cells: NDArray) -> None:
+        fields = self._mesh.arrays
+        ids = np.empty(count_vertices(fields, cells), np.int32)
+        number = np.empty(len(ids), np.int32)
+        list_vertices(fields, cells, ids, number)
+        order = np.lexsort((fields.key[ids], number))
+        ids, number = ids[order], number[order]
+        key = fields.key[ids]
+        new = np.ones(len(ids), bool)
+        new[1:] = (key[1:] != key[:-1]) | (number[1:] != number[:-1])
+        node = self.n_nodes + np.cumsum(new) - 1
+        n, c = self.n_nodes + int(new.sum()), self.n_places + len(ids)
+        for name in ("points", "area", "block", "closed", "first", "last"):
+            setattr(self, name, with_room(getattr(self, name), n))
+        for name in ("vertices", "node_of"):
+            setattr(self, name, with_room(getattr(self, name), c))
+        here, at = slice(self.n_nodes, n), ids[new]
+        self.points[here] = np.column_stack([fields.px[at], fields.py[at], fields.pz[at]])
+        unit = fields.numbers[3]
+        areas = np.bincount(node - self.n_nodes, fields.area_units[ids] * unit, n - self.n_nodes)
+        self.area[here] = areas
+        self.block[here] = self._cell_block[cells[number[new]]]
+        self.closed[here] = 1
+        counts = np.bincount(number[new], minlength=len(cells))
+        self._stop[cells] = self.n_nodes + np.cumsum(counts)
+        self._start[cells] = self._stop[cells] - counts
+        self.vertices[self.n_places : c] = ids
+        self.node_of[self.n_places : c] = node
+        if len(self._place) < self._mesh.capacity:
+            place = np.zeros(self._mesh.capacity, np.int32)
+            place[: len(self._place)] = self._place
+            self._place = place
+        self._place[ids] = np.arange(self.n_places + 1, c + 1, dtype=np.int32)
+        np.add.at(self.block_nodes, self._cell_block[cells], counts)
+        self._known[cells] = True
+        self.n_nodes, self.n_places = n, c
+
+    def open(self, blocks: NDArray) -> None:
+        """Learn the ways from all nodes of some blocks (K,)."""
+        for block in blocks[~self.block_open[blocks]]:
+            self._open(int(block))
+
+    def _open(self, block: int) -> None:
+        own = self._cells[self._cell_runs[block] : self._cell_runs[block + 1]]
+        around = self.around(own)
+        self.know(around)
+        faces = self._faces_near(block, around)
+        fields = self._mesh.arrays
+        far = self.cells_of(faces.ravel())
+        if not self._known[far].all():  # triangles longer than cells
+            self.know(far)
+            fields = self._mesh.arrays
+        nodes = self.node_of[self._place[faces] - 1]
+        ids, inverse = np.unique(nodes, return_inverse=True)
+        key = fields.key[self.vertices[self._first_place(ids)]]
+        order = np.argsort(key, kind="stable")
+        rank = np.empty(len(ids), np.int32)
+        rank[order] = np.arange(len(ids), dtype=np.int32)
+        ids = ids[order]
+        runs, links, weights = graph_of_triangles(
+            self.points[ids], _in_order(rank[inverse.ravel()].reshape(-1, 3))
+        )
+        rows = np.flatnonzero(self.block[ids] == block)
+        taken = _runs(runs, rows)
+        counts = runs[rows + 1] - runs[rows]
+        n = self.n_links + len(taken)
+        for name in ("links", "owner", "weights"):
+            setattr(self, name, with_room(getattr(self, name), n))
+        self.links[self.n_links : n] = ids[links[taken]]
+        self.weights[self.n_links : n] = weights[taken]
+        at = ids[rows]
+        self.last[at] = self.n_links + np.cumsum(counts)
+        self.first[at] = self.last[at] - counts
+        self.owner[self.n_links : n] = np.repeat(at, counts)
+        self.closed[self.nodes_of(np.array([block]))] = 0
+        self.n_links = n
+        self.block_open[block] = True
+
+    def _first_place(self, nodes: NDArray) -> NDArray:
+        """A place of each of some nodes (N,)."""
+        return np.searchsorted(self.node_of[: self.n_places], nodes)
+
+    def _faces_near(self, block: int, cells: NDArray) -> NDArray:
+        """(F, 3) vertices of the triangles in a block and a margin."""
+        mesh = self._mesh
+        fields = mesh.arrays
+        size = fields.numbers[1]
+        margin = min(_MARGIN_EDGES * fields.numbers[0], size)
+        low = fields.origin + self._block_places[block] * (_BLOCK_CELLS * size) - margin
+        high = low + _BLOCK_CELLS * size + 2.0 * margin
+        roots = np.unique(fields.pair_root[_runs(fields.cell_pairs, cells)])
+        corners = fields.node_vertices if mesh.refines else mesh.base_faces
+        out = np.empty(4096, np.int32)
+        while (n := leaves_in_box(fields, roots, corners, low, high, out)) < 0:
+            out = np.empty(2 * len(out), np.int32)
+        return corners[out[:n]]
 
 
 def graph_of_triangles(points: NDArray, faces: NDArray) -> tuple[NDArray, NDArray, NDArray]:
@@ -72,33 +306,24 @@ def _links(n: int, a: NDArray, b: NDArray, halves: NDArray) -> tuple[NDArray, ND
     return runs.astype(np.int64), (key % n).astype(np.int32), weight
 
 
-def build_flow_graph(fields, faces: NDArray, area_of: NDArray, in_patch: NDArray) -> FlowGraph:
-    """The graph of all triangles that have a vertex in the patch.
+def with_room(array: NDArray, n: int) -> NDArray:
+    """An array that starts alike and is at least `n` long, 0 beyond."""
+    if len(array) >= n:
+        return array
+    longer = np.zeros((max(n, 2 * len(array)), *array.shape[1:]), array.dtype)
+    longer[: len(array)] = array
+    return longer
 
-    Parameters
-    ----------
-    fields : SurfaceField
-    faces : (F, 3) int32
-        The triangles that there are.
-    area_of : (V,) float64
-        mm2 that each vertex stands for.
-    in_patch : (V,) bool
-        Vertices whose triangles are wanted; the others of these triangles become the rim.
-    """
-    chosen = faces[in_patch[faces].any(axis=1)]
-    ids = np.unique(chosen)
-    ids = ids[np.argsort(fields.vertex_sheet[ids], kind="stable")]  # near in space, near in memory
-    _, first, inverse = np.unique(fields.key[ids], return_index=True, return_inverse=True)
-    rank = np.empty(len(first), np.int32)
-    rank[np.argsort(first, kind="stable")] = np.arange(len(first), dtype=np.int32)
-    node_of = rank[inverse.ravel()]
-    n = len(first)
-    local = np.empty(len(in_patch), np.int32)
-    local[ids] = node_of
-    points = np.empty((n, 3))
-    points[node_of] = np.column_stack([fields.px[ids], fields.py[ids], fields.pz[ids]])
-    rim = np.zeros(n, np.uint8)
-    rim[node_of[~in_patch[ids]]] = 1
-    area = np.bincount(node_of, weights=area_of[ids], minlength=n)
-    links = graph_of_triangles(points, local[chosen])
-    return FlowGraph(ids.astype(np.int32), node_of, points, area, rim, *links)
+
+def _runs(starts: NDArray, chosen: NDArray) -> NDArray:
+    """All places in some runs (K,) of `starts` (N + 1,), run after run."""
+    first = starts[chosen].astype(np.int64)
+    counts = starts[chosen + 1].astype(np.int64) - first
+    return np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))
+
+
+def _in_order(faces: NDArray) -> NDArray:
+    """Triangles (F, 3) each from its first corner on, sorted: whatever order they came in."""
+    turn = faces.argmin(axis=1)[:, None] + np.arange(3)
+    faces = np.take_along_axis(faces, turn % 3, axis=1)
+    return np.ascontiguousarray(faces[np.lexsort(faces.T[::-1])])

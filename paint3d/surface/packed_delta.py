@@ -90,7 +90,7 @@ class PackedFlow:
 
 def is_by_vertex(name: str, array: NDArray) -> bool:
     """Whether an array of a flow has floats for each vertex of its patch."""
-    return array.dtype.kind == "f" and name != "pace"
+    return array.dtype.kind == "f"
 
 
 def pack_flow(flow: Mapping[str, NDArray], numbers: VertexNumbers) -> PackedFlow:

@@ -18,6 +18,7 @@ from paint3d.errors import InputError
 from paint3d.ink.materials import Material, load_material
 from paint3d.ink.pigments import WATER, Pigment
 from paint3d.mesh.contact_index import build_contact_tree
+from paint3d.mesh.flow_graph import FlowGraph
 from paint3d.mesh.paint_mesh import PaintMesh
 from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -30,7 +31,9 @@ if TYPE_CHECKING:
     from paint3d.surface.flow import Flow
     from paint3d.surface.layer_stack import LayerStack
 
-__all__ = ["EXPORT_TOLERANCE", "InkField", "PaintedSurface"]
+__all__ = ["EXPORT_TOLERANCE", "MOST_NODES_AT_ONCE", "InkField", "PaintedSurface"]
+
+MOST_NODES_AT_ONCE = 30_000  # of `PaintedSurface.follow_flow`: about 25 ms
 
 EXPORT_TOLERANCE = 1.0  # dE00
 
@@ -124,6 +127,11 @@ class PaintedSurface:
     def contact_tree(self) -> ContactTree:
         """Where a brush meets the shape; made when first asked for (.2 s for a million faces)."""
         return build_contact_tree(self.paint_mesh)
+
+    @cached_property
+    def flow_graph(self) -> FlowGraph:
+        """The ways of liquids over the shape, as far as any has come."""
+        return FlowGraph(self.paint_mesh, self.make_room)
 
     def make_room(self, extra: int | None = None) -> None:
         """Let the mesh grow by `extra` vertices (None: as `PaintMesh.reserve` sees fit)."""
@@ -323,10 +331,46 @@ class PaintedSurface:
         seconds = as_number(seconds, "seconds", 0.0)
         if step is not None:
             step = as_number(step, "step (s)", 1e-6)
-        flow = self.flow
+        self.flow.advance(seconds, step, self._take_fresh())
+
+    def follow_flow(self, seconds: float, most_nodes: int = MOST_NODES_AT_ONCE) -> bool:
+        """Let time pass beside a hand: what moves little is left until it is worth a step.
+
+        The outcome is that of `diffuse` as far as can be seen, for much less work; one call does
+        a bounded part of it. See `Flow.follow`.
+
+        Parameters
+        ----------
+        seconds : float
+        most_nodes : int
+            Vertices that may be moved in this call, a few thousand at least.
+
+        Returns
+        -------
+        bool
+            Whether nothing is left that has to move now. If not, call again, if need be for 0 s.
+
+        Raises
+        ------
+        InputError
+            If the time is not a finite number of at least 0.
+        """
+        seconds = as_number(seconds, "seconds", 0.0)
+        return self.flow.follow(seconds, self._take_fresh(), most_nodes)
+
+    @property
+    def flow_patience(self) -> float:
+        """Time that may pass before `follow_flow` has anything to do, s; infinite if all is dry."""
+        if self._flow is None:
+            return 0.0 if self.ink.n_dirty[0] or self.coverage.any() else np.inf
+        is_fresh = self.ink.n_dirty[0] > 0 or any(len(ids) for ids in self._fresh)
+        return 0.0 if is_fresh else self._flow.patience
+
+    def _take_fresh(self) -> NDArray:
+        """Vertices (N,) int32 whose ink may have changed since the water was told."""
         fresh = [*self._fresh, self.ink.dirty_ids[: int(self.ink.n_dirty[0])]]
-        fresh, self._fresh = np.concatenate(fresh), []
-        flow.advance(seconds, step, fresh)
+        self._fresh = []
+        return np.concatenate(fresh)
 
     def dry(self) -> None:
         """Let all wet paint dry at once where it is: what it shows stays.

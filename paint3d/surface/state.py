@@ -36,24 +36,30 @@ __all__ = [
     "surface_state",
 ]
 
-STATE_VERSION = 4
+STATE_VERSION = 5
 HABIT = (PICKUP, CAPACITY, REACH)
 """Which of `InkField.habit` are of the brush; the other is the material's."""
 MOST_STATIONS = 256
 _MOST_PIGMENTS = 256
-FLOW_VERTICES = ("vertices", "order", "fresh")
+FLOW_VERTICES = ("vertices", "fresh")
 """Arrays of `PaintedSurface.keep_flow` that hold numbers of vertices."""
 _OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
 MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
 _FASTEST_MM_S = 1e6  # that water rises or falls
-_LONGEST_PACE = 3600.0  # s
+_LONGEST_PACE, _LONGEST_OWED = 3600.0, 1e9  # s
+
+_FLOW = {  # the most of each
+    "water": _DEEPEST_MM, "inside": _DEEPEST_MM, "soaked": 1.0, "owed": _LONGEST_OWED,
+    "pace": _LONGEST_PACE,
+}  # fmt: skip
 
 State = dict[str, object]
 _UPGRADES: dict[int, Callable[[State], State]] = {
     1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
     2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
     3: lambda state: {**state, "version": 4, "layers": None, "active": 0, **_whole(state)},
+    4: lambda state: {**state, "version": 5, **_paced(state)},
 }
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
@@ -73,9 +79,9 @@ def surface_state(surface: PaintedSurface) -> State:
         float64, pick-up (1/mm), capacity (coats x mm2) and reach (mm) of `kernels.pickup`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
-        that it may reach: flow_vertices (C,) int32, flow_rim (C,) uint8, flow_water, flow_speed,
-        flow_inside and flow_soaked (C,), flow_pigment (C, P) float64, flow_written (C, P)
-        float32; flow_order (A,) and flow_fresh (N,) int32 vertices; flow_pace (1,) float64.
+        where there is any trace of it: flow_vertices (C,) int32, flow_water, flow_speed,
+        flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_pigment (C, P) float64,
+        flow_written (C, P) float32; flow_fresh (N,) int32 vertices.
 
         layers is None, or says of each layer, the lowest first, name, visible and locked; active
         is the place of the one that the arrays above belong to. Those of any other, at place K,
@@ -147,6 +153,18 @@ def _whole(state: State) -> State:
     return {"dried_share": np.ones(len(np.atleast_1d(state["dried"])), np.float32)}
 
 
+def _paced(state: State) -> State:
+    """Water whose vertices all take the same steps, as they once did, on every layer."""
+    paced = {}
+    for name in state:
+        if name.endswith("flow_pace"):
+            count = len(np.atleast_1d(state[name.replace("pace", "vertices")]))
+            pace = np.asarray(state[name], np.float64)
+            paced[name] = np.full(count, pace[0] if pace.shape == (1,) else np.nan)
+            paced[name.replace("pace", "owed")] = np.zeros(count)
+    return paced
+
+
 def _alike(n_pigments: int) -> State:
     """A brush that holds its load alike all along, as every brush once did."""
     return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(HABIT))}
@@ -158,6 +176,9 @@ def _kept_flow(surface: PaintedSurface, ids: NDArray) -> State:
         return {"flows": False}
     for name in FLOW_VERTICES:
         kept[name] = ids[kept[name]]
+    order = np.argsort(kept["vertices"])
+    fresh = np.sort(kept.pop("fresh"))
+    kept = {name: array[order] for name, array in kept.items()} | {"fresh": fresh}
     return {"flows": True, **{f"flow_{name}": array for name, array in kept.items()}}
 
 
@@ -336,22 +357,16 @@ def checked_flow(
         If an array is none that water could leave.
     """
     kept = {name: now(_vertices(state, f"flow_{name}", n_vertices)) for name in FLOW_VERTICES}
-    if not np.isin(kept["order"], kept["vertices"]).all():
-        raise SessionError("flow_order holds vertices that are not among flow_vertices")
     shape = (len(kept["vertices"]),)
-    for name, most in (("water", _DEEPEST_MM), ("inside", _DEEPEST_MM), ("soaked", 1.0)):
+    for name, most in _FLOW.items():
         kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most)
-    kept["rim"] = np.asarray(state["flow_rim"])
-    if kept["rim"].dtype != np.uint8 or kept["rim"].shape != shape:
-        raise SessionError(f"flow_rim is {kept['rim'].dtype} {kept['rim'].shape}")
     kept["speed"] = as_array(state["flow_speed"], "flow_speed", shape, np.float64, SessionError)
     if np.abs(kept["speed"]).max(initial=0.0) > _FASTEST_MM_S:
         raise SessionError(f"flow_speed exceeds {_FASTEST_MM_S:g} mm/s")
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
-    kept["pace"] = _amounts(state, "flow_pace", (1,), np.float64, _LONGEST_PACE)
-    if not kept["pace"][0] > 0.0:
+    if not kept["pace"].all():
         raise SessionError("flow_pace is 0; expected a time")
     return kept
 

@@ -1,16 +1,25 @@
 """Ink in the surface: it spreads and stops, keeps its mass, and does not see the triangles."""
 
 import dataclasses
+import functools
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 import paint3d
+import paint3d.surface.flow as flows
 from paint3d.errors import InputError, PigmentError
 from paint3d.ink.materials import WET_COAT_MM, Material, load_material
 from paint3d.ink.pigments import load_pigment
-from paint3d.kernels.diffusion import flow_pigment, potentials, solve_water
+from paint3d.kernels.diffusion import (
+    activate_cells,
+    flow_pigment,
+    potentials,
+    solve_water,
+)
 from paint3d.kernels.grain import fill_grain
 from paint3d.mesh.flow_graph import graph_of_triangles
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -235,8 +244,6 @@ def test_plain_water_thins_and_leaves_no_amount():
 def test_vertices_appear_ahead_of_the_water():
     surface = PaintedSurface(paint3d.load_mesh("plane"), 0.6, SMOOTH)
     column = surface.column_of(load_pigment("pine soot"))
-    from paint3d.kernels.diffusion import activate_cells
-
     fields = surface.paint_mesh.arrays
     cells = np.flatnonzero((fields.cell_place[:, :2] * fields.numbers[1] < 4).all(axis=1))
     activate_cells(surface.paint_mesh.arrays, cells.astype(np.int32), 0)
@@ -317,16 +324,17 @@ def test_no_new_extremes_at_any_step(step):
     nodes[: len(active)], is_active[active] = active, 1
     depth, psi = water.copy(), np.zeros(n)
     potentials(nodes[: len(active)], depth, 0.06, residual, strength, 10.0, psi)
+    ways, exchange = (runs[:-1], runs[1:], links), step * weights
     count = solve_water(
-        nodes, len(active), is_active, np.zeros(n, np.uint8), water, area, runs, links, weights,
-        np.add.reduceat(weights, runs[:-1]), step, 0.06, residual, strength, 10.0, entry, 1e-6, 50,
+        nodes, len(active), is_active, np.zeros(n, np.uint8), water, area, *ways, exchange,
+        np.add.reduceat(exchange, runs[:-1]), 0.06, residual, strength, 10.0, entry, 1e-6, 50,
         depth, psi, np.zeros(3),
     )  # fmt: skip
     reached = nodes[:count]
     order = reached[psi[reached] > 0]
     order = order[np.argsort(-psi[order], kind="stable")]
     flow_pigment(
-        order, reached, count, psi, entry, area, runs, links, weights, step, 1.0,
+        order, reached, count, psi, entry, area, *ways, exchange, 1.0,
         water, pigment, np.zeros(n), np.zeros((n, 1)),
     )  # fmt: skip
     assert water.min() >= 0.0
@@ -365,3 +373,131 @@ def test_bad_ways_to_drink_are_named():
         Material("x", np.ones(31), 0, 0, 0, 0, residual=1.0)
     with pytest.raises(PigmentError, match="spread_mm2_s of x"):
         Material("x", np.ones(31), 0, 0, 0, 0, spread_mm2_s=float("nan"))
+
+
+def laid(radius=2.5, coats=6.0):
+    """A sheet of paper, refined where ink comes, with a wet disc on it."""
+    surface = PaintedSurface(paint3d.load_mesh("plane"), 0.6, SMOOTH)
+    fields = surface.paint_mesh.arrays
+    middle = fields.origin + (fields.cell_place + 0.5) * fields.numbers[1]
+    cells = np.flatnonzero(np.linalg.norm(middle[:, :2], axis=1) < radius + 3.0).astype(np.int32)
+    activate_cells(fields, cells, 0)
+    return drop(surface, coats, radius)
+
+
+def outcome(surface):
+    """Area that is inked, mm2; radius of gyration of the ink, mm; and its sum."""
+    ink, areas = everything(surface), surface.vertex_areas
+    return np.array([areas[ink > 0.02].sum(), spread(surface)[0], ink @ areas])
+
+
+@functools.cache
+def spread_at_once(seconds):
+    surface = laid()
+    surface.diffuse(seconds)
+    return outcome(surface)
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    cuts=st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=12),
+    seconds=st.sampled_from([0.3, 3.0, 20.0]),
+    beside=st.booleans(),
+    most_nodes=st.sampled_from([500, 3000, 10**6]),
+)
+def test_spreading_ends_and_does_not_depend_on_how_time_is_cut(cuts, seconds, beside, most_nodes):
+    surface = laid()
+    before = surface.wet_ink()
+    for part in np.array(cuts) / np.sum(cuts):
+        if not beside:
+            surface.diffuse(seconds * part)
+            continue
+        n = max(1, round(seconds * part / 0.05))
+        for _ in range(n):  # as beside a hand, with as much work as it takes
+            keeps_up = surface.follow_flow(seconds * part / n, most_nodes)
+            while not keeps_up:
+                keeps_up = surface.follow_flow(0.0, most_nodes)
+    surface.diffuse(1e-9)  # brings all to now
+    area, radius, ink = outcome(surface)
+    expected = spread_at_once(seconds)
+    assert surface.wet_ink() + surface.dry_ink() == pytest.approx(before, rel=1e-6)
+    assert ink == pytest.approx(expected[2], rel=1e-6)
+    hurried = beside and most_nodes < 1000  # a fifth of it: steps get longer
+    assert radius == pytest.approx(expected[1], rel=0.05 if hurried else 0.01)
+    assert area == pytest.approx(expected[0], rel=0.05 if hurried else 0.02)
+    assert surface.flow.steps < 100 * seconds + 400
+
+
+def test_a_long_step_into_new_ground_ends():
+    """Ink that runs far in one step: the patch grows until it holds it, once and for all."""
+    surface = laid(coats=12.0)
+    before = surface.wet_ink()
+    surface.diffuse(0.0)
+    kept = surface.keep_flow()
+    kept["pace"][:] = 20.0  # as after a long rest
+    surface.restore_flow(kept)
+    n = surface.n_vertices
+    surface.diffuse(20.0)
+    assert surface.flow.steps < 20
+    assert surface.n_vertices > 2 * n
+    assert surface.wet_ink() + surface.dry_ink() == pytest.approx(before, rel=1e-6)
+    assert outcome(surface)[1] == pytest.approx(outcome(spread_slowly())[1], rel=0.05)
+
+
+def spread_slowly():
+    surface = laid(coats=12.0)
+    surface.diffuse(20.0)
+    return surface
+
+
+def test_a_slice_of_work_is_bounded_and_the_rest_is_done_later():
+    surface = laid(radius=8.0, coats=2.0)
+    other = laid(radius=8.0, coats=2.0)
+    other.diffuse(0.0)
+    assert surface.follow_flow(1.0 / 30.0, 200)
+    moved = np.flatnonzero(surface.flow.depths()[1] != other.flow.depths()[1])
+    assert 0 < len(moved) < 0.5 * np.count_nonzero(other.flow.depths()[1])
+    calls = 1
+    while surface.flow.patience == 0.0:
+        assert surface.follow_flow(0.0, 200)
+        calls += 1
+    assert 4 < calls < 200
+    assert not surface.follow_flow(0.3, 200)  # now it is behind
+
+
+def test_the_outcome_does_not_depend_on_the_threads(monkeypatch):
+    """Drops apart from one another, each moved by whoever has time, or by one thread."""
+    monkeypatch.setattr(flows, "_BUNDLE", 100)
+    found = []
+    for each in (flows.each, lambda work, items: [work(item) for item in items]):
+        numbers = []
+
+        def counted(work, items, each=each, numbers=numbers):
+            numbers.append(len(items))
+            return each(work, items)
+
+        monkeypatch.setattr(flows, "each", counted)
+        surface = PaintedSurface(grid(60, 15.0), 0.6, XUAN)
+        surface.refine_all()
+        for x in (-25.0, 0.0, 25.0):
+            for y in (-25.0, 0.0, 25.0):
+                drop(surface, 2.0 + 0.02 * x, 2.0, (x, y, 0.0))
+        for _ in range(20):
+            surface.follow_flow(0.05)
+        surface.diffuse(5.0)
+        assert max(numbers) > 4
+        found.append((surface.amounts.copy(), surface.flow.depths()[1], surface.srgb.copy()))
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_still_water_waits_for_its_step():
+    surface = laid()
+    surface.diffuse(60.0)
+    surface.refresh()
+    surface.diffuse(0.0)
+    assert surface.flow_patience > 0.1
+    steps = surface.flow.steps
+    assert surface.follow_flow(0.5 * surface.flow_patience)
+    assert surface.flow.steps == steps
+    assert not PaintedSurface(grid(4, 1.0), None, SMOOTH).flow_patience < np.inf

@@ -152,9 +152,30 @@ def test_water_goes_on_where_it_was_saved(tmp_path, paint_between):
     assert again.flow.water == surface.flow.water
 
 
+def test_water_of_older_files_goes_on_in_even_steps():
+    mesh = sheet(flat, (40.0, 40.0), 5.0)
+    surface = PaintedSurface(mesh, 0.8, "xuan")
+    Painter(surface, "full", "pine soot").replay(stroke())
+    surface.diffuse(0.5)
+    state = {k: v for k, v in surface_state(surface).items() if k != "flow_owed"}
+    rim = np.zeros(len(state["flow_vertices"]), np.uint8)
+    old = state | {"version": 4, "flow_rim": rim, "flow_order": state["flow_vertices"][:5]}
+    again = restore_surface(mesh, old | {"flow_pace": np.array([0.2])})
+    assert again.flow.water == surface.flow.water > 0.0
+    assert again.flow.patience == 0.2
+    for pace, message in (
+        (0.0, "flow_pace is 0"),
+        (-1.0, "flow_pace holds -1"),
+        ([1.0, 2.0], "flow_pace"),
+    ):
+        with pytest.raises(SessionError, match=message):
+            restore_surface(mesh, old | {"flow_pace": np.atleast_1d(pace)})
+
+
 @pytest.mark.parametrize(
     ("part", "value", "message"),
     [
+        ("flow_owed", 1e300, "flow_owed holds 0 to 1e\\+300"),
         ("flow_pigment", 1e300, "flow_pigment holds 0 to 1e\\+300"),
         ("flow_speed", 1e7, "flow_speed exceeds 1e\\+06 mm/s"),
         ("flow_speed", -1e7, "flow_speed exceeds"),
@@ -220,12 +241,12 @@ def test_older_versions_are_taken_step_by_step(tmp_path, monkeypatch):
         return parts
 
     def halved(state):
-        return {**state, "version": 5, "load": 0.5 * state["load"]}
+        return {**state, "version": 6, "load": 0.5 * state["load"]}
 
     monkeypatch.setattr(sessions, "VERSION", 3)
     monkeypatch.setitem(sessions.UPGRADES, 2, renamed)
-    monkeypatch.setattr(states, "STATE_VERSION", 5)
-    monkeypatch.setitem(states._UPGRADES, 4, halved)
+    monkeypatch.setattr(states, "STATE_VERSION", 6)
+    monkeypatch.setitem(states._UPGRADES, 5, halved)
     opened = load_session(path)
     assert opened.settings == {"renamed": 1}
     assert opened.surface.ink.load.tolist() == (0.5 * surface.ink.load).tolist()

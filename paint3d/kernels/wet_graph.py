@@ -1,0 +1,99 @@
+"""The surface cut into blocks of cells, for liquids that move over it: what lies in each."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+__all__ = ["count_vertices", "leaves_in_box", "list_vertices", "pick_nodes"]
+
+
+@njit(cache=True, nogil=True)
+def count_vertices(field, cells):
+    """How many vertices lie in some cells (K,)."""
+    n = 0
+    for k in range(cells.shape[0]):
+        c = cells[k]
+        n += field.base_start[c + 1] - field.base_start[c]
+        v = field.head[c]
+        while v >= 0:
+            n += 1
+            v = field.next_in_cell[v]
+    return n
+
+
+@njit(cache=True, nogil=True)
+def list_vertices(field, cells, vertices, number):
+    """Write the vertices of some cells (K,), cell by cell, and each one's place among `cells`."""
+    n = 0
+    for k in range(cells.shape[0]):
+        c = cells[k]
+        for v in range(field.base_start[c], field.base_start[c + 1]):
+            vertices[n] = v
+            number[n] = k
+            n += 1
+        v = field.head[c]
+        while v >= 0:
+            vertices[n] = v
+            number[n] = k
+            n += 1
+            v = field.next_in_cell[v]
+
+
+@njit(cache=True, nogil=True)
+def _misses(field, corners, t, low, high):
+    """Whether the box around a triangle lies outside the box low..high."""
+    for axis in range(3):
+        x = field.px if axis == 0 else field.py if axis == 1 else field.pz
+        a, b, c = x[corners[t, 0]], x[corners[t, 1]], x[corners[t, 2]]
+        if max(a, max(b, c)) < low[axis] or min(a, min(b, c)) > high[axis]:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def leaves_in_box(field, roots, corners, low, high, out):
+    """List the triangles that meet a box; return how many, or -1 if `out` is too short.
+
+    Parameters
+    ----------
+    field : SurfaceField
+    roots : (R,) int32
+        Where to look.
+    corners : (F, 3) int32
+        Of the forest's triangles, or of the roots where nothing is refined.
+    low, high : (3,) float64
+    out : (M,) int32
+    """
+    n = 0
+    forest = field.child.shape[0]
+    stack = np.empty(256, np.int64)
+    for r in range(roots.shape[0]):
+        depth = 0
+        stack[0] = roots[r]
+        while depth >= 0:
+            t = stack[depth]
+            depth -= 1
+            if _misses(field, corners, t, low, high):
+                continue
+            if forest > 0 and field.child[t] >= 0:
+                stack[depth + 1] = field.child[t]
+                stack[depth + 2] = field.child[t] + 1
+                depth += 2
+                continue
+            if n == out.shape[0]:
+                return -1
+            out[n] = t
+            n += 1
+    return n
+
+
+@njit(cache=True, nogil=True)
+def pick_nodes(starts, stops, out):
+    """Write the nodes of some runs (K,), one run after the other; return how many."""
+    n = 0
+    for k in range(starts.shape[0]):
+        for i in range(starts[k], stops[k]):
+            out[n] = i
+            n += 1
+    return n
