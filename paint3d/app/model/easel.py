@@ -4,10 +4,16 @@ A view runs at whatever rate it can; the hand's samples are all painted, in orde
 let other threads run meanwhile. Colours are computed once for every frame that is taken and not
 oftener. What goes wrong in here is told as an event, and painting goes on. With a `Sitting`, every
 sample and command is written down by another thread as it comes, before it is painted if need be.
+
+Ink that spreads gives way to all of this. Time passes in small pieces, one after the other and
+only while nothing else waits, so the hand, undo and a pause overtake it. Where the machine cannot
+follow, no time is added until what is due is done, and what passed meanwhile is left out: ink
+then runs slower than the clock, and is never late.
 """
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -26,13 +32,14 @@ from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
 
-__all__ = ["Easel", "Event"]
+__all__ = ["LONGEST_WET_S", "PIECE_S", "WET_STEP_S", "Easel", "Event"]
 
 _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
-_WET_STEP_S = 1.0 / 30.0
-_LONGEST_WET_S = 0.2  # what is let pass at once, however long nobody painted
+WET_STEP_S = 1.0 / 30.0  # between two looks at the ink that spreads
+PIECE_S, LONGEST_WET_S = 0.05, 0.2  # what passes at once, and in all, however late it is
 
 _BASE_EVERY_S = 120.0
+_DEAR_S = 3.0  # of work since the last base, after which the next is due: what recovering costs
 
 Command = str | Callable[[Document], object]
 
@@ -96,11 +103,12 @@ class Easel:
         base_every_s: float = _BASE_EVERY_S,
     ) -> None:
         self.document = document
-        self.wet = wet
+        self._wet = wet
         self._base_every_s = base_every_s
         self._scribe = None if sitting is None else _Scribe(sitting, document, self._tell)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
+        self._work_s = 0.0  # since the last base
         self._jobs: deque[_Job] = deque()
         self._brushes: deque[BrushSpec] = deque()  # asked for and not yet in hand
         self._wake = threading.Condition()
@@ -110,11 +118,13 @@ class Easel:
         self._events: deque[Event] = deque()
         self._watch = GrowthWatch(document.surface)
         self._hovering: DeviceSample | None = None
-        self._stopping = self._working = False
+        self._stopping = self._working = self._nudged = False
         self._stale = True
         self._number = 0
         self._lag = 0.0
         self._last_wet = time.perf_counter()
+        self._owed = 0.0  # time that is still to pass, s
+        self._keeps_up = True
         self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
         self._thread.start()
 
@@ -174,6 +184,19 @@ class Easel:
         while self._events:
             events.append(self._events.popleft())
         return events
+
+    @property
+    def wet(self) -> bool:
+        """Whether ink spreads and dries in real time; from now on, as soon as it is set."""
+        return self._wet
+
+    @wet.setter
+    def wet(self, on: bool) -> None:
+        with self._wake:
+            self._wet = bool(on)
+            self._last_wet, self._owed = time.perf_counter(), 0.0
+            self._nudged = True
+            self._wake.notify()
 
     @property
     def queue_length(self) -> int:
@@ -253,7 +276,7 @@ class Easel:
                 if self._stopping and not self._jobs:
                     return
                 yielding = self._wanting > 0
-                self._working = True
+                self._working, self._nudged = True, False
             if yielding:
                 time.sleep(0.0005)  # let who waits in `paused` have the document
             with self._busy:
@@ -262,19 +285,22 @@ class Easel:
                 self._working = False
 
     def _has_work(self) -> bool:
-        return bool(self._jobs) or self._stopping or (self._stale and self._slot is None)
+        asked = bool(self._jobs) or self._stopping or self._nudged
+        return asked or (self._stale and self._slot is None)
 
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
-        if self.wet:
-            return _WET_STEP_S
+        if self._wet:
+            return WET_STEP_S if self._keeps_up else 0.0
         return self._base_every_s if self._scribe is not None else None
 
     def _work(self) -> None:
+        before = time.thread_time()
         if self._jobs:
             self._do(self._jobs.popleft())
-        if self.wet:
+        elif self._wet:
             self._let_time_pass()
+        self._work_s += time.thread_time() - before
         if self._slot is None and self._stale:
             self._guarded("showing", self._publish)
         if not self._jobs:
@@ -311,15 +337,32 @@ class Easel:
         self._lag = time.perf_counter() - job.came
 
     def _let_time_pass(self) -> None:
-        """Ask for the time since the last one, in its place among the samples."""
+        """Let a piece of time pass now, noted in its place among what is asked for."""
         now = time.perf_counter()
-        gone = min(now - self._last_wet, _LONGEST_WET_S)
-        if gone < _WET_STEP_S:
-            return
+        self._owed = min(self._owed + now - self._last_wet, LONGEST_WET_S)
         self._last_wet = now
+        if not self._keeps_up:
+            seconds, self._owed = 0.0, min(self._owed, PIECE_S)
+        elif self._owed < WET_STEP_S or self._is_dry():
+            return
+        else:
+            seconds = min(self._owed, PIECE_S)
+            self._owed -= seconds
+        job = _Job(now, (), "let_time_pass", (seconds,), {}, Future())
         with self._wake:
-            if not self._stopping:
-                self._enqueue(_Job(now, (), "let_time_pass", (gone,), {}, Future()))
+            if self._jobs or self._stopping or not self._wet:
+                return  # they come first; what was owed is not made up for
+            if self._scribe is not None:
+                self._scribe.put(job)
+        self._do(job)
+        self._keeps_up = job.result.exception() is not None or job.result.result()
+
+    def _is_dry(self) -> bool:
+        """Whether time changes nothing; none is owed then to ink that comes later."""
+        if self.document.surface.flow_patience < math.inf:
+            return False
+        self._owed = 0.0
+        return True
 
     # -- keeping ----------------------------------------------------------------------------
 
@@ -339,14 +382,14 @@ class Easel:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
         if self._scribe is None or self.document.in_stroke:
             return
-        late = time.monotonic() - self._base_time > self._base_every_s
+        late = time.monotonic() - self._base_time > self._base_every_s or self._work_s > _DEAR_S
         if not (self._base_due or (late and self._scribe.n_put)):
             return
         with self._wake:
             if self._jobs:
                 return
             turned = self._scribe.turn_page()  # what comes from now on is in the next journal
-        self._base_due, self._base_time = False, time.monotonic()
+        self._base_due, self._base_time, self._work_s = False, time.monotonic(), 0.0
         self._base_step = self.document.steps.newest
         turned.result()
         self._scribe.sitting.save_base(self.document)

@@ -13,7 +13,7 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,12 +22,18 @@ from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.places import recovery_folder
 from paint3d.device.recorded import Recording
+from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.journal import Journal, Loss, read_events
 
 __all__ = ["Recovered", "Sitting", "Unfinished", "recoverable"]
 
 _ABOUT, _LOCK = "about.json", "lock"
+_OPENED = 0.2  # of recovering is opening the base
+_AT_ONCE = 256  # samples between two reports of progress
+_COSTS = {"let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}  # of commands, in samples painted
+
+_Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
 
 class Sitting:
@@ -177,27 +183,40 @@ class Unfinished:
     path: Path | None
     time_s: float
 
-    def recover(self) -> Recovered:
+    def recover(self, progress: Callable[[float], None] | None = None) -> Recovered:
         """Open the last base and do again what came after it.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the share of the work that is done, 0 to 1, several times a second. What
+            it raises (CancelledError, say) ends the work; the sitting stays as it was.
 
         Raises
         ------
         SessionError
             If there is no base that can be opened.
         """
+        tell = progress or (lambda share: None)
+        tell(0.0)
         bases = sorted(_numbered(self.folder, "base-"), reverse=True)
         if not bases:
             raise SessionError(f"{self.folder}: it holds no painting; expected base-K.p3d")
         first, base = bases[0]
         document = Document.open(base)
-        n_events, loss, refused = 0, Loss(), []
+        pieces, loss, n_events = [], Loss(), 0
         for number, journal in sorted(_numbered(self.folder, "journal-")):
-            if number < first or loss.n_bytes:
-                continue
-            _, events, loss = read_events(journal)
-            for event in events:
-                n_events += 1
-                refused += _done_again(document, event)
+            if number >= first and not loss.n_bytes:
+                _, more, loss = read_events(journal)
+                pieces += [piece for event in more for piece in _pieces(event)]
+                n_events += len(more)
+        tell(_OPENED)
+        costs = [_cost(piece) for piece in pieces]
+        done, whole, refused = 0.0, sum(costs), []
+        for piece, cost in zip(pieces, costs, strict=True):
+            refused += _done_again(document, piece)
+            done += cost
+            tell(_OPENED + (1.0 - _OPENED) * done / whole)
         document.end_stroke()
         document.path, document.modified = self.path, True
         return Recovered(document, n_events, loss, tuple(refused))
@@ -257,13 +276,26 @@ def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
     return found
 
 
-def _done_again(document: Document, event: Recording | Mapping[str, object]) -> list[str]:
-    """Do one event; what was refused, as it was when it happened first."""
+def _pieces(event: Recording | Mapping[str, object]) -> list[_Piece]:
+    """A command, or samples in pieces that take well below a second."""
+    if not isinstance(event, Recording):
+        return [event]
+    samples = list(event.samples())
+    return [samples[k : k + _AT_ONCE] for k in range(0, len(samples), _AT_ONCE)]
+
+
+def _cost(piece: _Piece) -> float:
+    """What doing it again takes, roughly, in samples."""
+    return float(len(piece)) if isinstance(piece, list) else _COSTS.get(piece.get("do"), 1.0)
+
+
+def _done_again(document: Document, piece: _Piece) -> list[str]:
+    """Do it; what was refused, as it was when it happened first."""
     try:
-        if isinstance(event, Recording):
-            document.feed(list(event.samples()))
+        if isinstance(piece, list):
+            document.feed(piece)
         else:
-            do_again(document, event)
+            do_again(document, piece)
     except Paint3DError as error:
         return [str(error)]
     return []

@@ -168,11 +168,12 @@ class StrokeCommands:
         if self.in_stroke:
             raise InputError(f"{what} was asked for during a stroke; expected its end first")
 
-    def let_time_pass(self, seconds: float) -> None:
-        """Let wet ink spread and dry; see `PaintedSurface.diffuse`."""
-        self.surface.diffuse(seconds)
+    def let_time_pass(self, seconds: float) -> bool:
+        """Let wet ink spread and dry; whether it keeps up: see `PaintedSurface.follow_flow`."""
+        keeps_up = self.surface.follow_flow(seconds)
         if self._stencil is not None and self.in_stroke:
             self._undo.seal()  # what runs by itself is not the stencil's
+        return keeps_up
 
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""

@@ -41,6 +41,8 @@ def warm_up(progress: Callable[[], None] = lambda: None) -> None:
     document.feed(samples)
     progress()
     document.end_stroke()
+    document.let_time_pass(0.05)
+    progress()
     shown.uploads(document.refresh())
     _stand(document, samples[-1])
     progress()
