@@ -24,6 +24,7 @@ BENCHMARKS: dict[str, tuple[str, str]] = {
     "bristles": ("bristles.measure", "bending 1 to 10,000 hairs, on a plane and on a curved patch"),
     "colours": ("colouring.measure", "vertex colours a second"),
     "studio": ("studio.measure", "the studio's picture beside its painting thread"),
+    "wet": ("wet.measure", "strokes on paper while their ink spreads, against the hand"),
     "files": ("files.measure", "exporting a million triangles in every format"),
 }
 """Name: (where its function is, what it measures)."""
