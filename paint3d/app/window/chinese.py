@@ -37,6 +37,7 @@ CHINESE = {
     "Objects and paintings": "器物与作品", "Recordings": "录制", "All files": "所有文件",
     "Paintings": "作品", "Picture": "图片", "Film": "影片",
     "Brought back; save it to keep it": "已找回；请保存", "Everything": "所有格式",
+    "Folder": "文件夹", "File name": "文件名", "Format": "格式",
     "Replace": "替换", "Quality": "质量", "Unit": "单位", "Up": "朝上的轴", "Colours": "颜色",
     "In proportion": "锁定比例", "As on the screen": "与屏幕所见相同", "Size in pixels": "像素尺寸",
     "The painted side, in the studio's light": "着墨一面，棚拍光线",

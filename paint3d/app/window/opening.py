@@ -139,6 +139,7 @@ class Opening:
             unit = ask_unit(self._window, Path(path).name, size)
             if unit is None:
                 return None
+        self._window.keep_in_hand()
         settings = self._window.settings
         resolution = settings.resolution_mm if resolution is None else resolution
         material = chosen_material(settings) if material is None else material

@@ -250,7 +250,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         if self._told_state != "bad":  # what was good news of the one before
             self.tell(say("hint.turn"))
         wet = self.settings.wants_wet(document.surface.material)
-        self._keep_in_hand()
+        self.keep_in_hand()
         self.stage.close_document()
         self._show_open(False)
         sitting = self._sitting(document)
@@ -352,7 +352,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.tools.layout().invalidate()
 
     def _resized(self) -> None:
-        self.stage.set_size(self.canvas.pixel_size)
+        if self._timer.isActive():
+            self.stage.set_size(self.canvas.pixel_size)
         self.begin_page.place()
 
     def hold(self) -> None:
@@ -369,7 +370,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         if self.stage.easel is not None:
             self.stage.easel.post(command, *arguments)
 
-    def _keep_in_hand(self) -> None:
+    def keep_in_hand(self) -> None:
         """Remember the brush, the inks and the force for the next painting."""
         if self.stage.easel is None:
             return
@@ -386,7 +387,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._timer.stop()
         self.both_hands.close()
         self.panels.close_down()
-        self._keep_in_hand()
+        self.keep_in_hand()
         self.keep(smoothing=self.hand.settings.smoothing, window=window_words(self))
         self.stage.close()
         event.accept()

@@ -70,8 +70,12 @@ class TargetDialog(QtWidgets.QFileDialog):
             filters.append(f"{say('Everything')} ({every})")
         self.setNameFilters(filters)
         self.selectNameFilter(self._first.filter)
-        self.setLabelText(QtWidgets.QFileDialog.DialogLabel.Accept, say("button.save"))
-        self.setLabelText(QtWidgets.QFileDialog.DialogLabel.Reject, say("button.cancel"))
+        label = QtWidgets.QFileDialog.DialogLabel
+        for place, text in (
+            (label.LookIn, "Folder"), (label.FileName, "File name"), (label.FileType, "Format"),
+            (label.Accept, "button.save"), (label.Reject, "button.cancel"),
+        ):  # fmt: skip
+            self.setLabelText(place, say(text))
         folder = start.parent if start.parent.is_dir() else Path.cwd()
         self.setDirectory(os.path.abspath(folder))
         self.selectFile(start.name)

@@ -1,0 +1,339 @@
+"""Saving and exporting through the window: what is asked, and what is written."""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from paint3d.app.window.export_dialog import ExportDialog
+from paint3d.app.window.film_dialog import Film, FilmDialog
+from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.target_dialog import TargetDialog
+from paint3d.errors import ExportError
+from paint3d.files.load import load_mesh
+from paint3d.files.session import load_session
+from tests.app.gestures import answer, drag, live, wait_for
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window with a stroke on a sheet."""
+    window = StudioWindow(program)
+    window.show()
+    window.files.quiet = True
+    assert window.files.open_path("plane", 2.0, "xuan", asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
+    window.stage.easel.post(lambda document: None).result(20)
+    yield window
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+@pytest.fixture(autouse=True)
+def in_slots(monkeypatch: pytest.MonkeyPatch):
+    """Nothing may go wrong unseen in what Qt calls."""
+    raised: list[BaseException] = []
+    monkeypatch.setattr(sys, "excepthook", lambda kind, error, trace: raised.append(error))
+    yield
+    assert raised == []
+
+
+def typed(dialog: TargetDialog, name: str) -> None:
+    """Type a name in place of the one that stands there, and press Enter."""
+    live(0.3)  # until it has read the folder, which chooses the name again
+    field = dialog.findChild(QtWidgets.QLineEdit)
+    field.setFocus()
+    field.selectAll()
+    QtTest.QTest.keyClicks(field, name)
+    QtTest.QTest.keyClick(field, QtCore.Qt.Key.Key_Return)
+
+
+def choose(dialog: QtWidgets.QMessageBox, words: str) -> None:
+    next(button for button in dialog.buttons() if button.text() == words).click()
+
+
+@contextmanager
+def answers(name: str, *then: Callable) -> Iterator[list[str]]:
+    """Type a name into the dialog that opens next; deal with those that follow.
+
+    Yields
+    ------
+    list of str
+        What was asked after the name; it fills while the dialogs are open.
+    """
+    asked: list[str] = []
+    waiting = [lambda dialog: typed(dialog, name), *then]
+    met: list[QtWidgets.QWidget] = []
+    over: list[bool] = []
+
+    def look() -> None:
+        if over:
+            return
+        QtCore.QTimer.singleShot(30, look)
+        dialog = QtWidgets.QApplication.activeModalWidget()
+        if not isinstance(dialog, QtWidgets.QDialog) or not dialog.isVisible():
+            return
+        if isinstance(dialog, QtWidgets.QProgressDialog) or dialog in met:
+            return
+        met.append(dialog)
+        if met[1:]:
+            asked.append(dialog.text() if isinstance(dialog, QtWidgets.QMessageBox) else "")
+        if waiting:
+            waiting.pop(0)(dialog)
+            return
+        for unexpected in reversed(met):
+            unexpected.reject()
+
+    QtCore.QTimer.singleShot(30, look)
+    yield asked
+    over.append(True)
+
+
+def replace(dialog) -> None:
+    choose(dialog, "Replace")
+
+
+def keep(dialog) -> None:
+    """Leave the file as it is, and the dialog that asked for the name."""
+    choose(dialog, "Cancel")
+    QtCore.QTimer.singleShot(50, QtWidgets.QApplication.activeModalWidget().reject)
+
+
+def accept(dialog) -> None:
+    dialog.accept()
+
+
+@pytest.mark.parametrize(
+    ("action", "suffix", "more"),
+    [
+        ("save_as", ".p3d", 0),
+        ("export", ".glb", 1),
+        ("screenshot", ".png", 0),
+        ("save_recording", ".jsonl", 0),
+        ("turntable", ".webp", 1),
+    ],
+)
+def test_a_name_without_its_suffix_asks_once_before_a_file_is_replaced(
+    window, tmp_path: Path, action: str, suffix: str, more: int
+) -> None:
+    window.keep(exports={"film": {"seconds": 0.5, "rate": 4, "width": 160, "height": 120}})
+    window.files._folder = tmp_path
+    file = tmp_path / f"yong{suffix}"
+    file.write_bytes(b"old")
+    with answers("yong", keep) as asked:
+        window.actions_by_name[action].trigger()
+    assert len(asked) == 1
+    assert file.name in asked[0]
+    assert file.read_bytes() == b"old"
+    with answers("yong", replace, *[accept] * more) as asked:
+        window.actions_by_name[action].trigger()
+    assert len(asked) == 1 + more
+    assert file.stat().st_size > 500
+    with answers("new", *[accept] * more) as fresh:
+        window.actions_by_name[action].trigger()
+    assert len(fresh) == more  # nobody is asked about a file that is not there
+    assert sorted(os.listdir(tmp_path)) == [f"new{suffix}", f"yong{suffix}"]
+
+
+def test_a_link_is_named_with_where_it_leads_and_stays_a_link(window, tmp_path: Path) -> None:
+    real, link = tmp_path / "elsewhere" / "real.p3d", tmp_path / "link.p3d"
+    real.parent.mkdir()
+    real.write_bytes(b"old")
+    link.symlink_to(real)
+    window.files._folder = tmp_path
+    with answers("link.p3d", replace) as asked:
+        window.actions_by_name["save_as"].trigger()
+    assert len(asked) == 1
+    assert str(real) in asked[0]
+    assert link.is_symlink()
+    assert len(load_session(real).strokes) == 1
+
+
+def test_formats_are_listed_by_name_and_the_last_comes_first(window, tmp_path: Path) -> None:
+    window.keep(exports={})
+    window.files._folder = tmp_path
+    seen: list[list[str]] = []
+
+    def look(dialog) -> None:
+        seen.append(dialog.nameFilters())
+        index = next(k for k, text in enumerate(seen[0]) if text.endswith("(*.obj)"))
+        dialog.selectNameFilter(seen[0][index])
+        dialog.filterSelected.emit(seen[0][index])
+        answer(accept)
+        typed(dialog, "thing")
+
+    answer(look)
+    window.actions_by_name["export"].trigger()
+    names = seen[0]
+    assert "PLY (*.ply)" in names
+    assert "3MF, for printers (*.3mf)" in names
+    assert names[-1].startswith("Everything (")
+    assert (tmp_path / "thing.obj").is_file()
+    answer(lambda dialog: (seen.append([dialog.selectedNameFilter()]), dialog.reject()))
+    window.actions_by_name["export"].trigger()
+    assert seen[1] == ["Wavefront OBJ (*.obj)"]
+
+
+def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
+    window, tmp_path: Path
+) -> None:
+    window.files._folder = tmp_path
+
+    def few(dialog: ExportDialog) -> None:
+        assert "unit" not in dialog.boxes
+        dialog.boxes["few"].setChecked(True)
+        dialog.boxes["filaments"].setValue(2)
+        dialog.accept()
+
+    with answers("few.html", few):
+        window.actions_by_name["export"].trigger()
+    plain = tmp_path / "plain.html"
+    assert window.files.export_to(plain)
+    assert 1000 < (tmp_path / "few.html").stat().st_size < plain.stat().st_size
+
+    def in_inches(dialog: ExportDialog) -> None:
+        dialog.boxes["unit"].setCurrentIndex(dialog.boxes["unit"].findData("in"))
+        dialog.boxes["exact"].setChecked(True)
+        assert not dialog.boxes["tolerance"].isEnabled()
+        dialog.accept()
+
+    with answers("inches.ply", in_inches):
+        window.actions_by_name["export"].trigger()
+    mesh = load_mesh(tmp_path / "inches.ply")
+    width = float(mesh.vertices[:, 0].max() - mesh.vertices[:, 0].min())
+    assert width == pytest.approx(200.0 / 25.4, rel=1e-3)
+    with window.stage.easel.paused() as document:
+        assert mesh.n_vertices == document.surface.n_vertices
+    seen: list[object] = []
+
+    def again(dialog: ExportDialog) -> None:
+        seen.append((dialog.boxes["unit"].currentData(), dialog.boxes["exact"].isChecked()))
+        dialog.reject()
+
+    with answers("other.ply", again):
+        window.actions_by_name["export"].trigger()
+    assert seen == [("in", True)]
+    assert not (tmp_path / "other.ply").exists()
+
+
+def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
+    window, tmp_path: Path
+) -> None:
+    window.files._folder = tmp_path
+    width, height = window.canvas.pixel_size
+    before = window.hand.camera
+
+    def larger(dialog: ExportDialog) -> None:
+        assert dialog.is_of_screen
+        assert dialog.size() == (width, height)
+        dialog.boxes["size"].width_box.setValue(1200)
+        dialog.accept()
+
+    for name in ("a.png", "a.jpg"):
+        window.keep(exports={})
+        with answers(name, larger):
+            window.actions_by_name["export"].trigger()
+        with Image.open(tmp_path / name) as picture:
+            assert picture.size == (1200, round(1200 * height / width))
+            assert picture.format == {"a.png": "PNG", "a.jpg": "JPEG"}[name]
+            shown = np.array(picture.convert("L").resize((60, 50)), float)
+    assert window.hand.camera is before
+    assert window.stage.scene.size == (width, height)
+    seen = Image.fromarray(window.stage.picture()[::-1, :, :3]).convert("L").resize((60, 50))
+    assert np.abs(shown - np.array(seen, float)).mean() < 3.0  # not another view
+
+
+def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
+    window.keep(exports={})
+    window.files._folder = tmp_path
+
+    def in_the_studio(dialog: ExportDialog) -> None:
+        dialog.boxes["view"].setCurrentIndex(1)
+        assert dialog.size() == (1600, 1200)
+        dialog.boxes["size"].width_box.setValue(320)
+        dialog.boxes["size"].height_box.setValue(200)
+        dialog.accept()
+
+    with answers("b.png", in_the_studio):
+        window.actions_by_name["export"].trigger()
+    with Image.open(tmp_path / "b.png") as picture:
+        assert picture.size == (320, 200)
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+def test_a_film_has_the_length_size_and_rate_that_are_asked(
+    window, tmp_path: Path, suffix: str
+) -> None:
+    window.keep(exports={})
+    window.files._folder = tmp_path
+
+    def short(dialog: FilmDialog) -> None:
+        dialog.seconds.setValue(0.8)
+        dialog.rate.setValue(10)
+        dialog.size_boxes.width_box.setValue(200)
+        dialog.accept()
+
+    with answers(f"turn{suffix}", short):
+        window.actions_by_name["turntable"].trigger()
+    width, height = window.canvas.pixel_size
+    with Image.open(tmp_path / f"turn{suffix}") as film:
+        assert film.size == (200, round(200 * height / width))
+        assert film.n_frames == 8
+        film.seek(3)
+        film.load()
+        assert film.info["duration"] == 100
+    assert window.stage.scene.size == (width, height)
+    assert window._timer.isActive()
+
+
+def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path) -> None:
+    dialog = FilmDialog(window, Film(60.0, 30.0, (1920, 1080)), (1920, 1080))
+    standard = QtWidgets.QDialogButtonBox.StandardButton
+    ok = dialog.findChild(QtWidgets.QDialogButtonBox).button(standard.Ok)
+    assert not ok.isEnabled()
+    assert "too many" in dialog.told.text()
+    dialog.seconds.setValue(2.0)
+    assert ok.isEnabled()
+    told: list[str] = []
+    answer(lambda box: (told.append(box.text()), box.accept()))
+    assert not window.files.turntable_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
+    assert "too many" in told[0]
+
+
+def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(window, tmp_path: Path) -> None:
+    file = tmp_path / "a.p3d"
+    file.write_bytes(b"old")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for write in (window.files.save_to, window.files.export_to):
+        for path in (tmp_path / "no" / "a.p3d", Path("/proc/a.p3d"), tmp_path):
+            target = path / "sub.p3d" if path == tmp_path else path
+            if path == tmp_path:
+                target.mkdir(exist_ok=True)
+            assert not write(target)
+            assert isinstance(window.files.error, ExportError)
+            assert "\n" not in str(window.files.error)
+            assert str(target) in str(window.files.error)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))  # as a disk that is full
+        try:
+            assert not write(file)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert "cannot write" in str(window.files.error)
+        assert file.read_bytes() == b"old"
+    assert sorted(os.listdir(tmp_path)) == ["a.p3d", "sub.p3d"]
+    live(0.1)
+    assert window.files.save_to(tmp_path / "b.p3d")

@@ -1,0 +1,300 @@
+"""Work that the window waits for: a bar that moves, a Cancel that leaves things as they were."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from concurrent.futures import CancelledError
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.sitting import Sitting, Unfinished, recoverable
+from paint3d.app.window import opening, saving, start
+from paint3d.app.window.commands import ALWAYS, CHECKABLE
+from paint3d.app.window.film_dialog import Film
+from paint3d.app.window.jobs import is_waiting, run_beside
+from paint3d.app.window.studio import StudioWindow
+from tests.app.gestures import answer_bar, drag, live, wait_for
+
+
+@pytest.fixture(autouse=True)
+def in_slots(monkeypatch: pytest.MonkeyPatch):
+    """Nothing may go wrong unseen in what Qt calls."""
+    raised: list[BaseException] = []
+    monkeypatch.setattr(sys, "excepthook", lambda kind, error, trace: raised.append(error))
+    yield
+    assert raised == []
+
+
+@pytest.fixture
+def empty(program):
+    """A window with nothing in it."""
+    window = StudioWindow(program)
+    window.show()
+    window.files.quiet = True
+    yield window
+    if window.stage.easel is not None:
+        with window.stage.easel.paused() as document:
+            document.modified = False
+    window.close()
+
+
+@pytest.fixture
+def window(empty):
+    """A window with a sheet in it."""
+    assert empty.files.open_path("plane", 2.0, "xuan", asked=True)
+    return empty
+
+
+@pytest.fixture
+def gate():
+    """What work waits for that nobody can interrupt."""
+    gate = threading.Event()
+    yield gate
+    gate.set()
+
+
+def cancel(bar: QtWidgets.QProgressDialog) -> None:
+    bar.findChild(QtWidgets.QPushButton).click()
+
+
+def still_paints(window) -> bool:
+    before = len(window.document.strokes)
+    drag(window.canvas, (0.4, 0.5), (0.55, 0.5), n=6)
+    window.stage.easel.post(lambda document: None).result(20)
+    return len(window.document.strokes) == before + 1
+
+
+@pytest.mark.parametrize("stage", ["load_mesh", "new", "open"])
+def test_opening_that_cannot_be_interrupted_is_left_to_itself(
+    window, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, gate: threading.Event, stage: str
+) -> None:
+    """Cancel comes back while the work still hangs, and what it makes later does not open."""
+    file, ended = tmp_path / "a.p3d", threading.Event()
+    assert window.files.save_to(file)
+    before = window.document
+
+    def slow(whole):
+        def waiting(*given, **named):
+            gate.wait(30)
+            made = whole(*given, **named)
+            ended.set()
+            return made
+
+        return waiting
+
+    if stage == "load_mesh":
+        monkeypatch.setattr(opening, "load_mesh", slow(opening.load_mesh))
+    else:
+        monkeypatch.setattr(Document, stage, slow(getattr(Document, stage)))
+    answer_bar(cancel)
+    target = str(file) if stage == "open" else "sphere"
+    assert not window.files.open_path(target, 3.0, asked=True)
+    assert not gate.is_set()
+    assert isinstance(window.files.error, CancelledError)
+    assert window.document is before
+    monkeypatch.undo()
+    gate.set()
+    if stage == "new":
+        assert ended.wait(20)
+    live(0.3)
+    assert window.document is before
+    assert still_paints(window)
+
+
+def test_the_bar_moves_by_itself_and_by_what_is_told(window, gate: threading.Event) -> None:
+    seen: list[int] = []
+
+    def watch(bar) -> None:
+        bar.findChild(QtWidgets.QProgressBar).valueChanged.connect(seen.append)
+        QtCore.QTimer.singleShot(600, gate.set)
+
+    answer_bar(watch)
+    done = run_beside(window, "work", lambda progress: gate.wait(20))
+    assert done.result()
+    assert len(seen) > 3
+    assert seen == sorted(seen)
+    assert len({value for value in seen if 0 < value < 1000}) > 3
+
+
+@pytest.mark.parametrize("form", ["glb", "obj", "p3d", "html"])
+def test_an_export_that_is_stopped_leaves_no_file_and_a_painting_that_goes_on(
+    window, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, gate: threading.Event, form: str
+) -> None:
+    old = tmp_path / f"old.{form}"
+    old.write_bytes(b"old")
+    name = "paint3d.files.session.write_archive"
+    if form != "p3d":
+        name = f"paint3d.files.export.write_{form}"
+    module, function = name.rsplit(".", 1)
+    whole = getattr(sys.modules[module], function)
+
+    def slow(*given, **named) -> None:
+        whole(*given, **named)
+        gate.wait(30)
+
+    monkeypatch.setattr(sys.modules[module], function, slow)
+    answer_bar(cancel)
+    assert not window.files.export_to(old)
+    assert not gate.is_set()
+    gate.set()
+    wait_for(lambda: os.listdir(tmp_path) == [old.name])
+    assert old.read_bytes() == b"old"
+    assert still_paints(window)
+
+
+def test_what_waits_in_the_queue_is_not_begun_after_cancel(window, gate: threading.Event) -> None:
+    window.stage.easel.post(lambda document: gate.wait(30))
+    answer_bar(cancel)
+    before = window.document.surface.n_vertices
+    window.files.refine()
+    assert isinstance(window.files.error, CancelledError)
+    gate.set()
+    window.stage.easel.post(lambda document: None).result(20)
+    assert window.document.surface.n_vertices == before
+    live(0.1)
+    assert "CancelledError" not in window.told.text()
+
+
+def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
+    window, tmp_path: Path
+) -> None:
+    camera = window.hand.camera
+    answer_bar(cancel)
+    assert not window.files.turntable_to(tmp_path / "a.gif", Film(20.0, 20.0, (320, 240)))
+    wait_for(lambda: os.listdir(tmp_path) == [])
+    assert window.hand.camera is camera
+    assert window.stage.scene.size == window.canvas.pixel_size
+    np.testing.assert_array_equal(window.stage.scene._camera.position, camera.position)
+    assert still_paints(window)
+
+
+def test_meanwhile_the_window_takes_no_clicks_and_keys(window, gate: threading.Event) -> None:
+    strokes = len(window.document.strokes)
+    begun: list[str] = []
+    window.actions_by_name["open"].triggered.connect(lambda: begun.append("open"))
+    nested: list[bool] = []
+
+    def meanwhile() -> None:
+        assert is_waiting(window)
+        key, middle = QtCore.Qt.Key, window.canvas.rect().center()
+        QtTest.QTest.keyClick(window, key.Key_O, QtCore.Qt.KeyboardModifier.ControlModifier)
+        QtTest.QTest.mousePress(window.canvas, QtCore.Qt.MouseButton.LeftButton, pos=middle)
+        QtTest.QTest.mouseRelease(window.canvas, QtCore.Qt.MouseButton.LeftButton, pos=middle)
+        nested.append(window.files.open_path("sphere", 3.0, asked=True))
+        assert not window.close()
+        gate.set()
+
+    QtCore.QTimer.singleShot(50, meanwhile)  # before the bar is there
+    assert run_beside(window, "work", lambda progress: gate.wait(20)).result()
+    live(0.1)
+    assert nested == [False]
+    assert begun == []
+    assert not window.hand.in_stroke
+    assert len(window.document.strokes) == strokes
+    assert window.isVisible()
+
+
+def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
+    empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
+) -> None:
+    sitting = Sitting(Document.new("plane", 4.0))
+    sitting.note({"do": "add_layer"})
+    sitting.close(keep=True)
+    assert len(recoverable()) == 1
+    whole = Unfinished.recover
+    monkeypatch.setattr(Unfinished, "recover", lambda self: (gate.wait(30), whole(self))[1])
+    answer_bar(cancel)
+    assert not empty.files.recover(recoverable()[0])
+    gate.set()
+    live(0.3)
+    assert empty.stage.easel is None
+    assert len(recoverable()) == 1
+    monkeypatch.undo()
+    wait_for(empty.begin_page.isVisible)
+    back = next(b for b in empty.begin_page.buttons if b.text().startswith("Bring back"))
+    back.click()
+    assert len(empty.document.layers) == 2
+    wait_for(lambda: not empty.begin_page.isVisible())
+    assert recoverable() == []
+
+
+def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
+    empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
+) -> None:
+    monkeypatch.setattr(opening, "load_mesh", lambda *given, **named: gate.wait(30))
+    answer_bar(cancel)
+    start._open_first(empty, "bowl", 3.0, None)
+    gate.set()
+    monkeypatch.undo()
+    live(0.1)
+    assert empty.begin_page.isVisible()
+    assert [button.text() for button in empty.begin_page.buttons][:2] == ["New painting…", "Open…"]
+    for name, action in empty.actions_by_name.items():
+        assert action.isEnabled() == (name in ALWAYS), name
+        if name not in ALWAYS:
+            action.trigger()
+            assert not action.isChecked() or name not in CHECKABLE, name
+    for key in "DRXIMKFWS":
+        QtTest.QTest.keyClick(empty.canvas, getattr(QtCore.Qt.Key, f"Key_{key}"))
+    for name in ("smoothing", "brush", "panels", "dark"):
+        empty.actions_by_name[name].trigger()
+        empty.actions_by_name[name].trigger()
+    drag(empty.canvas, (0.1, 0.1), (0.2, 0.2), n=4)
+    for panel in (empty.panels.brushes, empty.panels.inks, empty.panels.copybook):
+        assert not panel.isEnabled()
+    empty.post("dip")
+    assert empty.files.open_path("plane", 3.0, asked=True)
+    live(0.2)
+    assert not empty.begin_page.isVisible()
+    assert still_paints(empty)
+    wait_for(empty.actions_by_name["undo"].isEnabled)
+
+
+def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
+    for name in ("mirror", "radial", "mask", "record"):
+        window.actions_by_name[name].setChecked(True)
+    window.stage.easel.post(lambda document: None).result(20)
+    assert window.files.open_path("plane", 3.0, asked=True)
+    for name in ("mirror", "radial", "mask", "record"):
+        assert not window.actions_by_name[name].isChecked()
+    assert window.document.symmetry.planes == ()
+
+
+def test_every_name_of_a_format_is_there_in_chinese() -> None:
+    from paint3d.app.window import pictures
+    from paint3d.app.window.chinese import CHINESE
+
+    for names in (saving._FORMATS, saving._RECORDINGS, pictures._PICTURES, pictures._FILMS):
+        assert set(names.values()) <= set(CHINESE)
+
+
+def test_a_childs_reading_is_ended_by_cancel(window, tmp_path: Path) -> None:
+    big = tmp_path / "big.obj"
+    big.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 3_000_000)
+    answer_bar(cancel)
+    assert not window.files.open_path(str(big), 3.0, asked=True)
+    assert isinstance(window.files.error, CancelledError)
+    wait_for(lambda: not _readers())
+    assert still_paints(window)
+
+
+def _readers() -> list[int]:
+    """Processes that read a mesh for this one."""
+    found = []
+    for folder in Path("/proc").iterdir() if Path("/proc/self").exists() else ():
+        try:
+            mine = f"PPid:\t{os.getpid()}\n" in (folder / "status").read_text()
+            if mine and b"paint3d.files.child" in (folder / "cmdline").read_bytes():
+                found.append(int(folder.name))
+        except (OSError, ValueError):
+            continue
+    return found
