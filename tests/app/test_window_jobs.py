@@ -211,7 +211,12 @@ def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
     sitting.close(keep=True)
     assert len(recoverable()) == 1
     whole = Unfinished.recover
-    monkeypatch.setattr(Unfinished, "recover", lambda self: (gate.wait(30), whole(self))[1])
+
+    def held(one: Unfinished):
+        gate.wait(30)
+        return whole(one)
+
+    monkeypatch.setattr(Unfinished, "recover", lambda self, progress=None: held(self))
     answer_bar(cancel)
     assert not empty.files.recover(recoverable()[0])
     gate.set()
