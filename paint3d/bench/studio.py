@@ -1,8 +1,9 @@
-"""The studio's picture beside its painting thread: a sheet of a million vertices, all refined.
+"""The studio's pictures: painting and turning, on a bowl and on a sheet of a million vertices.
 
-A hand of its own thread writes over the sheet at a device's rate while pictures are drawn as often
-as it goes, 30 times and 4 times a second. A mark goes along with the hand's samples now and then:
-it is painted when all before it are, and seen when the next picture is there.
+A hand of its own thread writes at a device's rate while pictures are drawn as often as it goes; on
+the sheet, which is refined all over, 30 times and 4 times a second too. A mark goes along with the
+hand's samples now and then: it is painted when all before it are, and seen when the next picture is
+there. Turning, there is a new view for every picture.
 """
 
 from __future__ import annotations
@@ -10,28 +11,39 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.navigation import orbit
 from paint3d.app.window.stage import Stage
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
-from paint3d.view.camera import View, fit_camera
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.view.camera import Camera, View, fit_camera
 from paint3d.view.live_object import LiveObject
 
 __all__ = ["measure"]
 
 _VERTICES = 1_000_000
 _SHEET_MM2, _FACE_AREA = 200.0 * 200.0, 0.2384  # of a refined face over the resolution squared
+_BOWL_MM = 0.4
 _SIZE = (1280, 800)
 _RATE_HZ = 250.0
 _MARK_EVERY = 25  # samples
 _SECONDS = 5.0
 _UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
-_PACES = (("as fast as it goes", 0.0), ("30 a second", 1 / 30), ("4 a second", 1 / 4))
+_ABOVE = 35.0  # mm: the brush's root over what it paints
+_PACES = (("as it goes", 0.0), ("30 a second", 1 / 30), ("4 a second", 1 / 4))
 _RANGES = (1000, 10_000, 100_000)
+_BOWL_VIEW, _SHEET_VIEW = View((0.12, -1.0, 0.62)), View((0.0, -0.45, 1.0), (0.0, 1.0, 0.0))
+_WANTED = {"bowl": 30.0, "sheet": 12.0}  # pictures a second
+_OLDEST_MS = 100.0
+
+Way = Callable[[float], tuple[np.ndarray, np.ndarray]]
+"""Where the brush's root is, mm, and how it is turned, at a share of the time."""
 
 
 @dataclass
@@ -39,9 +51,13 @@ class _Hand:
     """Writes in a thread of its own, and notes what waits."""
 
     stage: Stage
+    way: Way
     seconds: float
+    fed: dict[int, float] = field(default_factory=dict)
     marks: dict[int, list[float]] = field(default_factory=dict)  # posted, painted
     queue: list[int] = field(default_factory=list)
+    cpu_s: float = 0.0
+    rests: bool = False
 
     def write(self) -> None:
         """One stroke, in real time."""
@@ -51,49 +67,86 @@ class _Hand:
         n = int(self.seconds * _RATE_HZ)
         for k in range(n):
             time.sleep(max(0.0, start + k / _RATE_HZ - time.perf_counter()))
-            easel.feed([_sample(k, n)])
+            sample = self._sample(k, n)
+            self.fed[sample.time_ns] = time.perf_counter()
+            easel.feed([sample])
             self.queue.append(easel.queue_length)
             if k % _MARK_EVERY == 0:
                 self._mark(k)
+        self.rests = True
         easel.post("end_stroke").result()
+        self.cpu_s = time.thread_time()
 
     def _mark(self, k: int) -> None:
         times = self.marks[k] = [time.perf_counter()]
         self.stage.easel.post(lambda document: times.append(time.perf_counter()))
 
+    def _sample(self, k: int, n: int) -> DeviceSample:
+        """As a hand that presses and lifts a little."""
+        place, turned = self.way(k / n)
+        pressure = 0.0 if k in (0, n - 1) else 0.35 + 0.15 * math.sin(9.0 * k / _RATE_HZ)
+        time_ns = int(4_000_000 * (k + 1))
+        return DeviceSample(time_ns, place, turned, pressure, 0, np.zeros(3), _UPRIGHT)
 
-def _sample(k: int, n: int) -> DeviceSample:
-    """Lines to and fro down the sheet, 180 mm/s, as a hand that presses and lifts a little."""
-    t = k / _RATE_HZ
-    x = 70.0 * math.asin(math.sin(2.4 * t)) / (0.5 * math.pi)
-    y = 75.0 - 150.0 * k / n
-    pressure = 0.0 if k in (0, n - 1) else 0.35 + 0.15 * math.sin(9.0 * t)
-    place = np.array([x, y, 35.0])
-    time_ns = int(4_000_000 * (k + 1))
-    return DeviceSample(time_ns, place, _UPRIGHT, pressure, 0, np.zeros(3), _UPRIGHT)
+    def age(self) -> float:
+        """How long ago the hand did what it did last, s."""
+        newest = self.stage.easel.newest
+        return time.perf_counter() - self.fed.get(newest.time_ns, time.perf_counter())
 
 
-def _stage(share: float) -> Stage:
+def _over_the_sheet(seconds: float) -> Way:
+    """Lines to and fro down the sheet, 180 mm/s."""
+
+    def way(share: float) -> tuple[np.ndarray, np.ndarray]:
+        x = 70.0 * math.asin(math.sin(2.4 * share * seconds)) / (0.5 * math.pi)
+        return np.array([x, 75.0 - 150.0 * share, _ABOVE]), _UPRIGHT
+
+    return way
+
+
+def _around_the_bowl(stage: Stage) -> Way:
+    """To and fro on the side that is seen, and down."""
+    surface = ClosestPoints(stage.easel.document.surface.source)
+
+    def way(share: float) -> tuple[np.ndarray, np.ndarray]:
+        turn = 0.7 * math.sin(14.0 * share) - 0.5 * math.pi
+        out = np.array([math.cos(turn), math.sin(turn), 0.0])
+        hit = surface.cast((200.0 * out + [0.0, 0.0, 55.0 - 20.0 * share])[None], -out[None])
+        normal = surface.find(hit.points).normals[0]
+        half = np.array([1.0 + normal[2], -normal[1], normal[0], 0.0])  # from z to the normal
+        return hit.points[0] + _ABOVE * normal, half / np.linalg.norm(half)
+
+    return way
+
+
+def _stand(document: Document, view: View) -> tuple[Stage, Camera]:
+    """A document on stage, lit and drawn."""
+    stage = Stage(_SIZE)
+    stage.open(document)
+    camera = fit_camera(stage.points, view, _SIZE[0] / _SIZE[1])
+    stage.set_camera(camera)
+    while not (stage.is_lit and stage.is_drawn):
+        stage.follow()
+        stage.draw()
+        time.sleep(0.002)
+    return stage, camera
+
+
+def _sheet(share: float) -> Document:
     resolution = math.sqrt(_SHEET_MM2 / (2.0 * _FACE_AREA * _VERTICES * share))
     document = Document.new("plane", resolution, "xuan")
     document.surface.refine_all()
-    stage = Stage(_SIZE)
-    stage.open(document)
-    view = View((0.0, -0.45, 1.0), (0.0, 1.0, 0.0))
-    stage.set_camera(fit_camera(stage.points, view, _SIZE[0] / _SIZE[1]))
-    while not stage.is_lit:
-        stage.follow()
-        time.sleep(0.02)
-    stage.draw()
-    return stage
+    return document
 
 
-def _paint(stage: Stage, pace_s: float, seconds: float) -> dict[str, float]:
+def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, float]:
     """Write while pictures are drawn at a pace; what that took."""
     stage.easel.post("dip").result()
-    hand = _Hand(stage, seconds)
+    hand = _Hand(stage, way, seconds)
     thread = threading.Thread(target=hand.write)
-    frames, sizes, seen, drawn = [], [], {}, 0.0
+    frames, sizes, ages, seen, drawn = [], [], [], {}, 0.0
+    started = time.perf_counter()
+    painting, cpu, own = stage.easel.post(_thread_s).result(), time.process_time(), _thread_s()
     thread.start()
     while thread.is_alive():
         now = time.perf_counter()
@@ -101,27 +154,63 @@ def _paint(stage: Stage, pace_s: float, seconds: float) -> dict[str, float]:
             time.sleep(0.001)
             continue
         before = stage.scene.uploaded
-        if stage.follow() is None:
+        there = [k for k, times in hand.marks.items() if len(times) > 1 and k not in seen]
+        stage.follow()
+        fetched = time.perf_counter()
+        newest_s = hand.age() if stage.easel.newest is not None else 0.0
+        if stage.draw() is None:
             time.sleep(0.001)
             continue
-        there = [k for k, times in hand.marks.items() if len(times) > 1 and k not in seen]
-        drawn = now
-        stage.draw()
-        frames.append(stage.scene.frame_s)
+        drawn, done = now, time.perf_counter()
+        seen.update(dict.fromkeys(there, done))
+        if not hand.rests:
+            ages.append(newest_s + done - fetched)
+        frames.append(done - now)
         sizes.append(stage.scene.uploaded - before)
-        seen.update(dict.fromkeys(there, time.perf_counter()))
     thread.join()
+    cpu, own = time.process_time() - cpu, _thread_s() - own
+    painting = stage.easel.post(_thread_s).result() - painting
     delays = [at - hand.marks[k][0] for k, at in seen.items()]
     half = len(hand.queue) // 2
     return {
-        "pictures": len(frames) / seconds,
+        "pictures": len(frames) / (done - started),
         "frame": float(np.median(frames)),
+        "drawing": (cpu - painting - hand.cpu_s) / len(frames),
+        "own": own / len(frames),
+        "age": float(np.quantile(ages, 0.95)),
         "delay": float(np.median(delays)),
         "late": float(np.quantile(delays, 0.95)),
         "size": float(np.median(sizes)),
         "queue": float(max(hand.queue)),
         "growth": float(np.mean(hand.queue[half:]) - np.mean(hand.queue[:half])),
     }
+
+
+def _turn(stage: Stage, camera: Camera, seconds: float) -> dict[str, float]:
+    """Turn while pictures are drawn as often as it goes; what that took."""
+    stage.hide_brush()
+    frames, start = [], time.perf_counter()
+    cpu, own = time.process_time(), _thread_s()
+    while time.perf_counter() - start < seconds:
+        now = time.perf_counter()
+        camera = orbit(camera, 6.0, 4.0 * math.sin(3.0 * (now - start)), _SIZE[1])
+        stage.set_camera(camera)
+        stage.follow()
+        stage.draw()
+        frames.append(time.perf_counter() - now)
+    n = len(frames)
+    return {
+        "pictures": n / (time.perf_counter() - start),
+        "frame": float(np.median(frames)),
+        "drawing": (time.process_time() - cpu) / n,
+        "own": (_thread_s() - own) / n,
+        "age": float(np.quantile(frames, 0.95)),
+    }
+
+
+def _thread_s(document: Document | None = None) -> float:
+    """The time that the thread in which it is called has run, s."""
+    return time.thread_time()
 
 
 def _uploads(stage: Stage) -> list[tuple[int, int, float]]:
@@ -143,46 +232,65 @@ def _uploads(stage: Stage) -> list[tuple[int, int, float]]:
 
 
 def measure(share: float = 1.0) -> Result:
-    """Frame time, input-to-ink time, upload and queue.
+    """Pictures a second and what each takes, hand-to-ink time, upload and queue.
 
     Parameters
     ----------
     share : float
-        Of a million vertices, and of 5 s for each pace.
+        Of a million vertices, and of 5 s for each row.
     """
-    stage = _stage(share)
+    seconds = max(1.0, _SECONDS * share)
+    rows, checks = [], []
+
+    def tell(name: str, what: str, got: dict[str, float], check: bool = True) -> None:
+        milli = [1e3 * got[key] for key in ("drawing", "own", "frame", "age")]
+        ink = [1e3 * got[key] if key in got else None for key in ("delay", "late")]
+        kept = [got.get("queue"), got.get("growth")]
+        size = got["size"] / 1e3 if "size" in got else None
+        rows.append((f"{name}, {what}", got["pictures"], *milli, *ink, size, *kept))
+        if check:
+            wanted = _WANTED[name]
+            checks.append(Check(f"pictures, {name}, {what}", got["pictures"], wanted, False, "/s"))
+            checks.append(Check(f"hand, {name}, {what}", 1e3 * got["age"], _OLDEST_MS, unit="ms"))
+        if "growth" in got:
+            title = f"growth of the queue, {name}, {what}"
+            checks.append(Check(title, got["growth"], 2.0, unit="samples"))
+
+    stage, camera = _stand(Document.new("bowl", _BOWL_MM), _BOWL_VIEW)
+    try:
+        tell("bowl", "painting", _paint(stage, _around_the_bowl(stage), 0.0, seconds))
+        tell("bowl", "turning", _turn(stage, camera, seconds))
+    finally:
+        stage.close()
+    stage, camera = _stand(_sheet(share), _SHEET_VIEW)
     try:
         vertices = stage.easel.document.surface.n_vertices
-        rows, checks = [], []
-        for name, pace in _PACES:
-            got = _paint(stage, pace, max(1.0, _SECONDS * share))
-            rows.append(
-                (
-                    name, got["pictures"], 1e3 * got["frame"], 1e3 * got["delay"],
-                    1e3 * got["late"], got["size"] / 1e3, got["queue"], got["growth"],
-                )
-            )  # fmt: skip
-            checks.append(Check(f"growth of the queue, {name}", got["growth"], 2.0, unit="samples"))
+        for pace, pace_s in _PACES:
+            got = _paint(stage, _over_the_sheet(seconds), pace_s, seconds)
+            tell("sheet", "painting" + f", {pace}" * (pace_s > 0.0), got, pace_s == 0.0)
+        tell("sheet", "turning", _turn(stage, camera, seconds))
         uploads = _uploads(stage)
         renderer = stage.scene.renderer_name
-        n_patches = len(uploads)
     finally:
         stage.close()
     whole = uploads[-1][1]
     told = ", ".join(f"{n:,}: {size / 1e3:,.0f} kB in {1e3 * s:.1f} ms" for n, size, s in uploads)
     for n, size, _ in uploads[:-1]:
-        if n == 10_000 and n_patches > 1:
+        if n == 10_000:
             checks.append(
                 Check("upload for 10,000 dirty vertices, of the whole", size / whole, 0.1)
             )
     columns = (
-        "pictures", "a second", "frame ms", "input to ink ms", "95 % ms", "upload kB",
-        "longest queue", "growth",
+        "pictures", "a second", "CPU ms", "of it here", "frame ms", "hand ms",
+        "input to ink ms", "95 % ms", "upload kB", "longest queue", "growth",
     )  # fmt: skip
     notes = [
-        f"{vertices:,} vertices, {_SIZE[0]} x {_SIZE[1]} pixels, drawn by {renderer}.",
+        f"The sheet has {vertices:,} vertices; {_SIZE[0]} x {_SIZE[1]} pixels, by {renderer}.",
+        "CPU is what drawing a picture takes of all cores, 'here' in the thread that draws; "
+        "without what painting and the hand take.",
+        "'Hand' is how old what the hand did last was when the picture was there: 95 % are newer.",
         f"Upload by dirty vertices near each other: {told}.",
         f"The hand is read {_RATE_HZ:g} times a second; the queue counts batches of one sample; "
         "its growth is the second half's mean over the first's.",
     ]
-    return Result("The studio: painting and picture at once", columns, rows, checks, notes)
+    return Result("The studio: painting, turning and the picture", columns, rows, checks, notes)

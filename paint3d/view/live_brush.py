@@ -16,7 +16,8 @@ from paint3d.view.brush_shape import (
     handle_rings,
     tuft_rings,
 )
-from paint3d.view.live_scene import Box, LiveScene, joined_box
+from paint3d.view.live_layers import Box
+from paint3d.view.live_scene import LiveScene, joined_box
 from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["HAIR_COLOURS", "LiveBrush"]
@@ -56,7 +57,7 @@ class LiveBrush:
         self._seen: dict[str, NDArray] = {}
         for name, part in self._parts.items():
             _look(part, name)
-            scene.add(part)
+            scene.add(part, front=True)
         self.hide()
 
     def remove(self) -> None:
@@ -68,7 +69,7 @@ class LiveBrush:
         """Show nothing of it."""
         self._seen = {}
         for part in self._parts.values():
-            part.actor.VisibilityOff()
+            part.show(False)
 
     def screen_box(self) -> Box | None:
         """The box of pixels that it is seen in, with its shadow and outline."""
@@ -114,7 +115,7 @@ class LiveBrush:
         part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
         self._seen[name] = rings.reshape(-1, 3)
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
-        part.actor.VisibilityOn()
+        part.show(True)
 
     def _laid(self, rings: NDArray, stand: BrushStand, tree: ContactTree) -> NDArray:
         """Rings moved up or down with the surface under each, and kept above it."""
@@ -166,7 +167,7 @@ class LiveBrush:
         whole_rows = np.logical_and.accumulate(landed.all(axis=1))  # in one piece from the tip on
         landed = landed & whole_rows[:, None]
         if whole_rows.sum() < 2:
-            part.actor.VisibilityOff()
+            part.show(False)
             return
         height = np.linalg.norm(found[:, :3] - strip.reshape(-1, 3), axis=1).reshape(landed.shape)
         faint = 1.0 / (1.0 + height / 28.0)
@@ -179,7 +180,7 @@ class LiveBrush:
         part.set_shape(lifted, _whole_faces(landed))
         self._seen["shadow"] = lifted[landed.reshape(-1)]
         part.set_colours(colours)
-        part.actor.VisibilityOn()
+        part.show(True)
 
     def _draw_outline(self, stand: BrushStand, tree: ContactTree) -> None:
         part = self._parts["outline"]
@@ -188,14 +189,14 @@ class LiveBrush:
         above = _ABOVE * self._tuft.length if stand.touches else 0.0
         found, landed = _drape(tree, line - above * fall, fall, 140.0 + above)
         if len(line) < 3 or not landed.all():
-            part.actor.VisibilityOff()
+            part.show(False)
             return
         lifted = found[:, :3] + _OUTLINE_LIFT * found[:, 3:]
         part.set_line(lifted, closed=True)
         self._seen["outline"] = lifted
         colour = _OUTLINE if stand.touches else _HOVER
         part.set_colours(np.tile(np.uint8(colour), (len(line) + 1, 1)))
-        part.actor.VisibilityOn()
+        part.show(True)
 
     def _landing(self, stand: BrushStand) -> NDArray:
         """(N, 3): the ring around the straight tip that tells where it would come down."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_light import BakedLight, LiveLight
 from paint3d.view.live_patches import FACES, LivePatches
 
@@ -18,6 +19,11 @@ _VEIL = np.array([70.0, 84.0, 112.0])  # sRGB codes of what covers the surface
 _DENSE, _THIN = 0.62, 0.40  # how much of it is seen on its stripes, and between them
 _STRIPES = 26  # across the object
 _LEAST_EDGES = 5.0  # lengths of an edge from stripe to stripe: vertices must be able to show them
+
+
+_PIXELS = 0.5  # across which vertices are drawn together where there are few triangles,
+_MOST_PIXELS = 1.5  # and at most; more only where there are too many
+_NEAR = 1.5  # as coarse as this over what is wanted, or as fine: it is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +72,8 @@ class LiveObject:
         self.centre = 0.5 * (low + high).astype(np.float64)
         self.radius = 0.5 * float(np.linalg.norm(high - low))
         self._all = True
+        self._coarse: CoarseObject | None = None
+        self._changed = np.empty(0, np.int32)
         self._covers: Callable[[NDArray], NDArray] | None = None
         edge = 1.1 * float(np.sqrt(surface.vertex_areas.sum() / len(surface.source.vertices)))
         self._stripe = max(2.0 * self.radius / _STRIPES, _LEAST_EDGES * edge)
@@ -99,6 +107,7 @@ class LiveObject:
         if self._all:
             vertex_ids = np.arange(surface.n_vertices, dtype=np.int32)
             self._all = False
+        self._changed = vertex_ids
         field = surface.paint_mesh.arrays
         found = []
         for change in self.patches.changes(vertex_ids):
@@ -107,11 +116,16 @@ class LiveObject:
             if change.faces is not None:
                 points = np.stack([field.px[ids], field.py[ids], field.pz[ids]], axis=1)
                 normals = np.stack([field.nx[ids], field.ny[ids], field.nz[ids]], axis=1)
-            colours = self.light.colours(ids, srgb)
-            if self._covers is not None:
-                self._hatch(ids, colours)
+            colours = self._shown(ids, srgb)
             found.append(PatchUpload(change.patch, colours, points, normals, change.faces))
         return found
+
+    def _shown(self, ids: NDArray, srgb: NDArray) -> NDArray:
+        """(N, 3) uint8: vertices (N,) as they are seen; srgb (V, 3) is their paint."""
+        colours = self.light.colours(ids, srgb)
+        if self._covers is not None:
+            self._hatch(ids, colours)
+        return colours
 
     def _hatch(self, ids: NDArray, colours: NDArray) -> None:
         """Lay a striped veil over the colours (N, 3) of those vertices (N,) that are covered."""
@@ -121,3 +135,36 @@ class LiveObject:
         wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * along)
         share = (_THIN + (_DENSE - _THIN) * wave)[:, None]
         colours[covered] = np.rint((1.0 - share) * colours[covered] + share * _VEIL)
+
+    # -- coarsely ---------------------------------------------------------------------------
+
+    def coarse_for(self, pixel_mm: float, n_triangles: int) -> CoarseObject | None:
+        """The object as it is to be drawn while the view moves; None: as the last time.
+
+        Call it where nothing paints meanwhile, after `uploads`.
+
+        Parameters
+        ----------
+        pixel_mm : float
+            How far across a pixel is on the nearest part that is seen, mm.
+        n_triangles : int
+            How many may be drawn, about.
+        """
+        surface, mesh = self.surface, self.surface.paint_mesh
+        finest = _PIXELS * pixel_mm
+        fewest = float(np.sqrt(2.0 * self.patches.fine_area / n_triangles))
+        fewest = fewest if self.patches.n_leaves > n_triangles else 0.0
+        before = self._coarse
+        if before is not None and before.n_vertices == mesh.n_vertices:
+            low = fewest / _NEAR if before.n_faces > n_triangles else 0.0
+            if low <= before.size <= max(_MOST_PIXELS * pixel_mm, fewest * _NEAR):
+                return None
+        size = max(finest, fewest)
+        self._coarse = CoarseObject(mesh, self.patches, size, self._shown, surface.codes)
+        return self._coarse
+
+    def repaint_coarse(self) -> CoarseObject | None:
+        """Show in it what the last `uploads` brought; None where there is none."""
+        if self._coarse is not None:
+            self._coarse.repaint(self._changed, self.surface.codes)
+        return self._coarse

@@ -59,7 +59,7 @@ class LivePatches:
 
     def __init__(self, mesh: PaintMesh, faces: int = FACES) -> None:
         self.mesh = mesh
-        self._cell_patch = _cut(mesh, faces)
+        self._cell_patch, self._area = _cut(mesh, faces)
         self.n_patches = int(self._cell_patch[-1]) + 1
         self._ids = [np.empty(0, np.int32) for _ in range(self.n_patches)]
         self._leaves = [np.empty(0, np.int32) for _ in range(self.n_patches)]
@@ -93,6 +93,20 @@ class LivePatches:
         return [
             PatchChange(int(p), self._ids[p], rebuilt.get(int(p))) for p in np.flatnonzero(marks)
         ]
+
+    @property
+    def n_leaves(self) -> int:
+        """How many triangles there are."""
+        return sum(map(len, self._leaves))
+
+    @property
+    def fine_area(self) -> float:
+        """How much of the mesh so many triangles cover if they are refined, mm^2, about."""
+        return min(self._area, _FACE_AREA * self.mesh.resolution**2 * self.n_leaves)
+
+    def leaves(self) -> tuple[NDArray, list[NDArray]]:
+        """All triangles there ever were (F, 3), and which of them each patch consists of (L,)."""
+        return self._all_faces()[0], self._leaves
 
     # -- refinement -------------------------------------------------------------------------
 
@@ -161,14 +175,14 @@ class LivePatches:
         self._entries = Entries(head, *columns, old.count)
 
 
-def _cut(mesh: PaintMesh, faces: int) -> NDArray:
-    """(C,) int32: the patch of each cell; runs of cells of about the same area."""
+def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray, float]:
+    """(C,) int32: the patch of each cell, runs of about the same area; and the whole area."""
     field = mesh.arrays
     areas = np.bincount(field.sheet_cell, field.sheet_area, minlength=mesh.n_cells)
     total = float(areas.sum())
     target = max(_FACE_AREA * mesh.resolution**2 * faces, total / _MOST_PATCHES, 1e-30)
     run = np.floor((np.cumsum(areas) - 0.5 * areas) / target).astype(np.int64)
-    return np.unique(run, return_inverse=True)[1].astype(np.int32)
+    return np.unique(run, return_inverse=True)[1].astype(np.int32), total
 
 
 def _grown(array: NDArray, used: int, room: int) -> NDArray:

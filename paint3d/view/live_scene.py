@@ -14,7 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import ExportError
+from paint3d.kernels.shine import add_shine
 from paint3d.view.camera import Camera
+from paint3d.view.live_coarse import CoarseObject
+from paint3d.view.live_layers import Box, KeptPicture, Target
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import PatchUpload
 from paint3d.view.studio import Gloss
@@ -24,17 +27,26 @@ __all__ = ["DARK", "LIGHT", "Box", "LiveScene", "Mood", "joined_box"]
 
 _SHADE = 0.55  # darkest the object's shade on the floor becomes
 _MARGIN = 4  # pixels around what has changed: lines are wide, edges are smoothed
-_FINE = 2  # times as many pixels across, averaged, once nothing moves any more
+_JITTER = tuple((x, y) for y in (-0.25, 0.25) for x in (-0.25, 0.25))  # of a pixel: four samples
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
 _SAMPLES = 4  # a pixel, where a graphics card draws
+_FEW_PIXELS = 4.0  # across a coarse triangle: lamps mirrored in its corners are enough
+_SHINE = """
+  vec3 mirrored = reflect(normalize(-vertexVC.xyz), normalVCVSOutput);
+  vec3 toward = vec3(dot(mirrored, lightDirectionVC0), dot(mirrored, lightDirectionVC1),
+                     dot(mirrored, lightDirectionVC2));
+  vec3 facing = vec3(dot(normalVCVSOutput, lightDirectionVC0),
+                     dot(normalVCVSOutput, lightDirectionVC1),
+                     dot(normalVCVSOutput, lightDirectionVC2));
+  vec3 bright = step(vec3(0.0), -facing) * pow(max(vec3(1e-5), toward), vec3(specularPowerUniform));
+  fragOutput0 = vec4(vertexColorVSOutput.rgb + specularIntensity
+    * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
+"""  # of three parallel lamps, as VTK draws them but for what comes to nothing
 _LIGHTS = (  # of what shines and of the brush; the object's own light is baked
     ((-0.55, 0.75, 1.0), 0.85, (1.0, 0.985, 0.96)),
     ((0.9, 0.25, 0.45), 0.35, (0.93, 0.96, 1.0)),
     ((0.1, 0.5, -0.7), 0.3, (1.0, 1.0, 1.0)),
 )
-
-
-Box = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True)
@@ -59,13 +71,23 @@ def joined_box(boxes: Iterable[Box | None]) -> Box | None:
 
 
 class LiveScene:
-    """Everything seen while painting.
+    """Everything seen while painting, in three layers: the backdrop, the object, the brush.
+
+    Each layer's picture is kept, so that only what has changed is drawn anew: a brush over an
+    object costs what a brush costs, and a part of an object costs what lies in that part.
 
     Parameters
     ----------
     size : (int, int)
         Width and height, pixels.
     mood : Mood
+
+    Attributes
+    ----------
+    uploaded : int
+        Bytes that went to the renderer.
+    frame_s : float
+        What the last `draw_object` and `show` took, s.
 
     Raises
     ------
@@ -75,34 +97,57 @@ class LiveScene:
 
     def __init__(self, size: tuple[int, int] = (800, 600), mood: Mood = LIGHT) -> None:
         import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  gives the classes below their bodies
-        from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+        from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderWindow
 
         quiet_vtk()
         self._window = vtkRenderWindow()
         self._window.SetOffScreenRendering(1)
         self._window.SetMultiSamples(0)
         self._window.SetSize(*size)
+        self._window.SetFrameBlitModeToNoBlit()
         self._size = size
-        self.renderer = vtkRenderer()
-        self._window.AddRenderer(self.renderer)
-        self.renderer.SetAutomaticLightCreation(False)
+        self._eye = vtkCamera()
+        self._backdrop, self.renderer, self._front = (self._layer(n) for n in range(3))
         self._camera = Camera(
             np.array([0.0, -4.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, 1.0]), np.radians(24.0)
         )
-        self._pixels: NDArray | None = None
-        for position, intensity, colour in _LIGHTS:
-            self.renderer.AddLight(camera_light(position, intensity, colour))
-        self.set_mood(mood)
+        self._axes = _picture_axes(self._camera)
         self.renderer_name = self._start()
         self.is_software = any(word in self.renderer_name.lower() for word in _SOFTWARE)
         if not self.is_software:
             self._window.SetMultiSamples(_SAMPLES)
+        self._target = Target(self._window)
+        self._kept: tuple[KeptPicture, KeptPicture] | None = None
+        self._pixels: NDArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
+        self._coarse: list[DrawnMesh] = []
+        self._coarse_object: CoarseObject | None = None
+        self._bounds_of = np.empty((0, 6))
+        self._boxes: NDArray | None = None
+        self._seen: tuple[int, int] | None = None
         self._ground: DrawnMesh | None = None
         self._gloss = Gloss.of("porcelain")
         self._bounds = np.zeros(3), 1.0
         self.uploaded = 0
         self.frame_s = 0.0
+        self.set_mood(mood)
+
+    def _layer(self, number: int):
+        """A renderer of one layer: 0 the backdrop, 1 the object, 2 the brush."""
+        from vtkmodules.vtkRenderingCore import vtkRenderer
+
+        layer = vtkRenderer()
+        layer.SetUseOIT(False)  # as things lie over each other they are added; a pass less
+        layer.SetAutomaticLightCreation(False)
+        layer.GetCullers().RemoveAllItems()
+        self._window.AddRenderer(layer)
+        if number > 0:
+            layer.SetActiveCamera(self._eye)
+            layer.SetPreserveColorBuffer(True)
+            layer.SetPreserveDepthBuffer(number > 1)
+            for position, intensity, colour in _LIGHTS:
+                layer.AddLight(camera_light(position, intensity, colour))
+        return layer
 
     def _start(self) -> str:
         """Start OpenGL; return the name of what draws."""
@@ -118,21 +163,18 @@ class LiveScene:
     def set_mood(self, mood: Mood) -> None:
         """Change the colours around the object."""
         self.mood = mood
-        self.renderer.GradientBackgroundOn()
-        self._paint_backdrop(0.0, 1.0)
-        self._pixels = None
-
-    def _paint_backdrop(self, low: float, high: float) -> None:
-        """Let the picture be drawn between two heights of the whole one, 0 to 1."""
-        below, above = np.array(self.mood.below), np.array(self.mood.above)
-        self.renderer.SetBackground(*(below + low * (above - below)))
-        self.renderer.SetBackground2(*(below + high * (above - below)))
+        self._backdrop.GradientBackgroundOn()
+        self._backdrop.SetBackground(*mood.below)
+        self._backdrop.SetBackground2(*mood.above)
+        self._forget()
 
     def clear(self, centre: NDArray, radius: float, gloss: Gloss) -> None:
         """Take the object away; the next one lies within `radius` mm of `centre`."""
         for drawn in self._patches.values():
             self.renderer.RemoveActor(drawn.actor)
         self._patches = {}
+        self.set_coarse(None)
+        self._bounds_of, self._boxes, self._seen = np.empty((0, 6)), None, None
         if self._ground is not None:
             self.renderer.RemoveActor(self._ground.actor)
             self._ground = None
@@ -143,7 +185,7 @@ class LiveScene:
     def set_gloss(self, gloss: Gloss) -> None:
         """Let the object shine as its material does."""
         self._gloss = gloss
-        for drawn in self._patches.values():
+        for drawn in (*self._patches.values(), *self._coarse):
             _shine(drawn.actor.GetProperty(), gloss)
 
     def apply(self, uploads: Iterable[PatchUpload]) -> int:
@@ -152,23 +194,96 @@ class LiveScene:
         for upload in uploads:
             drawn = self._patches.get(upload.patch)
             if drawn is None:
-                drawn = self._patches[upload.patch] = DrawnMesh()
-                _shine(drawn.actor.GetProperty(), self._gloss)
-                self.renderer.AddActor(drawn.actor)
+                drawn = self._patches[upload.patch] = self._glazed()
             if upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
+                self._bound(upload.patch, upload.points)
             drawn.set_colours(upload.colours)
             n_bytes += upload.n_bytes
         self.uploaded += n_bytes
         return n_bytes
 
-    def add(self, drawn: DrawnMesh) -> None:
-        """Show something else besides: a brush, a line."""
+    def _glazed(self) -> DrawnMesh:
+        """A piece of the object, of which nothing is there yet."""
+        drawn = DrawnMesh()
+        _shine(drawn.actor.GetProperty(), self._gloss)
+        _mirror(drawn, True)
         self.renderer.AddActor(drawn.actor)
+        return drawn
+
+    def _bound(self, patch: int, points: NDArray) -> None:
+        """Note where a patch lies."""
+        if patch >= len(self._bounds_of):
+            room = np.full((patch + 1 - len(self._bounds_of), 6), np.nan)
+            self._bounds_of = np.concatenate([self._bounds_of, room])
+        if len(points):
+            self._bounds_of[patch] = *points.min(axis=0), *points.max(axis=0)
+        self._boxes = self._seen = None
+
+    def set_coarse(self, coarse: CoarseObject | None) -> None:
+        """Take the object as it is drawn coarsely (see `draw_object`), or None for not at all."""
+        for drawn in self._coarse:
+            self.renderer.RemoveActor(drawn.actor)
+        self._coarse, self._coarse_object = [], coarse
+        for piece in coarse.pieces if coarse is not None else ():
+            drawn = self._glazed()
+            drawn.set_shape(piece.points, piece.faces, piece.normals)
+            drawn.show(False)
+            self._coarse.append(drawn)
+        self.recolour_coarse()
+
+    @property
+    def has_coarse(self) -> bool:
+        """Whether the object can be drawn coarsely."""
+        return bool(self._coarse)
+
+    def recolour_coarse(self) -> None:
+        """Take its colours anew."""
+        coarse = self._coarse_object
+        for drawn, piece in zip(self._coarse, coarse.pieces if coarse else (), strict=True):
+            drawn.set_colours(coarse.colours[piece.clusters])
+
+    def _light_coarse(self) -> None:
+        """Let lamps be mirrored in the corners of what is drawn coarsely, if they lie near."""
+        coarse, look = self._coarse_object, self._coarse[0].actor.GetProperty()
+        near = coarse.size <= _FEW_PIXELS * self.nearest_mm() and coarse.is_dense
+        if near:
+            colours = np.empty_like(coarse.colours)
+            axes = self._axes * (1.0, 1.0, -1.0)  # to the right, up, and to the eye
+            lamps = np.array(
+                [
+                    [*(axes @ _unit(place)), *(np.array(colour) * light)]
+                    for place, light, colour in _LIGHTS
+                ]
+            )
+            power, share = look.GetSpecularPower(), look.GetSpecular()
+            add_shine(
+                coarse.points,
+                coarse.normals,
+                coarse.colours,
+                self._camera.position,
+                lamps,
+                power,
+                share,
+                colours,
+            )
+            for drawn, piece in zip(self._coarse, coarse.pieces, strict=True):
+                drawn.set_colours(colours[piece.clusters])
+        elif not look.GetLighting():
+            self.recolour_coarse()
+        if bool(look.GetLighting()) == near:
+            for drawn in self._coarse:
+                drawn.actor.GetProperty().SetLighting(not near)
+                _mirror(drawn, not near)
+
+    def add(self, drawn: DrawnMesh, *, front: bool = False) -> None:
+        """Show something else besides: a line on the object; in front, a brush over it."""
+        (self._front if front else self.renderer).AddActor(drawn.actor)
 
     def remove(self, drawn: DrawnMesh) -> None:
         """Show it no longer."""
         self.renderer.RemoveActor(drawn.actor)
+        self._front.RemoveActor(drawn.actor)
 
     def set_ground(self, baked: BakedLight) -> None:
         """Let the object cast its soft shade on the floor, which is seen from above only."""
@@ -191,54 +306,134 @@ class LiveScene:
     def set_size(self, size: tuple[int, int]) -> None:
         """Change the width and height, pixels."""
         self._size = max(1, int(size[0])), max(1, int(size[1]))
-        self._pixels = None
+        self._forget()
 
     @property
     def size(self) -> tuple[int, int]:
         """Width and height, pixels."""
         return self._size
 
+    @property
+    def whole(self) -> Box:
+        """The box of all pixels."""
+        return 0, 0, *self._size
+
     def set_camera(self, camera: Camera) -> None:
         """Look from there."""
-        self._camera = camera
-        self._pixels = None
-        eye = self.renderer.GetActiveCamera()
+        self._camera, self._axes = camera, _picture_axes(camera)
+        self._pixels = self._boxes = self._seen = None
+        eye = self._eye
         eye.SetPosition(*camera.position)
         eye.SetFocalPoint(*camera.focus)
         eye.SetViewUp(*camera.up)
+        eye.SetViewAngle(np.degrees(camera.view_angle))
         centre, radius = self._bounds
-        ahead = np.asarray(camera.focus) - camera.position
-        depth = float((centre - camera.position) @ (ahead / np.linalg.norm(ahead)))
+        depth = float((centre - camera.position) @ self._axes[:, 2])
         far = depth + 5.0 * radius
         eye.SetClippingRange(max(depth - 2.0 * radius, 0.002 * far), far)
 
     def screen_box(self, points: NDArray) -> Box | None:
         """The smallest box of pixels that points (N, 3) are seen in, y up; None if in none."""
-        camera, (width, height) = self._camera, self._size
-        back = camera.position - camera.focus
-        back = back / np.linalg.norm(back)
-        right = np.cross(camera.up, back)
-        right /= np.linalg.norm(right)
-        seen = (np.asarray(points, np.float64) - camera.position) @ np.stack(
-            [right, np.cross(back, right), -back], axis=1
-        )
-        if len(seen) == 0 or seen[:, 2].min() <= 0.0:
-            return (0, 0, width, height) if len(seen) else None
-        scale = 0.5 * height / np.tan(0.5 * camera.view_angle) / seen[:, 2]
-        x, y = 0.5 * width + scale * seen[:, 0], 0.5 * height + scale * seen[:, 1]
-        x0, x1 = (int(np.clip(v, 0, width)) for v in (x.min() - _MARGIN, x.max() + _MARGIN))
-        y0, y1 = (int(np.clip(v, 0, height)) for v in (y.min() - _MARGIN, y.max() + _MARGIN))
-        return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
+        points = np.asarray(points, np.float64)
+        if len(points) == 0:
+            return None
+        return _box_of(self._screen_boxes(points[None])[0])
 
     def patch_box(self, patch: int) -> Box | None:
         """The box of pixels that a patch lies within."""
-        low_x, high_x, low_y, high_y, low_z, high_z = self._patches[patch].actor.GetBounds()
-        corners = np.array(
-            [(x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (low_z, high_z)]
+        return _box_of(self._patch_boxes()[patch])
+
+    def _patch_boxes(self) -> NDArray:
+        """(P, 4) the box of each patch; empty where it is seen nowhere."""
+        if self._boxes is None:
+            low, high = self._bounds_of[:, :3], self._bounds_of[:, 3:]
+            corner = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], bool)
+            self._boxes = self._screen_boxes(np.where(corner, high[:, None], low[:, None]))
+        return self._boxes
+
+    def _screen_boxes(self, points: NDArray) -> NDArray:
+        """(P, 4) int: the boxes around points (P, N, 3); x1 <= x0 or y1 <= y0 where in none."""
+        camera, (width, height) = self._camera, self._size
+        seen = (points - camera.position) @ self._axes
+        near = seen[..., 2].min(axis=1)
+        scale = 0.5 * height / np.tan(0.5 * camera.view_angle) / np.maximum(seen[..., 2:], 1e-9)
+        place = scale * seen[..., :2] + (0.5 * width, 0.5 * height)
+        boxes = np.concatenate(
+            [place.min(axis=1) - _MARGIN, place.max(axis=1) + _MARGIN + 1.0], axis=1
         )
-        return self.screen_box(corners)
+        boxes[~(near > 0.0)] = self.whole  # at the eye or behind it: anywhere; also what is nan
+        return np.clip(boxes, 0, (width, height, width, height)).astype(np.int64)
 
     # -- pixels -----------------------------------------------------------------------------
+
+    def draw_object(
+        self, box: Box | None = None, *, coarse: bool = False, fine: bool = False
+    ) -> None:
+        """Draw the object anew; `show` then shows it.
+
+        Parameters
+        ----------
+        box : (x0, y0, x1, y1), optional
+            Only this box of pixels; to the bit as it would be within the whole. The cost falls
+            with its size and with what lies in it.
+        coarse : bool
+            Draw what `set_coarse` was given.
+        fine : bool
+            Smooth edges also where software draws, at four times the cost: for when nothing moves.
+        """
+        started = time.perf_counter()
+        backdrop, kept = self._keep()
+        box = box or self.whole
+        self._choose(box, coarse and bool(self._coarse))
+        sums = None
+        for shift in _JITTER if fine and self.is_software else ((0.0, 0.0),):
+            backdrop.give(box)
+            self._draw_layer(self.renderer, box, shift)
+            if fine and self.is_software:
+                pixels = self._target.read(box)
+                sums = pixels.astype(np.uint16) if sums is None else sums + pixels
+        if sums is not None:
+            self._target.write(box, _mean(sums))
+        kept.keep(box)
+        self.frame_s = time.perf_counter() - started
+
+    def show(self, box: Box | None = None, *, fine: bool = False) -> NDArray:
+        """The object as it was drawn last, with the brush in front of it.
+
+        Parameters
+        ----------
+        box : (x0, y0, x1, y1), optional
+            What has changed since the last call: where the object was drawn anew, where the brush
+            was, and where it is.
+        fine : bool
+            Smooth the brush's edges also where software draws.
+
+        Returns
+        -------
+        (H, W, 4) uint8
+            sRGB, the first row at the bottom; the next call changes them.
+        """
+        started = time.perf_counter()
+        kept = self._keep()[1]
+        if self._pixels is None:
+            box, (width, height) = None, self._size
+            self._pixels = np.empty((height, width, 4), np.uint8)  # the first row at the top
+        box = box or self.whole
+        sums = None
+        shifts = _JITTER if fine and self.is_software and self._has_front() else ((0.0, 0.0),)
+        for shift in shifts:
+            kept.give(box)
+            if self._has_front():
+                self._draw_layer(self._front, box, shift)
+            pixels = self._target.read(box)
+            if len(shifts) > 1:
+                sums = pixels.astype(np.uint16) if sums is None else sums + pixels
+        if sums is not None:
+            pixels = _mean(sums)
+        top = self._size[1]
+        self._pixels[top - box[3] : top - box[1], box[0] : box[2]] = pixels[::-1]
+        self.frame_s += time.perf_counter() - started
+        return self._pixels[::-1]
 
     def draw(self, *, fine: bool = False, only: Box | None = None) -> NDArray:
         """(H, W, 4) uint8 sRGB pixels, the first row at the bottom; the next call changes them.
@@ -246,60 +441,132 @@ class LiveScene:
         Parameters
         ----------
         fine : bool
-            Smooth edges also where software draws, at some times the cost: for when nothing moves.
+            Smooth edges also where software draws, at four times the cost: for when nothing moves.
         only : (x0, y0, x1, y1), optional
-            Draw only this box of pixels anew; the rest is as before. The cost falls with its size
-            and with what lies in it.
+            Draw only this box of pixels anew; the rest is as before.
 
         Raises
         ------
         ExportError
-            If OpenGL cannot be started.
+            If OpenGL gives no pixels.
         """
-        started = time.perf_counter()
-        width, height = self._size
-        if only is None or self._pixels is None:
-            only = (0, 0, width, height)
-        zoom = _FINE if fine and self.is_software else 1
-        self._aim(only)
-        self._window.SetSize(width * zoom, height * zoom)
+        if self._pixels is None:
+            only = None
+        self.draw_object(only, fine=fine)
+        return self.show(only, fine=fine)
+
+    def seen(self) -> tuple[int, int]:
+        """How many triangles lie in the picture, and in how many patches."""
+        if self._seen is None:
+            inside = _overlap(self._patch_boxes(), self.whole)
+            counts = [drawn.n_faces for patch, drawn in self._patches.items() if inside[patch]]
+            self._seen = sum(counts), len(counts)
+        return self._seen
+
+    def nearest_mm(self) -> float:
+        """How far across a pixel is on the nearest patch in the picture, mm."""
+        camera, ahead = self._camera, self._axes[:, 2]
+        middle = 0.5 * (self._bounds_of[:, :3] + self._bounds_of[:, 3:])
+        depth = ((middle - camera.position) @ ahead)[_overlap(self._patch_boxes(), self.whole)]
+        depth = depth[depth > 0.0]
+        away = float(depth.min()) if len(depth) else float(np.linalg.norm(camera.focus))
+        return 2.0 * away * np.tan(0.5 * camera.view_angle) / self._size[1]
+
+    def _has_front(self) -> bool:
+        """Whether anything is there to be drawn in front of the object."""
+        actors = self._front.GetActors()
+        return any(actor.GetVisibility() for actor in actors)
+
+    def _choose(self, box: Box, coarse: bool) -> None:
+        """Let the renderer see only what lies in the box."""
+        seen = _overlap(self._patch_boxes(), box)
+        for patch, drawn in self._patches.items():
+            drawn.show(bool(seen[patch]) and not coarse)
+        for drawn in self._coarse:
+            drawn.show(coarse)
+        if coarse:
+            self._light_coarse()
+            self._sort_coarse()
+
+    def _sort_coarse(self) -> None:
+        """Draw near pieces first: what lies behind them need not be shaded."""
+        pieces = self._coarse_object.pieces
+        depth = [(piece.centre - self._camera.position) @ self._axes[:, 2] for piece in pieces]
+        props = self.renderer.GetViewProps()  # the renderer itself would send it all again
+        for drawn in self._coarse:
+            props.RemoveItem(drawn.actor)
+        for k in np.argsort(depth, kind="stable"):
+            props.AddItem(self._coarse[k].actor)
+
+    def _draw_layer(self, layer, box: Box, shift: tuple[float, float]) -> None:
+        """Draw one layer within a box, some share of a pixel aside."""
+        from vtkmodules.vtkCommonDataModel import vtkRecti
+
+        for other in (self._backdrop, self.renderer, self._front):
+            other.SetDraw(other is layer)
+        x0, y0, x1, y1 = box
+        self._eye.SetScissorRect(vtkRecti(x0, y0, x1 - x0, y1 - y0))
+        self._eye.SetUseScissor(True)
+        self._eye.SetWindowCenter(2.0 * shift[0] / self._size[0], 2.0 * shift[1] / self._size[1])
         self._window.Render()
-        pixels = self._read(*(zoom * edge for edge in only))
-        if zoom > 1:
-            rows, columns = only[3] - only[1], only[2] - only[0]
-            blocks = pixels.reshape(rows, zoom, columns, zoom, 4)
-            pixels = (blocks.sum(axis=(1, 3), dtype=np.uint16) // zoom**2).astype(np.uint8)
-        if only == (0, 0, width, height):
-            self._pixels = np.array(pixels)
-        else:
-            self._pixels[only[1] : only[3], only[0] : only[2]] = pixels
-        self.frame_s = time.perf_counter() - started
-        return self._pixels
 
-    def _aim(self, box: Box) -> None:
-        """Turn camera, viewport and backdrop to a box of pixels."""
-        (width, height), (x0, y0, x1, y1) = self._size, box
-        share = (y1 - y0) / height
-        half = np.tan(0.5 * self._camera.view_angle) * share
-        eye = self.renderer.GetActiveCamera()
-        eye.SetViewAngle(np.degrees(2.0 * np.arctan(half)))
-        eye.SetWindowCenter((x0 + x1 - width) / (x1 - x0), (y0 + y1 - height) / (y1 - y0))
-        self.renderer.SetViewport(x0 / width, y0 / height, x1 / width, y1 / height)
-        self._paint_backdrop(y0 / height, y1 / height)
+    def _forget(self) -> None:
+        """Let go of what is kept: it no longer fits."""
+        for kept in self._kept or ():
+            kept.release()
+        self._kept = self._pixels = self._boxes = self._seen = None
 
-    def _read(self, x0: int, y0: int, x1: int, y1: int) -> NDArray:
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-
-        pixels = vtkUnsignedCharArray()
-        self._window.GetRGBACharPixelData(x0, y0, x1 - 1, y1 - 1, 0, pixels)
-        if pixels.GetNumberOfTuples() != (x1 - x0) * (y1 - y0):
-            raise ExportError("nothing could be drawn: OpenGL gave no pixels")
-        return vtk_to_numpy(pixels).reshape(y1 - y0, x1 - x0, 4)
+    def _keep(self) -> tuple[KeptPicture, KeptPicture]:
+        """The backdrop, and where the object is kept."""
+        if self._kept is None:
+            self._window.SetSize(*self._size)
+            self._draw_layer(self._backdrop, self.whole, (0.0, 0.0))
+            self._kept = KeptPicture(self._window), KeptPicture(self._window)
+            self._kept[0].keep(self.whole)
+        return self._kept
 
     def close(self) -> None:
         """Let go of the graphics memory."""
+        self._forget()
         self._window.Finalize()
+
+
+def _picture_axes(camera: Camera) -> NDArray:
+    """(3, 3): columns to the right, up and ahead."""
+    back = camera.position - camera.focus
+    back = back / np.linalg.norm(back)
+    right = np.cross(camera.up, back)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(back, right), -back], axis=1)
+
+
+def _box_of(edges: NDArray) -> Box | None:
+    x0, y0, x1, y1 = (int(edge) for edge in edges)
+    return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
+
+
+def _mean(sums: NDArray) -> NDArray:
+    """The mean (H, W, 4) uint8 of four pictures, from their sum."""
+    return ((sums + 2) >> 2).astype(np.uint8)
+
+
+def _overlap(boxes: NDArray, box: Box) -> NDArray:
+    """(P,) bool: which of the boxes (P, 4) have pixels in common with another."""
+    low, high = np.maximum(boxes[:, :2], box[:2]), np.minimum(boxes[:, 2:], box[2:])
+    return (high > low).all(axis=1)
+
+
+def _unit(vector: Iterable[float]) -> NDArray:
+    array = np.asarray(vector, np.float64)
+    return array / np.linalg.norm(array)
+
+
+def _mirror(drawn: DrawnMesh, on: bool) -> None:
+    """Let lamps be mirrored pixel by pixel, or not."""
+    shader = drawn.actor.GetShaderProperty()
+    shader.ClearAllFragmentShaderReplacements()
+    if on:
+        shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _SHINE, False)
 
 
 def _shine(look, gloss: Gloss) -> None:

@@ -24,6 +24,8 @@ class DrawnMesh:
     ----------
     actor : vtkActor
         To set how it looks.
+    n_faces : int
+        Triangles it has.
     """
 
     def __init__(self) -> None:
@@ -37,6 +39,8 @@ class DrawnMesh:
         self._mapper.SetStatic(1)
         self._colours: NDArray | None = None
         self._vtk_colours = None
+        self._shown = True
+        self.n_faces = 0
         self.actor = vtkActor()
         self.actor.SetMapper(self._mapper)
         self.actor.PickableOff()
@@ -49,6 +53,7 @@ class DrawnMesh:
 
         place = vtkPoints()
         place.SetData(numpy_to_vtk(np.ascontiguousarray(points, np.float32), deep=True))
+        self.n_faces = len(faces)
         cells = vtkCellArray()
         corners = np.ascontiguousarray(faces, np.int32).ravel()
         cells.SetData(3, numpy_to_vtk(corners, deep=True))
@@ -91,6 +96,12 @@ class DrawnMesh:
         self._colours = np.array(colours, np.uint8, order="C")
         self._vtk_colours = numpy_to_vtk(self._colours, deep=False)
         self._data.GetPointData().SetScalars(self._vtk_colours)
+
+    def show(self, on: bool) -> None:
+        """Let it be seen, or not."""
+        if on != self._shown:
+            self._shown = on
+            self.actor.SetVisibility(on)
 
     def draw_before(self) -> None:
         """Let it win over what lies in the same depth: it is painted on a surface."""

@@ -95,7 +95,7 @@ def test_the_brush_is_seen_with_its_ink_and_hides(painter: Painter) -> None:
     surface = painter.surface
     scene.clear(np.zeros(3), 140.0, Gloss.of("xuan"))
     scene.set_camera(fit_camera(surface.source.vertices, View((0, -1, 0.4)), 1.25))
-    empty = scene.draw()
+    empty = scene.draw().copy()
     brush = LiveBrush(scene, painter.tuft, "goat")
     assert np.array_equal(scene.draw(), empty)
     stand = stand_at(painter, 20.0, 0.6)

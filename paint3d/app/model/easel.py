@@ -93,6 +93,8 @@ class Easel:
     Attributes
     ----------
     document : Document
+    newest : DeviceSample or None
+        What the hand did last, whether it is painted yet or not.
     """
 
     def __init__(
@@ -118,6 +120,7 @@ class Easel:
         self._events: deque[Event] = deque()
         self._watch = GrowthWatch(document.surface)
         self._hovering: DeviceSample | None = None
+        self.newest: DeviceSample | None = None
         self._stopping = self._working = self._nudged = False
         self._stale = True
         self._number = 0
@@ -164,11 +167,13 @@ class Easel:
         """Paint samples of both hands, of the stroke that was begun by `post("begin_stroke")`."""
         if samples:
             self._put(_Job(time.perf_counter(), tuple(samples)))
+            self.newest = samples[-1]
 
     def hover(self, sample: DeviceSample) -> None:
         """Show the brush here, without painting."""
         with self._wake:
-            self._hovering, self._stale = sample, True
+            self._hovering = self.newest = sample
+            self._stale = True
             self._wake.notify()
 
     def take_frame(self) -> Frame | None:

@@ -7,7 +7,7 @@ the renderer works.
 
 from __future__ import annotations
 
-import time
+import dataclasses
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
@@ -16,26 +16,29 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
-from paint3d.app.model.frame import BrushView, Frame
+from paint3d.app.model.frame import BrushView, Frame, view_brush
 from paint3d.app.model.mask import Stencil
 from paint3d.app.model.sitting import Sitting
 from paint3d.brush.spec import BrushSpec
+from paint3d.device.sample import DeviceSample
 from paint3d.frames import matrices_from_quaternions
+from paint3d.pose.brush_pose import object_poses
 from paint3d.view.brush_shape import BrushStand
 from paint3d.view.camera import Camera
 from paint3d.view.live_brush import LiveBrush
+from paint3d.view.live_layers import Box
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import LiveObject
-from paint3d.view.live_scene import LIGHT, Box, LiveScene, Mood, joined_box
+from paint3d.view.live_picture import LivePicture
+from paint3d.view.live_scene import LIGHT, LiveScene, Mood
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["Stage"]
 
-_CALM_S = 0.35  # after which the picture is drawn finely,
-_AFFORDED_S = 0.15  # unless a plain one took longer: the hand must not wait a second for it
 _PATIENCE_S = 0.02  # that the picture waits for a step of the painting
 _NONE = np.empty(0, np.int32)
+_NOWHERE = object()
 
 
 class Stage:
@@ -52,8 +55,6 @@ class Stage:
     easel : Easel or None
     frame : Frame or None
         The last one.
-    picture_s : float
-        What the last plain picture took, s.
     """
 
     def __init__(self, size: tuple[int, int], mood: Mood = LIGHT) -> None:
@@ -68,13 +69,12 @@ class Stage:
         self._lines: dict[str, DrawnMesh] = {}
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
-        self._stale = True
-        self._changed: list[Box | None] = []
+        self._drawn = LivePicture(self.scene, self._prepare_coarse)
         self._pending: list[NDArray] = []
         self._stood: tuple = ()
-        self._whole_s = self.picture_s = 0.0
-        self._fine = False
-        self._moved = time.perf_counter()
+        self._seen: BrushView | None = None
+        self._seen_at: DeviceSample | None = None
+        self._left_at: DeviceSample | object = _NOWHERE
 
     # -- one document -----------------------------------------------------------------------
 
@@ -119,6 +119,8 @@ class Stage:
         self.easel = self.frame = self._object = self._brush = None
         self._brush_spec, self._stood, self._pending = None, (), []
         self._stencil = None
+        self._seen = self._seen_at = None
+        self._left_at = _NOWHERE
 
     def close(self) -> None:
         """Let go of everything."""
@@ -156,7 +158,7 @@ class Stage:
 
     def touch(self) -> None:
         """Have it drawn again."""
-        self._stale = True
+        self._drawn.touch()
 
     def follow(self) -> Frame | None:
         """Take what the easel has done since the last time; None if nothing."""
@@ -174,33 +176,36 @@ class Stage:
             self._take()
         else:
             self._pending.clear()
-        self._show_brush(frame.brush)
         self.frame = frame
         return frame
 
     def draw(self) -> NDArray | None:
-        """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
-        now = time.perf_counter()
-        box, self._changed = joined_box(self._changed), []
-        if self._stale or box is not None:
-            only = None if self._stale else box
-            self._stale = self._fine = False
-            self._moved = now
-            pixels = self.scene.draw(only=only)
-            self.picture_s = self.scene.frame_s
-            if only is None:
-                self._whole_s = self.picture_s
-            return pixels
-        if self._fine or not self.scene.is_software or now - self._moved < _CALM_S:
-            return None
-        if self._whole_s > _AFFORDED_S:
-            return None
-        self._fine = True
-        return self.scene.draw(fine=True)
+        """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed.
+
+        The brush is drawn where the hand is now, also where the painting has not come there yet.
+        """
+        self._place_brush()
+        return self._drawn.draw()
+
+    @property
+    def changed(self) -> Box | None:
+        """The pixels that the last picture shows otherwise than the one before."""
+        return self._drawn.changed
+
+    @property
+    def picture_s(self) -> float:
+        """What the last picture took that showed something new, s."""
+        return self._drawn.picture_s
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether nothing is left to draw, also not more finely."""
+        return self._drawn.is_done()
 
     def picture(self, *, fine: bool = True) -> NDArray:
         """(H, W, 4) uint8 pixels as they are now, the first row at the bottom."""
-        return self.scene.draw(fine=fine)
+        self._place_brush()
+        return self._drawn.draw_whole(fine=fine)
 
     def _take(self) -> None:
         """Copy what has changed; later, where a step of the painting lasts too long."""
@@ -209,9 +214,25 @@ class Stage:
                 return
             ids = np.concatenate([*self._pending, document.refresh()])
             uploads = self._object.uploads(ids)
+            coarse = self._object.repaint_coarse()
         self._pending.clear()
         self.scene.apply(uploads)
-        self._changed += [self.scene.patch_box(upload.patch) for upload in uploads]
+        if coarse is not None:
+            self.scene.recolour_coarse()
+        for upload in uploads:
+            self._drawn.touch_object(self.scene.patch_box(upload.patch))
+
+    def _prepare_coarse(self, n_triangles: int) -> bool:
+        """Have the scene draw the object coarsely; whether it can."""
+        if self._pending:
+            self._take()
+        with self.easel.paused(_PATIENCE_S) as document:
+            if document is None or self._pending:
+                return self.scene.has_coarse
+            coarse = self._object.coarse_for(self.scene.nearest_mm(), n_triangles)
+        if coarse is not None:
+            self.scene.set_coarse(coarse)
+        return True
 
     def _take_light(self) -> None:
         if self._baking is None or not self._baking.done():
@@ -266,6 +287,30 @@ class Stage:
 
     # -- the brush --------------------------------------------------------------------------
 
+    def _place_brush(self) -> None:
+        """Put the brush where it is to be drawn."""
+        if self.frame is not None:
+            self._show_brush(self._brush_now())
+
+    def _brush_now(self) -> BrushView | None:
+        """The brush where the hand was last; how it stands there, if that can be found at once."""
+        seen, newest = self.frame.brush, self.easel.newest
+        if newest is self._left_at:
+            return None
+        if seen is None or newest is None:
+            return seen
+        pose = object_poses([newest])
+        shift = pose.position[0] - seen.position
+        if not shift.any() and np.array_equal(pose.orientation[0], seen.orientation):
+            return seen
+        if newest is not self._seen_at:
+            with self.easel.paused(0.0) as document:
+                self._seen = (
+                    _moved(seen, shift) if document is None else view_brush(document, newest)
+                )
+            self._seen_at = newest
+        return self._seen
+
     def _show_brush(self, seen: BrushView | None) -> None:
         """Draw the brush where it is now, if it is anywhere else or otherwise than before."""
         painter = self.easel.document.painter
@@ -278,11 +323,11 @@ class Stage:
         self._stood = stood
         if self._brush is None or self._brush_spec != painter.brush:
             if self._brush is not None:
-                self._changed.append(self._brush.screen_box())
+                self._drawn.touch_front(self._brush.screen_box())
                 self._brush.remove()
             self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair)
             self._brush_spec = painter.brush
-        self._changed.append(self._brush.screen_box())
+        self._drawn.touch_front(self._brush.screen_box())
         if seen is None or not self.shows_brush:
             self._brush.hide()
             return
@@ -291,11 +336,18 @@ class Stage:
         tree = self.easel.document.surface.contact_tree
         ink = tuple(int(code) for code in seen.srgb)
         self._brush.show(stand, tree, self._object.light.axes, ink, seen.load)
-        self._changed.append(self._brush.screen_box())
+        self._drawn.touch_front(self._brush.screen_box())
 
     def hide_brush(self) -> None:
-        """Let the brush leave the picture, as the pointer did."""
-        if self._brush is not None:
-            self._changed.append(self._brush.screen_box())
-            self._brush.hide()
-            self._stood = ()
+        """Let the brush leave the picture, as the pointer did, until the hand moves again."""
+        if self.easel is not None:
+            self._left_at = self.easel.newest
+
+
+def _moved(seen: BrushView, shift: NDArray) -> BrushView:
+    """The brush as it stands, elsewhere (mm)."""
+    contact = seen.contact
+    if contact is not None:
+        there = {"foot": contact.foot + shift, "origin": contact.origin + shift}
+        contact = dataclasses.replace(contact, **there)
+    return dataclasses.replace(seen, position=seen.position + shift, contact=contact)

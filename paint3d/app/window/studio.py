@@ -62,6 +62,7 @@ _TOLD_MS = 6000
 _UNTIMED = "This pen gives no times of its own; they are evened out"
 _TOOLS, _SMALL_TOOLS = QtCore.QSize(19, 19), QtCore.QSize(16, 16)
 _AROUND_TOOLS = 60  # pixels of the window's height that menus and status line take
+_TOLD_EVERY_S = 0.25  # how the painting keeps up: oftener it cannot be read
 
 
 class StudioWindow(QtWidgets.QMainWindow):
@@ -133,7 +134,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels.hand.show_settings(self.hand.settings)
         self.resize(1280, 800)
         restore_window(self, self.settings.window)
-        self._next_draw = 0.0
+        self._next_draw = self._next_told = 0.0
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
         self._timer.timeout.connect(self.tick)
@@ -295,38 +296,43 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.begin_page.show_page(self.stage.easel is None and not is_waiting(self))
         if self.stage.easel is None:
             return
-        now = time.perf_counter()
         self.both_hands.tick()
         self.player.tick()
         self.copying.follow()
+        for event in self.stage.easel.take_events():
+            self.tell(event.message, state="bad")
+        if time.perf_counter() < self._next_draw:
+            return
+        started = time.thread_time()
         frame = self.stage.follow()
         if frame is not None:
             self._show_state(frame)
             self.panels.follow(frame)
-        for event in self.stage.easel.take_events():
-            self.tell(event.message, state="bad")
-        if now < self._next_draw:
-            return
         pixels = self.stage.draw()
         if pixels is not None:
             self.canvas.show_pixels(pixels)
-            self._next_draw = time.perf_counter() + _REST * self.stage.scene.frame_s
+            spent = time.thread_time() - started
+            self._next_draw = time.perf_counter() + _REST * spent
 
     def _show_state(self, frame) -> None:
         self.actions_by_name["undo"].setEnabled(frame.can_undo)
         self.actions_by_name["redo"].setEnabled(frame.can_redo)
-        self.setWindowModified(self.document.modified)
+        if self.isWindowModified() != self.document.modified:
+            self.setWindowModified(self.document.modified)
         slow = frame.lag_s > _SLOW_S and frame.queue_length > 0
         caught_up = frame.lag_s > _SLOW_S and not slow
         word = "behind by {ms:.0f} ms" if slow else "keeps up, {ms:.1f} ms"
-        state = "slow" if slow else "good"
+        state, now = "slow" if slow else "good", time.perf_counter()
+        if state == self._state and now < self._next_told:
+            return
+        if state != self._state:
+            self.state.setStyleSheet(f"color: {self.theme.state_colour(state)}")
+        self._state, self._next_told = state, now + _TOLD_EVERY_S
         text = say("has caught up") if caught_up else say(word, ms=1e3 * frame.lag_s)
         seen = ""
         if self.stage.picture_s > 0.0:  # something has been drawn
             seen = "   ·   " + say("{fps:.0f} pictures/s", fps=1.0 / self.stage.picture_s)
-        self._state = state
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}{seen}")
-        self.state.setStyleSheet(f"color: {self.theme.state_colour(state)}")
 
     def tell(self, text: str, *, state: str = "off") -> None:
         """Say something in the status line, marked by its shape."""

@@ -9,6 +9,7 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.hand import Hand, PointerInput
 from paint3d.kernels.drape import drape_points
+from paint3d.kernels.shine import add_shine
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.view.brush_shape import BrushStand, tuft_rings
 from paint3d.view.live_object import LiveObject
@@ -44,6 +45,7 @@ def warm_up(progress: Callable[[], None] = lambda: None) -> None:
     document.let_time_pass(0.05)
     progress()
     shown.uploads(document.refresh())
+    _turn(shown)
     _stand(document, samples[-1])
     progress()
     document.undo()
@@ -54,6 +56,13 @@ def _over(k: int) -> PointerInput:
     """A pen over the sheet."""
     place, down = (2.0 * k, 0.0, 90.0), (0.0, 0.0, -1.0)
     return PointerInput(10 * _MS * (k + 1), origin=place, direction=down, pressure=0.5)
+
+
+def _turn(shown: LiveObject) -> None:
+    """Make ready what is drawn while the view moves."""
+    coarse = shown.coarse_for(1.0, 1000)
+    lamps, out = np.zeros((1, 6)), coarse.colours.copy()
+    add_shine(coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, 4.0, 0.1, out)
 
 
 def _stand(document: Document, sample) -> None:

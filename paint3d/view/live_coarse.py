@@ -1,0 +1,168 @@
+"""An object as it is drawn while the view moves: no finer than the screen shows.
+
+A software renderer pays for every triangle, seen or not: two million of them take half a second,
+each smaller than a pixel. `CoarseObject` draws vertices together that lie within some pixels of
+each other (`kernels.clusters`), and as few pieces as it takes, so that the picture follows the
+hand. What stands still is drawn from the patches, to the last triangle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.kernels.clusters import (
+    Members,
+    cluster_vertices,
+    coarse_triangles,
+    list_members,
+    mean_of,
+    renumber,
+)
+from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.view.live_patches import LivePatches
+
+__all__ = ["CoarseObject", "CoarsePiece"]
+
+_PIECES = 24  # each costs the renderer some tens of microseconds a frame
+
+
+@dataclass(frozen=True, eq=False)
+class CoarsePiece:
+    """A part of the object, drawn coarsely.
+
+    Attributes
+    ----------
+    clusters : (K,) int32
+        Its vertices.
+    points, normals : (K, 3) float32
+        mm and unit vectors.
+    faces : (L, 3) int32
+        Triangles with numbers into `clusters`.
+    centre : (3,) float64
+        Where it lies.
+    """
+
+    clusters: NDArray
+    points: NDArray
+    normals: NDArray
+    faces: NDArray
+    centre: NDArray
+
+
+class CoarseObject:
+    """A mesh whose vertices are drawn together within a distance.
+
+    Parameters
+    ----------
+    mesh : PaintMesh
+        Refined further, it needs another.
+    patches : LivePatches
+        Of that mesh, up to date.
+    size : float
+        The distance, mm.
+    shown : callable
+        Given vertices (N,) int32 and the paint on all (V, 3), returns what is seen (N, 3) uint8.
+    srgb : (V, 3) uint8
+        The paint on every vertex.
+
+    Attributes
+    ----------
+    n_vertices, n_faces : int
+        Of the mesh when it was made, and of what is drawn.
+    pieces : list of CoarsePiece
+    points, normals : (C, 3) float32
+        Of the clusters, mm and unit vectors.
+    colours : (C, 3) uint8
+        Of the clusters, lit.
+
+    Notes
+    -----
+    Cost: 0.1 us a vertex.
+    """
+
+    def __init__(
+        self,
+        mesh: PaintMesh,
+        patches: LivePatches,
+        size: float,
+        shown: Callable[[NDArray, NDArray], NDArray],
+        srgb: NDArray,
+    ) -> None:
+        self.size, self._look = size, shown
+        self.n_vertices = n = mesh.n_vertices
+        self._cluster, count = _clusters(mesh, size)
+        self._members = Members(np.zeros(count + 1, np.int32), np.empty(n, np.int32))
+        list_members(self._cluster, *self._members)
+        every = np.arange(count, dtype=np.int32)
+        self.points, self.normals = (
+            self._mean(every, np.stack([c[:n] for c in columns], axis=1)) for columns in _of(mesh)
+        )
+        length = np.linalg.norm(self.normals, axis=1, keepdims=True)
+        self.normals /= np.maximum(length, 1e-6)
+        self._shown = np.empty((n, 3), np.uint8)
+        self.colours = np.empty((count, 3), np.uint8)
+        self.pieces = self._cut(patches, count)
+        self.n_faces = sum(len(piece.faces) for piece in self.pieces)
+        self.repaint(np.arange(n, dtype=np.int32), srgb)
+
+    @property
+    def is_dense(self) -> bool:
+        """Whether its triangles are about as small as the distance, most of them."""
+        return len(self.colours) < 0.5 * self.n_vertices
+
+    def repaint(self, vertex_ids: NDArray, srgb: NDArray) -> None:
+        """Take the paint (V, 3) of some vertices (N,) int32 anew; later ones are passed over."""
+        ids = vertex_ids[vertex_ids < self.n_vertices]
+        self._shown[ids] = self._look(ids, srgb)
+        touched = np.zeros(len(self.colours), bool)
+        touched[self._cluster[ids]] = True
+        chosen = np.flatnonzero(touched).astype(np.int32)
+        mean_of(self._members, chosen, self._shown, self.colours)
+
+    def _mean(self, chosen: NDArray, columns: NDArray) -> NDArray:
+        out = np.empty((len(self._members.starts) - 1, columns.shape[1]), np.float32)
+        mean_of(self._members, chosen, columns, out)
+        return out
+
+    def _cut(self, patches: LivePatches, count: int) -> list[CoarsePiece]:
+        """The triangles, in runs of patches, each with its own vertices."""
+        faces, leaves = patches.leaves()
+        runs = np.array_split(np.arange(len(leaves)), min(_PIECES, len(leaves)))
+        ends = np.cumsum([sum(len(leaves[p]) for p in run) for run in runs])
+        out, out_ends = np.empty((ends[-1], 3), np.int32), np.empty(len(runs), np.int64)
+        coarse_triangles(faces, np.concatenate(leaves), ends, self._cluster, out, out_ends)
+        numbers, pieces = np.full(count, -1, np.int32), []
+        for first, last in zip([0, *out_ends[:-1]], out_ends, strict=True):
+            if last == first:
+                continue
+            triangles, ids = out[first:last], np.empty(3 * (last - first), np.int32)
+            ids = ids[: renumber(triangles, numbers, ids)].copy()
+            points = self.points[ids]
+            middle = points.mean(axis=0, dtype=np.float64)
+            pieces.append(CoarsePiece(ids, points, self.normals[ids], triangles, middle))
+        return pieces
+
+
+def _of(mesh: PaintMesh) -> tuple[tuple[NDArray, ...], ...]:
+    """The columns of places, and of normals."""
+    field = mesh.arrays
+    return (field.px, field.py, field.pz), (field.nx, field.ny, field.nz)
+
+
+def _clusters(mesh: PaintMesh, size: float) -> tuple[NDArray, int]:
+    """The cluster of each vertex (V,), and how many there are."""
+    n = mesh.n_vertices
+    columns = [column[:n] for column in _of(mesh)[0]]
+    low = np.array([float(c.min()) for c in columns])
+    cells = np.array([float(c.max()) for c in columns]) - low
+    cells = (cells / size).astype(np.int64) + 2
+    table = np.full(1 << int(2 * n).bit_length(), -1, np.int32)
+    cluster = np.empty(n, np.int32)
+    count = cluster_vertices(
+        mesh.arrays, n, low, cells, size, table, np.empty(n, np.int64), cluster
+    )
+    return cluster, int(count)

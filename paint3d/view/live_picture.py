@@ -1,0 +1,188 @@
+"""What of a scene to draw next, so that no picture takes long and all of it is fine in the end.
+
+While the view moves, an object of many triangles is drawn coarsely. Where it stands still, it is
+drawn to the last triangle, cell by cell of the picture, a few at a time; and once nothing moves any
+more, software renderers smooth its edges in the same way. What changes meanwhile comes first: a
+hand never waits for more than one step.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.view.live_layers import Box
+from paint3d.view.live_scene import LiveScene, joined_box
+
+__all__ = ["LivePicture"]
+
+_CELL = 160  # pixels
+_FINE, _PLAIN, _ROUGH = 0, 1, 2  # edges smoothed; every triangle; coarse
+_SETTLED_S = 0.15  # after the view moved: then all triangles are drawn,
+_CALM_S = 0.35  # and after anything moved: then edges are smoothed
+_STEP_S = 0.025  # what may be spent on that at once
+_MANY = 120_000  # triangles: more are drawn coarsely while the view moves,
+_TOO_MANY = 700_000  # and of more the edges are not smoothed
+_MANY_PIECES = 60
+_APART = 1.5  # boxes are drawn one by one if the one around both has more pixels than so
+
+
+class LivePicture:
+    """The picture of a scene, kept up with what changes in it.
+
+    Parameters
+    ----------
+    scene : LiveScene
+    prepare : callable
+        Called with how many triangles may be drawn before the object is drawn coarsely; gives
+        the scene a coarse object that fits (`LiveScene.set_coarse`), and tells whether it could.
+
+    Attributes
+    ----------
+    picture_s : float
+        What the last picture took that showed something new, s.
+    changed : Box or None
+        What the last picture shows otherwise than the one before.
+    """
+
+    def __init__(self, scene: LiveScene, prepare: Callable[[int], bool]) -> None:
+        self._scene, self._prepare = scene, prepare
+        self._stale = True
+        self._object: list[Box] = []
+        self._front: list[Box] = []
+        self._cells = np.zeros((0, 0), np.uint8)
+        self._front_is_fine = True
+        self._turned = self._moved = time.perf_counter()
+        self.picture_s = 0.0
+        self.changed: Box | None = None
+
+    def touch(self) -> None:
+        """Have everything drawn anew."""
+        self._stale = True
+
+    def touch_object(self, box: Box | None) -> None:
+        """Have the object drawn anew within a box."""
+        if box is not None:
+            self._object.append(box)
+
+    def touch_front(self, box: Box | None) -> None:
+        """Have what is in front of the object drawn anew within a box."""
+        if box is not None:
+            self._front.append(box)
+
+    def is_done(self) -> bool:
+        """Whether nothing is left to draw."""
+        return not (self._stale or self._object or self._front or self._left().any())
+
+    def draw(self) -> NDArray | None:
+        """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
+        started, scene = time.perf_counter(), self._scene
+        if self._stale:
+            self._stale, self._turned, self._moved = False, started, started
+            self._object.clear()
+            self._front.clear()
+            self._draw_all()
+            return self._show(None, started)
+        boxes = self._take_boxes()
+        for box in boxes:
+            scene.draw_object(box)
+            self._mark(box, _PLAIN)
+        boxes += self._front
+        self._front.clear()
+        if boxes:
+            self._moved = started
+        fine = not boxes and started - self._moved >= _CALM_S
+        boxes += self._improve(started, fine)
+        if fine and not boxes and not self._front_is_fine:
+            boxes = [scene.whole]
+        if not boxes:
+            return None
+        return self._show(joined_box(boxes), started, fine=fine)
+
+    def draw_whole(self, *, fine: bool) -> NDArray:
+        """(H, W, 4) uint8 pixels, all of them drawn anew to the last triangle."""
+        pixels = self._scene.draw(fine=fine)
+        self.touch()
+        return pixels
+
+    def _show(self, box: Box | None, started: float, *, fine: bool = False) -> NDArray:
+        pixels = self._scene.show(box, fine=fine)
+        self._front_is_fine = fine and box == self._scene.whole
+        self.changed = box
+        if not fine:
+            self.picture_s = time.perf_counter() - started
+        return pixels
+
+    def _draw_all(self) -> None:
+        scene = self._scene
+        n_triangles, n_pieces = scene.seen()
+        heavy = n_triangles > _MANY or n_pieces > _MANY_PIECES
+        coarse = scene.is_software and heavy and self._prepare(_MANY)
+        scene.draw_object(coarse=coarse)
+        columns, rows = (-(-pixels // _CELL) for pixels in scene.size)
+        self._cells = np.full((rows, columns), _ROUGH if coarse else _PLAIN, np.uint8)
+
+    def _improve(self, started: float, fine: bool) -> list[Box]:
+        """Draw some cells better than they are; return where."""
+        scene, left = self._scene, self._left()
+        if not left.any() or started - self._turned < _SETTLED_S:
+            return []
+        rough = self._cells == _ROUGH
+        if rough.any():
+            if scene.seen()[0] <= _MANY:
+                scene.draw_object()
+                self._cells[:] = _PLAIN
+                return [scene.whole]
+            return self._step(rough, started, _PLAIN)
+        return self._step(left, started, _FINE) if fine else []
+
+    def _step(self, cells: NDArray, started: float, state: int) -> list[Box]:
+        """Draw cells for as long as a step may last."""
+        boxes = []
+        for row, column in np.argwhere(cells):
+            box = self._cell_box(row, column)
+            self._scene.draw_object(box, fine=state == _FINE)
+            self._cells[row, column] = state
+            boxes.append(box)
+            if time.perf_counter() - started > _STEP_S:
+                break
+        return boxes
+
+    def _left(self) -> NDArray:
+        """(R, C) bool: the cells that can be drawn better than they are."""
+        best = _FINE
+        if not self._scene.is_software or self._scene.seen()[0] > _TOO_MANY:
+            best = _PLAIN
+        return self._cells > best
+
+    def _cell_box(self, row: int, column: int) -> Box:
+        width, height = self._scene.size
+        x, y = column * _CELL, row * _CELL
+        return x, y, min(x + _CELL, width), min(y + _CELL, height)
+
+    def _mark(self, box: Box, state: int) -> None:
+        """Note that a box was drawn anew; cells of which a part is rough stay so."""
+        x0, y0, x1, y1 = box
+        part = self._cells[y0 // _CELL : -(-y1 // _CELL), x0 // _CELL : -(-x1 // _CELL)]
+        np.maximum(part, state, out=part)
+
+    def _take_boxes(self) -> list[Box]:
+        """The boxes in which the object is to be drawn anew, those near each other joined."""
+        taken, self._object = self._object, []
+        joined: list[Box] = []
+        for box in taken:
+            for k, other in enumerate(joined):
+                around = joined_box((box, other))
+                if _pixels(around) <= _APART * (_pixels(box) + _pixels(other)):
+                    joined[k] = around
+                    break
+            else:
+                joined.append(box)
+        return joined
+
+
+def _pixels(box: Box) -> int:
+    return (box[2] - box[0]) * (box[3] - box[1])

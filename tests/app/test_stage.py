@@ -1,0 +1,133 @@
+"""What is drawn bit by bit is, to the bit, what would be drawn at once."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from paint3d.app.model.document import Document
+from paint3d.app.window.stage import Stage
+from paint3d.device.sample import DeviceSample
+from paint3d.view import live_picture
+from paint3d.view.camera import View, fit_camera
+
+SIZE = (317, 243)  # odd on purpose: no share of it is a round number
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def sample(k: int, x: float, y: float, z: float = 32.0, pressure: float | None = None):
+    place = np.array([x, y, z])
+    return DeviceSample(4_000_000 * (k + 1), place, UPRIGHT, pressure, 0, np.zeros(3), UPRIGHT)
+
+
+def standing(name: str, resolution: float, view: View, screen: str) -> Stage:
+    assert screen
+    stage = Stage(SIZE)
+    stage.open(Document.new(name, resolution, "xuan"))
+    stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
+    until = time.perf_counter() + 300.0
+    while not (stage.is_lit and stage.easel.is_still):
+        assert time.perf_counter() < until
+        stage.follow()
+        time.sleep(0.005)
+    stage.draw()
+    return stage
+
+
+@pytest.fixture
+def stage(screen: str) -> Iterator[Stage]:
+    found = standing("plane", 1.5, View((0.2, -0.6, 1.0), (0, 1, 0)), screen)
+    yield found
+    found.close()
+
+
+def follow(stage: Stage) -> None:
+    """Take all that the painting thread has."""
+    until = time.perf_counter() + 300.0
+    while not stage.easel.is_still:
+        assert time.perf_counter() < until
+        stage.follow()
+        time.sleep(0.001)
+    stage.follow()
+
+
+def at_once(stage: Stage) -> NDArray:
+    """All of the picture drawn anew, as the next picture will be again."""
+    stage.touch()
+    return stage.draw().copy()
+
+
+def test_a_brush_that_wanders_leaves_nothing_behind(stage: Stage) -> None:
+    rng, place = np.random.default_rng(4), np.zeros(2)
+    for k in range(25):
+        place = np.clip(place + rng.normal(0.0, 28.0, 2), -115.0, 115.0)  # over the edge too
+        stage.easel.hover(sample(k, *place, z=float(rng.uniform(8.0, 60.0))))
+        follow(stage)
+        drawn = stage.draw().copy()
+        assert np.array_equal(drawn, at_once(stage)), f"step {k}, brush at {place}"
+    stage.hide_brush()
+    assert np.array_equal(stage.draw().copy(), at_once(stage))
+
+
+def test_paint_is_drawn_in_its_place_to_the_bit(stage: Stage) -> None:
+    stage.easel.post("dip").result()
+    stage.easel.post("begin_stroke").result()
+    for k in range(12):
+        stage.easel.feed([sample(k, 12.0 * k - 70.0, 9.0 * np.sin(k), 20.0, 0.4)])
+        follow(stage)
+        drawn = stage.draw().copy()
+        assert np.array_equal(drawn, at_once(stage)), f"step {k}"
+    stage.easel.post("end_stroke").result()
+    with stage.easel.paused() as document:
+        assert document.surface.painted.sum() > 50
+
+
+def test_the_brush_is_drawn_where_the_hand_is_while_the_painting_is_behind(stage: Stage) -> None:
+    stage.easel.hover(sample(0, -60.0, 0.0))
+    follow(stage)
+    before = stage.draw().copy()
+    with stage.easel.paused():
+        stage.easel.hover(sample(1, 60.0, 0.0))
+        assert stage.easel.newest.position[0] == 60.0
+        moved = stage.draw()
+        assert moved is not None
+        moved = moved.copy()
+    follow(stage)
+    later = stage.draw()
+    changed = np.abs(moved.astype(int) - before).sum(axis=2) > 30
+    columns = np.flatnonzero(changed.any(axis=0))
+    assert columns.max() > 0.6 * SIZE[0]  # it is where the hand is,
+    assert columns.min() < 0.4 * SIZE[0]  # and no longer where it was
+    if later is not None:
+        away = np.abs(later.astype(int) - moved).sum(axis=2) > 30
+        assert away.sum() < 0.02 * away.size  # as it is drawn when the painting has come there
+
+
+def test_a_view_that_moves_is_drawn_coarsely_and_then_to_the_last_triangle(
+    screen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_picture, "_MANY", 2000)
+    monkeypatch.setattr(live_picture, "_CELL", 64)
+    stage = standing("bowl", 4.0, View((0.12, -1.0, 0.62)), screen)
+    if not stage.scene.is_software:
+        pytest.skip("a graphics card draws every triangle")
+    stage.set_camera(fit_camera(stage.points, View((0.5, -1.0, 0.62)), SIZE[0] / SIZE[1]))
+    coarse = stage.draw().copy()
+    assert not stage.is_drawn
+    pictures, until = [], time.perf_counter() + 300.0
+    while not stage.is_drawn:
+        assert time.perf_counter() < until
+        drawn = stage.draw()
+        if drawn is not None:
+            pictures.append(drawn.copy())
+        time.sleep(0.002)
+    assert len(pictures) > 1
+    fine, whole = pictures[-1], stage.picture(fine=True).copy()
+    assert np.array_equal(fine, whole)
+    away = np.abs(coarse.astype(int) - whole).max(axis=2)
+    assert 0 < (away > 12).mean() < 0.05  # coarse, but the same thing
+    stage.close()
