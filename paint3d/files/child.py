@@ -38,7 +38,8 @@ def main() -> None:
     arrays = {"vertices": mesh.vertices, "faces": mesh.faces}
     arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
     arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
-    facts = {"name": mesh.name, "notes": list(reading.notes), "knows_up": reading.knows_up}
+    facts = {"name": mesh.name, "notes": list(reading.notes)}
+    facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm}
     send(descriptor, arrays, facts)
 
 

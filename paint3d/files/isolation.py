@@ -120,4 +120,5 @@ def _received(path: Path, descriptor: int) -> Reading:
         str(facts["name"]),
         arrays.get("normals"),
     )
-    return Reading(mesh, tuple(map(str, facts["notes"])), bool(facts["knows_up"]))
+    notes = tuple(map(str, facts["notes"]))
+    return Reading(mesh, notes, bool(facts["knows_up"]), float(facts["unit_mm"]))

@@ -44,11 +44,23 @@ class Wanted(NamedTuple):
 
 @dataclass(frozen=True)
 class Reading:
-    """A mesh, what its reader has to tell the user, and whether it is known which way is up."""
+    """A mesh, and what is known of it.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+    notes : tuple of str
+        What its reader has to tell the user.
+    knows_up : bool
+        Whether the file, or who asked, said which way is up.
+    unit_mm : float
+        Millimetres that one unit of the file was taken for.
+    """
 
     mesh: TriangleMesh
     notes: tuple[str, ...] = ()
     knows_up: bool = False
+    unit_mm: float = 1.0
 
 
 AS_IT_IS = Wanted()
@@ -111,13 +123,14 @@ def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
         vertices=turn_rows(raw.vertices, turn),
         normals=None if raw.normals is None else turn_rows(raw.normals, turn),
     )
-    reading = _checked_mesh(raw, name, wanted)
-    return replace(reading, knows_up=(wanted.up or raw.up) is not None)
+    unit_mm = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
+    reading = _checked_mesh(raw, raw.vertices * unit_mm, name, wanted)
+    return replace(reading, knows_up=(wanted.up or raw.up) is not None, unit_mm=unit_mm)
 
 
-def _checked_mesh(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
-    scale = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
-    vertices = raw.vertices * scale
+def _checked_mesh(
+    raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: Wanted
+) -> Reading:
     if len(raw.sizes) == 0:
         return _without_faces(raw, vertices, name, wanted.from_points)
     pictured = raw.look_of is not None and len(raw.looks) > 0

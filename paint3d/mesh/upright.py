@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from paint3d.errors import UnknownNameError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["UP_AXES", "Upright", "guess_up", "turn_mesh", "turn_rows", "turn_up"]
+__all__ = ["UP_AXES", "Upright", "guess_up", "stand_on", "turn_mesh", "turn_rows", "turn_up"]
 
 UP_AXES = ("z", "y", "x", "-z", "-y", "-x")
 """What may point up, the most usual first."""
@@ -53,6 +53,24 @@ def turn_up(up: str) -> NDArray[np.float64]:
     return np.array(rows[up], np.float64)
 
 
+def stand_on(side: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the shortest rotation (3, 3) that brings a side's unit normal (3,) to -z.
+
+    Where the normal is within a degree of an axis, it is made of quarter turns.
+    """
+    side = np.asarray(side, np.float64)
+    axis = int(np.abs(side).argmax())
+    if abs(side[axis]) > np.cos(np.deg2rad(1.0)):
+        up = "xyz"[axis] if side[axis] < 0.0 else "-" + "xyz"[axis]
+        return turn_up(up)
+    cross = np.array([-side[1], side[0], 0.0])  # side x -z
+    cosine = -side[2]
+    k = np.array(
+        [[0.0, -cross[2], cross[1]], [cross[2], 0.0, -cross[0]], [-cross[1], cross[0], 0.0]]
+    )
+    return np.eye(3) + k + k @ k / (1.0 + cosine)
+
+
 def turn_rows(rows: NDArray, turn: NDArray[np.float64]) -> NDArray:
     """Return vectors (N, 3) after a rotation (3, 3); quarter turns are exact to the last bit."""
     if (np.count_nonzero(turn, axis=1) == 1).all():
@@ -92,14 +110,15 @@ def guess_up(mesh: TriangleMesh) -> Upright:
     scores = {}
     for up in UP_AXES:
         turn = turn_up(up)
-        stands = _standing(corners @ turn.T, area, mesh.face_normals[faces] @ turn.T, size)
+        low = float((mesh.vertices @ turn[2].astype(np.float32)).min())
+        foot = mesh.vertices[mesh.vertices @ turn[2].astype(np.float32) < low + _NEAR * size]
+        normals = mesh.face_normals[faces] @ turn.T
+        stands = _standing(corners @ turn.T, area, normals, foot @ turn.T, size)
         stands += 0.4 * open_to @ turn[2]
         axis = "xyz".index(up[-1])
         across = mirrored[axis] and mirrored.count(True) == 1
-        low = float((middle @ turn.T)[2])
-        heights = points @ turn[2]
-        height = max(float(np.ptp(heights)), 1e-30)
-        lowness = 1.0 - (low - heights.min()) / height
+        height = max(float((points @ turn[2]).max()) - low, 1e-30)
+        lowness = 1.0 - (float(middle @ turn[2]) - low) / height
         score = _HABIT.get(up, 0.0) + stands + 0.6 * (lowness - 0.5) - 0.5 * across
         scores[up] = float(score + 1.2 * _holds(even @ turn.T, size))
     order = sorted(scores, key=lambda up: -scores[up])
@@ -108,14 +127,16 @@ def guess_up(mesh: TriangleMesh) -> Upright:
     return Upright(order[0], sure, scores)
 
 
-def _standing(corners: NDArray[np.float64], area: NDArray, normals: NDArray, size: float) -> float:
-    """How well an object (F, 3, 3) would stand on the ground under it, 0 to about 1.5."""
-    low = corners[..., 2].min()
+def _standing(
+    corners: NDArray[np.float64], area: NDArray, normals: NDArray, foot: NDArray, size: float
+) -> float:
+    """How well an object (F, 3, 3) would stand on its foot (N, 3), 0 to about 1.5."""
+    low = foot[:, 2].min()
     outline = _hull_area(corners[..., :2].reshape(-1, 2))
     if outline <= 1e-6 * size * size:
         return 0.0
     touching = corners[..., 2] < low + _NEAR * size
-    foot = corners[..., :2][touching]
+    foot = foot[:, :2].astype(np.float64)
     lies = touching.all(axis=1) & (normals[:, 2] < -0.95)
     flat = min(0.5 * float(area[lies].sum()) / outline, 1.0)
     broad = _hull_area(foot) / outline

@@ -5,6 +5,30 @@ from __future__ import annotations
 __all__ = ["CHINESE"]
 
 CHINESE = {
+    "Turn and scale the object…": "转动、缩放器物…", "Begin anew": "重新开始",
+    "Keep its own colours and pictures": "保留自带的颜色与贴图", "Turn round": "转身",
+    "Tip forward": "前翻", "Tip aside": "侧翻", "likely": "可能", "{axis} up": "{axis} 朝上",
+    "Click the side that it should stand on": "单击要着地的一面",
+    "A quarter turn about {axis}": "绕 {axis} 轴转四分之一圈",
+    "The file says which way is up": "文件注明了哪边朝上",
+    "This is how it stands now": "现在是这样放着",
+    "It would stand like this. Is that right?": "它会这样放着，对吗？",
+    "Which way is up? The file does not say": "哪边朝上？文件没有注明",
+    "One unit of the file": "文件的一个单位", "Longest side": "最长边",
+    "Left out: {what}": "未采用：{what}", ", ": "、",
+    "There is paint on it. Turned, it is begun anew without the paint; what is open can be "
+    "saved first.":
+        "上面已有墨迹。转动后将重新开始，不带墨迹；可先保存现有作品。",
+    "{axis} was taken for up; Edit ▸ Turn and scale the object changes it":
+        "已取 {axis} 朝上；可用“编辑 ▸ 转动、缩放器物”更改",
+    "Which way is up is not sure; Edit ▸ Turn and scale the object changes it":
+        "哪边朝上未能确定；可用“编辑 ▸ 转动、缩放器物”更改",
+    "its colours and pictures": "颜色与贴图", "relief (a normal map)": "凹凸（法线贴图）",
+    "relief (a bump map)": "凹凸（凹凸贴图）", "shadows baked into a picture": "烘焙的阴影",
+    "light of its own": "自发光", "metal and gloss from a picture": "金属与光泽贴图",
+    "gloss from a picture": "光泽贴图", "transparency": "透明", "displacement": "置换",
+    "extensions of its materials": "材质扩展", "animations": "动画", "skins": "蒙皮",
+    "morph targets": "变形目标",
     "Show the brush": "显示毛笔", "Save the strokes as a recording…": "将笔画存为录制…",
     "Refine the whole surface now": "立即细分整个表面", "Dark theme": "深色界面", "Tools": "工具",
     "Hand": "手", "Absorbency": "吸水", "Grain": "粗糙", "Glaze": "釉",

@@ -19,7 +19,7 @@ __all__ = [
 MENUS: dict[str, tuple[str, ...]] = {
     "file": ("new", "open", "save", "save_as", "export", "-", "screenshot", "turntable", "-",
              "record", "replay", "save_recording", "-", "quit"),
-    "edit": ("undo", "redo", "-", "cancel_stroke", "-", "preferences"),
+    "edit": ("undo", "redo", "-", "cancel_stroke", "-", "stand", "-", "preferences"),
     "brush": ("smaller", "larger", "smoothing", "brush", "-",
               *(f"brush_{k}" for k in range(1, 1 + len(brush_names())))),
     "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-", "wet", "dry"),
@@ -74,6 +74,7 @@ _OWN = {
     "refine": "Refine the whole surface now",
     "grips": "Grips on the picture",
     "show_mask": "Show the mask",
+    "stand": "Turn and scale the object…",
     "dark": "Dark theme",
     "about": "menu.about",
 }

@@ -14,35 +14,9 @@ from paint3d.app.window.wording import say
 from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
 from paint3d.ink.materials import material_names
 
-__all__ = ["KeysDialog", "NewDialog", "PreferencesDialog", "ask_unit", "implausible"]
+__all__ = ["KeysDialog", "NewDialog", "PreferencesDialog"]
 
-_SMALL_MM, _LARGE_MM = 5.0, 3000.0  # outside these an object is hardly one to paint by hand
-_LIKELY_MM = 150.0
 _KEY_COLUMNS = 3
-
-
-def implausible(size_mm: float) -> bool:
-    """Whether an object so long was probably measured in another unit."""
-    return not _SMALL_MM <= size_mm <= _LARGE_MM
-
-
-def _told(size_mm: float) -> str:
-    for unit, mm in (("m", 1000.0), ("cm", 10.0)):
-        if size_mm >= mm * 1.5:
-            return f"{size_mm / mm:.3g} {unit}"
-    return f"{size_mm:.3g} mm"
-
-
-def ask_unit(parent: QtWidgets.QWidget, name: str, size_mm: float) -> str | None:
-    """Ask in which unit a file is measured whose object would be `size_mm` long; None: stop."""
-    sizes = {unit: size_mm * mm for unit, mm in UNITS_MM.items()}
-    likely = min(sizes, key=lambda unit: max(sizes[unit] / _LIKELY_MM, _LIKELY_MM / sizes[unit]))
-    texts = [f"{say('unit.' + unit)}   ({_told(size)})" for unit, size in sizes.items()]
-    text, accepted = QtWidgets.QInputDialog.getItem(
-        parent, name, say("ask.unit", name=name, size=_told(size_mm)), texts,
-        list(sizes).index(likely), False,
-    )  # fmt: skip
-    return list(sizes)[texts.index(text)] if accepted else None
 
 
 class NewDialog(FormDialog):

@@ -8,22 +8,20 @@ from concurrent.futures import CancelledError, Future
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.saved_settings import chosen_brush, chosen_inks, chosen_material
 from paint3d.app.model.sitting import Unfinished, recoverable
-from paint3d.app.window.dialogs import NewDialog, ask_unit, implausible
+from paint3d.app.window.dialogs import NewDialog
 from paint3d.app.window.jobs import Progress, is_waiting, run_beside
 from paint3d.app.window.named import named
 from paint3d.app.window.warming import warm_up
 from paint3d.app.window.wording import say
 from paint3d.errors import Paint3DError
-from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, load_mesh
+from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, read_mesh
 from paint3d.files.progress import part_of
 from paint3d.files.session import SESSION_SUFFIX, is_session_path
-from paint3d.mesh.triangle_mesh import TriangleMesh
 
 if TYPE_CHECKING:
     from paint3d.app.window.studio import StudioWindow
@@ -112,6 +110,7 @@ class Opening:
         if done is None or not self.went_well(done):
             return False
         self._window.show_document(done.result())
+        self._window.standing.tell()
         if path not in BUILT_IN_OBJECTS:
             self._remember(path)
         return True
@@ -128,34 +127,36 @@ class Opening:
     def _open_mesh(
         self, path: str, title: str, resolution: float | None, material: str | None
     ) -> Future | None:
-        loaded = run_beside(
-            self._window, title, lambda progress: load_mesh(path, progress=_before_one(progress))
-        )
-        if not self.went_well(loaded):
-            return None
-        mesh, unit = loaded.result(), None
-        size = float(np.ptp(mesh.vertices, axis=0).max())
-        if path not in BUILT_IN_OBJECTS and implausible(size):
-            unit = ask_unit(self._window, Path(path).name, size)
-            if unit is None:
-                return None
-        self._window.keep_in_hand()
         settings = self._window.settings
         resolution = settings.resolution_mm if resolution is None else resolution
         material = chosen_material(settings) if material is None else material
+        loaded = run_beside(
+            self._window,
+            title,
+            lambda progress: read_mesh(path, texture=True, progress=_before_one(progress)),
+        )
+        if not self.went_well(loaded):
+            return None
+        reading = loaded.result()
+        standing = self._window.standing
+        choice = standing.choose(path, reading, material, resolution, ask=not self.quiet)
+        if choice is None:
+            return None
+        self._window.keep_in_hand()
+        settings = self._window.settings
         brush, inks = chosen_brush(settings), chosen_inks(settings)
         undo_bytes = self._undo_bytes()
 
         def make(progress: Progress) -> Document:
-            found: TriangleMesh = mesh
-            if unit is not None:
-                found = load_mesh(path, unit, progress=part_of(progress, 0.0, 0.4))
-            progress.expect(0.4 if unit else 0.0, 0.98, 0.2 + found.n_faces / _FACES_A_SECOND)
+            found = reading.mesh
+            if not choice.coloured:  # as it was before it was refined for its picture
+                found = read_mesh(path, progress=part_of(progress, 0.0, 0.4)).mesh
+            share = 0.0 if choice.coloured else 0.4
+            progress.expect(share, 0.98, 0.2 + found.n_faces / _FACES_A_SECOND)
             document = Document.new(
-                found,
-                resolution,
-                material,
-                unit=unit,
+                choice.apply(found),
+                choice.resolution,
+                choice.material,
                 brush=brush,
                 ink=inks[0],
                 undo_bytes=undo_bytes,

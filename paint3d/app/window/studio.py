@@ -39,6 +39,7 @@ from paint3d.app.window.panels import Panels
 from paint3d.app.window.player import Player
 from paint3d.app.window.recalling import Recalling
 from paint3d.app.window.stage import Stage
+from paint3d.app.window.standing import Standing
 from paint3d.app.window.steering import Steering
 from paint3d.app.window.theme import (
     DARK_THEME,
@@ -106,7 +107,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.steering = Steering(self.canvas, self.hand, lambda: self.theme)
         self.canvas.finger = self.settings.finger
         self.keys = HeldKeys(self, self.canvas, self.hand)
-        self.files = Files(self)
+        self.files, self.standing = Files(self), Standing(self)
         self.player = Player(self)
         self.recalling = Recalling(self)
         self.painting, self.viewing = PaintActions(self), ViewActions(self)
@@ -146,7 +147,7 @@ class StudioWindow(QtWidgets.QMainWindow):
     # -- making it --------------------------------------------------------------------------
 
     def _make_actions(self) -> None:
-        doers = (self.files, self.painting, self.viewing)
+        doers = (self.files, self.standing, self.painting, self.viewing)
         for name, actions in MENUS.items():
             menu = self.menuBar().addMenu(say(f"menu.{name}"))
             self.menus[name] = menu

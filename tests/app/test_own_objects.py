@@ -1,0 +1,310 @@
+"""Objects of one's own in the window: how they stand, of what they are, and their pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PIL import Image
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
+
+from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
+from paint3d.app.window.object_dialog import ObjectDialog, told
+from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.wording import choose_language
+from paint3d.files.export import export
+from paint3d.files.load import load_mesh, read_mesh
+from paint3d.files.reading import Reading
+from paint3d.files.session import load_session
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.upright import turn_mesh, turn_up
+from tests.app.gestures import drag, live, wait_for
+from tests.unit.test_upright import jug
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window with a coarse sheet in it, which asks."""
+    window = StudioWindow(program)
+    window.show()
+    assert window.files.open_path("plane", 2.0, "xuan", asked=True)
+    wait_for(lambda: window.stage.is_lit, 60.0)
+    yield window
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+def foreseen(kind: type[QtWidgets.QWidget], press) -> list:
+    """Let `press` deal with the next dialog of a kind; a list that it will be in."""
+    met: list = []
+
+    def look() -> None:
+        dialog = QtWidgets.QApplication.activeModalWidget()
+        if isinstance(dialog, kind) and dialog.isVisible():
+            met.append(dialog.windowTitle())
+            press(dialog)
+        else:
+            QtCore.QTimer.singleShot(30, look)
+
+    QtCore.QTimer.singleShot(30, look)
+    return met
+
+
+def lying_jug(folder: Path) -> Path:
+    """A jug whose y points up, in a format that does not say so."""
+    export(turn_mesh(jug(), turn_up("y").T), folder / "lying.ply")
+    return folder / "lying.ply"
+
+
+def box_with_picture(folder: Path) -> Path:
+    """A box of 80 mm, a red disc on white on each side, as OBJ."""
+    y, x = np.mgrid[:64, :64] / 63 - 0.5
+    disc = np.where((x * x + y * y < 0.1)[..., None], [200, 30, 20], [250, 250, 245])
+    Image.fromarray(disc.astype("u1")).save(folder / "disc.png")
+    (folder / "box.mtl").write_text("newmtl m\nmap_Kd disc.png\nmap_bump disc.png\n")
+    corners = [(x, y, z) for z in (0, 80) for y in (0, 80) for x in (0, 80)]
+    sides = "0231 4576 0154 2673 0462 1375"
+    text = "mtllib box.mtl\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+    text += "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\n"
+    for side in sides.split():
+        text += "f " + " ".join(f"{int(v) + 1}/{k + 1}" for k, v in enumerate(side)) + "\n"
+    (folder / "box.obj").write_text(text)
+    return folder / "box.obj"
+
+
+def spans(window: StudioWindow) -> np.ndarray:
+    """Sides of the box around the object that is open, mm."""
+    return np.ptp(window.document.surface.source.vertices, axis=0)
+
+
+def drop(window: StudioWindow, path: Path) -> None:
+    """Drop a file on the canvas."""
+    data = QtCore.QMimeData()
+    data.setUrls([QtCore.QUrl.fromLocalFile(str(path))])
+    how = (
+        QtCore.Qt.DropAction.CopyAction,
+        data,
+        QtCore.Qt.MouseButton.LeftButton,
+        QtCore.Qt.KeyboardModifier.NoModifier,
+    )
+    enter = QtGui.QDragEnterEvent(QtCore.QPoint(200, 200), *how)
+    QtWidgets.QApplication.sendEvent(window.canvas, enter)
+    assert enter.isAccepted()
+    QtWidgets.QApplication.sendEvent(
+        window.canvas, QtGui.QDropEvent(QtCore.QPointF(200, 200), *how)
+    )
+
+
+def test_a_file_is_opened_and_stood_up(window, tmp_path: Path) -> None:
+    path = lying_jug(tmp_path)
+    window.keep(material="bisque", resolution_mm=2.0)
+
+    def choose(dialog: QtWidgets.QFileDialog) -> None:
+        dialog.selectFile(str(path))
+        dialog.accept()
+
+    def agree(dialog: ObjectDialog) -> None:
+        assert dialog.ways["y"].isChecked()
+        assert dialog.material.currentData() == "bisque"
+        dialog.accept()
+
+    files = foreseen(QtWidgets.QFileDialog, choose)
+    asked = foreseen(ObjectDialog, agree)
+    action = window.actions_by_name["open"]
+    assert action.shortcut() == QtGui.QKeySequence("Ctrl+O")
+    action.trigger()
+    assert files
+    assert asked == ["lying.ply"]
+    np.testing.assert_array_equal(window.document.surface.source.vertices, jug().vertices)
+    assert window.document.surface.material.name == "bisque"
+
+
+def test_a_dropped_file_asks_the_same_and_shows_the_last_material(window, tmp_path: Path) -> None:
+    path = lying_jug(tmp_path)
+
+    def change(dialog: ObjectDialog) -> None:
+        assert dialog.material.currentData() == "bisque"
+        dialog.material.setCurrentIndex(dialog.material.findData("plaster"))
+        dialog.resolution.setValue(3.0)
+        dialog.accept()
+
+    asked = foreseen(ObjectDialog, change)
+    drop(window, path)
+    assert asked
+    wait_for(lambda: window.document.surface.material.name == "plaster", 60.0)
+    assert window.document.surface.resolution == 3.0
+    assert window.settings.material == "plaster"  # and is what the next one is asked with
+
+
+def test_what_is_cancelled_leaves_everything(window, tmp_path: Path) -> None:
+    before = window.document
+    asked = foreseen(ObjectDialog, lambda dialog: dialog.reject())
+    assert not window.files.open_path(str(lying_jug(tmp_path)), asked=True)
+    assert asked
+    assert window.document is before
+
+
+def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:
+    notes: list[str] = []
+
+    def agree(dialog: ObjectDialog) -> None:
+        notes.append(dialog.notes.text())
+        assert dialog.colours.isChecked()
+        dialog.accept()
+
+    foreseen(ObjectDialog, agree)
+    assert window.files.open_path(str(box_with_picture(tmp_path)), asked=True)
+    assert notes == ["Left out: relief (a bump map)"]
+    wait_for(lambda: window.stage.is_lit, 60.0)
+    live(0.5)
+    reds = red_share(window)
+    assert 0.05 < reds < 0.5
+    drag(window.canvas, (0.42, 0.5), (0.58, 0.5))
+    wait_for(lambda: painted_count(window) > 20, 60.0)
+    with window.stage.easel.paused() as document:
+        dark = document.surface.srgb[document.surface.painted].min(axis=0)
+    assert (dark < 120).all()
+    wait_for(lambda: red_share(window) < reds, 60.0)
+
+
+def painted_count(window: StudioWindow) -> int:
+    """Vertices with paint."""
+    with window.stage.easel.paused() as document:
+        return int(document.surface.painted.sum())
+
+
+def red_share(window: StudioWindow) -> float:
+    """Share of the picture that is red."""
+    pixels = window.stage.picture()[..., :3].astype(int)
+    return float(np.mean((pixels[..., 0] > 90) & (pixels[..., 0] > 2 * pixels[..., 2])))
+
+
+def test_its_own_colours_can_be_left_behind(window, tmp_path: Path) -> None:
+    with window.stage.easel.paused() as document:
+        document.modified = False
+
+    def plain(dialog: ObjectDialog) -> None:
+        dialog.colours.setChecked(False)
+        dialog.accept()
+
+    foreseen(ObjectDialog, plain)
+    assert window.files.open_path(str(box_with_picture(tmp_path)), asked=True)
+    assert window.document.surface.source.colours is None
+    assert window.document.surface.source.n_vertices == 8
+
+
+def test_what_is_open_is_turned_and_scaled(window, tmp_path: Path) -> None:
+    foreseen(ObjectDialog, lambda dialog: dialog.accept())
+    assert window.files.open_path(str(lying_jug(tmp_path)), asked=True)
+    size = spans(window)
+
+    def turn(dialog: ObjectDialog) -> None:
+        dialog.quarters["x"].click()
+        assert dialog.ways["-y"].isChecked() or dialog.ways["y"].isChecked()
+        dialog.length.setValue(2.0 * dialog.length.value())
+        dialog.accept()
+
+    foreseen(ObjectDialog, turn)
+    window.actions_by_name["stand"].trigger()
+    np.testing.assert_allclose(spans(window), 2.0 * size[[0, 2, 1]], rtol=1e-3)
+    session = tmp_path / "turned.p3d"
+    assert window.files.save_to(session)
+    np.testing.assert_array_equal(
+        load_session(session).surface.source.vertices, window.document.surface.source.vertices
+    )
+
+
+def test_turning_what_is_painted_begins_anew_or_leaves_it(window) -> None:
+    wait_for(lambda: window.stage.is_lit, 60.0)
+    drag(window.canvas, (0.45, 0.5), (0.55, 0.5))
+    before = window.document
+    wait_for(lambda: before.strokes, 60.0)
+    met = foreseen(QtWidgets.QMessageBox, lambda box: box.reject())
+    window.actions_by_name["stand"].trigger()
+    assert met
+    assert window.document is before
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    foreseen(QtWidgets.QMessageBox, lambda box: box.buttons()[0].click())
+    foreseen(ObjectDialog, lambda dialog: (dialog.quarters["y"].click(), dialog.accept()))
+    window.actions_by_name["stand"].trigger()
+    assert window.document is not before
+    assert not window.document.strokes
+    assert spans(window)[0] == pytest.approx(np.ptp(before.surface.source.vertices[:, 2]))
+
+
+def slanted() -> TriangleMesh:
+    """A pyramid over a square, on its tip."""
+    points = np.array([[0, 0, 0], [40, 40, 50], [-40, 40, 50], [-40, -40, 50], [40, -40, 50]])
+    faces = np.array([[0, 4, 1], [0, 3, 4], [0, 2, 3], [0, 1, 2], [1, 3, 2], [1, 4, 3]])
+    return TriangleMesh(points.astype(float), faces)
+
+
+def test_it_stands_on_the_side_that_is_clicked(window) -> None:
+    dialog = ObjectDialog(window, Reading(slanted()), "xuan", 2.0, title="pyramid", accept="Open")
+    dialog.show()
+    picture = dialog.picture
+    place = QtCore.QPoint(picture.width() // 2, int(0.62 * picture.height()))  # a slanted side
+    QtTest.QTest.mouseClick(picture, QtCore.Qt.MouseButton.LeftButton, pos=place)
+    turned = dialog.chosen().apply(slanted()).vertices
+    low = turned[:, 2] < turned[:, 2].min() + 1e-3
+    assert low.sum() == 3  # a triangle lies on the ground
+    assert low[0]
+    corner = QtCore.QPoint(4, 4)  # beside it: nothing happens
+    before = dialog.chosen().turn
+    QtTest.QTest.mouseClick(picture, QtCore.Qt.MouseButton.LeftButton, pos=corner)
+    np.testing.assert_array_equal(dialog.chosen().turn, before)
+    dialog.stand_up("-z")
+    assert dialog.ways["-z"].isChecked()
+    dialog.close()
+
+
+def test_unit_length_and_fineness_go_together(window) -> None:
+    ball = load_mesh("sphere")
+    small = Reading(TriangleMesh(ball.vertices * 1e-3, ball.faces))
+    dialog = ObjectDialog(window, small, "xuan", 0.4, title="ball", accept="Open")
+    assert dialog.unit.currentData() == "m"
+    assert dialog.length.value() == pytest.approx(150.0, rel=0.01)
+    dialog.unit.setCurrentIndex(dialog.unit.findData("in"))
+    dialog.unit.activated.emit(dialog.unit.currentIndex())
+    assert dialog.length.value() == pytest.approx(0.15 * 25.4, rel=0.01)
+    dialog.length.setValue(3000.0)
+    assert dialog.unit.currentIndex() == -1
+    assert dialog.resolution.value() > 1.0  # 28 m2 would take millions of cells
+    dialog.resolution.setValue(0.8)
+    dialog.length.setValue(2000.0)
+    assert dialog.resolution.value() == 0.8  # what was chosen stays
+    dialog.close()
+    assert likely_unit(0.15) == "m"
+    assert sensible_resolution(6e6, 0.4) == pytest.approx(1.0)
+    assert sensible_resolution(6e4, 0.4) == 0.4
+
+
+def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
+    window.files.quiet = True
+    try:
+        assert window.files.open_path(str(lying_jug(tmp_path)), 2.0, "xuan", asked=True)
+    finally:
+        window.files.quiet = False
+    assert "y was taken for up" in window.told.text()
+    size = spans(window)
+    assert size[2] == size.max()
+    ball = tmp_path / "ball.ply"
+    export(load_mesh("sphere"), ball)
+    choice = first_choice(read_mesh(ball), None, "xuan", 2.0)
+    np.testing.assert_array_equal(choice.turn, np.eye(3))
+
+
+def test_notes_are_told_in_chinese() -> None:
+    choose_language("zh")
+    try:
+        assert told("left out: animations, transparency") == "未采用：动画、透明"
+    finally:
+        choose_language("en")
+    assert told("left out: animations") == "Left out: animations"
+    assert told("left out 3 faces") == "left out 3 faces"
