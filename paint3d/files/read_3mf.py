@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import parse_xml
-from paint3d.files.raw_mesh import RawMesh
+from paint3d.files.raw_mesh import RawMesh, left_out
 
 __all__ = ["read_3mf"]
 
@@ -28,6 +28,11 @@ UNITS_MM = {
 }
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MATERIAL = "{http://schemas.microsoft.com/3dmanufacturing/material/2015/02}"
+LEFT_OUT = {
+    f"{MATERIAL}texture2dgroup": "its pictures",
+    f"{MATERIAL}compositematerials": "mixtures of materials",
+    f"{MATERIAL}multiproperties": "mixtures of materials",
+}
 PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
 MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -99,7 +104,14 @@ def _read_package(package: Package) -> RawMesh:
         _place(package, part, item.get("objectid"), _matrix(item.get("transform")), ())
     if not package.pieces:
         raise MeshError("it has no build items with triangles; expected a surface")
-    return _merged(package.pieces, UNITS_MM[unit])
+    return _merged(package.pieces, UNITS_MM[unit], left_out(_dropped(package)))
+
+
+def _dropped(package: Package) -> set[str]:
+    """What its parts say of colours that is not read."""
+    roots = package.models.values()
+    tags = {element.tag for root in roots for element in root.iterfind(f"{CORE}resources/*")}
+    return {what for tag, what in LEFT_OUT.items() if tag in tags}
 
 
 def _start_part(archive: zipfile.ZipFile) -> str:
@@ -208,7 +220,7 @@ def _hex(text: str | None) -> tuple[int, int, int]:
     return int(code[0:2], 16), int(code[2:4], 16), int(code[4:6], 16)
 
 
-def _merged(pieces: list[RawMesh], unit_mm: float) -> RawMesh:
+def _merged(pieces: list[RawMesh], unit_mm: float, notes: tuple[str, ...]) -> RawMesh:
     first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     colours = None
     if any(piece.colours is not None for piece in pieces):
@@ -222,4 +234,5 @@ def _merged(pieces: list[RawMesh], unit_mm: float) -> RawMesh:
         colours,
         unit_mm=unit_mm,
         up="z",
+        notes=notes,
     )

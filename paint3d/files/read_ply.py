@@ -8,7 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.raw_mesh import RawMesh, as_codes, check_count, index_array, parse_numbers
+from paint3d.files.raw_mesh import (
+    RawMesh,
+    as_codes,
+    check_count,
+    index_array,
+    left_out,
+    parse_numbers,
+)
 
 __all__ = ["read_ply"]
 
@@ -82,6 +89,7 @@ def read_ply(data: bytes) -> RawMesh:
         _colours(vertex),
         _normals(vertex),
         announces_faces=announced,
+        notes=left_out(["its pictures"] if b"comment TextureFile" in data[:body] else []),
     )
 
 

@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import re
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from PIL import Image
 
 from paint3d.files.detail import MOST_VERTICES, show_pictures
+from paint3d.files.export import export
 from paint3d.files.load import load_mesh
 from paint3d.files.reading import Wanted, read_surface
 from paint3d.files.textures import Look, linear_from_srgb, sample_picture
@@ -203,6 +205,26 @@ def test_what_a_gltf_says_besides_is_told(tmp_path: Path) -> None:
         "transparency"
     )
     assert read(tmp_path, gltf()).notes == ()
+
+
+def test_pictures_that_are_not_read_are_told(tmp_path: Path) -> None:
+    text = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 3\n"
+    text += "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+    text += "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    (tmp_path / "a.ply").write_text(text)
+    assert read_surface(tmp_path / "a.ply").notes == ("left out: its pictures",)
+    export(load_mesh("plane"), tmp_path / "a.3mf")
+    assert read_surface(tmp_path / "a.3mf").notes == ()
+    with zipfile.ZipFile(tmp_path / "a.3mf") as plain:
+        parts = {name: plain.read(name) for name in plain.namelist()}
+    name = next(name for name in parts if name.endswith(".model"))
+    space = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
+    group = f'<m:texture2dgroup xmlns:m="{space}" id="77" texid="78"/></resources>'
+    parts[name] = parts[name].replace(b"</resources>", group.encode())
+    with zipfile.ZipFile(tmp_path / "b.3mf", "w") as pictured:
+        for name, data in parts.items():
+            pictured.writestr(name, data)
+    assert read_surface(tmp_path / "b.3mf").notes == ("left out: its pictures",)
 
 
 def test_a_texture_is_placed_as_its_transform_says(tmp_path: Path) -> None:

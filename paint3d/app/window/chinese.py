@@ -23,6 +23,7 @@ CHINESE = {
         "已取 {axis} 朝上；可用“编辑 ▸ 转动、缩放器物”更改",
     "Which way is up is not sure; Edit ▸ Turn and scale the object changes it":
         "哪边朝上未能确定；可用“编辑 ▸ 转动、缩放器物”更改",
+    "its pictures": "贴图", "mixtures of materials": "混合材质",
     "its colours and pictures": "颜色与贴图", "relief (a normal map)": "凹凸（法线贴图）",
     "relief (a bump map)": "凹凸（凹凸贴图）", "shadows baked into a picture": "烘焙的阴影",
     "light of its own": "自发光", "metal and gloss from a picture": "金属与光泽贴图",
