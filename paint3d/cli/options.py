@@ -138,14 +138,16 @@ def add_painting_options(
     add_up_option(parser)
 
 
-def add_up_option(parser: argparse.ArgumentParser) -> None:
-    """Add ``--up``."""
+def add_up_option(
+    parser: argparse.ArgumentParser, otherwise: str = "as the format says, else z"
+) -> None:
+    """Add ``--up``; `otherwise` says what is up without it."""
     parser.add_argument(
         "--up",
         metavar="AXIS",
         choices=(*_UP_AXES, "auto"),
         help="axis of the mesh file that points up: x, y, z, or --up=-x and so on; auto: guess it "
-        "where the format does not say and it is sure (default: as the format says, else z)",
+        f"where the format does not say and it is sure (default: {otherwise})",
     )
 
 

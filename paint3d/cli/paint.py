@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from paint3d.cli.first_run import say_if_compiling
-from paint3d.cli.options import add_quiet_option, add_surface_options
+from paint3d.cli.options import add_quiet_option, add_surface_options, add_up_option
 from paint3d.errors import InputError, MeshError
 
 HELP = "the desktop studio"
@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "plane (default: what a crash left, or a bowl)",
     )
     add_surface_options(parser)
+    add_up_option(parser, "auto")
     parser.set_defaults(material=None, resolution=None)  # as was chosen last in the window
     parser.add_argument("--language", choices=_LANGUAGES, help="of the window (default: as chosen)")
     add_quiet_option(parser)
@@ -63,4 +64,5 @@ def run(options: argparse.Namespace) -> None:
         resolution=options.resolution,
         material=options.material,
         language=options.language,
+        up=None if options.up == "auto" else options.up,
     )

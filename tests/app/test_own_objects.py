@@ -14,6 +14,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
 from paint3d.app.window.object_dialog import ObjectDialog, told
+from paint3d.app.window.start import _open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.files.export import export
@@ -298,6 +299,14 @@ def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
     export(load_mesh("sphere"), ball)
     choice = first_choice(read_mesh(ball), None, "xuan", 2.0)
     np.testing.assert_array_equal(choice.turn, np.eye(3))
+
+
+def test_the_command_line_says_which_way_is_up(window, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(window.files, "offer_recovery", lambda: False)
+    _open_first(window, str(lying_jug(tmp_path)), 2.0, "xuan", "-y")
+    vertices = window.document.surface.source.vertices
+    np.testing.assert_array_equal(vertices[:, 2], -jug().vertices[:, 2])
+    assert (window.files.quiet, window.files.up) == (False, None)
 
 
 def test_notes_are_told_in_chinese() -> None:

@@ -40,11 +40,14 @@ class Opening:
         What went wrong last.
     quiet : bool
         Keep it there instead of showing it.
+    up : str or None
+        The axis of mesh files that points up, where that was said; see `load_mesh`.
     """
 
     _window: StudioWindow
     error: BaseException | None
     quiet: bool
+    up: str | None = None
     may_leave: Callable[[], bool]
 
     # -- asking -----------------------------------------------------------------------------
@@ -133,7 +136,9 @@ class Opening:
         loaded = run_beside(
             self._window,
             title,
-            lambda progress: read_mesh(path, texture=True, progress=_before_one(progress)),
+            lambda progress: read_mesh(
+                path, texture=True, up=self.up, progress=_before_one(progress)
+            ),
         )
         if not self.went_well(loaded):
             return None
@@ -150,7 +155,7 @@ class Opening:
         def make(progress: Progress) -> Document:
             found = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
-                found = read_mesh(path, progress=part_of(progress, 0.0, 0.4)).mesh
+                found = read_mesh(path, up=self.up, progress=part_of(progress, 0.0, 0.4)).mesh
             share = 0.0 if choice.coloured else 0.4
             progress.expect(share, 0.98, 0.2 + found.n_faces / _FACES_A_SECOND)
             document = Document.new(

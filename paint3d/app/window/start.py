@@ -65,6 +65,7 @@ def run_studio(
     resolution: float | None = None,
     material: str | None = None,
     language: str | None = None,
+    up: str | None = None,
 ) -> int:
     """Open the window and stay until it is closed.
 
@@ -78,6 +79,8 @@ def run_studio(
         Of a mesh; by default what was chosen last.
     language : str, optional
         "en" or "zh"; by default what was chosen last, or the system's.
+    up : str, optional
+        The axis of the mesh that points up; by default as its file says, or guessed.
 
     Returns
     -------
@@ -99,7 +102,7 @@ def run_studio(
     window.show()
     window.files.show_recent()
     try:
-        _open_first(window, target, resolution, material)
+        _open_first(window, target, resolution, material, up)
     except BaseException:
         window.close()
         raise
@@ -133,14 +136,18 @@ def _translate_qt(app: QtWidgets.QApplication) -> None:
 
 
 def _open_first(
-    window: StudioWindow, target: str | None, resolution: float | None, material: str | None
+    window: StudioWindow,
+    target: str | None,
+    resolution: float | None,
+    material: str | None,
+    up: str | None = None,
 ) -> None:
     """Open what a crash left, else what was asked for; stopped, the window stays empty."""
     if window.files.offer_recovery():
         return
-    window.files.quiet = True
+    window.files.quiet, window.files.up = True, up
     opened = window.files.open_path(target or _FIRST, resolution, material, asked=True)
-    window.files.quiet = False
+    window.files.quiet, window.files.up = False, None
     error = window.files.error
     if not opened and error is not None and not isinstance(error, CancelledError):
         raise error
