@@ -128,6 +128,11 @@ def parse_json(data: bytes) -> dict:
     """
     try:
         document = json.loads(data.decode("utf-8-sig"))
+    except UnicodeDecodeError as cause:
+        raise MeshError(
+            f"it is no text that glTF could be: its byte {cause.start} is {data[cause.start]}; "
+            "expected a glTF document, or a .glb that begins with 'glTF'"
+        ) from None
     except (ValueError, RecursionError) as cause:
         raise MeshError(f"its JSON cannot be read: {cause}") from None
     if not isinstance(document, dict):

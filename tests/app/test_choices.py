@@ -8,6 +8,8 @@ import string
 import pytest
 
 from paint3d.app.model.brush_size import resized
+from paint3d.app.model.document import Document
+from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.places import config_folder, recovery_folder
 from paint3d.app.model.saved_settings import chosen_brush, chosen_inks, in_hand
 from paint3d.app.model.settings import Settings, load_settings, save_settings
@@ -21,7 +23,7 @@ from paint3d.app.model.shortcuts import (
 )
 from paint3d.app.model.texts import LANGUAGES, Texts, load_texts, system_language
 from paint3d.brush.presets import load_brush
-from paint3d.errors import ExportError, InputError, UnknownNameError
+from paint3d.errors import ExportError, InputError, Paint3DError, UnknownNameError
 from paint3d.files.load import BUILT_IN_OBJECTS
 from paint3d.ink.materials import load_material, load_materials
 from paint3d.ink.pigments import load_pigment
@@ -181,3 +183,39 @@ def test_folders_follow_the_environment(monkeypatch, tmp_path):
     assert config_folder().parts[-2:] == (".config", "paint3d")
     monkeypatch.setenv("PAINT3D_STATE", str(tmp_path / "own"))
     assert recovery_folder() == tmp_path / "own" / "sittings"
+
+
+@pytest.mark.parametrize(
+    ("english", "chinese"),
+    [
+        ("the layer '1' is locked; expected another one", "图层“1”已锁定，请换一个图层"),
+        ("/a/b.p3d: cannot write: No space left on device", "/a/b.p3d：无法写入：磁盘已满"),
+        ("/a/b.ply: no such file; expected a mesh file", "/a/b.ply：没有这个文件"),
+        ("another ink was asked for during a stroke; expected its end first", "请先写完这一笔"),
+        ("nobody knows this one", "未能完成：nobody knows this one"),
+    ],
+)
+def test_errors_are_said_in_chinese(english, chinese):
+    assert in_chinese(english) == chinese
+
+
+def test_errors_that_are_raised_are_among_the_patterns(tmp_path):
+    document = Document.new("plane", 4.0)
+    document.set_locked(0)
+    noise = tmp_path / "random.glb"
+    noise.write_bytes(bytes([0x81, 0x17, 0x99] * 400))
+    for action in (
+        document.begin_stroke,
+        lambda: document.save(tmp_path / "no" / "a.p3d"),
+        lambda: document.export(tmp_path / "a.xyz"),
+        lambda: document.export(tmp_path / "no" / "a.ply"),
+        lambda: document.replayed(7),
+        lambda: Document.new(tmp_path / "none.ply"),
+        lambda: Document.new(noise),
+        lambda: Document.open(tmp_path / "none.p3d"),
+    ):
+        with pytest.raises(Paint3DError) as found:
+            action()
+        assert "\n" not in str(found.value)
+        assert "codec" not in str(found.value)
+        assert not in_chinese(str(found.value)).startswith("未能完成"), str(found.value)

@@ -11,9 +11,10 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.held_ink import held_ink, ink_srgb
 from paint3d.app.window.commands import TOOLS
+from paint3d.app.window.wording import choose_language
 from paint3d.brush.presets import brush_names
 from paint3d.ink.pigments import WATER, load_pigment
-from tests.app.gestures import KIND, answer, live, mouse
+from tests.app.gestures import KIND, answer, live, mouse, wait_for
 from tests.app.pointers import Touching
 from tests.app.windows import faults, opened, settled
 
@@ -157,11 +158,11 @@ def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
     dishes = window.panels.inks.dishes
     window.panels.docks["inks"].raise_()
     window.panels.inks.empty()
+    live(0.2)
     at = dishes.box(2).center()
     with Touching(dishes) as fingers:
         fingers.set({1: (at.x(), at.y())})
-        live(0.7)
-    assert window.panels.inks.mixture() == {dishes.names[2]: 1.0}
+        wait_for(lambda: window.panels.inks.mixture() == {dishes.names[2]: 1.0}, 5.0)
     left = QtCore.Qt.MouseButton.LeftButton
     mouse(dishes, KIND.MouseButtonPress, at.x(), at.y(), left, left)
     mouse(dishes, KIND.MouseButtonRelease, at.x(), at.y(), left)
@@ -190,3 +191,43 @@ def test_the_list_of_keys_opens_and_names_pens_and_fingers(window) -> None:
     ):
         assert words in told
     assert "Bend" not in told
+
+
+def test_the_whole_object_stays_in_sight_until_somebody_looks_elsewhere(window) -> None:
+    size = window.size()
+    window.hand.show_all()
+    window.resize(1050, 640)
+    live(0.2)
+    small = window.hand.camera
+    window.hand.show_all()
+    assert np.allclose(small.position, window.hand.camera.position)
+    window.steering.step("nearer")
+    near = window.hand.camera
+    window.resize(size)
+    live(0.2)
+    assert window.hand.camera is near
+    window.hand.show_all()
+
+
+def test_the_first_start_is_told_once(window, monkeypatch) -> None:
+    from paint3d.app.window import opening, warming
+
+    assert not warming.is_first_start()  # this very test has compiled
+    assert opening._warming() == "Preparing the brush…"
+    monkeypatch.setattr(opening, "is_first_start", lambda: True)
+    assert opening._warming().startswith("First start")
+
+
+def test_errors_are_told_in_the_language_of_the_window(window) -> None:
+    choose_language("zh")
+    try:
+        window.post("set_locked", 0)
+        window.post("begin_stroke")
+        settled(window)
+        wait_for(lambda: "图层" in window.told.text())
+        assert "已锁定" in window.told.text()
+    finally:
+        choose_language("en")
+        window.post("end_stroke")
+        window.post("set_locked", 0, False)
+        settled(window)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paint3d.app.model.devices import DeviceDesk, StrokeCutter
+from paint3d.app.window.wording import say_error
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
@@ -80,7 +81,7 @@ class BothHands:
         try:
             self._feedback = self._feel(document)
         except Paint3DError as error:
-            self._window.tell(str(error), state="bad")
+            self._window.tell(say_error(error), state="bad")
         self.desk = self._make_desk()
 
     def _make_desk(self) -> DeviceDesk | None:

@@ -45,6 +45,7 @@ class CanvasHand(QtCore.QObject):
         super().__init__(canvas)
         self._canvas, self._stage = canvas, stage
         self.camera: Camera | None = None
+        self._whole: Camera | None = None
         self.hand: Hand | None = None
         self.settings = HandSettings()
         self.first_force = 1.5  # N, of a mouse
@@ -56,6 +57,7 @@ class CanvasHand(QtCore.QObject):
         self._notches = 0.0
         canvas.touched.connect(self.touch)
         canvas.taken_back.connect(self.cancel)
+        canvas.resized.connect(self._resized)
         canvas.left.connect(self._leave)
 
     # -- the view ---------------------------------------------------------------------------
@@ -84,6 +86,12 @@ class CanvasHand(QtCore.QObject):
             axes = studio_axes(points, View((0.0, -0.6, 1.0)))
             view = View(axes.T @ _FLAT_VIEW, axes[1])
         self.look(fit_camera(points, view, self._canvas.width() / max(1, self._canvas.height())))
+        self._whole = self.camera
+
+    def _resized(self) -> None:
+        """Go on showing the whole object, where nobody has painted or looked elsewhere since."""
+        if self.camera is not None and self.camera is self._whole:
+            self.show_all()
 
     def show_place(self) -> None:
         """See what is under the pointer from near."""
@@ -199,7 +207,7 @@ class CanvasHand(QtCore.QObject):
         samples = self.hand.begin(event, easel.brush)
         if samples is None:
             return
-        self.in_stroke = True
+        self.in_stroke, self._whole = True, None
         easel.post("begin_stroke")
         easel.feed(samples)
         self.began.emit()

@@ -16,8 +16,8 @@ from paint3d.app.model.sitting import Unfinished, recoverable
 from paint3d.app.window.dialogs import NewDialog
 from paint3d.app.window.jobs import Progress, is_waiting, run_beside
 from paint3d.app.window.named import named
-from paint3d.app.window.warming import warm_up
-from paint3d.app.window.wording import say
+from paint3d.app.window.warming import is_first_start, warm_up
+from paint3d.app.window.wording import say, say_error
 from paint3d.errors import Paint3DError
 from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, read_mesh
 from paint3d.files.progress import part_of
@@ -103,7 +103,7 @@ class Opening:
         if not asked and self._window.stage.easel is not None and not self.may_leave():
             return False
         self.error = None
-        if not self.went_well(run_beside(self._window, say("status.compiling"), _warm_up)):
+        if not self.went_well(run_beside(self._window, _warming(), _warm_up)):
             return False
         title = say("status.opening", name=named(Path(path).name))
         if is_session_path(path):
@@ -185,7 +185,7 @@ class Opening:
         elif not isinstance(error, Paint3DError | OSError):
             raise error
         elif not self.quiet:
-            QtWidgets.QMessageBox.warning(self._window, "paint3d", str(error))
+            QtWidgets.QMessageBox.warning(self._window, "paint3d", say_error(error))
         return False
 
     def _remember(self, path: str) -> None:
@@ -244,6 +244,11 @@ class Opening:
         one.discard()
         self._window.tell(say("Brought back; save it to keep it"), state="good")
         return True
+
+
+def _warming() -> str:
+    """What is said while the kernels are got ready."""
+    return say("status.compiling" if is_first_start() else "status.warming")
 
 
 def _warm_up(progress: Progress) -> None:

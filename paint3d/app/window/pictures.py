@@ -14,7 +14,7 @@ from PySide6 import QtWidgets
 from paint3d.app.window.film_dialog import Film, FilmDialog, kept_film
 from paint3d.app.window.jobs import Progress, run_beside
 from paint3d.app.window.turntable import write_turntable
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_error
 from paint3d.errors import ExportError, Paint3DError
 from paint3d.files.atomic import write_atomically
 
@@ -103,7 +103,7 @@ class Pictures:
         try:
             done = write_turntable(self._window, path, film or Film())
         except Paint3DError as error:
-            QtWidgets.QMessageBox.warning(self._window, "paint3d", str(error))
+            QtWidgets.QMessageBox.warning(self._window, "paint3d", say_error(error))
             return False
         if not self.went_well(done):
             return False

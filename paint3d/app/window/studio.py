@@ -50,7 +50,7 @@ from paint3d.app.window.theme import (
 )
 from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.window_place import restore_window, window_words
-from paint3d.app.window.wording import choose_unit, say
+from paint3d.app.window.wording import choose_unit, say, say_error
 from paint3d.errors import Paint3DError
 from paint3d.view.live_scene import DARK, LIGHT
 
@@ -228,7 +228,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         try:
             save_settings(self.settings)
         except Paint3DError as error:
-            self.tell(str(error), state="bad")
+            self.tell(say_error(error), state="bad")
 
     def show_unit(self) -> None:
         """Tell lengths in the unit of the settings."""
@@ -280,7 +280,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         try:
             return Sitting(document)
         except Paint3DError as error:
-            self.tell(str(error), state="bad")
+            self.tell(say_error(error), state="bad")
             return None
 
     def show_title(self) -> None:
@@ -301,7 +301,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.player.tick()
         self.copying.follow()
         for event in self.stage.easel.take_events():
-            self.tell(event.message, state="bad")
+            self.tell(say_error(event.message), state="bad")
         if time.perf_counter() < self._next_draw:
             return
         started = time.thread_time()

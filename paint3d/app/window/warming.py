@@ -9,15 +9,22 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.hand import Hand, PointerInput
 from paint3d.kernels.drape import drape_points
+from paint3d.kernels.kept_code import compiled_code
 from paint3d.kernels.shine import add_shine
+from paint3d.kernels.stroke import paint_samples
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.view.brush_shape import BrushStand, tuft_rings
 from paint3d.view.live_object import LiveObject
 
-__all__ = ["warm_up"]
+__all__ = ["is_first_start", "warm_up"]
 
 _MS = 1_000_000
 _warm: list[bool] = []
+
+
+def is_first_start() -> bool:
+    """Whether the kernels have never been compiled here, so that it takes a minute."""
+    return not any(compiled_code().glob(f"stroke.{paint_samples.__name__}-*.nbi"))
 
 
 def warm_up(progress: Callable[[], None] = lambda: None) -> None:

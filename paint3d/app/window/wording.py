@@ -6,11 +6,12 @@ which is its key, and in Chinese beside it (`chinese`).
 
 from __future__ import annotations
 
+from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
 from paint3d.files.load import UNITS_MM
 
-__all__ = ["choose_language", "choose_unit", "language", "say", "say_length"]
+__all__ = ["choose_language", "choose_unit", "language", "say", "say_error", "say_length"]
 
 _texts = [Texts("en")]
 _unit = ["mm"]
@@ -42,3 +43,8 @@ def say(text: str, **values: object) -> str:
         return _texts[0](text, **values)
     words = CHINESE.get(text, text) if language() == "zh" else text
     return words.format(**values) if values else words
+
+
+def say_error(error: BaseException | str) -> str:
+    """What went wrong, in the language that is spoken."""
+    return in_chinese(str(error)) if language() == "zh" else str(error)

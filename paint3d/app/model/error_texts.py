@@ -1,0 +1,74 @@
+"""What goes wrong, in the user's language: our own errors are written in English.
+
+The program's errors name what, where and what was expected, in English, for whoever calls it from
+Python as well. The window says the commonest of them in Chinese, by their pattern; one not known
+keeps its English behind a Chinese word, so nothing is lost.
+"""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["PATTERNS", "in_chinese"]
+
+_REASONS = {
+    "No space left on device": "磁盘已满",
+    "Permission denied": "没有权限",
+    "Read-only file system": "磁盘为只读",
+    "No such file or directory": "没有这个文件或文件夹",
+    "Is a directory": "这是一个文件夹",
+    "Not a directory": "路径中有一段不是文件夹",
+    "File name too long": "文件名太长",
+    "Input/output error": "读写出错",
+}
+
+PATTERNS: tuple[tuple[str, str], ...] = (
+    (r"the layer '(?P<a>.*)' is locked; expected another one", "图层“{a}”已锁定，请换一个图层"),
+    (r"the layer '(?P<a>.*)' is hidden; expected another one", "图层“{a}”已隐藏，请换一个图层"),
+    (r"(?P<a>.*) was asked for during a stroke; expected its end first", "请先写完这一笔"),
+    (r"stroke (?P<a>\d+) of the history; expected (?P<b>\d+) to (?P<c>\d+)",
+     "历史中没有第 {a} 笔，应在 {b} 到 {c} 之间"),
+    (r"(?P<p>.*): no such file; expected .*", "{p}：没有这个文件"),
+    (r"(?P<p>.*): it is a folder; expected a mesh file", "{p}：这是文件夹，需要网格文件"),
+    (r"(?P<p>.*): it does not fit into memory", "{p}：内存不够"),
+    (r"(?P<p>.*): its structure is damaged near (?P<a>.*)", "{p}：文件已损坏，在 {a} 附近"),
+    (r"(?P<p>.*): it is incomplete near (?P<a>.*)", "{p}：文件不完整，在 {a} 附近"),
+    (r"(?P<p>.*): it cannot be used: (?P<a>.*)", "{p}：无法使用：{a}"),
+    (r"(?P<p>.*): it has no vertices and no triangles; expected a surface", "{p}：里面没有表面"),
+    (r"(?P<p>.*): it has (?P<a>[\d,]+) points but no triangles; expected a surface",
+     "{p}：只有 {a} 个点，没有三角形"),
+    (r"(?P<p>.*): (?P<a>\S+) is no suffix .*", "{p}：不认识后缀 {a}"),
+    (r"(?P<p>.*): .*; expected one of (?P<a>.*)", "{p}：不支持这种格式，可用：{a}"),
+    (r"(?P<p>.*): the folder (?P<a>.*) does not exist", "{p}：文件夹 {a} 不存在"),
+    (r"(?P<p>.*): cannot write here: (?P<r>.*)", "{p}：无法写入此处：{r}"),
+    (r"(?P<p>.*): cannot write: (?P<r>.*)", "{p}：无法写入：{r}"),
+    (r"(?P<p>.*): cannot be made: (?P<r>.*)", "{p}：无法建立：{r}"),
+    (r"(?P<p>.*): cannot (?:be read|read it): (?P<r>.*)", "{p}：无法读取：{r}"),
+    (r"(?P<p>.*): cannot keep what is painted here: (?P<r>.*)", "{p}：无法在此保留恢复数据：{r}"),
+    (r"(?P<p>.*): it is no text that glTF could be: .*", "{p}：不是 glTF 文件"),
+    (r"(?P<p>.*): its JSON (?P<a>.*)", "{p}：不是可用的 glTF 文件"),
+    (r"brush length \(mm\) is (?P<a>\S+); expected (?P<b>.*)", "笔头长 {a} 毫米不可用"),
+    (r"vertex (?P<a>\d+); expected 0 to (?P<b>\d+)", "没有第 {a} 个顶点，应在 0 到 {b} 之间"),
+    (r"dish (?P<a>\d+) is empty; expected ink in it", "墨碟 {a} 是空的"),
+)  # fmt: skip
+"""English, as a pattern, and the Chinese that says the same; r is a system's reason."""
+
+
+def in_chinese(message: str) -> str:
+    """An error's message in Chinese; one that is not known keeps its English."""
+    text = " ".join(message.split())
+    for pattern, chinese in PATTERNS:
+        found = re.fullmatch(pattern, text)
+        if found is not None:
+            values = found.groupdict()
+            if "r" in values:
+                values["r"] = _reason(values["r"])
+            return chinese.format(**values)
+    return f"未能完成：{text}"
+
+
+def _reason(english: str) -> str:
+    for known, chinese in _REASONS.items():
+        if known in english:
+            return chinese
+    return english
