@@ -62,3 +62,22 @@ def test_previews_that_fail_are_told_once_and_the_timer_rests(window, monkeypatc
     monkeypatch.undo()
     window.panels.brushes.set_ink("pine soot")
     wait_for(lambda: not window.panels.brushes.is_busy, 60.0)
+
+
+def test_a_fault_in_every_tick_is_told_once_and_the_window_lives(window, monkeypatch) -> None:
+    ticks: list[int] = []
+
+    def fail() -> None:
+        ticks.append(1)
+        raise ValueError("nothing goes")
+
+    before = window.tick
+    monkeypatch.setattr(window, "tick", fail)
+    with faults() as found:
+        wait_for(lambda: len(ticks) > 5)
+        assert found == ["ValueError: nothing goes"]
+        assert "nothing goes" in window.told.text()
+        monkeypatch.setattr(window, "tick", before)
+        drag(window.canvas, (0.45, 0.4), (0.55, 0.4))
+        settled(window)
+        assert len(found) == 1

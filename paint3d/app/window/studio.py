@@ -28,6 +28,7 @@ from paint3d.app.window.commands import (
 )
 from paint3d.app.window.copying import Copying
 from paint3d.app.window.files import Files
+from paint3d.app.window.guard import TellOnce
 from paint3d.app.window.hand import CanvasHand
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.icons import make_icon
@@ -138,7 +139,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._next_draw = self._next_told = 0.0
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
-        self._timer.timeout.connect(self.tick)
+        self._guarded = TellOnce(lambda: self.tick(), self._tell_fault)
+        self._timer.timeout.connect(self._guarded)
         self._timer.start(_TICK_MS)
         self.canvas.resized.connect(self._resized)
         self.canvas.dropped.connect(self.files.open_path)
@@ -357,6 +359,9 @@ class StudioWindow(QtWidgets.QMainWindow):
             widget.style().unpolish(widget)
             widget.style().polish(widget)
         self.tools.layout().invalidate()
+
+    def _tell_fault(self, message: str) -> None:
+        self.tell(say("problem.internal", message=message), state="bad")
 
     def _resized(self) -> None:
         if self._timer.isActive():
