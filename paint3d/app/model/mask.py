@@ -21,7 +21,8 @@ from paint3d.kernels.tuft_load import level_stations
 from paint3d.mesh.paint_mesh import PaintMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "region_faces"]
+__all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "nearest_vertex",
+           "region_faces"]  # fmt: skip
 
 _KINDS = ("crease", "piece")
 
@@ -102,6 +103,12 @@ class Mask:
     def is_open(self) -> bool:
         """Whether paint is taken everywhere."""
         return self.angle is None and not self.regions
+
+
+def nearest_vertex(mesh: PaintMesh, place: NDArray) -> int:
+    """The vertex nearest to a place (3,), mm."""
+    away = mesh.vertices - place.astype(np.float32)
+    return int(np.argmin(np.einsum("ij,ij->i", away, away)))
 
 
 def face_at(mesh: PaintMesh, vertex_id: int) -> int:

@@ -50,6 +50,7 @@ CHINESE = {
     "This pen gives no times of its own; they are evened out": "这支笔不报时间，已按间隔均匀处理",
     "feibai": "飞白",
     "Grips on the picture": "画面上的握柄", "Show the mask": "显示遮罩",
+    "Still painting; ask again in a moment": "仍在作画，请稍后再试",
     "Open an object, or drop a file here": "打开一件器物，或把文件拖到这里",
     "ink {share:.0f} %": "含墨 {share:.0f}%", "behind by {ms:.0f} ms": "落后 {ms:.0f} 毫秒",
     "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画", "has caught up": "已跟上",

@@ -54,6 +54,7 @@ class CanvasHand(QtCore.QObject):
         self.adjusted = False
         self._surface: ClosestPoints | None = None
         self._place: Touch | None = None
+        self._spent = False  # a stroke was taken back whose pen is still down
         self._notches = 0.0
         canvas.touched.connect(self.touch)
         canvas.taken_back.connect(self.cancel)
@@ -68,7 +69,8 @@ class CanvasHand(QtCore.QObject):
         self._surface = ClosestPoints(source)
         force = self.hand.force if self.hand is not None else self.first_force
         self.hand = Hand(self._surface, self.settings, force)
-        self.in_stroke, self._place = False, None
+        self.in_stroke = self._spent = False
+        self._place = None
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self.show_all()
 
@@ -139,15 +141,6 @@ class CanvasHand(QtCore.QObject):
         hits = self._surface.cast(ray.origin[None], ray.direction[None])
         return hits.points[0] if hits.hit[0] else None
 
-    def vertex(self) -> int | None:
-        """The vertex nearest to the pointer, or None beside the object."""
-        found = self.place()
-        if found is None:
-            return None
-        with self._stage.easel.paused() as document:
-            away = document.surface.paint_mesh.vertices - found.astype(np.float32)
-        return int(np.argmin(np.einsum("ij,ij->i", away, away)))
-
     # -- the brush --------------------------------------------------------------------------
 
     def touch(self, touch: Touch) -> None:
@@ -156,6 +149,9 @@ class CanvasHand(QtCore.QObject):
         if easel is None or self.camera is None:
             return
         before, self._place = self._place, touch
+        self._spent = self._spent and touch.down
+        if self._spent:
+            return
         if before is not None and self.held & {"size", "force"} and not self.in_stroke:
             self._adjust(touch.x - before.x)
             return
@@ -225,7 +221,7 @@ class CanvasHand(QtCore.QObject):
     def cancel(self) -> None:
         """Take the stroke that is going on back."""
         if self.in_stroke:
-            self.in_stroke = False
+            self.in_stroke, self._spent = False, True
             self.hand.end(self._place.time_ns, self._stage.easel.brush)
             self._stage.easel.post("cancel_stroke")
             self.ended.emit()

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at
+from numpy.typing import NDArray
+
+from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
 from paint3d.app.model.navigation import picture_axes
 from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.window.wording import say
 from paint3d.brush.presets import brush_names
+from paint3d.mesh.paint_mesh import PaintMesh
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
@@ -20,6 +24,7 @@ _TIP_REACH = 0.35  # of the tuft's length
 _STEADY = 0.4
 _TURNS = 6
 _MASK_DEGREES = 75.0
+_PATIENCE_S = 0.3  # that the window waits for a step of the painting
 
 
 class PaintActions:
@@ -94,9 +99,9 @@ class PaintActions:
 
     def do_pick_colour(self) -> None:
         """Take the ink that lies under the pointer."""
-        vertex = self._window.hand.vertex()
-        if vertex is not None:
-            self._post("pick_colour", vertex)
+        found = self._look_up(nearest_vertex)
+        if found is not None:
+            self._post("pick_colour", found)
 
     def do_wet(self, on: bool) -> None:
         """Let ink spread in real time, or not; kept for paintings to come."""
@@ -140,14 +145,24 @@ class PaintActions:
 
     def do_pick_region(self) -> None:
         """Take paint only in the region under the pointer, and in those picked before."""
-        vertex = self._window.hand.vertex()
-        if vertex is None:
+        face = self._look_up(lambda mesh, place: face_at(mesh, nearest_vertex(mesh, place)))
+        if face is None:
             return
-        with self._window.stage.easel.paused() as document:
-            pick = RegionPick(face_at(document.surface.paint_mesh, vertex))
         mask = self._document.mask
-        self._post("set_mask", Mask(mask.angle, (*mask.regions, pick), mask.inverted))
+        regions = (*mask.regions, RegionPick(face))
+        self._post("set_mask", Mask(mask.angle, regions, mask.inverted))
         self._window.tell(say("Paint is taken in {n} regions", n=len(mask.regions) + 1))
+
+    def _look_up(self, what: Callable[[PaintMesh, NDArray], int]) -> int | None:
+        """Something of the object under the pointer; None beside it, or while painting is busy."""
+        place = self._window.hand.place()
+        if place is None:
+            return None
+        with self._window.stage.easel.paused(_PATIENCE_S) as document:
+            if document is not None:
+                return what(document.surface.paint_mesh, place)
+        self._window.tell(say("Still painting; ask again in a moment"), state="slow")
+        return None
 
     def do_clear_mask(self) -> None:
         """Take paint everywhere."""

@@ -64,13 +64,12 @@ class Saving:
 
     def may_leave(self) -> bool:
         """Ask what is to become of unsaved work; False if it is to stay."""
-        if self._window.stage.easel is None:
-            return True
-        with self._window.stage.easel.paused() as document:
-            modified = document.modified
-        if not modified:
+        easel = self._window.stage.easel
+        if easel is None:
             return True
         document = self._window.document
+        if not (document.modified or easel.queue_length):  # what waits will change it
+            return True
         name = document.path.name if document.path else named(document.surface.source.name)
         box = QtWidgets.QMessageBox(self._window)
         box.setWindowTitle("paint3d")

@@ -386,8 +386,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         """Remember the brush, the inks and the force for the next painting."""
         if self.stage.easel is None:
             return
-        with self.stage.easel.paused() as document:
-            chosen = in_hand(document.painter.brush, document.inks)
+        chosen = in_hand(self.stage.easel.brush, list(self.document.inks))
         force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 

@@ -1,0 +1,93 @@
+"""The window while the painting is busy or behind, and a stroke that is taken back."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest
+
+from paint3d.app.window.studio import StudioWindow
+from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse, wait_for
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window with a sheet in it."""
+    window = StudioWindow(program)
+    window.show()
+    window.files.quiet = True
+    assert window.files.open_path("plane", 1.5, "porcelain", asked=True)
+    wait_for(lambda: window.stage.is_lit, 300)
+    yield window
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+def settle(window) -> None:
+    window.stage.easel.post("refresh").result(300)
+    live(0.05)
+
+
+@pytest.mark.parametrize("name", ["pick_colour", "pick_region"])
+def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name: str) -> None:
+    settle(window)
+    mouse(window.canvas, KIND.MouseMove, window.canvas.width() / 2, window.canvas.height() / 2)
+    gate = threading.Event()
+    window.stage.easel.post(lambda document: gate.wait(60))
+    live(0.05)
+    started = time.thread_time()  # waiting takes no time of the thread's own
+    try:
+        window.actions_by_name[name].trigger()
+        assert "Still painting" in window.told.text()
+        assert not gate.is_set()
+        assert time.thread_time() - started < 5.0
+    finally:
+        gate.set()
+    settle(window)
+
+
+def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None:
+    settle(window)
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    gate = threading.Event()
+    window.stage.easel.post(lambda document: gate.wait(60))
+    drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
+    assert not window.document.modified
+    asked = []
+
+    def cancel(box) -> None:
+        asked.append(box.text())
+        QtTest.QTest.keyClick(box, QtCore.Qt.Key.Key_Escape)
+
+    answer(cancel)
+    try:
+        assert not window.files.may_leave()
+    finally:
+        gate.set()
+    assert len(asked) == 1
+    settle(window)
+
+
+def test_a_stroke_that_is_taken_back_does_not_begin_again_while_the_button_is_down(window) -> None:
+    settle(window)
+    n = len(window.document.strokes)
+    drag(window.canvas, (0.45, 0.4), (0.5, 0.4), n=6, release=False)
+    window.hand.cancel()
+    width, height = window.canvas.width(), window.canvas.height()
+    for k in range(5):
+        left = BUTTON.LeftButton
+        mouse(window.canvas, KIND.MouseMove, (0.5 + 0.01 * k) * width, 0.4 * height, buttons=left)
+    assert not window.hand.in_stroke
+    mouse(window.canvas, KIND.MouseButtonRelease, 0.54 * width, 0.4 * height, BUTTON.LeftButton)
+    settle(window)
+    assert len(window.document.strokes) == n
+    drag(window.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
+    settle(window)
+    assert len(window.document.strokes) == n + 1
