@@ -13,6 +13,24 @@ from pathlib import Path
 
 import pytest
 
+from paint3d.app.model import settings
+
+_WET_AT_FIRST = settings.WET_AT_FIRST
+
+
+@pytest.fixture(autouse=True, scope="module")
+def dry_at_first() -> Iterator[None]:
+    """Ink stays where it was put, for tests that measure it; on xuan it would spread by itself."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(settings, "WET_AT_FIRST", frozenset())
+        yield
+
+
+@pytest.fixture
+def wet_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As users have it: see `dry_at_first`."""
+    monkeypatch.setattr(settings, "WET_AT_FIRST", _WET_AT_FIRST)
+
 
 @pytest.fixture(scope="session")
 def screen() -> Iterator[str]:

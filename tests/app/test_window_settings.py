@@ -82,10 +82,8 @@ def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:
     assert window.document.painter.brush.name == "gongbi"
 
 
-def test_ink_spreads_as_was_chosen_and_else_as_the_material_asks(
-    start, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("paint3d.app.model.settings.WET_AT_FIRST", frozenset({"xuan"}))
+@pytest.mark.usefixtures("wet_at_first")
+def test_ink_spreads_as_was_chosen_and_else_as_the_material_asks(start) -> None:
     window = start(resolution=4.0, material="xuan")
     assert window.actions_by_name["wet"].isChecked()
     assert window.stage.easel.wet

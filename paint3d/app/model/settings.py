@@ -22,7 +22,7 @@ from paint3d.ink.materials import Material
 __all__ = ["Settings", "load_settings", "save_settings"]
 
 VERSION = 2
-WET_AT_FIRST: frozenset[str] = frozenset()
+WET_AT_FIRST = frozenset({"xuan"})
 """Materials on which ink spreads unless it was chosen otherwise."""
 
 _MOST_RECENT = 12

@@ -157,9 +157,9 @@ class BrushPanel(QtWidgets.QWidget):
             self._size.setValue(_step_of(self._wanted))
 
     def close_down(self) -> None:
-        """Paint no more previews."""
+        """Paint no more previews; the one that is being painted is waited for by nobody."""
         self._timer.stop()
-        self._painter.shutdown(wait=True, cancel_futures=True)
+        self._painter.shutdown(wait=False, cancel_futures=True)
 
     def _name(self, row: int) -> str:
         return self._list.item(row).data(QtCore.Qt.ItemDataRole.UserRole)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from pathlib import Path
@@ -236,7 +235,9 @@ class Opening:
         If it is stopped, it stays where it is and is offered again.
         """
         title = say("status.opening", name=named(one.object_name))
-        done = run_beside(self._window, title, lambda progress: _recovered(one, progress))
+        done = run_beside(
+            self._window, title, lambda progress: one.recover(part_of(progress, 0.0, 0.98))
+        )
         if not self.went_well(done):
             return False
         back = done.result()
@@ -258,10 +259,3 @@ def _warm_up(progress: Progress) -> None:
 
 def _before_one(progress: Progress):
     return part_of(progress, 0.0, 0.98)
-
-
-def _recovered(one: Unfinished, progress: Progress):
-    if "progress" in inspect.signature(one.recover).parameters:
-        return one.recover(progress=part_of(progress, 0.0, 0.98))
-    progress.expect(0.0, 0.98, 10.0)
-    return one.recover()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -19,7 +20,9 @@ from paint3d.view.live_object import LiveObject
 __all__ = ["is_first_start", "warm_up"]
 
 _MS = 1_000_000
+_LOOK_S = 0.1
 _warm: list[bool] = []
+_one_at_a_time = threading.Lock()
 
 
 def is_first_start() -> bool:
@@ -35,8 +38,17 @@ def warm_up(progress: Callable[[], None] = lambda: None) -> None:
     progress : callable
         Called between the steps; what it raises stops them.
     """
-    if _warm:
-        return
+    while not _one_at_a_time.acquire(timeout=_LOOK_S):  # one that was given up goes on for a while
+        progress()
+    try:
+        if not _warm:
+            _paint_unseen(progress)
+            _warm.append(True)
+    finally:
+        _one_at_a_time.release()
+
+
+def _paint_unseen(progress: Callable[[], None]) -> None:
     document = Document.new("plane", 4.0, "xuan")
     hand, brush = Hand(ClosestPoints(document.surface.source)), document.painter.brush
     shown = LiveObject(document.surface)
@@ -56,7 +68,6 @@ def warm_up(progress: Callable[[], None] = lambda: None) -> None:
     _stand(document, samples[-1])
     progress()
     document.undo()
-    _warm.append(True)
 
 
 def _over(k: int) -> PointerInput:
