@@ -37,7 +37,7 @@ OBJECTS = ("plane", "bowl", "sphere", "plate")
 COARSE_MM = (2.0, 4.0)
 NAMES = (
     "a.p3d", "b.p3d", "c", "d.glb", "e.ply", "f.png", "g.gif", "h.jsonl", "永.p3d", "", "bad.ply",
-    "notes.txt", "notes.txt/under.p3d", "missing/x.p3d", "/proc/x.p3d",
+    "notes.txt", "notes.txt/under.p3d", "missing/x.p3d",
 )  # fmt: skip
 HARMLESS = (
     "Could not parse",
