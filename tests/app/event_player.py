@@ -315,6 +315,7 @@ class EventPlayer(QtCore.QObject):
         pictures_a_second: float = 60.0,
         begin_ms: int | None = None,
         real_time: bool = False,
+        late: bool = False,
         after_stroke: Callable[[int], None] | None = None,
     ) -> None:
         """Play a recording to its end, and wait until all of it is painted.
@@ -329,11 +330,16 @@ class EventPlayer(QtCore.QObject):
             monotonic clock, or later, so that time never goes back.
         real_time : bool
             Wait until the events would have happened, before they are handed over.
+        late : bool
+            Hand everything over only after all of it happened, as a program gets what queued while
+            it was busy; a hover that comes in time goes before it.
         after_stroke : callable, optional
             Called with the number of each stroke, once it is painted.
         """
         if begin_ms is None:
             begin_ms = max(time.monotonic_ns() // 1_000_000, self.now_ms + PAUSE_MS)
+        if late:
+            begin_ms = self._wait_for(recording)
         n_strokes, started = 0, time.monotonic()
         self._aspect = recording.header.get("aspect")
         try:
@@ -354,6 +360,18 @@ class EventPlayer(QtCore.QObject):
         finally:
             self._go_on()
         settle(self._window)
+
+    def _wait_for(self, recording: EventRecording) -> int:
+        """Hover now, and live on until a recording that begins now has ended; its time 0."""
+        self._aspect = recording.header.get("aspect")
+        hands = [event for event in recording.events if event.device in ("pen", "mouse")]
+        now_ms = time.monotonic_ns() // 1_000_000
+        hover = replace(hands[0], kind="move", pressure=0.0, buttons=(), time_ms=0)
+        self.send(hover, now_ms)
+        until = time.monotonic() + 1e-3 * (PAUSE_MS + recording.events[-1].time_ms)
+        while time.monotonic() < until:
+            process(5)
+        return now_ms + PAUSE_MS
 
     def send(self, event: DeviceEvent, begin_ms: int) -> None:
         """Send one event."""
