@@ -68,5 +68,7 @@ def test_an_event_that_seems_to_come_from_the_future_maps_the_clock_anew_between
     clock.time_ns("pen", START_MS, 5 * 10**12 + late, False)  # the first one waited for a picture
     handed = 5 * 10**12 + 100 * MS
     assert clock.time_ns("pen", START_MS + 100, 5 * 10**12 + late + 1, True) > handed
+    clock.time_ns("pen", START_MS + 101, 5 * 10**12 + late + 2, False)  # a burst's pause
+    assert clock.time_ns("pen", START_MS + 109, 5 * 10**12 + late + 3, True) == handed + 309 * MS
     found = clock.time_ns("pen", START_MS + 600, 5 * 10**12 + 600 * MS, False)
     assert found == 5 * 10**12 + 600 * MS

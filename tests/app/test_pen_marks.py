@@ -137,7 +137,10 @@ def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: st
         ("as recorded", 0.0),
     ):
         open_for(window, recording.header, 1.0)
-        player_of(window).play(recording, how, pictures_a_second=pace, real_time=pace == 120.0)
+        in_time = pace == 120.0
+        player_of(window).play(
+            recording, how, pictures_a_second=pace, real_time=in_time, late=not in_time
+        )
         surfaces.append(window.document.surface)
         if len(surfaces) > 1:
             same_vertices(surfaces[0], surfaces[-1])

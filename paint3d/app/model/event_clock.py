@@ -91,7 +91,8 @@ class EventClock:
         found = known.offset_ns + stamp_ms * _MS
         astray = found > handled_ns + _AHEAD_NS or found < handled_ns - _LOST_NS
         back = stamp_ms < known.stamp_ms
-        if back or (astray and not painting):
+        later = self._last_ns is None or handled_ns > self._last_ns  # no stroke is squeezed by it
+        if back or (astray and later and not painting):
             known.offset_ns = handled_ns - stamp_ms * _MS
             return handled_ns
         return found
