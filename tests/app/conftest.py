@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import faulthandler
 import os
 import shutil
 import signal
@@ -16,6 +17,7 @@ import pytest
 from paint3d.app.model import settings
 
 _WET_AT_FIRST = settings.WET_AT_FIRST
+_LONGEST_S = 600.0
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -24,6 +26,14 @@ def dry_at_first() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(settings, "WET_AT_FIRST", frozenset())
         yield
+
+
+@pytest.fixture(autouse=True)
+def not_for_ever() -> Iterator[None]:
+    """End the process with a traceback if a test waits for a dialog that nobody answers."""
+    faulthandler.dump_traceback_later(_LONGEST_S, exit=True)
+    yield
+    faulthandler.cancel_dump_traceback_later()
 
 
 @pytest.fixture

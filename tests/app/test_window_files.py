@@ -173,7 +173,7 @@ def test_formats_are_listed_by_name_and_the_last_comes_first(window, tmp_path: P
         index = next(k for k, text in enumerate(seen[0]) if text.endswith("(*.obj)"))
         dialog.selectNameFilter(seen[0][index])
         dialog.filterSelected.emit(seen[0][index])
-        answer(accept)
+        answer(accept, ExportDialog)
         typed(dialog, "thing")
 
     answer(look)
