@@ -47,7 +47,7 @@ __all__ = [
 ]
 
 PROFILE_CELLS = 64
-_FIRM = 0.3  # pressure from which a footprint that grows gives ink for all of its growth
+_FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
 # Where each value lies in Stamp.values.
 ORIGIN_X = 0  # 0-2 where the outline is counted from: P'_m, moved as the plane leans, mm

@@ -73,7 +73,7 @@ def still_paints(window) -> bool:
     return len(window.document.strokes) == before + 1
 
 
-@pytest.mark.parametrize("stage", ["load_mesh", "new", "open"])
+@pytest.mark.parametrize("stage", ["read_mesh", "new", "open"])
 def test_opening_that_cannot_be_interrupted_is_left_to_itself(
     window, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, gate: threading.Event, stage: str
 ) -> None:
@@ -91,8 +91,8 @@ def test_opening_that_cannot_be_interrupted_is_left_to_itself(
 
         return waiting
 
-    if stage == "load_mesh":
-        monkeypatch.setattr(opening, "load_mesh", slow(opening.load_mesh))
+    if stage == "read_mesh":
+        monkeypatch.setattr(opening, "read_mesh", slow(opening.read_mesh))
     else:
         monkeypatch.setattr(Document, stage, slow(getattr(Document, stage)))
     answer_bar(cancel)
@@ -235,7 +235,7 @@ def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
 def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
 ) -> None:
-    monkeypatch.setattr(opening, "load_mesh", lambda *given, **named: gate.wait(30))
+    monkeypatch.setattr(opening, "read_mesh", lambda *given, **named: gate.wait(30))
     answer_bar(cancel)
     start._open_first(empty, "bowl", 3.0, None)
     gate.set()

@@ -137,7 +137,7 @@ def test_ink_is_given_for_the_way_on_and_not_for_leaving():
         stamp.values[35] = 1.0
     assert ink_way(large, small) == 0.0
     large.values[17] = 0.1  # a light touch
-    assert ink_way(small, large) == pytest.approx(1.0)
+    assert ink_way(small, large) == pytest.approx(0.75)
     large.values[17] = 0.5
     assert ink_way(small, large) == pytest.approx(3.0)
     small.values[32] = 2.0  # the place moves
