@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 from concurrent.futures import CancelledError
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -167,6 +168,7 @@ def test_what_waits_in_the_queue_is_not_begun_after_cancel(window, gate: threadi
 def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
     window, tmp_path: Path
 ) -> None:
+    window.hand.look(replace(window.hand.camera))  # by choice: it is not fitted anew
     camera = window.hand.camera
     answer_bar(cancel)
     assert not window.files.turntable_to(tmp_path / "a.gif", Film(20.0, 20.0, (320, 240)))

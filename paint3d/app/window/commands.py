@@ -54,8 +54,8 @@ ON_PICTURE = frozenset(
 
 ALWAYS = frozenset(
     {
-        "new", "open", "quit", "preferences", "smoothing", "brush", "panels", "full_screen", "dark",
-        "shortcuts", "about",
+        "new", "open", "quit", "preferences", "smoothing", "brush", "grips", "show_mask", "panels",
+        "full_screen", "dark", "shortcuts", "about",
     }
 )  # fmt: skip
 """What can be asked for while nothing is open."""
