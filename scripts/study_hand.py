@@ -31,7 +31,7 @@ from tests.app.trials import blind, try_strokes
 
 HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 REACH = 10.0
-SIDES = {"bowl": ("in", "out"), "plate": ("in", "out"), "vase": ("out",), "plane": ("any",)}
+SIDES = {"bowl": ("in", "out"), "vase": ("out",)}
 SIZE_MM = 150.0
 HEAD = "object side strokes lost jumps inked off_p95_mm off_max_mm jump_max_mm stray_max_mm"
 

@@ -17,7 +17,7 @@ import pytest
 from paint3d.app.model import settings
 
 _WET_AT_FIRST = settings.WET_AT_FIRST
-_LONGEST_S = 600.0
+_LONGEST_S = 1200.0
 
 
 @pytest.fixture(autouse=True, scope="module")

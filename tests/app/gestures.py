@@ -23,7 +23,7 @@ def live(seconds: float = 0.05) -> None:
         time.sleep(0.002)
 
 
-def wait_for(condition, seconds: float = 20.0) -> None:
+def wait_for(condition, seconds: float = 300.0) -> None:
     """Live until something holds."""
     until = time.perf_counter() + seconds
     while not condition():

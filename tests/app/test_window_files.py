@@ -36,7 +36,7 @@ def window(program):
     assert window.files.open_path("plane", 2.0, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)
     drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
-    window.stage.easel.post(lambda document: None).result(20)
+    window.stage.easel.post(lambda document: None).result(300)
     yield window
     with window.stage.easel.paused() as document:
         document.modified = False

@@ -57,7 +57,7 @@ def start(program):
 
 
 def settled(window) -> None:
-    window.stage.easel.post(lambda document: None).result(20)
+    window.stage.easel.post(lambda document: None).result(300)
 
 
 def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:

@@ -31,7 +31,7 @@ def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None
 
 def settled(window) -> None:
     """Wait until everything asked for is painted and shown."""
-    window.stage.easel.post(lambda document: None).result(20)
+    window.stage.easel.post(lambda document: None).result(300)
     live(0.1)
 
 
