@@ -11,6 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest
 
+from paint3d.app.window.jobs import run_beside
 from paint3d.app.window.studio import StudioWindow
 from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse, wait_for
 
@@ -73,6 +74,27 @@ def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None
         gate.set()
     assert len(asked) == 1
     settle(window)
+
+
+@pytest.mark.parametrize("how", ["dialog", "job"])
+def test_a_stroke_that_is_interrupted_ends_there(window, how: str) -> None:
+    settle(window)
+    n = len(window.document.strokes)
+    drag(window.canvas, (0.45, 0.6), (0.55, 0.6), n=6, release=False)
+    assert window.hand.in_stroke
+    if how == "dialog":
+        answer(lambda box: QtTest.QTest.keyClick(box, QtCore.Qt.Key.Key_Escape))
+        window.actions_by_name["shortcuts"].trigger()
+    else:
+        run_beside(window, "nothing", lambda progress: None)
+    assert not window.hand.in_stroke
+    width, height = window.canvas.width(), window.canvas.height()
+    left = BUTTON.LeftButton
+    mouse(window.canvas, KIND.MouseMove, 0.6 * width, 0.6 * height, buttons=left)
+    assert not window.hand.in_stroke
+    mouse(window.canvas, KIND.MouseMove, 0.6 * width, 0.6 * height)
+    settle(window)
+    assert len(window.document.strokes) == n + 1
 
 
 def test_a_stroke_that_is_taken_back_does_not_begin_again_while_the_button_is_down(window) -> None:

@@ -218,6 +218,12 @@ class CanvasHand(QtCore.QObject):
         easel.post("end_stroke")
         self.ended.emit()
 
+    def interrupt(self) -> None:
+        """End the stroke that is going on where it is; a pen that stays down begins none."""
+        if self.in_stroke:
+            self.lift()
+            self._spent = True
+
     def cancel(self) -> None:
         """Take the stroke that is going on back."""
         if self.in_stroke:

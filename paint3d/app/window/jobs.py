@@ -197,6 +197,7 @@ class _Bar(QtCore.QObject):
         look = QtCore.QTimer(interval=_LOOK_MS if self._here is None else 0)
         look.timeout.connect(self._look)
         program = QtWidgets.QApplication.instance()
+        program.sendEvent(self._window, QtCore.QEvent(QtCore.QEvent.Type.WindowBlocked))
         program.installEventFilter(self)
         soon.start()
         look.start()

@@ -390,6 +390,12 @@ class StudioWindow(QtWidgets.QMainWindow):
         force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 
+    def event(self, event: QtCore.QEvent) -> bool:
+        """End a stroke that a dialog or a bar interrupts: of the pen's lift nothing will be heard."""
+        if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.easel is not None:
+            self.hand.interrupt()
+        return super().event(event)
+
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:
         """Ask about what is unsaved, then let go of everything."""
         if not self.files.may_leave():
