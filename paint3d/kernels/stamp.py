@@ -165,17 +165,16 @@ def ink_way(a, b):
     width_b = b.values[WIDEST]
     half_a = half_b - counts * max(0.0, half_b - 0.5 * (a.values[TIP] - a.values[HEEL]))
     width_a = width_b - counts * max(0.0, width_b - a.values[WIDEST])
-    along = across = 0.0  # squares of how far the tip and a side moved on, the slower ends of which
-    along_back = across_back = 0.0  # are found with the signs turned
+    tip = heel = left = right = 0.0  # squares of the ways of the outline's four farthest points
     for axis in range(3):
         middle = b.values[FOOT_X + axis] - a.values[FOOT_X + axis]
         ends = half_b * b.values[BEND_X + axis] - half_a * a.values[BEND_X + axis]
         sides = width_b * b.values[CROSS_X + axis] - width_a * a.values[CROSS_X + axis]
-        along += (middle + ends) ** 2
-        along_back += (middle - ends) ** 2
-        across += (middle + sides) ** 2
-        across_back += (middle - sides) ** 2
-    return np.sqrt(max(max(along, along_back), max(across, across_back)))
+        tip += (middle + ends) ** 2
+        heel += (middle - ends) ** 2
+        left += (middle + sides) ** 2
+        right += (middle - sides) ** 2
+    return np.sqrt(max(max(tip, heel), max(left, right)))
 
 
 @njit(cache=True, nogil=True)

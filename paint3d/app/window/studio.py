@@ -391,7 +391,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 
     def event(self, event: QtCore.QEvent) -> bool:
-        """End a stroke that a dialog or a bar interrupts: of the pen's lift nothing will be heard."""
+        """End a stroke that a dialog or a bar interrupts: it will not hear of the pen's lift."""
         if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.easel is not None:
             self.hand.interrupt()
         return super().event(event)
