@@ -12,32 +12,20 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.window.jobs import run_beside
-from paint3d.app.window.studio import StudioWindow
-from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse, wait_for
+from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse
+from tests.app.windows import opened, settled
 
 
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a sheet in it."""
-    window = StudioWindow(program)
-    window.show()
-    window.files.quiet = True
-    assert window.files.open_path("plane", 1.5, "porcelain", asked=True)
-    wait_for(lambda: window.stage.is_lit, 300)
-    yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
-
-
-def settle(window) -> None:
-    window.stage.easel.post("refresh").result(300)
-    live(0.05)
+    with opened(program, material="porcelain") as window:
+        yield window
 
 
 @pytest.mark.parametrize("name", ["pick_colour", "pick_region"])
 def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name: str) -> None:
-    settle(window)
+    settled(window)
     mouse(window.canvas, KIND.MouseMove, window.canvas.width() / 2, window.canvas.height() / 2)
     gate = threading.Event()
     window.stage.easel.post(lambda document: gate.wait(60))
@@ -50,11 +38,11 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
         assert time.thread_time() - started < 5.0
     finally:
         gate.set()
-    settle(window)
+    settled(window)
 
 
 def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None:
-    settle(window)
+    settled(window)
     with window.stage.easel.paused() as document:
         document.modified = False
     gate = threading.Event()
@@ -73,12 +61,12 @@ def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None
     finally:
         gate.set()
     assert len(asked) == 1
-    settle(window)
+    settled(window)
 
 
 @pytest.mark.parametrize("how", ["dialog", "job"])
 def test_a_stroke_that_is_interrupted_ends_there(window, how: str) -> None:
-    settle(window)
+    settled(window)
     n = len(window.document.strokes)
     drag(window.canvas, (0.45, 0.6), (0.55, 0.6), n=6, release=False)
     assert window.hand.in_stroke
@@ -93,12 +81,12 @@ def test_a_stroke_that_is_interrupted_ends_there(window, how: str) -> None:
     mouse(window.canvas, KIND.MouseMove, 0.6 * width, 0.6 * height, buttons=left)
     assert not window.hand.in_stroke
     mouse(window.canvas, KIND.MouseMove, 0.6 * width, 0.6 * height)
-    settle(window)
+    settled(window)
     assert len(window.document.strokes) == n + 1
 
 
 def test_a_stroke_that_is_taken_back_does_not_begin_again_while_the_button_is_down(window) -> None:
-    settle(window)
+    settled(window)
     n = len(window.document.strokes)
     drag(window.canvas, (0.45, 0.4), (0.5, 0.4), n=6, release=False)
     window.hand.cancel()
@@ -108,8 +96,8 @@ def test_a_stroke_that_is_taken_back_does_not_begin_again_while_the_button_is_do
         mouse(window.canvas, KIND.MouseMove, (0.5 + 0.01 * k) * width, 0.4 * height, buttons=left)
     assert not window.hand.in_stroke
     mouse(window.canvas, KIND.MouseButtonRelease, 0.54 * width, 0.4 * height, BUTTON.LeftButton)
-    settle(window)
+    settled(window)
     assert len(window.document.strokes) == n
     drag(window.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
-    settle(window)
+    settled(window)
     assert len(window.document.strokes) == n + 1

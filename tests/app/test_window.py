@@ -42,6 +42,7 @@ from tests.app.gestures import (
     pen_stroke,
     wait_for,
 )
+from tests.app.windows import opened, settled
 
 ROOT = Path(__file__).parents[2]
 PAINTING = """
@@ -64,21 +65,8 @@ while True:
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a sheet in it."""
-    window = StudioWindow(program)
-    window.show()
-    window.files.quiet = True
-    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
-    wait_for(lambda: window.stage.is_lit)
-    yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
-
-
-def settled(window) -> None:
-    """Wait until everything asked for is painted."""
-    window.stage.easel.post(lambda document: None).result(120)
-    live(0.1)
+    with opened(program) as window:
+        yield window
 
 
 def choose(window, name: str) -> None:

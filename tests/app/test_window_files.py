@@ -19,28 +19,21 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.window.export_dialog import ExportDialog
 from paint3d.app.window.film_dialog import Film, FilmDialog
-from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.target_dialog import TargetDialog
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
 from paint3d.files.session import load_session
-from tests.app.gestures import answer, drag, live, wait_for
+from tests.app.gestures import answer, drag, live
+from tests.app.windows import opened, settled
 
 
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a stroke on a sheet."""
-    window = StudioWindow(program)
-    window.show()
-    window.files.quiet = True
-    assert window.files.open_path("plane", 2.0, "xuan", asked=True)
-    wait_for(lambda: window.stage.is_lit)
-    drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
-    window.stage.easel.post(lambda document: None).result(300)
-    yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
+    with opened(program, resolution=2.0) as window:
+        drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
+        settled(window)
+        yield window
 
 
 @pytest.fixture(autouse=True)

@@ -24,6 +24,7 @@ from paint3d.app.window.film_dialog import Film
 from paint3d.app.window.jobs import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
 from tests.app.gestures import answer_bar, drag, live, wait_for
+from tests.app.windows import settled
 
 
 @pytest.fixture(autouse=True)
@@ -70,7 +71,7 @@ def cancel(bar: QtWidgets.QProgressDialog) -> None:
 def still_paints(window) -> bool:
     before = len(window.document.strokes)
     drag(window.canvas, (0.4, 0.5), (0.55, 0.5), n=6)
-    window.stage.easel.post(lambda document: None).result(300)
+    settled(window)
     return len(window.document.strokes) == before + 1
 
 
@@ -159,7 +160,7 @@ def test_what_waits_in_the_queue_is_not_begun_after_cancel(window, gate: threadi
     window.files.refine()
     assert isinstance(window.files.error, CancelledError)
     gate.set()
-    window.stage.easel.post(lambda document: None).result(300)
+    settled(window)
     assert window.document.surface.n_vertices == before
     live(0.1)
     assert "CancelledError" not in window.told.text()
@@ -269,7 +270,7 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
 def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
     for name in ("mirror", "radial", "mask", "record"):
         window.actions_by_name[name].setChecked(True)
-    window.stage.easel.post(lambda document: None).result(300)
+    settled(window)
     assert window.files.open_path("plane", 3.0, asked=True)
     for name in ("mirror", "radial", "mask", "record"):
         assert not window.actions_by_name[name].isChecked()

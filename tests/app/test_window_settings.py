@@ -14,6 +14,7 @@ from paint3d.app.window.dialogs import PreferencesDialog
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_unit, say_length
 from tests.app.gestures import answer, live
+from tests.app.windows import settled
 
 
 @pytest.fixture(autouse=True)
@@ -54,10 +55,6 @@ def start(program):
 
     yield begin
     end()
-
-
-def settled(window) -> None:
-    window.stage.easel.post(lambda document: None).result(300)
 
 
 def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:
