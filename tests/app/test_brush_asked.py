@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from paint3d.app.model.brush_asked import brush_after
+from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.hand import Hand, PointerInput
 from paint3d.brush.presets import load_brush
@@ -42,13 +42,17 @@ def test_a_stroke_right_after_a_change_is_painted_as_after_waiting(change):
         write(easel, hand, -20.0)
         if held:
             with easel.paused():  # the painting is behind
+                before = easel.brush
                 easel.post(*change)
+                asked = easel.brush
+                assert (asked != before) == (change[0] in BRUSH_COMMANDS)
                 write(easel, hand, 20.0)
         else:
             easel.post(*change).result()
             write(easel, hand, 20.0)
         easel.post("refresh").result()
         easel.stop()
+        assert not held or document.painter.brush == asked
         surface = document.surface
         order = np.lexsort(surface.paint_mesh.vertices.T)
         there = surface.paint_mesh.vertices[:, 1] > 10

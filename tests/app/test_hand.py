@@ -1,5 +1,7 @@
 """From a pointer to a brush on the surface: pressure, steadiness, tilt, sizes, images."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -342,6 +344,10 @@ def test_images_of_planes_and_turns():
     (moved,) = transformed([sample(1, 3, 4)], Symmetry((x,)).images()[0])
     np.testing.assert_allclose(moved.position, [-3, 4, 35])
     np.testing.assert_allclose(rotate(moved.orientation, np.eye(3)[0]), [-1, 0, 0], atol=1e-12)
+    assert moved.contact is None
+    meant = replace(sample(1, 3, 4), contact=np.array([3.0, 4.0, 0.0]))
+    (moved,) = transformed([meant], Symmetry((x,)).images()[0])
+    np.testing.assert_allclose(moved.contact, [-3, 4, 0])
     for bad in (
         lambda: Symmetry((MirrorPlane((0, 0, 0), (0, 0, 0)),)),
         lambda: Symmetry((), RadialSymmetry(0)),
