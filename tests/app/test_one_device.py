@@ -152,6 +152,7 @@ class ByKeys:
         self.window = window
 
     def press(self, key, held=HELD.NoModifier) -> None:
+        wait_for(lambda: QtWidgets.QApplication.focusWidget() is not None)
         target = QtWidgets.QApplication.focusWidget()
         QtTest.QTest.keyClick(target, key, held)
         live(0.03)
@@ -217,6 +218,7 @@ STATES = {
 def test_every_way_alone_is_enough(window, by, what) -> None:
     window.hand.show_all()
     window.canvas._pen_seen_s = -1e9
+    window.activateWindow()
     window.canvas.setFocus()
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     settled(window)
