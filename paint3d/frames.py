@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "cross",
     "matrices_from_quaternions",
     "multiply_quaternions",
     "quaternions_from_matrices",
@@ -60,8 +61,18 @@ def rotate(quaternions: NDArray, vectors: NDArray) -> NDArray:
     q = np.asarray(quaternions, dtype=np.float64)
     v = np.asarray(vectors, dtype=np.float64)
     u = q[..., 1:]
-    t = 2.0 * np.cross(u, v)
-    return v + q[..., :1] * t + np.cross(u, t)
+    t = 2.0 * cross(u, v)
+    return v + q[..., :1] * t + cross(u, t)
+
+
+def cross(u: NDArray, v: NDArray) -> NDArray:
+    """Cross products of vectors (..., 3), float64; for few of them faster than NumPy's own."""
+    x = u[..., 1] * v[..., 2] - u[..., 2] * v[..., 1]
+    y = u[..., 2] * v[..., 0] - u[..., 0] * v[..., 2]
+    z = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    out = np.empty((*np.shape(x), 3))
+    out[..., 0], out[..., 1], out[..., 2] = x, y, z
+    return out
 
 
 def slerp(a: NDArray, b: NDArray, fraction: NDArray) -> NDArray:

@@ -1,8 +1,9 @@
 """An object cut into patches for a renderer that takes whole arrays: what to send it again.
 
-Every triangle belongs to the patch in which its middle lies. A patch keeps its own list of
-vertices, which only ever grows, so a vertex's places in patches (*entries*, linked per vertex) stay
-good while refinement replaces triangles around it.
+Every triangle belongs to the patch of the sheet in which its middle lies: the walls of a bowl are
+patches apart, and those that turn away need not be drawn. A patch keeps its own list of vertices,
+which only ever grows, so a vertex's places in patches (*entries*, linked per vertex) stay good
+while refinement replaces triangles around it.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from paint3d.kernels.cells import find_cell
+from paint3d.kernels.cells import find_cell, sheet_of
 
 __all__ = [
     "Entries",
@@ -37,18 +38,24 @@ class Entries(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def place_faces(field, faces, first, cell_patch, out):
-    """Write the patch of the faces (F, 3) from number `first` on into `out` (F,) int32."""
+def place_faces(field, faces, first, sheet_patch, out):
+    """Write the patch of the faces (F, 3) from number `first` on into `out` (F,) int32.
+
+    `sheet_patch` (S,) int32 is the patch of each sheet.
+    """
     third = 1.0 / 3.0
     for f in range(first, faces.shape[0]):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
         x = (np.float64(field.px[a]) + field.px[b] + field.px[c]) * third
         y = (np.float64(field.py[a]) + field.py[b] + field.py[c]) * third
         z = (np.float64(field.pz[a]) + field.pz[b] + field.pz[c]) * third
+        sheet = field.vertex_sheet[a]
         cell = find_cell(field, x, y, z)
-        if cell < 0:  # rounded out of the lattice
-            cell = field.sheet_cell[field.vertex_sheet[a]]
-        out[f] = cell_patch[cell]
+        if cell >= 0:  # else it is rounded out of the lattice
+            root = field.node_root[f] if f < field.node_root.shape[0] else f
+            found = sheet_of(field, cell, root)
+            sheet = found if found >= 0 else field.pair_sheet[field.cell_pairs[cell]]
+        out[f] = sheet_patch[sheet]
 
 
 @njit(cache=True, nogil=True)

@@ -121,6 +121,30 @@ class TriangleMesh:
         corners = self.vertices[self.faces].astype(np.float64)
         return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
 
+    @cached_property
+    def is_solid(self) -> bool:
+        """Whether it is the skin of bodies, so that no face is seen from behind from outside.
+
+        Every edge is passed as often one way as the other, and each connected piece encloses a
+        volume that its normals point out of. What has a hollow inside is not called so.
+        """
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        start = self.faces.ravel().astype(np.int64)
+        end = np.roll(self.faces, -1, axis=1).ravel().astype(np.int64)
+        n = self.n_vertices
+        if not np.array_equal(np.sort(start * n + end), np.sort(end * n + start)):
+            return False
+        edges = coo_array((np.ones(len(start), np.int8), (start, end)), shape=(n, n))
+        piece = connected_components(edges, directed=False)[1][self.faces[:, 0]]
+        middle = self.bounds.mean(axis=0)
+        cones = np.empty(self.n_faces)
+        for block, cross in self._cross_products():
+            corner = self.vertices[self.faces[block, 0]] - middle
+            cones[block] = np.einsum("ij,ij->i", corner, cross)
+        return bool((np.bincount(piece, cones)[np.unique(piece)] > 0.0).all())
+
 
 def _vertices(values: object) -> NDArray[np.float32]:
     vertices = as_array(values, "vertices", (None, 3), np.float64, MeshError)

@@ -8,10 +8,12 @@ tip, `up` along the plane's normal, `side` across (`kernels.tuft`). The sections
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.frames import cross
 from paint3d.kernels.tuft import (
     OUTLINE_CAPACITY,
     SCRATCH_SIZE,
@@ -83,7 +85,7 @@ class BrushStand:
         if contact is None or contact.area <= 0.0:
             frame = np.stack([x, -y, z])
             return cls(root, frame, root - tuft.length * z, 0.0, 0.5 * np.pi, 0.0, z)
-        side = np.cross(contact.normal, contact.bend)
+        side = cross(contact.normal, contact.bend)
         frame = np.stack([contact.bend, side, contact.normal])
         tilt = contact.tilt
         height = _spine(tuft, contact.descent, tilt)[1][-1]
@@ -165,6 +167,7 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
     return stand.place(points), arc / tuft.length
 
 
+@cache
 def _hair_noise() -> NDArray:
     """(AROUND,) in [0, 1]: which hairs stand out, always the same."""
     return np.random.default_rng(5).random(AROUND)
@@ -183,9 +186,9 @@ def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
     length = min(max(tuft.length, 22.0), 46.0)  # a small brush's handle is no toy
     thick = 0.5 * max(tuft.diameters[-1], 0.14 * length)
     ahead = np.array([1.0, 0.0, 0.0]) if abs(stand.handle[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    x = np.cross(stand.handle, ahead)
+    x = cross(stand.handle, ahead)
     x /= np.linalg.norm(x)
-    y = np.cross(stand.handle, x)
+    y = cross(stand.handle, x)
     turn = 2.0 * np.pi * np.arange(AROUND) / AROUND
     circle = np.cos(turn)[:, None] * x + np.sin(turn)[:, None] * y
     slim = np.where(profile[:, 0] < 0.35, 0.5 * tuft.diameters[-1], thick)
@@ -197,8 +200,9 @@ def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
     return points, colours * grain[None, :, None]
 
 
+@cache
 def grid_faces(rows: int, columns: int = AROUND) -> NDArray:
-    """(L, 3) int32: triangles between rings, which close around."""
+    """(L, 3) int32: triangles between rings, which close around; always the same array."""
     ring = np.arange(columns)
     after = (ring + 1) % columns
     below = columns * np.arange(rows - 1)[:, None]
@@ -210,9 +214,8 @@ def grid_faces(rows: int, columns: int = AROUND) -> NDArray:
 
 def grid_normals(points: NDArray) -> NDArray:
     """(R, AROUND, 3) float32: unit normals of rings of points, outward."""
-    around = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
-    upward = np.gradient(points, axis=0)
-    normals = np.cross(around, upward)
+    ring = np.concatenate([points[:, -1:], points, points[:, :1]], axis=1)
+    normals = cross(ring[:, 2:] - ring[:, :-2], np.gradient(points, axis=0))
     length = np.linalg.norm(normals, axis=2, keepdims=True)
     out = points - points.mean(axis=1, keepdims=True)
     normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.frames import cross
 from paint3d.kernels.contact import ContactTree
 from paint3d.kernels.drape import drape_points
 from paint3d.kernels.tuft import Tuft
@@ -16,8 +17,9 @@ from paint3d.view.brush_shape import (
     handle_rings,
     tuft_rings,
 )
+from paint3d.view.camera import Camera
 from paint3d.view.live_layers import Box
-from paint3d.view.live_scene import LiveScene, joined_box
+from paint3d.view.live_scene import LiveScene
 from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["HAIR_COLOURS", "LiveBrush"]
@@ -54,7 +56,10 @@ class LiveBrush:
         self._hair = np.array(HAIR_COLOURS.get(hair, HAIR_COLOURS["mixed"]), np.float64)
         self._parts = {name: DrawnMesh() for name in ("tuft", "handle", "shadow", "outline")}
         self._scene = scene
-        self._seen: dict[str, NDArray] = {}
+        self._seen: list[NDArray] = []
+        self._seen_from: Camera | None = None
+        self._seen_in = (0, 0)
+        self._box: Box | None = None
         for name, part in self._parts.items():
             _look(part, name)
             scene.add(part, front=True)
@@ -67,13 +72,19 @@ class LiveBrush:
 
     def hide(self) -> None:
         """Show nothing of it."""
-        self._seen = {}
+        self._seen, self._seen_from = [], None
         for part in self._parts.values():
             part.show(False)
 
     def screen_box(self) -> Box | None:
         """The box of pixels that it is seen in, with its shadow and outline."""
-        return joined_box(self._scene.screen_box(points) for points in self._seen.values())
+        if not self._seen:
+            return None
+        scene = self._scene
+        if self._seen_from is not scene.camera or self._seen_in != scene.size:
+            self._seen_from, self._seen_in = scene.camera, scene.size
+            self._box = scene.screen_box(np.concatenate(self._seen))
+        return self._box
 
     def show(
         self,
@@ -97,7 +108,7 @@ class LiveBrush:
         fill : float
             How full it is, 0 to 1.
         """
-        self._seen = {}
+        self._seen, self._seen_from = [], None
         rings, arc = tuft_rings(self._tuft, stand)
         if stand.touches:  # the model's plane is flat, what the hairs lie on need not be
             rings = self._laid(rings, stand, tree)
@@ -113,7 +124,7 @@ class LiveBrush:
         part = self._parts[name]
         faces = grid_faces(len(rings))
         part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
-        self._seen[name] = rings.reshape(-1, 3)
+        self._seen.append(rings.reshape(-1, 3))
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
         part.show(True)
 
@@ -156,9 +167,7 @@ class LiveBrush:
         fall /= np.linalg.norm(fall)
         rings = np.concatenate([tuft[::6], handle[5:13]])
         centre = rings.mean(axis=1)
-        across = np.cross(
-            stand.handle, fall
-        )  # one for all rings, or the strip folds where it bends
+        across = cross(stand.handle, fall)  # one for all rings, or the strip folds where it bends
         across /= max(float(np.linalg.norm(across)), 1e-9)
         reach = np.abs((rings - centre[:, None]) @ across).max(axis=1)
         strip = centre[:, None] + (reach[:, None] * _SOFT)[..., None] * across
@@ -178,7 +187,7 @@ class LiveBrush:
         colours[:, 3] = alpha.reshape(-1)
         lifted = found[:, :3] + _SHADOW_LIFT * found[:, 3:]
         part.set_shape(lifted, _whole_faces(landed))
-        self._seen["shadow"] = lifted[landed.reshape(-1)]
+        self._seen.append(lifted[landed.reshape(-1)])
         part.set_colours(colours)
         part.show(True)
 
@@ -193,7 +202,7 @@ class LiveBrush:
             return
         lifted = found[:, :3] + _OUTLINE_LIFT * found[:, 3:]
         part.set_line(lifted, closed=True)
-        self._seen["outline"] = lifted
+        self._seen.append(lifted)
         colour = _OUTLINE if stand.touches else _HOVER
         part.set_colours(np.tile(np.uint8(colour), (len(line) + 1, 1)))
         part.show(True)

@@ -62,6 +62,15 @@ class LiveObject:
     surface : PaintedSurface
     faces : int
         Triangles in a patch, about.
+
+    Attributes
+    ----------
+    centre : (3,) float64
+        Of the box around it, mm.
+    radius : float
+        Half of that box's diagonal, mm.
+    is_solid : bool
+        Whether none of its faces is seen from behind.
     """
 
     def __init__(self, surface: PaintedSurface, faces: int = FACES) -> None:
@@ -71,6 +80,7 @@ class LiveObject:
         low, high = surface.source.vertices.min(axis=0), surface.source.vertices.max(axis=0)
         self.centre = 0.5 * (low + high).astype(np.float64)
         self.radius = 0.5 * float(np.linalg.norm(high - low))
+        self.is_solid = surface.source.is_solid
         self._all = True
         self._coarse: CoarseObject | None = None
         self._changed = np.empty(0, np.int32)

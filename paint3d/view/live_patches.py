@@ -1,8 +1,9 @@
 """An object in patches, so that a renderer is sent what has changed and no more.
 
 VTK uploads whole arrays: on one array of a million vertices every touch of the brush would cost a
-million colours. Here the cells of the paint mesh, which lie along a space-filling curve, are cut
-into runs of about `FACES` triangles when painted all over; each run is a patch with its own arrays.
+million colours. Here the sheets of the paint mesh are cut into compact groups of about `FACES`
+triangles when all is painted, those that look to each of six sides by themselves; each group is a
+patch with its own arrays.
 """
 
 from __future__ import annotations
@@ -12,7 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.patches import Entries, add_faces, mark_holders, mark_split, place_faces
+from paint3d.kernels.patches import (
+    Entries,
+    add_faces,
+    mark_holders,
+    mark_split,
+    place_faces,
+)
 from paint3d.mesh.paint_mesh import PaintMesh
 
 __all__ = ["FACES", "LivePatches", "PatchChange"]
@@ -20,6 +27,7 @@ __all__ = ["FACES", "LivePatches", "PatchChange"]
 FACES = 6000
 _FACE_AREA = 0.18  # of a refined triangle over the square of the longest edge wanted; measured
 _MOST_PATCHES = 400  # each costs the renderer some tens of microseconds a frame
+_GROUP = 1.4  # of the area wanted: halves of more are nearer to it
 _GROWTH = 1.5
 
 
@@ -59,8 +67,8 @@ class LivePatches:
 
     def __init__(self, mesh: PaintMesh, faces: int = FACES) -> None:
         self.mesh = mesh
-        self._cell_patch, self._area = _cut(mesh, faces)
-        self.n_patches = int(self._cell_patch[-1]) + 1
+        self._sheet_patch, self._area = _cut(mesh, faces)
+        self.n_patches = int(self._sheet_patch.max()) + 1
         self._ids = [np.empty(0, np.int32) for _ in range(self.n_patches)]
         self._leaves = [np.empty(0, np.int32) for _ in range(self.n_patches)]
         self._face_patch = np.empty(0, np.int32)
@@ -118,7 +126,7 @@ class LivePatches:
             return {}
         field = self.mesh.arrays
         self._face_patch = _grown(self._face_patch, before, n)
-        place_faces(field, faces, before, self._cell_patch, self._face_patch)
+        place_faces(field, faces, before, self._sheet_patch, self._face_patch)
         marks = np.zeros(self.n_patches, np.uint8)
         fresh = np.arange(before, n, dtype=np.int32)
         if child is not None:
@@ -176,13 +184,37 @@ class LivePatches:
 
 
 def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray, float]:
-    """(C,) int32: the patch of each cell, runs of about the same area; and the whole area."""
+    """(S,) int32: the patch of each sheet; and the whole area."""
     field = mesh.arrays
-    areas = np.bincount(field.sheet_cell, field.sheet_area, minlength=mesh.n_cells)
-    total = float(areas.sum())
+    along = np.abs(field.sheet_normal).argmax(axis=1)
+    looks = np.take_along_axis(field.sheet_normal, along[:, None], axis=1)[:, 0] < 0.0
+    sides = 2 * along + looks
+    total = float(field.sheet_area.sum())
     target = max(_FACE_AREA * mesh.resolution**2 * faces, total / _MOST_PATCHES, 1e-30)
-    run = np.floor((np.cumsum(areas) - 0.5 * areas) / target).astype(np.int64)
-    return np.unique(run, return_inverse=True)[1].astype(np.int32), total
+    numbers, n = np.empty(len(sides), np.int32), 0
+    for side in range(6):
+        chosen = np.flatnonzero(sides == side)
+        places, areas = field.sheet_centre[chosen], field.sheet_area[chosen]
+        for group in _compact_groups(places, areas, target):
+            numbers[chosen[group]] = n
+            n += 1
+    return numbers, total
+
+
+def _compact_groups(places: NDArray, areas: NDArray, target: float) -> list[NDArray]:
+    """Cut places (N, 3) with areas (N,) in two, again and again, until about `target` is left."""
+    groups, waiting = [], [np.arange(len(places))] if len(places) else []
+    while waiting:
+        group = waiting.pop()
+        if len(group) == 1 or areas[group].sum() <= _GROUP * target:
+            groups.append(group)
+            continue
+        along = np.ptp(places[group], axis=0).argmax()
+        group = group[np.argsort(places[group, along], kind="stable")]
+        sums = np.cumsum(areas[group])
+        half = np.clip(np.searchsorted(sums, 0.5 * sums[-1]) + 1, 1, len(group) - 1)
+        waiting += [group[half:], group[:half]]
+    return groups
 
 
 def _grown(array: NDArray, used: int, room: int) -> NDArray:

@@ -12,11 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
 from paint3d.errors import ExportError
+from paint3d.kernels.facing import cone_of
 from paint3d.kernels.shine import add_shine
 from paint3d.view.camera import Camera
 from paint3d.view.live_coarse import CoarseObject
+from paint3d.view.live_facing import turned_away
 from paint3d.view.live_layers import Box, KeptPicture, Target
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import PatchUpload
@@ -25,12 +28,15 @@ from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 
 __all__ = ["DARK", "LIGHT", "Box", "LiveScene", "Mood", "joined_box"]
 
+_SQUARES = 20  # along the floor: those without shade are not drawn
 _SHADE = 0.55  # darkest the object's shade on the floor becomes
 _MARGIN = 4  # pixels around what has changed: lines are wide, edges are smoothed
 _JITTER = tuple((x, y) for y in (-0.25, 0.25) for x in (-0.25, 0.25))  # of a pixel: four samples
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
 _SAMPLES = 4  # a pixel, where a graphics card draws
-_FEW_PIXELS = 4.0  # across a coarse triangle: lamps mirrored in its corners are enough
+_FEW_PIXELS = (
+    20.0  # across a triangle: while the view moves, lamps mirrored in its corners are enough
+)
 _SHINE = """
   vec3 mirrored = reflect(normalize(-vertexVC.xyz), normalVCVSOutput);
   vec3 toward = vec3(dot(mirrored, lightDirectionVC0), dot(mirrored, lightDirectionVC1),
@@ -121,8 +127,12 @@ class LiveScene:
         self._pixels: NDArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
         self._coarse: list[DrawnMesh] = []
+        self._coarse_is_new = False
         self._coarse_object: CoarseObject | None = None
-        self._bounds_of = np.empty((0, 6))
+        self._bounds_of, self._cones = np.empty((0, 6)), np.empty((0, 4))
+        self._counts = np.empty(0, np.int64)
+        self._is_solid = False
+        self._shown = np.empty(0, bool)
         self._boxes: NDArray | None = None
         self._seen: tuple[int, int] | None = None
         self._ground: DrawnMesh | None = None
@@ -168,13 +178,20 @@ class LiveScene:
         self._backdrop.SetBackground2(*mood.above)
         self._forget()
 
-    def clear(self, centre: NDArray, radius: float, gloss: Gloss) -> None:
-        """Take the object away; the next one lies within `radius` mm of `centre`."""
+    def clear(self, centre: NDArray, radius: float, gloss: Gloss, *, solid: bool = False) -> None:
+        """Take the object away; the next one lies within `radius` mm of `centre`.
+
+        What is seen from behind is not drawn if the next one is `solid` (`TriangleMesh.is_solid`).
+        """
         for drawn in self._patches.values():
             self.renderer.RemoveActor(drawn.actor)
         self._patches = {}
         self.set_coarse(None)
-        self._bounds_of, self._boxes, self._seen = np.empty((0, 6)), None, None
+        self._bounds_of, self._cones = np.empty((0, 6)), np.empty((0, 4))
+        self._counts = np.empty(0, np.int64)
+        self._shown = np.empty(0, bool)
+        self._boxes = self._seen = None
+        self._is_solid = solid
         if self._ground is not None:
             self.renderer.RemoveActor(self._ground.actor)
             self._ground = None
@@ -188,36 +205,50 @@ class LiveScene:
         for drawn in (*self._patches.values(), *self._coarse):
             _shine(drawn.actor.GetProperty(), gloss)
 
-    def apply(self, uploads: Iterable[PatchUpload]) -> int:
-        """Take new arrays of some patches; return how many bytes they were."""
-        n_bytes = 0
+    def apply(self, uploads: Iterable[PatchUpload]) -> list[NDArray]:
+        """Take new arrays of some patches.
+
+        Returns
+        -------
+        list of (K, 3) float32
+            Of each patch the corners of those triangles that look otherwise than before.
+        """
+        changed = []
         for upload in uploads:
             drawn = self._patches.get(upload.patch)
             if drawn is None:
                 drawn = self._patches[upload.patch] = self._glazed()
+                self._shown = np.empty(0, bool)
             if upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
-                self._bound(upload.patch, upload.points)
-            drawn.set_colours(upload.colours)
-            n_bytes += upload.n_bytes
-        self.uploaded += n_bytes
-        return n_bytes
+                self._bound(upload)
+            changed.append(drawn.around(drawn.set_colours(upload.colours)))
+            self.uploaded += upload.n_bytes
+        return changed
 
     def _glazed(self) -> DrawnMesh:
         """A piece of the object, of which nothing is there yet."""
         drawn = DrawnMesh()
-        _shine(drawn.actor.GetProperty(), self._gloss)
+        look = drawn.actor.GetProperty()
+        _shine(look, self._gloss)
+        look.SetBackfaceCulling(self._is_solid)
         _mirror(drawn, True)
         self.renderer.AddActor(drawn.actor)
         return drawn
 
-    def _bound(self, patch: int, points: NDArray) -> None:
-        """Note where a patch lies."""
+    def _bound(self, upload: PatchUpload) -> None:
+        """Note where a patch lies, and which ways its faces look."""
+        patch, points = upload.patch, upload.points
         if patch >= len(self._bounds_of):
-            room = np.full((patch + 1 - len(self._bounds_of), 6), np.nan)
-            self._bounds_of = np.concatenate([self._bounds_of, room])
+            more = patch + 1 - len(self._bounds_of)
+            self._bounds_of = np.concatenate([self._bounds_of, np.full((more, 6), np.nan)])
+            self._cones = np.concatenate([self._cones, np.full((more, 4), np.nan)])
+            self._counts = np.concatenate([self._counts, np.zeros(more, np.int64)])
+        self._counts[patch] = len(upload.faces)
         if len(points):
             self._bounds_of[patch] = *points.min(axis=0), *points.max(axis=0)
+            if self._is_solid:
+                cone_of(points, upload.faces, self._cones[patch])
         self._boxes = self._seen = None
 
     def set_coarse(self, coarse: CoarseObject | None) -> None:
@@ -238,15 +269,14 @@ class LiveScene:
         return bool(self._coarse)
 
     def recolour_coarse(self) -> None:
-        """Take its colours anew."""
-        coarse = self._coarse_object
-        for drawn, piece in zip(self._coarse, coarse.pieces if coarse else (), strict=True):
-            drawn.set_colours(coarse.colours[piece.clusters])
+        """Have its colours taken anew when it is drawn again."""
+        self._coarse_is_new = True
 
     def _light_coarse(self) -> None:
         """Let lamps be mirrored in the corners of what is drawn coarsely, if they lie near."""
         coarse, look = self._coarse_object, self._coarse[0].actor.GetProperty()
-        near = coarse.size <= _FEW_PIXELS * self.nearest_mm() and coarse.is_dense
+        near = coarse.triangle_mm <= _FEW_PIXELS * self.nearest_mm()
+        colours = coarse.colours
         if near:
             colours = np.empty_like(coarse.colours)
             axes = self._axes * (1.0, 1.0, -1.0)  # to the right, up, and to the eye
@@ -267,10 +297,10 @@ class LiveScene:
                 share,
                 colours,
             )
+        if near or self._coarse_is_new or not look.GetLighting():
             for drawn, piece in zip(self._coarse, coarse.pieces, strict=True):
                 drawn.set_colours(colours[piece.clusters])
-        elif not look.GetLighting():
-            self.recolour_coarse()
+            self._coarse_is_new = False
         if bool(look.GetLighting()) == near:
             for drawn in self._coarse:
                 drawn.actor.GetProperty().SetLighting(not near)
@@ -290,10 +320,11 @@ class LiveScene:
         if self._ground is not None:
             self.renderer.RemoveActor(self._ground.actor)
         ground, drawn = baked.ground, DrawnMesh()
-        corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float64)
-        points = (ground.origin + ground.half * corners) @ baked.axes
-        drawn.set_shape(points, np.array([[0, 1, 2], [0, 2, 3]]))
-        drawn.set_texture(_shade_pixels(ground.openness), corners[:, :2] * 0.5 + 0.5)
+        pixels = _shade_pixels(ground.openness)
+        places, faces = _where_dense(pixels)
+        corners = np.concatenate([2.0 * places - 1.0, np.zeros((len(places), 1))], axis=1)
+        drawn.set_shape((ground.origin + ground.half * corners) @ baked.axes, faces)
+        drawn.set_texture(pixels, places)
         look = drawn.actor.GetProperty()
         look.LightingOff()
         look.BackfaceCullingOn()
@@ -312,6 +343,11 @@ class LiveScene:
     def size(self) -> tuple[int, int]:
         """Width and height, pixels."""
         return self._size
+
+    @property
+    def camera(self) -> Camera:
+        """From where it is seen."""
+        return self._camera
 
     @property
     def whole(self) -> Box:
@@ -338,10 +374,6 @@ class LiveScene:
         if len(points) == 0:
             return None
         return _box_of(self._screen_boxes(points[None])[0])
-
-    def patch_box(self, patch: int) -> Box | None:
-        """The box of pixels that a patch lies within."""
-        return _box_of(self._patch_boxes()[patch])
 
     def _patch_boxes(self) -> NDArray:
         """(P, 4) the box of each patch; empty where it is seen nowhere."""
@@ -458,10 +490,16 @@ class LiveScene:
     def seen(self) -> tuple[int, int]:
         """How many triangles lie in the picture, and in how many patches."""
         if self._seen is None:
-            inside = _overlap(self._patch_boxes(), self.whole)
-            counts = [drawn.n_faces for patch, drawn in self._patches.items() if inside[patch]]
-            self._seen = sum(counts), len(counts)
+            inside = self._in_sight(self.whole)
+            self._seen = int(self._counts[inside].sum()), int(np.count_nonzero(inside))
         return self._seen
+
+    def _in_sight(self, box: Box) -> NDArray:
+        """(P,) bool: the patches that may be seen within a box of pixels."""
+        inside = _overlap(self._patch_boxes(), box)
+        if self._is_solid:
+            inside &= ~turned_away(self._bounds_of, self._cones, self._camera.position)
+        return inside
 
     def nearest_mm(self) -> float:
         """How far across a pixel is on the nearest patch in the picture, mm."""
@@ -479,9 +517,13 @@ class LiveScene:
 
     def _choose(self, box: Box, coarse: bool) -> None:
         """Let the renderer see only what lies in the box."""
-        seen = _overlap(self._patch_boxes(), box)
-        for patch, drawn in self._patches.items():
-            drawn.show(bool(seen[patch]) and not coarse)
+        shown = np.zeros(len(self._bounds_of), bool) if coarse else self._in_sight(box)
+        before, self._shown = self._shown, shown
+        if len(before) != len(shown):
+            before = ~shown
+        for patch in np.flatnonzero(before != shown):
+            if patch in self._patches:
+                self._patches[patch].show(bool(shown[patch]))
         for drawn in self._coarse:
             drawn.show(coarse)
         if coarse:
@@ -576,6 +618,27 @@ def _shine(look, gloss: Gloss) -> None:
     look.SetSpecular(0.02 + 0.22 * gloss.coat)
     look.SetSpecularPower(4.0 + 150.0 * (1.0 - gloss.roughness) ** 2 * (0.2 + 0.8 * gloss.coat))
     look.SetInterpolationToPhong()
+
+
+def _where_dense(pixels: NDArray) -> tuple[NDArray, NDArray]:
+    """A grid over a texture (H, W, 4) without the squares in which nothing is to be seen.
+
+    Returns
+    -------
+    places : (K, 2) float64
+        u and v of the corners, each in [0, 1].
+    faces : (L, 3) int32
+    """
+    ticks = np.linspace(0.0, 1.0, _SQUARES + 1)
+    places = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    edges = [np.rint(ticks * n).astype(np.int64) for n in pixels.shape[:2]]
+    dense = maximum_filter(pixels[..., 3], 3) > 0  # a texel is smeared over its neighbours
+    sums = np.add.reduceat(np.add.reduceat(dense, edges[0][:-1], axis=0), edges[1][:-1], axis=1)
+    row, column = np.nonzero(sums)
+    a = row * (_SQUARES + 1) + column
+    b, c, d = a + 1, a + _SQUARES + 2, a + _SQUARES + 1
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return places, faces.astype(np.int32)
 
 
 def _shade_pixels(openness: NDArray) -> NDArray:

@@ -24,8 +24,6 @@ class DrawnMesh:
     ----------
     actor : vtkActor
         To set how it looks.
-    n_faces : int
-        Triangles it has.
     """
 
     def __init__(self) -> None:
@@ -37,31 +35,49 @@ class DrawnMesh:
         self._mapper.SetInputData(self._data)
         self._mapper.SetColorModeToDirectScalars()
         self._mapper.SetStatic(1)
-        self._colours: NDArray | None = None
-        self._vtk_colours = None
+        self._faces = self._points = self._normals = self._colours = None
+        self._place = self._vtk_normals = self._vtk_colours = None
         self._shown = True
-        self.n_faces = 0
         self.actor = vtkActor()
         self.actor.SetMapper(self._mapper)
         self.actor.PickableOff()
 
     def set_shape(self, points: NDArray, faces: NDArray, normals: NDArray | None = None) -> None:
-        """Replace the triangles: points (K, 3) float32, faces (L, 3) int32, normals (K, 3)."""
+        """Replace the triangles: points (K, 3) float32, faces (L, 3) int32, normals (K, 3).
+
+        Given the same array of faces as the last time, only the places are replaced.
+        """
+        if faces is self._faces and self._move(points, normals):
+            return
         from vtkmodules.util.numpy_support import numpy_to_vtk
         from vtkmodules.vtkCommonCore import vtkPoints
         from vtkmodules.vtkCommonDataModel import vtkCellArray
 
-        place = vtkPoints()
-        place.SetData(numpy_to_vtk(np.ascontiguousarray(points, np.float32), deep=True))
-        self.n_faces = len(faces)
+        self._faces = faces
+        self._points = np.array(points, np.float32, order="C")
+        self._place = vtkPoints()
+        self._place.SetData(numpy_to_vtk(self._points, deep=False))
         cells = vtkCellArray()
         corners = np.ascontiguousarray(faces, np.int32).ravel()
         cells.SetData(3, numpy_to_vtk(corners, deep=True))
-        self._data.SetPoints(place)
+        self._data.SetPoints(self._place)
         self._data.SetPolys(cells)
         if normals is not None:
-            array = numpy_to_vtk(np.ascontiguousarray(normals, np.float32), deep=True)
-            self._data.GetPointData().SetNormals(array)
+            self._normals = np.array(normals, np.float32, order="C")
+            self._vtk_normals = numpy_to_vtk(self._normals, deep=False)
+            self._data.GetPointData().SetNormals(self._vtk_normals)
+
+    def _move(self, points: NDArray, normals: NDArray | None) -> bool:
+        """Replace the places of as many points, and their normals; whether that was possible."""
+        if self._points.shape != points.shape or (normals is None) != (self._normals is None):
+            return False
+        self._points[:] = points
+        self._place.GetData().Modified()
+        self._place.Modified()
+        if normals is not None:
+            self._normals[:] = normals
+            self._vtk_normals.Modified()
+        return True
 
     def set_line(self, points: NDArray, *, closed: bool) -> None:
         """Replace everything by one line through the points (K, 3)."""
@@ -85,17 +101,32 @@ class DrawnMesh:
         self._data.SetPoints(place)
         self._data.SetLines(cells)
 
-    def set_colours(self, colours: NDArray) -> None:
-        """Replace the colours (K, 3) or (K, 4) uint8 of the points."""
+    def set_colours(self, colours: NDArray) -> NDArray:
+        """Replace the colours (K, 3) or (K, 4) uint8 of the points.
+
+        Returns
+        -------
+        (K,) bool
+            The points that had another colour, or none.
+        """
         from vtkmodules.util.numpy_support import numpy_to_vtk
 
-        if self._colours is not None and self._colours.shape == colours.shape:
-            self._colours[:] = colours
+        before, changed = self._colours, np.ones(len(colours), bool)
+        if before is not None and before.shape[1:] == colours.shape[1:]:
+            n = min(len(before), len(colours))
+            np.any(before[:n] != colours[:n], axis=1, out=changed[:n])
+        if before is not None and before.shape == colours.shape:
+            before[:] = colours
             self._vtk_colours.Modified()
-            return
+            return changed
         self._colours = np.array(colours, np.uint8, order="C")
         self._vtk_colours = numpy_to_vtk(self._colours, deep=False)
         self._data.GetPointData().SetScalars(self._vtk_colours)
+        return changed
+
+    def around(self, chosen: NDArray) -> NDArray:
+        """(N, 3) float32: the corners of all triangles that have one of the points (K,) bool."""
+        return self._points[self._faces[chosen[self._faces].any(axis=1)].ravel()]
 
     def show(self, on: bool) -> None:
         """Let it be seen, or not."""

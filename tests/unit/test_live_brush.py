@@ -108,3 +108,25 @@ def test_the_brush_is_seen_with_its_ink_and_hides(painter: Painter) -> None:
     assert np.array_equal(scene.draw(), empty)
     brush.remove()
     scene.close()
+
+
+def test_the_box_of_the_brush_follows_the_view(painter: Painter) -> None:
+    scene = LiveScene((200, 150))
+    brush = LiveBrush(scene, painter.tuft)
+    boxes = []
+    points = painter.surface.source.vertices
+    for towards in ((0.0, -0.4, 1.0), (0.3, -1.0, 0.8)):
+        scene.set_camera(fit_camera(points, View(towards), 4 / 3))
+        if not boxes:
+            assert brush.screen_box() is None
+            stand = stand_at(painter, 20.0, 0.5)
+            brush.show(stand, painter.surface.contact_tree, np.eye(3), None, 0.0)
+        boxes.append(brush.screen_box())
+        assert brush.screen_box() == boxes[-1]
+    scene.set_size((400, 300))
+    boxes.append(brush.screen_box())
+    assert len(set(boxes)) == 3
+    assert boxes[2][2] - boxes[2][0] > 1.5 * (boxes[1][2] - boxes[1][0])
+    brush.hide()
+    assert brush.screen_box() is None
+    scene.close()

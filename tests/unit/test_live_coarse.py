@@ -38,7 +38,6 @@ def test_finer_than_the_mesh_it_is_the_mesh(shown: LiveObject) -> None:
     found = coarse(shown, 0.01)
     leaves = mesh.leaf_faces()
     assert found.n_faces == len(leaves)
-    assert not found.is_dense
     lit = shown.light.colours(np.arange(mesh.n_vertices, dtype=np.int32), shown.surface.codes)
     together = np.concatenate([found.colours[piece.clusters] for piece in found.pieces])
     assert together.mean() == pytest.approx(lit.mean(), abs=2.0)

@@ -7,9 +7,11 @@ import pytest
 from numpy.typing import NDArray
 
 import paint3d
+from paint3d.kernels.facing import cone_of
 from paint3d.kernels.refine import activate_cell
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.camera import View, fit_camera
+from paint3d.view.live_facing import turned_away
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_patches import LivePatches
 from paint3d.view.live_scene import DARK, LiveScene, joined_box
@@ -64,6 +66,16 @@ def test_refining_rebuilds_only_where_cells_split(surface: PaintedSurface) -> No
     rebuilt = patches.changes(NONE)
     assert 0 < len(rebuilt) < 0.5 * patches.n_patches
     assert patches.changes(NONE) == []
+
+
+def test_walls_of_a_body_are_patches_apart() -> None:
+    surface = PaintedSurface(paint3d.load_mesh("bowl"), 1.0)
+    mesh = surface.paint_mesh
+    for change in LivePatches(mesh, faces=500).changes(NONE):
+        corners = mesh.vertices[change.vertex_ids[change.faces]].astype(np.float64)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        middle = normals.sum(axis=0)
+        assert (normals @ middle > 0.0).mean() > 0.9  # a rim turns within a patch
 
 
 def test_upload_is_proportional_to_what_is_dirty(surface: PaintedSurface) -> None:
@@ -143,12 +155,95 @@ def test_a_part_drawn_anew_fits_into_the_whole(surface: PaintedSurface) -> None:
     surface.ink.amounts[ids, column] = 1.0
     surface.ink.coverage[ids] = 1.0
     surface.touch(ids)
-    uploads = shown.uploads(surface.refresh())
-    scene.apply(uploads)
-    box = joined_box(scene.patch_box(upload.patch) for upload in uploads)
+    changed = scene.apply(shown.uploads(surface.refresh()))
+    box = joined_box(scene.screen_box(points) for points in changed)
     assert (box[2] - box[0]) * (box[3] - box[1]) < 0.5 * 200 * 150
     part = scene.draw(only=box).copy()
     assert not np.array_equal(part, before)
     whole = scene.draw().astype(int)
     assert np.array_equal(part, whole)
     scene.close()
+
+
+def painted(surface: PaintedSurface, ids: NDArray) -> NDArray:
+    """Black paint on some vertices; which of them changed."""
+    column = surface.column_of(paint3d.Painter(surface).ink)
+    surface.ink.amounts[ids, column] = 1.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    return surface.refresh()
+
+
+def test_where_refining_and_painting_shows_is_all_that_must_be_drawn() -> None:
+    surface = PaintedSurface(paint3d.load_mesh("bowl"), 2.0)
+    shown = LiveObject(surface)
+    scene = LiveScene((400, 300))
+    scene.clear(shown.centre, shown.radius, Gloss.of("porcelain"), solid=shown.is_solid)
+    scene.apply(shown.uploads(NONE))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0.3, -1.0, 0.8)), 4 / 3))
+    scene.draw()
+    sizes = []
+    for angle in np.linspace(-2.5, -0.6, 6):
+        way = np.array([np.cos(angle), np.sin(angle)])
+        places = surface.paint_mesh.vertices
+        near = np.linalg.norm(places[:, :2] - 60.0 * way, axis=1) < 12.0
+        field = surface.paint_mesh.arrays
+        for cell in np.unique(field.sheet_cell[field.vertex_sheet[np.flatnonzero(near)]]):
+            activate_cell(field, cell)
+        places = surface.paint_mesh.vertices
+        near = np.linalg.norm(places[:, :2] - 60.0 * way, axis=1) < 9.0
+        changed = scene.apply(
+            shown.uploads(painted(surface, np.flatnonzero(near).astype(np.int32)))
+        )
+        box = joined_box(scene.screen_box(points) for points in changed)
+        part = scene.draw(only=box).copy()
+        assert np.array_equal(part, scene.draw())
+        sizes.append((box[2] - box[0]) * (box[3] - box[1]))
+    assert max(sizes) < 0.15 * 400 * 300
+    scene.close()
+
+
+@pytest.mark.parametrize("name", ["bowl", "vase"])
+@pytest.mark.parametrize("view", [(0.3, -1.0, 0.8), (0.1, 0.0, -1.0), (1.0, 0.2, 0.0)])
+def test_what_is_seen_from_behind_need_not_be_drawn(name: str, view: tuple) -> None:
+    surface = PaintedSurface(paint3d.load_mesh(name), 4.0)
+    shown = LiveObject(surface, faces=500)
+    assert shown.is_solid
+    pictures, drawn = [], []
+    for solid in (False, True):
+        scene = LiveScene((400, 300))
+        scene.clear(shown.centre, shown.radius, Gloss.of("porcelain"), solid=solid)
+        scene.apply(LiveObject(surface, faces=500).uploads(NONE))
+        scene.set_camera(fit_camera(surface.source.vertices, View(view), 4 / 3))
+        pictures.append(scene.draw().astype(int))
+        drawn.append(scene.seen()[0])
+        scene.close()
+    differ = (np.abs(pictures[0] - pictures[1]) > 2).any(axis=2)
+    assert differ.mean() < 2e-4  # where a rim's silhouette runs through a pixel's middle
+    assert drawn[1] < 0.95 * drawn[0]
+
+
+def test_a_cone_holds_every_normal_and_none_seen_is_called_turned_away() -> None:
+    rng = np.random.default_rng(3)
+    away = 0
+    for _ in range(300):
+        points = rng.normal(size=(12, 3)).astype(np.float32)
+        points[:, 2] *= rng.choice([0.02, 0.3, 1.0])
+        faces = rng.integers(0, 12, (6, 3)).astype(np.int32)
+        a, b, c = (points[faces[:, k]].astype(np.float64) for k in range(3))
+        normals = np.cross(b - a, c - a)
+        faces = np.where((normals[:, 2] < 0.0)[:, None], faces[:, ::-1], faces)
+        a, b, c = (points[faces[:, k]].astype(np.float64) for k in range(3))
+        normals = np.cross(b - a, c - a)
+        cone = np.empty(4)
+        cone_of(points, faces, cone)
+        length = np.linalg.norm(normals, axis=1)
+        real = length > 0.0
+        if real.any():
+            assert (normals[real] @ cone[:3] / length[real] >= cone[3] - 1e-6).all()
+        eye = rng.normal(size=3) * rng.choice([0.3, 3.0, 30.0])
+        bounds = np.concatenate([points.min(axis=0), points.max(axis=0)])[None]
+        if turned_away(bounds, cone[None], eye)[0]:
+            away += 1
+            assert (np.einsum("ij,ij->i", normals, eye - a) <= 1e-6).all()
+    assert away > 20

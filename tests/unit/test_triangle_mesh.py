@@ -118,3 +118,25 @@ def test_a_large_convex_polygon_is_a_fan():
     points = np.stack([np.cos(angle), np.sin(angle), np.zeros(20_000)], axis=1)
     faces = triangulate(points, np.arange(20_000), np.array([20_000]))
     assert TriangleMesh(points, faces).area == pytest.approx(np.pi, rel=1e-6)
+
+
+CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
+SIDES = np.array(
+    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+     [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]], np.int32
+)  # fmt: skip
+
+
+def test_the_skin_of_a_body_is_told_from_a_sheet() -> None:
+    assert TriangleMesh(CUBE, SIDES).is_solid
+    assert TriangleMesh(CUBE + 1000.0, SIDES).is_solid
+    assert not TriangleMesh(CUBE, SIDES[1:]).is_solid  # a hole
+    assert not TriangleMesh(CUBE, SIDES[:, ::-1]).is_solid  # inside out
+    one_turned = SIDES.copy()
+    one_turned[3] = one_turned[3, ::-1]
+    assert not TriangleMesh(CUBE, one_turned).is_solid
+    two = np.concatenate([CUBE, CUBE + 5.0])
+    assert TriangleMesh(two, np.concatenate([SIDES, SIDES + 8])).is_solid
+    assert not TriangleMesh(two, np.concatenate([SIDES, SIDES[:, ::-1] + 8])).is_solid
+    apart = CUBE[SIDES].reshape(-1, 3)  # as STL has it: no two faces share a corner
+    assert not TriangleMesh(apart, np.arange(36, dtype=np.int32).reshape(-1, 3)).is_solid

@@ -102,7 +102,8 @@ class Stage:
         surface = document.surface
         self._object = LiveObject(surface)
         gloss = Gloss(surface.material.roughness, surface.material.coat)
-        self.scene.clear(self._object.centre, self._object.radius, gloss)
+        shown = self._object
+        self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
         self.scene.apply(self._object.uploads(document.refresh()))
         self._baking = self._baker.submit(self._object.light.bake)
         self.easel = Easel(document, wet, sitting, base_every_s)
@@ -216,11 +217,10 @@ class Stage:
             uploads = self._object.uploads(ids)
             coarse = self._object.repaint_coarse()
         self._pending.clear()
-        self.scene.apply(uploads)
+        for points in self.scene.apply(uploads):
+            self._drawn.touch_object(self.scene.screen_box(points))
         if coarse is not None:
             self.scene.recolour_coarse()
-        for upload in uploads:
-            self._drawn.touch_object(self.scene.patch_box(upload.patch))
 
     def _prepare_coarse(self, n_triangles: int) -> bool:
         """Have the scene draw the object coarsely; whether it can."""
