@@ -98,7 +98,13 @@ def test_lines_inside_the_bowl_are_whole(window, tilt: tuple[float, float]) -> N
 
 @pytest.mark.parametrize(
     ("name", "side"),
-    [("bowl", "in"), ("bowl", "out"), ("vase", "out"), ("sphere", "any"), ("plate", "any")],
+    [
+        ("bowl", "in"),
+        ("bowl", "out"),
+        pytest.param("vase", "out", marks=pytest.mark.long),
+        pytest.param("sphere", "any", marks=pytest.mark.long),
+        pytest.param("plate", "any", marks=pytest.mark.long),
+    ],
 )
 def test_no_random_stroke_is_lost(window, name: str, side: str) -> None:
     open_for(window, {"object": name, "material": "porcelain"}, 1.0)
@@ -125,7 +131,7 @@ def test_strokes_right_after_a_change_of_brush_are_painted(window) -> None:
     assert max(off) <= 1.0, off
 
 
-@pytest.mark.parametrize("name", ["band", "mouse_lines"])
+@pytest.mark.parametrize("name", ["band", pytest.param("mouse_lines", marks=pytest.mark.long)])
 def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: str) -> None:
     recording = EventRecording.load(name)
     surfaces = []

@@ -25,6 +25,7 @@ from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 TINY = 0.002
+LONG = ("bristles", "kernel", "memory")
 PEER = Path(__file__).parents[1] / "benchmarks" / "peer_dabs.py"
 
 
@@ -32,7 +33,13 @@ def numbers(result: Result) -> list[float]:
     return [cell for row in result.rows for cell in row if isinstance(cell, int | float)]
 
 
-@pytest.mark.parametrize("name", sorted(BENCHMARKS))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long if name in LONG else ())
+        for name in sorted(BENCHMARKS)
+    ],
+)
 def test_every_benchmark_runs(name: str) -> None:
     result = run_benchmark(name, TINY)
     assert result.rows
