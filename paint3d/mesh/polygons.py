@@ -13,6 +13,7 @@ MAX_CORNERS = 100_000
 MAX_CONCAVE_CORNERS = 5_000  # ear clipping takes quadratic time: 5,000 corners are about a second
 MAX_EAR_TESTS = 100_000  # of about 20 us each: corners looked at in one polygon
 MAX_FORCED_CUTS = 10  # where an outline crosses itself; after that no cut is better than a fan
+ROUNDING = 1e-12  # of coordinates, in the extent of the polygon
 
 
 def triangulate(
@@ -91,6 +92,7 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
             f"expected at most {MAX_CONCAVE_CORNERS:,}"
         )
     flat = _flatten(points)
+    rounding = ROUNDING * float(np.ptp(flat, axis=0).max()) ** 2
     left = np.arange(len(ids))
     faces, at, misses, tests, forced = [], 0, 0, 0, 0
     while len(left) > 3 and forced <= MAX_FORCED_CUTS:
@@ -102,8 +104,10 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
                 f"a face with {len(ids):,} corners is too tangled to be cut into triangles; "
                 "expected a simpler outline"
             )
-        if misses > n or _is_ear(flat, trio, left):  # crossing outlines have no ear: cut anyway
-            forced += misses > n
+        near = rounding if misses <= n else -rounding  # what nearly touches may be let through
+        crossing = misses > 2 * n  # such outlines have no ear: cut anyway
+        if crossing or _is_ear(flat, trio, left, near):
+            forced += crossing
             faces.append(trio)
             left = np.delete(left, at % n)
             at, misses = at % (n - 1), 0
@@ -122,16 +126,23 @@ def _flatten(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return points[:, axes if newell[drop] > 0.0 else axes[::-1]]
 
 
-def _is_ear(flat: NDArray[np.float64], trio: NDArray[np.int64], left: NDArray[np.int64]) -> bool:
+def _is_ear(
+    flat: NDArray[np.float64], trio: NDArray[np.int64], left: NDArray[np.int64], near: float
+) -> bool:
+    """Whether three corners in a row are cut off by a line that stays inside.
+
+    Others of the corners left that lie in their triangle, or beside it by less than `near` (twice
+    the area with that side), stand in its way.
+    """
     a, b, c = flat[trio]
-    if _cross(b - a, c - b) <= 0.0:
+    if _cross(b - a, c - b) <= max(near, 0.0):
         return False
-    others = flat[left]  # the trio's own corners do not count below
-    inside = _cross(b - a, others - a) >= 0.0
-    inside &= _cross(c - b, others - b) >= 0.0
-    inside &= _cross(a - c, others - c) >= 0.0
-    at_corner = ((others == a) | (others == b) | (others == c)).all(axis=1)
-    return not (inside & ~at_corner).any()
+    others = flat[left]
+    inside = _cross(b - a, others - a) >= -near
+    inside &= _cross(c - b, others - b) >= -near
+    inside &= _cross(a - c, others - c) >= -near
+    in_the_way = others[inside]  # among them the three themselves, and what lies in their places
+    return bool((in_the_way[:, None] == flat[trio]).all(axis=2).any(axis=1).all())
 
 
 def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
