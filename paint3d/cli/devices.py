@@ -8,7 +8,12 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.options import check_output_file, check_output_folder
+from paint3d.cli.options import (
+    add_force_option,
+    check_output_file,
+    check_output_folder,
+    check_overwriting,
+)
 from paint3d.errors import DeviceError
 
 if TYPE_CHECKING:
@@ -51,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     record.add_argument(
         "--smooth", action="store_true", help="smooth the recording (the raw log never is)"
     )
+    add_force_option(record)
     for deed, default in ((watch, None), (check, 5.0), (record, None)):
         deed.add_argument(
             "--seconds",
@@ -231,6 +237,8 @@ def _record(options: argparse.Namespace) -> None:
     check_output_file(options.file, _SUFFIXES)
     if options.raw is not None:
         check_output_folder(options.raw.parent)
+    written = (options.file, options.raw)
+    check_overwriting(written, (options.calibration,), force=options.force)
     calibration = DeviceCalibration()
     if options.calibration is not None:
         calibration = load_calibration(options.calibration)

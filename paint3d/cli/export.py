@@ -6,7 +6,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from paint3d.cli.options import UNITS, add_quiet_option, check_output_file
+from paint3d.cli.options import (
+    UNITS,
+    add_force_option,
+    add_quiet_option,
+    check_output_file,
+    check_overwriting,
+)
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -54,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=".p3d.txt: seven numbers a vertex, as the paper prints them, instead of nine",
     )
+    add_force_option(parser)
     add_quiet_option(parser)
 
 
@@ -73,6 +80,7 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.files.session import is_session_path, load_session, save_session
 
     check_output_file(options.file, EXPORT_SUFFIXES)
+    check_overwriting((options.file,), (options.session,), force=options.force)
     session = load_session(options.session)
     if is_session_path(options.file):
         save_session(session, options.file)

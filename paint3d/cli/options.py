@@ -5,17 +5,21 @@ from __future__ import annotations
 import argparse
 import math
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from paint3d.errors import ExportError
 
 __all__ = [
+    "add_force_option",
     "add_painting_options",
     "add_quiet_option",
     "add_surface_options",
     "add_up_option",
     "check_output_file",
     "check_output_folder",
+    "check_overwriting",
+    "own_table",
     "parse_hairs",
     "parse_length_mm",
     "parse_place",
@@ -83,6 +87,19 @@ def parse_place(text: str) -> tuple[float, float]:
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--quiet``."""
     parser.add_argument("--quiet", action="store_true", help="print errors only")
+
+
+def own_table(ink: str | None) -> str | None:
+    """The file that an ink ``FILE.csv:NAME`` is read from; None for the others."""
+    file = (ink or "").rpartition(":")[0]
+    return file if file.lower().endswith(".csv") else None
+
+
+def add_force_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--force``."""
+    parser.add_argument(
+        "--force", action="store_true", help="write even over a file that is read from"
+    )
 
 
 def add_surface_options(parser: argparse.ArgumentParser) -> None:
@@ -186,3 +203,44 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
     if not file.parent.is_dir():
         raise ExportError(f"{file}: there is no folder {file.parent}")
     check_output_folder(file.parent)
+
+
+def check_overwriting(
+    written: Iterable[Path | None], read: Iterable[str | Path | None], *, force: bool
+) -> None:
+    """Refuse to write over a file that is read from, or twice into one file.
+
+    Parameters
+    ----------
+    written, read : iterable of path-like or None
+        None stands for an option that was not given. What is read may also be the name of
+        something else than a file.
+    force : bool
+        Whether what is read from may be replaced.
+
+    Raises
+    ------
+    ExportError
+        If a file that is written is, under whatever name, one of those, or another one written.
+    """
+    files = [file for file in written if file is not None]
+    for k, file in enumerate(files):
+        for other in files[:k]:
+            if _same_file(file, other):
+                raise ExportError(f"{file} is {other}; expected a file for each of them")
+        for source in () if force else filter(None, read):
+            if _same_file(file, source):
+                raise ExportError(
+                    f"{file} would be replaced, and {source} is read from it; "
+                    "expected another name, or --force"
+                )
+
+
+def _same_file(one: str | Path, other: str | Path) -> bool:
+    """Whether two paths lead to one file, through links or not; it need not be there yet."""
+    try:
+        return os.path.samefile(one, other)
+    except FileNotFoundError:
+        return os.path.realpath(one) == os.path.realpath(other)
+    except (OSError, ValueError):  # one of them is no file name
+        return False

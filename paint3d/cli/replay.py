@@ -8,9 +8,12 @@ from pathlib import Path
 
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
+    add_force_option,
     add_painting_options,
     add_quiet_option,
     check_output_file,
+    check_overwriting,
+    own_table,
     parse_length_mm,
     parse_place,
     parse_seconds,
@@ -58,6 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
     )
+    add_force_option(parser)
     add_quiet_option(parser)
 
 
@@ -74,6 +78,11 @@ def run(options: argparse.Namespace) -> None:
     check_output_file(options.out, result_suffixes())
     if options.report is not None:
         check_output_file(options.report, (".json",))
+    check_overwriting(
+        (options.out, options.report),
+        (options.recording, options.on, own_table(options.ink)),
+        force=options.force,
+    )
     recording = load_recording(options.recording)
     mesh = load_object(options)
     recording = lay_on(mesh, recording, options.at, options.size)

@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from paint3d.cli.options import (
+    add_force_option,
     add_quiet_option,
     check_output_file,
     check_output_folder,
+    check_overwriting,
     parse_length_mm,
 )
 from paint3d.cli.progress import ProgressBar
@@ -64,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-likeness", action="store_true", help="times only, without comparing shapes"
     )
     table.add_argument("--report", metavar="FILE", type=Path, help="write everything as JSON")
+    add_force_option(table)
     add_quiet_option(table)
 
 
@@ -100,12 +103,14 @@ def _plan(options: argparse.Namespace) -> None:
 
 def _table(options: argparse.Namespace) -> None:
     from paint3d.app.model.study import evaluate
-    from paint3d.app.model.study_plan import load_plan
+    from paint3d.app.model.study_plan import PLAN_NAME, load_plan
     from paint3d.stroke.glyph_sources import open_glyphs
 
     plan = load_plan(options.folder)
     if options.report is not None:
         check_output_file(options.report, (".json",))
+        read = (options.folder / PLAN_NAME,)
+        check_overwriting((options.report,), read, force=options.force)
     source = None if options.glyphs is None else open_glyphs(options.glyphs)
     with ProgressBar("measuring", enabled=not options.quiet) as bar:
         table = evaluate(

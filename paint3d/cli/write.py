@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING
 
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
+    add_force_option,
     add_painting_options,
     add_quiet_option,
     check_output_file,
+    check_overwriting,
+    own_table,
     parse_length_mm,
     parse_place,
 )
@@ -61,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_parse_count,
         help="how many to plan in at once (default: one a core); the result is the same",
     )
+    add_force_option(parser)
     add_quiet_option(parser)
 
 
@@ -129,6 +133,11 @@ def run(options: argparse.Namespace) -> None:
     for file, suffixes in ((options.report, (".json",)), (options.recording, _RECORDINGS)):
         if file is not None:
             check_output_file(file, suffixes)
+    check_overwriting(
+        (options.out, options.report, options.recording),
+        (options.on, own_table(options.ink)),
+        force=options.force,
+    )
     wishes = Wishes(
         brush=None,
         ink=options.ink,
