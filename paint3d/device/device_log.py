@@ -31,7 +31,8 @@ LogEntry = tuple[int, bytes]
 class DeviceLog:
     """Writes reports as they come; threads may share it.
 
-    The file is written beside its place and moved there by `close`.
+    The file is written beside its place and moved there by `close`; of a symbolic link, that is
+    the place of what it leads to.
 
     Raises
     ------
@@ -40,7 +41,7 @@ class DeviceLog:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._path = Path(path)
+        self._path = Path(os.path.realpath(path) if os.path.islink(path) else path)
         self._part = self._path.with_name(self._path.name + ".part")
         self._lock = Lock()
         self._devices: dict[str, int] = {}

@@ -267,10 +267,13 @@ def _write_records(path: Path, painting: Painting, options: ExportOptions, unit:
 
 
 def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.view.picture import render_picture  # brings VTK: only where a picture is asked
+    from PIL import Image
+
+    from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
     look = {} if options.size is None else {"size": options.size}
-    render_picture(*painting[:4], path, gloss=_gloss(painting.material), **look)
+    pixels = draw_picture(*painting[:4], gloss=_gloss(painting.material), **look)
+    Image.fromarray(pixels).save(path, format="PNG")
 
 
 def _roughness(material: str) -> float:

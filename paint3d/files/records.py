@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from paint3d.arrays import as_array
 from paint3d.errors import MeshError
-from paint3d.files.atomic import write_atomically
 from paint3d.files.contents import plain_text, read_contents
 from paint3d.files.raw_mesh import parse_numbers
 
@@ -79,7 +78,7 @@ def write_records(
     ------
     InputError
         If an array has the wrong shape or is not finite.
-    ExportError
+    OSError
         If the file cannot be written.
     """
     start = as_array(initial_position, "initial_position", (3,))
@@ -91,10 +90,7 @@ def write_records(
     row = f"{{%.4f, %.4f, %.4f, {middle}, %d, %d, %d}}\n"
     columns = [position, pack_normals(normal)[:, None] if packed else normal, codes]
     table = np.concatenate(columns, axis=1)
-    with (
-        write_atomically(path) as temporary,
-        open(temporary, "w", encoding="ascii", newline="\n") as file,
-    ):
+    with open(path, "w", encoding="ascii", newline="\n") as file:
         file.write(f"# columns {NAMES[7 if packed else 9]}, mm and sRGB codes\n")
         file.write("InitialPosition={{{:.9g}, {:.9g}, {:.9g}}}\n".format(*start))
         for first in range(0, len(table), CHUNK):

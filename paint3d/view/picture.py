@@ -25,7 +25,7 @@ from paint3d.view.scene import Scene, draw_scene
 from paint3d.view.studio import Gloss, light_samples
 from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 
-__all__ = ["Gloss", "View", "render_picture"]
+__all__ = ["Gloss", "View", "draw_picture", "render_picture"]
 
 VTK_GAMMA = 2.2  # VTK's physically based shading reads vertex colours as powers of 2.2
 LIT_BEST = 0.88  # of the seen vertices are lit no better than WHITE_POINT
@@ -51,6 +51,42 @@ def render_picture(
 
     Parameters
     ----------
+    vertices, faces, normals, srgb, size, view, gloss
+        As for `draw_picture`.
+    path : path-like
+        Replaced as a whole, or left untouched on failure. Of a symbolic link, the file that it
+        leads to is replaced.
+
+    Raises
+    ------
+    MeshError
+        If the arrays do not fit together.
+    InputError
+        If the size is out of range.
+    ExportError
+        If the path cannot be written, or no OpenGL can be started.
+    """
+    path, size = Path(path), _checked_size(size)
+    arrays = _checked_arrays(vertices, faces, normals, srgb)
+    with _replacing(path) as temporary:
+        pixels = draw_picture(*arrays, size=size, view=view, gloss=gloss)
+        Image.fromarray(pixels).save(temporary, format="PNG")
+
+
+def draw_picture(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    normals: ArrayLike,
+    srgb: ArrayLike,
+    *,
+    size: tuple[int, int] = (1600, 1200),
+    view: View | None = None,
+    gloss: Gloss | None = None,
+) -> NDArray[np.uint8]:
+    """Return the pixels of a picture of the painted object, (height, width, 3) sRGB codes.
+
+    Parameters
+    ----------
     vertices : (V, 3) array_like
         mm.
     faces : (F, 3) array_like of int
@@ -58,8 +94,6 @@ def render_picture(
         Unit, outward.
     srgb : (V, 3) array_like of uint8
         Painted colours.
-    path : path-like
-        Replaced as a whole, or left untouched on failure.
     size : (int, int)
         Width and height in pixels, each 16 to 4096.
     view : View, optional
@@ -74,16 +108,14 @@ def render_picture(
     InputError
         If the size is out of range.
     ExportError
-        If the path cannot be written, or no OpenGL can be started.
+        If no OpenGL can be started.
     """
-    path, size = Path(path), _checked_size(size)
+    size = _checked_size(size)
     vertices, faces, normals, srgb = _checked_arrays(vertices, faces, normals, srgb)
-    with _replacing(path) as temporary:
-        areas = vertex_areas(vertices, faces)
-        view = view or find_view(vertices, normals, srgb, areas)
-        scene = _set_up(vertices, faces, normals, srgb, areas, view, size)
-        pixels = draw_scene(scene, gloss or Gloss.of("porcelain"), size)
-        Image.fromarray(_develop(pixels)).save(temporary, format="PNG")
+    areas = vertex_areas(vertices, faces)
+    view = view or find_view(vertices, normals, srgb, areas)
+    scene = _set_up(vertices, faces, normals, srgb, areas, view, size)
+    return _develop(draw_scene(scene, gloss or Gloss.of("porcelain"), size))
 
 
 def _set_up(
@@ -166,6 +198,7 @@ def _checked_arrays(
 @contextmanager
 def _replacing(path: Path) -> Iterator[Path]:
     """Give a temporary file beside `path` that takes its place if all goes well."""
+    path = Path(os.path.realpath(path)) if path.is_symlink() else path
     if path.is_dir():
         raise ExportError(f"{path}: is a folder; expected a file to write")
     try:

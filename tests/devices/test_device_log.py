@@ -58,6 +58,14 @@ def test_a_log_comes_back_as_devices(tmp_path, name) -> None:
     assert list(tmp_path.iterdir()) == [file]
 
 
+def test_a_log_goes_where_a_link_leads(tmp_path) -> None:
+    real, link = tmp_path / "real.jsonl", tmp_path / "link.jsonl"
+    link.symlink_to(real)
+    write_log(link)
+    assert link.is_symlink()
+    assert len(list(read_device_log(real))) == 2
+
+
 def test_a_log_plays_in_the_program_as_it_happened(tmp_path) -> None:
     file = tmp_path / "hands.jsonl.gz"
     write_log(file, 120)

@@ -2,19 +2,22 @@
 
 import json
 import os
-from pathlib import Path
+import resource
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import pyvista
 import trimesh
+from PIL import Image
 
 from paint3d.errors import ExportError, MeshError
 from paint3d.files import glb_container
 from paint3d.files.atomic import write_atomically
 from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.load import load_mesh
+from paint3d.surface.painted_surface import PaintedSurface
 
 
 class Painted:
@@ -229,12 +232,38 @@ def test_a_picture_is_asked_of_the_view(painted, tmp_path, monkeypatch):
 
     asked = []
 
-    def render(vertices, faces, normals, srgb, path, *, gloss=None):
+    def draw(vertices, faces, normals, srgb, *, gloss=None):
         asked.append((len(vertices), len(faces), gloss))
-        Path(path).write_bytes(b"picture")
+        return np.full((12, 16, 3), 77, np.uint8)
 
-    monkeypatch.setattr(picture, "render_picture", render)
+    monkeypatch.setattr(picture, "draw_picture", draw)
     export(painted, tmp_path / "a.png")
-    assert (tmp_path / "a.png").read_bytes() == b"picture"
+    with Image.open(tmp_path / "a.png") as image:
+        assert (image.size, image.getpixel((3, 3))) == ((16, 12), (77, 77, 77))
     assert asked[0][:2] == (642, 1280)
     assert 0.0 < asked[0][2].roughness < 1.0
+
+
+@contextmanager
+def no_more_than(n_bytes):
+    """As on a full disk: what is longer cannot be written."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("suffix", EXPORT_SUFFIXES)
+def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path, monkeypatch, suffix):
+    from paint3d.view import picture
+
+    noise = np.random.default_rng(1).integers(0, 256, (90, 90, 3)).astype(np.uint8)
+    monkeypatch.setattr(picture, "draw_picture", lambda *_, **__: noise)
+    surface = PaintedSurface(load_mesh("sphere"), resolution=3.0)
+    path = tmp_path / f"a{suffix}"
+    with no_more_than(5000), pytest.raises(ExportError) as caught:
+        export(surface, path)
+    assert str(caught.value).startswith(f"{path}: cannot write")
+    assert list(tmp_path.iterdir()) == []

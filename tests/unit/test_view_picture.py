@@ -133,6 +133,16 @@ def test_a_failed_picture_leaves_the_old_one(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_the_picture_behind_a_link_is_replaced_and_the_link_stays(tmp_path, monkeypatch):
+    real, link = tmp_path / "real.png", tmp_path / "link.png"
+    real.write_bytes(b"old")
+    link.symlink_to(real)
+    monkeypatch.setattr(picture, "draw_picture", lambda *_, **__: np.zeros((16, 16, 3), np.uint8))
+    render_picture(*inked_ball(), link, size=SIZE)
+    assert link.is_symlink()
+    assert real.read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize(
     ("position", "value", "message"),
     [
