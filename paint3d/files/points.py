@@ -53,10 +53,18 @@ def surface_through(
     else:
         _estimate_normals(cloud, points)
     spacing = float(np.median(cloud.compute_nearest_neighbor_distance()))
+    if not (np.isfinite(spacing) and spacing > 0.0):
+        raise MeshError(
+            f"most of its {len(points):,} points lie in the place of another; "
+            "expected points that lie evenly on a surface"
+        )
     radii = open3d.utility.DoubleVector([k * spacing for k in RADII])
     with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
         build = open3d.geometry.TriangleMesh.create_from_point_cloud_ball_pivoting
-        faces = np.asarray(build(cloud, radii).triangles, np.int64).copy()
+        try:
+            faces = np.asarray(build(cloud, radii).triangles, np.int64).copy()
+        except RuntimeError as cause:
+            raise MeshError(f"no surface goes through its points: {cause}") from None
     reached = len(np.unique(faces)) / len(points)
     if reached < LEAST_SHARE:
         raise MeshError(

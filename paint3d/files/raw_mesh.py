@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from paint3d.errors import MeshError
 from paint3d.files.textures import Look
 
-__all__ = ["RawMesh", "as_codes", "check_count", "index_array", "left_out", "parse_numbers"]
+__all__ = ["RawMesh", "check_count", "index_array", "left_out", "parse_numbers"]
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class RawMesh:
         Millimetres in one unit, where the format or the file says so.
     up : {"y", "z"} or None
         The axis that points up, where the format says so.
-    announces_faces : bool
-        Whether the file speaks of faces even if it holds none: a mesh without triangles, then,
-        and not a point cloud.
+    announces : str
+        What the file speaks of besides points, such as faces, even if it holds none: without
+        triangles it is no point cloud then.
     notes : tuple of str
         What the user should know, such as a texture that was left out.
     looks : tuple of Look
@@ -55,7 +55,7 @@ class RawMesh:
     normals: NDArray[np.float64] | None = None
     unit_mm: float | None = None
     up: str | None = None
-    announces_faces: bool = False
+    announces: str = ""
     notes: tuple[str, ...] = ()
     looks: tuple[Look, ...] = ()
     look_of: NDArray[np.int64] | None = None
@@ -113,23 +113,6 @@ def index_array(numbers: NDArray, what: str) -> NDArray[np.int64]:
     if not whole.all():
         raise MeshError(f"{what} has {numbers[~whole][0]:g} where a vertex index was expected")
     return numbers.astype(np.int64)
-
-
-def as_codes(values: NDArray) -> NDArray[np.uint8] | None:
-    """Return sRGB colours of any type as uint8 codes, or None where they make no sense.
-
-    Unsigned integers run over their whole range; floats are taken as 0 to 1.
-    """
-    if values.dtype == np.uint8:
-        return np.ascontiguousarray(values)
-    if values.dtype.kind == "u":
-        scaled = values / float(np.iinfo(values.dtype).max)
-    else:
-        scaled = values.astype(np.float64)
-    inside = np.isfinite(scaled).all() and scaled.size and scaled.min() >= 0.0
-    if not inside or scaled.max() > 1.0 + 1e-6:
-        return None
-    return np.floor(255.0 * np.minimum(scaled, 1.0) + 0.5).astype(np.uint8)
 
 
 def check_count(count: float, n_bytes_each: float, n_bytes: int, what: str) -> None:

@@ -6,7 +6,7 @@ import io
 import posixpath
 import zipfile
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -33,6 +33,7 @@ LEFT_OUT = {
     f"{MATERIAL}compositematerials": "mixtures of materials",
     f"{MATERIAL}multiproperties": "mixtures of materials",
 }
+LATTICE = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
 PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
 MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -104,7 +105,17 @@ def _read_package(package: Package) -> RawMesh:
         _place(package, part, item.get("objectid"), _matrix(item.get("transform")), ())
     if not package.pieces:
         raise MeshError("it has no build items with triangles; expected a surface")
-    return _merged(package.pieces, UNITS_MM[unit], left_out(_dropped(package)))
+    raw = _merged(package.pieces, UNITS_MM[unit])
+    dropped, beams = _dropped(package), _has_beams(package)
+    if not len(raw.sizes):
+        what = "a beam lattice, which is not read" if beams else "a mesh"
+        return replace(raw, announces=what, notes=left_out(dropped))
+    return replace(raw, notes=left_out(dropped | ({"beam lattices"} if beams else set())))
+
+
+def _has_beams(package: Package) -> bool:
+    objects = f"{CORE}resources/{CORE}object/{CORE}mesh/{LATTICE}"
+    return any(root.find(objects) is not None for root in package.models.values())
 
 
 def _dropped(package: Package) -> set[str]:
@@ -220,7 +231,7 @@ def _hex(text: str | None) -> tuple[int, int, int]:
     return int(code[0:2], 16), int(code[2:4], 16), int(code[4:6], 16)
 
 
-def _merged(pieces: list[RawMesh], unit_mm: float, notes: tuple[str, ...]) -> RawMesh:
+def _merged(pieces: list[RawMesh], unit_mm: float) -> RawMesh:
     first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     colours = None
     if any(piece.colours is not None for piece in pieces):
@@ -234,5 +245,4 @@ def _merged(pieces: list[RawMesh], unit_mm: float, notes: tuple[str, ...]) -> Ra
         colours,
         unit_mm=unit_mm,
         up="z",
-        notes=notes,
     )

@@ -121,7 +121,11 @@ def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint, texture: bool)
     if others[STEPS] is not None:
         vertices = take_steps(vertices, others[STEPS][:, 0])
     colours = others["COLOR_0"]
-    colours = None if colours is None else srgb_from_linear(colours)
+    if colours is not None:
+        known = np.isfinite(colours).all(axis=1)
+        if not known.all():
+            paint.notes.append(f"{(~known).sum():,} vertex colours are no numbers: made white")
+        colours = srgb_from_linear(np.where(known[:, None], colours, 1.0))
     faces = _triangles(indices, mode)
     number, uv = paint.look_of(primitive, len(vertices), texture)
     if uv is not None:

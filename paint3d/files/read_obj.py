@@ -12,11 +12,17 @@ from numpy.typing import NDArray
 from paint3d.errors import MeshError
 from paint3d.files.contents import plain_text
 from paint3d.files.obj_materials import names_materials, obj_looks
-from paint3d.files.raw_mesh import RawMesh, as_codes, index_array, left_out, parse_numbers
+from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
+from paint3d.files.vertex_colours import colour_codes
 
 __all__ = ["read_obj"]
 
 COLOUR_COLUMN = {6: 3, 7: 4}  # numbers in a vertex line: where red stands (7: after a weight)
+NO_POINTS = {
+    b"l": "lines",
+    b"curv": "curves, which are not read",
+    b"surf": "free-form surfaces, which are not read",
+}
 ATTRIBUTES = re.compile(rb"/\S*")
 ODD_EXPONENT = re.compile(rb"(?<=\d)([+-])[eE](?=\d)")
 
@@ -44,7 +50,7 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     lines = _lines(data)
     vertex_lines = [line[2:] for line in lines if line[:2] == b"v "]
     face_lines = [line[2:] for line in lines if line[:2] == b"f "]
-    vertices, colours = _vertices(vertex_lines)
+    vertices, colours, notes = _vertices(vertex_lines)
     sizes = np.array([len(line.split()) for line in face_lines], np.int64)
     corners = index_array(
         parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), "a face"), "a face"
@@ -56,12 +62,14 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         corners = np.where(corners < 0, corners + before, corners - 1)
     else:
         corners = corners - 1
+    announced = "" if len(sizes) else _announced(lines)
     if not texture:
-        dropped = ("its colours and pictures",) if names_materials(lines) else ()
-        return RawMesh(vertices, corners, sizes, colours, notes=left_out(dropped))
+        notes += left_out(("its colours and pictures",) if names_materials(lines) else ())
+        return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
     found = obj_looks(lines, sizes, folder)
     if not found.looks:
-        return RawMesh(vertices, corners, sizes, colours, notes=found.notes)
+        notes += found.notes
+        return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
     return RawMesh(
         vertices, corners, sizes, notes=found.notes,
         looks=found.looks, look_of=found.look_of, uv=found.uv,
@@ -77,10 +85,10 @@ def _lines(data: bytes) -> list[bytes]:
 
 def _vertices(
     lines: Sequence[bytes],
-) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None]:
+) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None, tuple[str, ...]]:
     widths = np.array([len(line.split()) for line in lines], np.int64)
     if len(lines) == 0:
-        return np.empty((0, 3)), None
+        return np.empty((0, 3)), None, ()
     if widths.min() < 3:
         line = lines[int(widths.argmin())].decode("ascii", "replace")
         raise MeshError(f"a vertex line holds {line[:40]!r}; expected three numbers")
@@ -91,7 +99,15 @@ def _vertices(
     for width, column in COLOUR_COLUMN.items():
         rows = np.flatnonzero(widths == width)
         rgb[rows] = numbers[first[rows, None] + column + np.arange(3)]
-    return vertices, as_codes(rgb) if np.isin(widths, list(COLOUR_COLUMN)).any() else None
+    if not np.isin(widths, list(COLOUR_COLUMN)).any():
+        return vertices, None, ()
+    return vertices, *colour_codes(rgb)
+
+
+def _announced(lines: Sequence[bytes]) -> str:
+    """What there is besides points, in a file without faces."""
+    kinds = {line.partition(b" ")[0] for line in lines}
+    return next((what for kind, what in NO_POINTS.items() if kind in kinds), "")
 
 
 def _numbers(text: bytes) -> NDArray[np.float64]:

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import plain_text
-from paint3d.files.raw_mesh import RawMesh, as_codes, check_count, index_array, parse_numbers
+from paint3d.files.raw_mesh import RawMesh, check_count, index_array, parse_numbers
+from paint3d.files.vertex_colours import colour_codes
 
 __all__ = ["read_off"]
 
@@ -44,8 +45,8 @@ def read_off(data: bytes) -> RawMesh:
         )
     table = lines[1 : 1 + n_vertices]
     corners, sizes = _faces(lines[1 + n_vertices : 1 + n_vertices + n_faces])
-    colours = _colours(table) if kind == b"COFF" else None
-    return RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours)
+    colours, notes = _colours(table) if kind == b"COFF" else (None, ())
+    return RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours, notes=notes)
 
 
 def _counts(lines: list[list[bytes]], n_bytes: int) -> tuple[int, int]:
@@ -68,12 +69,12 @@ def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
     return parse_numbers(b" ".join(words), "a vertex").reshape(-1, width)
 
 
-def _colours(table: list[list[bytes]]) -> NDArray[np.uint8] | None:
+def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
     if any(len(words) < 6 for words in table):
-        return None
+        return None, ()
     rgb = _columns(table, slice(3, 6))
     whole = all(b"." not in word for words in table for word in words[3:6])
-    return as_codes(rgb / 255.0 if whole else rgb)
+    return colour_codes(rgb / 255.0 if whole else rgb)
 
 
 def _faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

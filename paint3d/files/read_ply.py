@@ -1,61 +1,21 @@
-"""PLY: ASCII and binary of both byte orders, any property types, mixed polygons, any line ends."""
+"""PLY: polygons of any and mixed sizes, triangle strips, colours and normals of vertices."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.raw_mesh import (
-    RawMesh,
-    as_codes,
-    check_count,
-    index_array,
-    left_out,
-    parse_numbers,
-)
+from paint3d.files.ply_tables import Element, Tables, read_tables
+from paint3d.files.raw_mesh import RawMesh, index_array, left_out
+from paint3d.files.vertex_colours import colour_codes
 
 __all__ = ["read_ply"]
 
-TYPES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
-    "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
-    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
-    "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
-}  # fmt: skip
-FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+WANTED = ("vertex", "face", "tristrips")
 INDEX_NAMES = ("vertex_indices", "vertex_index")
 COLOUR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
-MAX_HEADER = 1 << 20
-
-
-@dataclass
-class Property:
-    """A column: a scalar, or a list with its own count type."""
-
-    name: str
-    dtype: np.dtype
-    count_dtype: np.dtype | None = None
-
-
-@dataclass
-class Element:
-    """A table of the file: name, rows, columns, and the columns' values once read."""
-
-    name: str
-    count: int
-    properties: list[Property] = field(default_factory=list)
-    values: dict[str, NDArray] = field(default_factory=dict)
-    list_sizes: dict[str, NDArray] = field(default_factory=dict)
-
-    @property
-    def least_bytes(self) -> int:
-        """Size of the shortest possible binary row."""
-        return sum(
-            (p.dtype if p.count_dtype is None else p.count_dtype).itemsize for p in self.properties
-        )
+STRIP_END = -1
 
 
 def read_ply(data: bytes) -> RawMesh:
@@ -71,226 +31,75 @@ def read_ply(data: bytes) -> RawMesh:
     MeshError
         If the header is not PLY's, or the body does not hold what the header promises.
     """
-    order, elements, body = _read_header(data)
-    if order == "":
-        _read_ascii(elements, data[body:])
-    else:
-        _read_binary(elements, data, body)
-    vertex = next((e for e in elements if e.name == "vertex"), None)
+    tables = read_tables(data, WANTED)
+    vertex = next((e for e in tables.elements if e.name == "vertex"), None)
     if vertex is None or not {"x", "y", "z"} <= set(vertex.values):
         raise MeshError("no vertex positions; expected an element vertex with x, y and z")
     vertices = np.stack([vertex.values[k].astype(np.float64) for k in "xyz"], axis=1)
-    corners, sizes = _polygons(elements)
-    announced = any(element.name == "face" for element in elements)
+    corners, sizes = _polygons(tables)
+    colours, notes = _colours(vertex)
+    notes += tuple(f"its header's line {line[:60]!r} is passed over" for line in tables.unknown)
+    pictures = any(comment.startswith("TextureFile") for comment in tables.comments)
     return RawMesh(
         vertices,
         corners,
         sizes,
-        _colours(vertex),
+        colours,
         _normals(vertex),
-        announces_faces=announced,
-        notes=left_out(["its pictures"] if b"comment TextureFile" in data[:body] else []),
+        announces=_announced(tables),
+        notes=notes + left_out(["its pictures"] if pictures else []),
     )
 
 
-def _read_header(data: bytes) -> tuple[str, list[Element], int]:
-    if data[:3] != b"ply":
-        raise MeshError("it does not start with 'ply'; expected a PLY file")
-    end = data.find(b"end_header", 0, MAX_HEADER)
-    if end < 0:
-        raise MeshError("the header has no end; expected a line end_header")
-    lone_return = data[3:4] == b"\r" and data[4:5] != b"\n"
-    body = end + len(b"end_header")
-    while data[body : body + 1] in (b" ", b"\t"):
-        body += 1
-    body += 2 if data[body : body + 2] == b"\r\n" and not lone_return else 1
-    try:
-        return *_parse_header(data[:end].decode("latin-1").splitlines()), body
-    except (IndexError, KeyError, ValueError) as cause:
-        if isinstance(cause, MeshError):
-            raise
-        raise MeshError(f"the header cannot be understood near {cause}") from None
+def _announced(tables: Tables) -> str:
+    """What it speaks of besides points."""
+    others = [e for e in tables.elements if e.name != "vertex" and (e.count or e.name in WANTED)]
+    if any(element.name in WANTED for element in others):
+        return "faces"
+    return f"'{others[0].name[:40]}', which is not read" if others else ""
 
 
-def _parse_header(lines: list[str]) -> tuple[str, list[Element]]:
-    order, elements = None, []
-    for words in (line.split() for line in lines[1:]):
-        if not words or words[0] in ("comment", "obj_info"):
-            continue
-        if words[0] == "format":
-            order = FORMATS[words[1]]
-        elif words[0] == "element":
-            elements.append(Element(words[1], int(words[2])))
-        elif words[0] == "property" and elements:
-            elements[-1].properties.append(_property(words, order or "<"))
-        else:
-            raise MeshError(f"the header has an unknown line {' '.join(words)[:40]!r}")
-    if order is None:
-        raise MeshError("the header has no format line")
-    return order, elements
+def _polygons(tables: Tables) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the corners of all polygons, then of the triangles of all strips, and their sizes."""
+    corners, sizes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
+    for kind, what in (("face", "a face"), ("tristrips", "a strip")):
+        for element in (e for e in tables.elements if e.name == kind):
+            name = next((n for n in INDEX_NAMES if n in element.list_sizes), None)
+            if name is None:
+                continue
+            ids = index_array(element.values[name], what)
+            each = element.list_sizes[name].astype(np.int64)
+            if kind == "tristrips":
+                ids = _strips(ids, each)
+                each = np.full(len(ids) // 3, 3)
+            corners.append(ids)
+            sizes.append(each)
+    return np.concatenate(corners), np.concatenate(sizes)
 
 
-def _property(words: list[str], order: str) -> Property:
-    if words[1] == "list":
-        count, item = (np.dtype(TYPES[w]).newbyteorder(order) for w in words[2:4])
-        return Property(words[4], item, count)
-    return Property(words[2], np.dtype(TYPES[words[1]]).newbyteorder(order))
+def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the corners of the triangles of strips (lists of these sizes; -1 begins another).
+
+    Every second triangle of a strip is turned round; those that name a vertex twice only lead on
+    to the next.
+    """
+    ids = np.where(ids == np.iinfo(np.uint32).max, STRIP_END, ids)
+    ids = np.insert(ids, np.cumsum(sizes), STRIP_END)
+    place = np.arange(len(ids))
+    start = np.maximum.accumulate(np.where(ids == STRIP_END, place + 1, 0))
+    faces = np.stack([ids[:-2], ids[1:-1], ids[2:]], axis=1)
+    odd = (place - start)[:-2] % 2 == 1
+    faces[odd] = faces[odd][:, [1, 0, 2]]
+    whole = (faces != STRIP_END).all(axis=1)
+    whole &= (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    return faces[whole].ravel()
 
 
-def _read_binary(elements: list[Element], data: bytes, at: int) -> None:
-    for element in elements:
-        if not element.properties:
-            continue
-        check_count(element.count, element.least_bytes, len(data) - at, f"of {element.name}")
-        if element.name not in ("vertex", "face") and _has_both(elements):
-            return
-        at = _binary_rows(element, data, at)
-
-
-def _has_both(elements: list[Element]) -> bool:
-    return all(any(e.name == k and e.values for e in elements) for k in ("vertex", "face"))
-
-
-def _binary_rows(element: Element, data: bytes, at: int) -> int:
-    """Read one element's rows from `at`; return where they end."""
-    lists = [p for p in element.properties if p.count_dtype is not None]
-    if element.count == 0:
-        _store(element, {p.name: np.empty(0, p.dtype) for p in element.properties}, {})
-        return at
-    sizes = {p.name: 0 for p in lists}
-    if lists:
-        sizes = _first_row_sizes(element, data, at)
-    record = []
-    for k, p in enumerate(element.properties):
-        if p.count_dtype is not None:
-            record += [(f"count {k}", p.count_dtype), (f"item {k}", p.dtype, (sizes[p.name],))]
-        else:
-            record.append((f"item {k}", p.dtype))
-    row = np.dtype(record)
-    if row.itemsize * element.count <= len(data) - at:
-        rows = np.frombuffer(data, row, element.count, at)
-        counts = [(k, p) for k, p in enumerate(element.properties) if p.count_dtype is not None]
-        if all((rows[f"count {k}"] == sizes[p.name]).all() for k, p in counts):
-            values = {p.name: rows[f"item {k}"] for k, p in enumerate(element.properties)}
-            _store(element, values, {n: np.full(element.count, s) for n, s in sizes.items()})
-            return at + row.itemsize * element.count
-    return _uneven_rows(element, data, at)
-
-
-def _first_row_sizes(element: Element, data: bytes, at: int) -> dict[str, int]:
-    sizes = {}
-    for p in element.properties:
-        if p.count_dtype is None:
-            at += p.dtype.itemsize
-            continue
-        n = _list_size(element, p, data, at)
-        sizes[p.name] = n
-        at += p.count_dtype.itemsize + n * p.dtype.itemsize
-    return sizes
-
-
-def _list_size(element: Element, p: Property, data: bytes, at: int) -> int:
-    if at + p.count_dtype.itemsize > len(data):
-        raise MeshError(f"it ends within the {element.name} rows; the file is cut short")
-    n = int(np.frombuffer(data, p.count_dtype, 1, at)[0])
-    check_count(n, p.dtype.itemsize, len(data) - at - p.count_dtype.itemsize, f"in a {p.name} list")
-    return n
-
-
-def _uneven_rows(element: Element, data: bytes, at: int) -> int:
-    """Read rows whose lists differ in length, one by one."""
-    parts: dict[str, list[NDArray]] = {p.name: [] for p in element.properties}
-    sizes: dict[str, list[int]] = {
-        p.name: [] for p in element.properties if p.count_dtype is not None
-    }
-    for _ in range(element.count):
-        for p in element.properties:
-            n = 1
-            if p.count_dtype is not None:
-                n = _list_size(element, p, data, at)
-                at += p.count_dtype.itemsize
-                sizes[p.name].append(n)
-            if at + n * p.dtype.itemsize > len(data):
-                raise MeshError(f"it ends within the {element.name} rows; the file is cut short")
-            parts[p.name].append(np.frombuffer(data, p.dtype, n, at))
-            at += n * p.dtype.itemsize
-    values = {name: np.concatenate(part) for name, part in parts.items()}
-    _store(element, values, {name: np.array(size, np.int64) for name, size in sizes.items()})
-    return at
-
-
-def _store(element: Element, values: dict[str, NDArray], sizes: dict[str, NDArray]) -> None:
-    element.values = {
-        name: np.ravel(array).astype(array.dtype.newbyteorder("="))
-        for name, array in values.items()
-    }
-    element.list_sizes = sizes
-
-
-def _read_ascii(elements: list[Element], text: bytes) -> None:
-    for element in elements:
-        check_count(element.count, 2 * max(1, len(element.properties)), len(text) + 1,
-                    f"of {element.name}")  # fmt: skip
-    numbers, at = parse_numbers(text, "the body"), 0
-    for element in elements:
-        at = _ascii_rows(element, numbers, at)
-
-
-def _ascii_rows(element: Element, numbers: NDArray, at: int) -> int:
-    """Take one element's rows from the body's numbers; return where they end."""
-    cut_short = MeshError(f"it ends within the {element.name} rows; the file is cut short")
-    properties = element.properties
-    if not any(p.count_dtype is not None for p in properties):
-        width = len(properties)
-        end = at + width * element.count
-        if end > len(numbers):
-            raise cut_short
-        table = numbers[at:end].reshape(element.count, width)
-        _store(element, {p.name: _cast(table[:, k], p) for k, p in enumerate(properties)}, {})
-        return end
-    columns: dict[str, list] = {p.name: [] for p in properties}
-    sizes: dict[str, list[int]] = {p.name: [] for p in properties if p.count_dtype is not None}
-    flat = numbers.tolist() if element.count else []
-    for _ in range(element.count):
-        for p in properties:
-            n = 1
-            if p.count_dtype is not None:
-                if at >= len(flat) or not 0 <= flat[at] <= len(flat) - at:
-                    raise cut_short
-                n = int(flat[at])
-                sizes[p.name].append(n)
-                at += 1
-            if at + n > len(flat):
-                raise cut_short
-            columns[p.name] += flat[at : at + n]
-            at += n
-    values = {p.name: _cast(np.array(columns[p.name], np.float64), p) for p in properties}
-    _store(element, values, {name: np.array(size, np.int64) for name, size in sizes.items()})
-    return at
-
-
-def _cast(column: NDArray, p: Property) -> NDArray:
-    """Return ASCII numbers in the declared type; colours need to know it, nothing else does."""
-    limits = np.iinfo(p.dtype) if p.dtype.kind == "u" else None
-    if limits is None or not np.isfinite(column).all() or not column.size:
-        return column
-    return column.astype(p.dtype) if column.min() >= 0 and column.max() <= limits.max else column
-
-
-def _polygons(elements: list[Element]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    for element in (e for e in elements if e.name == "face"):
-        for name in INDEX_NAMES:
-            if name in element.list_sizes:
-                corners = index_array(element.values[name], "a face")
-                return corners, element.list_sizes[name].astype(np.int64)
-    return np.empty(0, np.int64), np.empty(0, np.int64)
-
-
-def _colours(vertex: Element) -> NDArray[np.uint8] | None:
+def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
     for names in COLOUR_NAMES:
         if set(names) <= set(vertex.values):
-            return as_codes(np.stack([vertex.values[k] for k in names], axis=1))
-    return None
+            return colour_codes(np.stack([vertex.values[k] for k in names], axis=1))
+    return None, ()
 
 
 def _normals(vertex: Element) -> NDArray[np.float64] | None:

@@ -172,10 +172,10 @@ def _check_raw(raw: RawMesh) -> None:
 def _without_faces(
     raw: RawMesh, vertices: NDArray[np.float64], name: str, from_points: bool | None
 ) -> Reading:
-    if from_points is None and raw.announces_faces:
+    if from_points is None and raw.announces:
         raise MeshError(
-            f"it has {len(vertices):,} points but no triangles, though it says it has faces; "
-            "expected a surface (--from-points builds one through the points)"
+            f"it has {len(vertices):,} points but no triangles, though it says it has "
+            f"{raw.announces}; expected a surface (--from-points builds one through the points)"
         )
     if from_points is False:
         raise MeshError(f"it has {len(vertices):,} points but no triangles; expected a surface")

@@ -1,0 +1,214 @@
+"""Files of other people's that say more, or less, than most: read, or refused by what they hold."""
+
+import zipfile
+
+import numpy as np
+import pytest
+import trimesh
+
+from paint3d.errors import MeshError
+from paint3d.files.load import read_mesh
+from paint3d.files.reading import Wanted, read_surface
+
+POINTS = "property float x\nproperty float y\nproperty float z\n"
+QUAD = "v 0 0 0 {}\nv 1 0 0 {}\nv 1 1 0 {}\nv 0 1 0 {}\nf 1 2 3 4\n"
+
+
+def written(tmp_path, name, data):
+    path = tmp_path / name
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return path
+
+
+# -- colours ----------------------------------------------------------------------------------
+
+
+def coloured(*rows):
+    return QUAD.format(*(" ".join(map(str, row)) for row in rows))
+
+
+RED, NO_NUMBER = (1, 0, 0), ("nan", 0, 0)
+WHITE_CODES, RED_CODES = [255, 255, 255], [255, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("rows", "codes", "note"),
+    [
+        ((RED, RED, NO_NUMBER, RED), [RED_CODES, RED_CODES, WHITE_CODES, RED_CODES],
+         "1 of 4 vertex colours are no numbers: made white"),
+        ((RED, (1.25, 0, 0), (1, -0.5, 0), RED), [RED_CODES] * 4,
+         "2 of 4 vertex colours are not within 0 to 1: brought to the nearest"),
+        (((255, 0, 0), (0, 255, 0), (0, 0, 255), (0, 0, 0)),
+         [RED_CODES, [0, 255, 0], [0, 0, 255], [0, 0, 0]], "taken as 0 to 255"),
+        ([(300, 0, 0)] * 4, None, "left out: its vertex colours, most of which are not within"),
+        ([NO_NUMBER] * 4, None, "left out: its vertex colours, none of which is a number"),
+    ],
+)  # fmt: skip
+def test_colours_that_are_none(tmp_path, rows, codes, note):
+    reading = read_surface(written(tmp_path, "a.obj", coloured(*rows)))
+    assert (None if reading.mesh.colours is None else reading.mesh.colours.tolist()) == codes
+    assert len(reading.notes) == 1
+    assert note in reading.notes[0]
+
+
+def test_good_colours_need_no_note(tmp_path):
+    reading = read_surface(written(tmp_path, "a.obj", coloured(RED, RED, RED, (0, 0, 0))))
+    assert (reading.notes, reading.mesh.colours[3].tolist()) == ((), [0, 0, 0])
+
+
+def test_one_colour_of_a_ply_and_what_was_done_reach_the_parent(tmp_path):
+    colour = "property float red\nproperty float green\nproperty float blue\n"
+    head = f"ply\nformat ascii 1.0\nelement vertex 3\n{POINTS}{colour}"
+    faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = "0 0 0 1 0 0\n1 0 0 nan nan nan\n0 1 0 0 0 1\n3 0 1 2\n"
+    reading = read_mesh(written(tmp_path, "a.ply", head + faces + rows))
+    assert reading.mesh.colours.tolist() == [RED_CODES, WHITE_CODES, [0, 0, 255]]
+    assert reading.notes == ("1 of 3 vertex colours are no numbers: made white",)
+
+
+# -- triangle strips --------------------------------------------------------------------------
+
+
+def striped_grid(n):
+    """A sheet of n x n squares as one strip for each row, stitched or not: vertices, strips."""
+    places = [(x, y, 0.0) for y in range(n + 1) for x in range(n + 1)]
+    strips = []
+    for y in range(n):
+        low, high = y * (n + 1), (y + 1) * (n + 1)
+        strips.append([k for x in range(n + 1) for k in (high + x, low + x)])
+    return np.array(places), strips
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("form", ["rows", "minus one", "stitched"])
+def test_triangle_strips_of_a_ply(tmp_path, order, form):
+    places, strips = striped_grid(5)
+    if form == "minus one":  # as the scans of Stanford and Georgia Tech have them
+        strips = [[k for strip in strips for k in (*strip, -1)]]
+    elif form == "stitched":  # triangles without area lead from one strip to the next
+        joined = list(strips[0])
+        for strip in strips[1:]:
+            joined += [joined[-1], strip[0], *strip]
+        strips = [joined]
+    head = f"ply\nformat {order} 1.0\nelement vertex {len(places)}\n{POINTS}element tristrips "
+    head += f"{len(strips)}\nproperty list int int vertex_indices\nend_header\n"
+    if order == "ascii":
+        body = "".join(" ".join(map(str, row)) + "\n" for row in places.tolist())
+        body += "".join(f"{len(s)} {' '.join(map(str, s))}\n" for s in strips)
+        data = (head + body).encode()
+    else:
+        mark = "<" if "little" in order else ">"
+        data = head.encode() + places.astype(f"{mark}f4").tobytes()
+        data += b"".join(np.array([len(s), *s], f"{mark}i4").tobytes() for s in strips)
+    reading = read_surface(written(tmp_path, "a.ply", data))
+    assert reading.mesh.n_faces == 50
+    assert reading.mesh.area == pytest.approx(25.0)
+    assert (reading.mesh.face_normals[:, 2] > 0.99).all()
+    assert reading.notes == ()
+
+
+def test_a_strip_beyond_the_vertices_is_refused(tmp_path):
+    text = f"ply\nformat ascii 1.0\nelement vertex 3\n{POINTS}element tristrips 1\n"
+    text += "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"
+    with pytest.raises(MeshError, match="refers to vertex 7; expected 0 to 2"):
+        read_surface(written(tmp_path, "a.ply", text))
+
+
+# -- what is no point cloud -------------------------------------------------------------------
+
+
+def ball_rows():
+    return trimesh.creation.icosphere(subdivisions=2, radius=10.0).vertices
+
+
+def test_an_unknown_element_makes_no_point_cloud(tmp_path):
+    rows = ball_rows()
+    text = f"ply\nformat ascii 1.0\nelement vertex {len(rows)}\n{POINTS}element range_grid 1\n"
+    text += "property list uchar int vertex_indices\nend_header\n"
+    text += "".join(f"{x} {y} {z}\n" for x, y, z in rows) + "1 0\n"
+    path = written(tmp_path, "a.ply", text)
+    with pytest.raises(MeshError, match=r"says it has 'range_grid', which is not read; .*--from-p"):
+        read_surface(path)
+
+
+def test_lines_make_no_point_cloud(tmp_path):
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in ball_rows()) + "l 1 2\nl 2 3\n"
+    with pytest.raises(MeshError, match="162 points but no triangles, though it says it has lines"):
+        read_surface(written(tmp_path, "a.obj", text))
+
+
+def test_points_that_all_lie_in_one_place(tmp_path):
+    pytest.importorskip("open3d", exc_type=ImportError)
+    path = written(tmp_path, "a.obj", "v 1 2 3\n" * 40 + "v 1 2 4\n")
+    with pytest.raises(MeshError, match="lie in the place of another; expected points that lie"):
+        read_surface(path)
+
+
+LATTICE = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+
+
+def package(path, mesh, extra=""):
+    """Write a 3MF of one object."""
+    model = f'<model xmlns="{CORE}" xmlns:b="{LATTICE}" unit="millimeter"><resources>{extra}'
+    model += f'<object id="9"><mesh>{mesh}</mesh></object></resources>'
+    model += '<build><item objectid="9"/></build></model>'
+    kind = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    relations = (
+        '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+    )
+    relations += f'<Relationship Target="/3D/3dmodel.model" Id="r" Type="{kind}"/></Relationships>'
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("_rels/.rels", relations)
+        archive.writestr("3D/3dmodel.model", model)
+    return path
+
+
+def nodes(rows):
+    inner = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in rows)
+    return f"<vertices>{inner}</vertices>"
+
+
+BEAMS = '<b:beamlattice radius="1" minlength="1"><b:beams><b:beam v1="0" v2="1"/></b:beams>'
+BEAMS += "</b:beamlattice>"
+
+
+def test_a_beam_lattice_is_refused_by_name(tmp_path):
+    path = package(tmp_path / "a.3mf", nodes(ball_rows()) + "<triangles/>" + BEAMS)
+    with pytest.raises(MeshError, match="it says it has a beam lattice, which is not read"):
+        read_surface(path)
+
+
+def test_a_3mf_without_triangles_is_no_point_cloud(tmp_path):
+    path = package(tmp_path / "a.3mf", nodes(ball_rows()) + "<triangles/>")
+    with pytest.raises(
+        MeshError, match="162 points but no triangles, though it says it has a mesh"
+    ):
+        read_surface(path)
+
+
+def test_beams_beside_triangles_are_said_to_be_left_out(tmp_path):
+    triangle = '<triangles><triangle v1="0" v2="1" v3="2"/></triangles>'
+    path = package(tmp_path / "a.3mf", nodes(ball_rows()) + triangle + BEAMS)
+    assert read_surface(path, Wanted()).notes == ("left out: beam lattices",)
+
+
+# -- headers ----------------------------------------------------------------------------------
+
+
+def test_a_comment_that_does_not_say_so_is_passed_over(tmp_path):
+    text = (
+        "ply\nformat ascii 1.0\nCreated by Blender3D 2.47 - www.blender.org, source file: a.blend\n"
+    )
+    text += f"element vertex 3\n{POINTS}element face 1\nproperty list uchar uint vertex_indices\n"
+    text += "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    reading = read_surface(written(tmp_path, "a.ply", text))
+    assert reading.mesh.n_faces == 1
+    assert "line 'Created by Blender3D 2.47" in reading.notes[0]
+
+
+@pytest.mark.parametrize("line", ["elemnt vertex 3", "Property float x", "formt ascii 1.0"])
+def test_a_word_of_the_header_that_is_misspelt_is_not(tmp_path, line):
+    text = f"ply\nformat ascii 1.0\n{line}\nelement vertex 3\n{POINTS}end_header\n0 0 0\n"
+    with pytest.raises(MeshError, match="the header has an unknown line"):
+        read_surface(written(tmp_path, "a.ply", text))
