@@ -8,6 +8,7 @@ child costs about 0.2 s and loads NumPy and one reader.
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -17,15 +18,17 @@ from pathlib import Path
 
 from paint3d.errors import MeshError
 from paint3d.files.handover import make_memory_file, receive
+from paint3d.files.patience import Watch
 from paint3d.files.progress import Progress
 from paint3d.files.reading import Reading, Wanted
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["MAX_MEMORY", "MAX_SECONDS", "PICTURE_SECONDS", "read_apart"]
+__all__ = ["MAX_IDLE_SECONDS", "MAX_MEMORY", "MAX_SECONDS", "PICTURE_SECONDS", "read_apart"]
 
 MAX_MEMORY = 2 << 30
-MAX_SECONDS = 20
-LOOK_S = 0.05  # how often it is looked whether the file is still wanted
+MAX_SECONDS = 20  # of computing
+MAX_IDLE_SECONDS = 60  # without computing: asleep, or waiting for a disk
+LOOK_S = 0.05  # how often it is looked what the child does, and whether it is still wanted
 START_S, BYTES_A_SECOND = 0.4, 20e6  # what reading takes, about
 PICTURE_SECONDS = 60  # where a mesh is made fine enough for its pictures
 START = "import sys, json; sys.path[:] = json.loads(sys.argv.pop()); \
@@ -33,11 +36,17 @@ from paint3d.files.child import main; main()"
 
 
 def read_apart(
-    path: Path, wanted: Wanted, seconds: float | None = None, progress: Progress | None = None
+    path: Path,
+    wanted: Wanted,
+    seconds: float | None = None,
+    progress: Progress | None = None,
+    idle_seconds: float = MAX_IDLE_SECONDS,
 ) -> Reading:
     """Read a mesh file in a child process with 2 GiB of memory and 20 s, with pictures 60 s.
 
-    `progress` is told a share guessed from the file's size; what it raises ends the child.
+    The seconds are of computing; waiting for a core costs none, and of standing still, as for a
+    slow disk, there may be `idle_seconds` besides. `progress` is told a share guessed from the
+    file's size; what it raises ends the child.
 
     Raises
     ------
@@ -48,21 +57,25 @@ def read_apart(
         seconds = PICTURE_SECONDS if wanted.texture else MAX_SECONDS
     descriptor = make_memory_file()
     try:
-        _run(path, wanted, descriptor, seconds, progress)
+        _run(path, wanted, descriptor, (seconds, idle_seconds), progress)
         return _received(path, descriptor)
     finally:
         os.close(descriptor)
 
 
 def _run(
-    path: Path, wanted: Wanted, descriptor: int, seconds: float, progress: Progress | None
+    path: Path,
+    wanted: Wanted,
+    descriptor: int,
+    limits: tuple[float, float],
+    progress: Progress | None,
 ) -> None:
     request = {
         "path": os.fsencode(path).hex(),
         "wanted": list(wanted),
         "descriptor": descriptor,
         "memory": MAX_MEMORY,
-        "seconds": int(seconds) + 1,
+        "seconds": math.ceil(limits[0]),  # where its parent cannot look, or is gone
     }
     command = [sys.executable, "-I", "-W", "ignore", "-c", START]
     command += [json.dumps(request), json.dumps([os.path.abspath(entry) for entry in sys.path])]
@@ -75,33 +88,47 @@ def _run(
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # its threads reserve memory
     ) as child:
         try:
-            _wait(child, path, seconds, progress)
+            _wait(child, path, limits, progress)
         except BaseException:
             child.kill()
             raise
     if child.returncode < 0:
         number = -child.returncode
-        if number in (signal.SIGXCPU, signal.SIGKILL):
+        if number == signal.SIGXCPU:
+            raise _too_long(path, limits[0])
+        if number == signal.SIGKILL:
             raise MeshError(f"{path}: reading it took too long or too much memory")
         raise MeshError(f"{path}: reading it crashed ({signal.Signals(number).name})")
 
 
-def _wait(child: subprocess.Popen, path: Path, seconds: float, progress: Progress | None) -> None:
+def _wait(
+    child: subprocess.Popen, path: Path, limits: tuple[float, float], progress: Progress | None
+) -> None:
     """Wait for a child to end, telling how far it should be by now."""
     began, expected = time.monotonic(), START_S + path.stat().st_size / BYTES_A_SECOND
+    watch, (seconds, idle_seconds) = Watch(child.pid), limits
     while True:
-        left = seconds - (time.monotonic() - began)
         try:
-            child.communicate(timeout=max(0.0, left if progress is None else min(LOOK_S, left)))
+            child.communicate(timeout=LOOK_S)
             return
         except subprocess.TimeoutExpired:
-            gone = time.monotonic() - began
-        if gone >= seconds:
+            watch.look()
+        if watch.computed >= seconds:
+            raise _too_long(path, seconds)
+        if watch.idle >= idle_seconds:
             raise MeshError(
-                f"{path}: reading it took longer than {seconds:g} s; expected a simpler file"
+                f"{path}: reading it has stood still for {idle_seconds:g} s; "
+                "expected a file on a disk that answers"
             )
         if progress is not None:
+            gone = time.monotonic() - began
             progress(gone / (gone + expected))
+
+
+def _too_long(path: Path, seconds: float) -> MeshError:
+    return MeshError(
+        f"{path}: reading it took longer than {seconds:g} s of computing; expected a simpler file"
+    )
 
 
 def _received(path: Path, descriptor: int) -> Reading:

@@ -35,9 +35,9 @@ def load_mesh(
     """Load a mesh in millimetres, z up, with the vertex and face order of its file.
 
     With `texture` its vertices come first, where each of them has one colour. A file is read in a
-    child process, which is given 20 s (60 s with `texture`) and 2 GiB of memory and may crash
-    alone. What the user should know about the result (a surface built through points, a texture
-    left out) is logged as a warning by the logger "paint3d".
+    child process, which is given 20 s of computing (60 s with `texture`) and 2 GiB of memory and
+    may crash alone. What the user should know about the result (a surface built through points, a
+    texture left out) is logged as a warning by the logger "paint3d".
 
     Parameters
     ----------

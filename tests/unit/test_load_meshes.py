@@ -440,15 +440,63 @@ LIMITED = "import paint3d.files.reading as r, paint3d.files.child as c\n"
         ("os._exit(0)", "reading it ended early"),
         ("raise SystemError('new to us')", "reading it ended early"),
         (LIMITED + "r.read_surface = lambda *_: bytearray(3 << 30)\nc.main()", "more than 2 GiB"),
-        ("import time; time.sleep(60)", "longer than 1 s"),
     ],
 )
 def test_a_reader_that_fails_takes_nothing_with_it(tmp_path, monkeypatch, code, message):
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     in_child(monkeypatch, code)
     with pytest.raises(MeshError, match=message) as caught:
-        isolation.read_apart(path, Wanted(), seconds=1 if "sleep" in code else 20)
+        isolation.read_apart(path, Wanted())
     assert str(caught.value).startswith(f"{path}: ")
+
+
+FOREVER = ("import time; time.sleep(600)", "while True: pass")
+
+
+@pytest.mark.parametrize("code", FOREVER)
+def test_a_reader_that_never_ends_is_ended(tmp_path, monkeypatch, code):
+    path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
+    in_child(monkeypatch, code)
+    limits = {"seconds": 0.4, "idle_seconds": 600} if "pass" in code else {"idle_seconds": 0.4}
+    words = "longer than 0.4 s of computing" if "pass" in code else "stood still for 0.4 s"
+    with pytest.raises(MeshError, match=words):
+        isolation.read_apart(path, Wanted(), **limits)
+
+
+def test_a_child_without_a_parent_that_looks_ends_by_itself(tmp_path, monkeypatch):
+    path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
+    in_child(
+        monkeypatch, f"{LIMITED}def spin(*_):\n while True: pass\nr.read_surface = spin\nc.main()"
+    )
+    monkeypatch.setattr(isolation.Watch, "look", lambda self: None)
+    with pytest.raises(MeshError, match=r"longer than 0\.1 s of computing"):
+        isolation.read_apart(path, Wanted(), 0.1)
+
+
+def test_what_a_file_costs_is_not_what_the_clock_says(tmp_path, monkeypatch):
+    path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
+    in_child(
+        monkeypatch, "import time; time.sleep(1.5)\nfrom paint3d.files.child import main; main()"
+    )
+    assert isolation.read_apart(path, Wanted(), seconds=1).mesh.n_faces == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="needs processes kept to a core")
+def test_a_busy_machine_refuses_no_good_file(tmp_path, monkeypatch):
+    """Three others share its core: it computes a quarter of the time and is never idle."""
+    path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
+    core = {min(os.sched_getaffinity(0))}
+    here = f"import os, time; os.sched_setaffinity(0, {core})\n"
+    work = "while time.process_time() < 0.4: pass\nfrom paint3d.files.child import main; main()"
+    in_child(monkeypatch, here + work)
+    others = [subprocess.Popen([sys.executable, "-c", here + "while True: pass"]) for _ in range(3)]
+    try:
+        reading = isolation.read_apart(path, Wanted(), seconds=2.0, idle_seconds=2.0)
+    finally:
+        for other in others:
+            other.kill()
+            other.wait()
+    assert reading.mesh.n_faces == 1
 
 
 @pytest.mark.parametrize(
