@@ -7,6 +7,8 @@ interrupted. With ``PAINT3D_DEBUG=1`` in the environment the traceback is shown 
 from __future__ import annotations
 
 import argparse
+import codecs
+import io
 import logging
 import os
 import sys
@@ -114,6 +116,21 @@ def _run(arguments: Sequence[str] | None) -> int:
     return 0
 
 
+def _tell_any_name() -> None:
+    """Let file names that are no UTF-8 go out as the bytes they are, and never fail to be told."""
+
+    def told(error: UnicodeEncodeError) -> tuple[str | bytes, int]:
+        code, after = ord(error.object[error.start]), error.start + 1
+        if 0xDC80 <= code <= 0xDCFF:  # how Python holds such a byte
+            return bytes([code - 0xDC00]), after
+        return error.object[error.start : after].encode("ascii", "backslashreplace"), after
+
+    codecs.register_error("paint3d", told)
+    for stream, errors in ((sys.stdout, "paint3d"), (sys.stderr, "backslashreplace")):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors=errors)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
 
@@ -129,6 +146,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     for name in _ONE_THREAD:
         os.environ.setdefault(name, "1")
+    _tell_any_name()
     debug = os.environ.get("PAINT3D_DEBUG", "") not in ("", "0")
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")

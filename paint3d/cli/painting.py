@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
 from paint3d.errors import RecordingError
 from paint3d.files.atomic import write_atomically
+from paint3d.files.odd_names import json_text
 
 if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -133,6 +133,6 @@ def write_report(file: Path, painting: Painting) -> None:
     ExportError
         If the file cannot be written.
     """
-    text = json.dumps(painting.describe(), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json_text(painting.describe(), indent=2, allow_nan=False)
     with write_atomically(file) as part:
         part.write_text(text + "\n", encoding="utf-8")

@@ -8,7 +8,6 @@ Paint in the studio (or record with `paint3d devices record`) and save each tria
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
 from pathlib import Path
@@ -25,6 +24,7 @@ from paint3d.cli.options import (
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
 from paint3d.files.atomic import write_atomically
+from paint3d.files.odd_names import json_text
 
 if TYPE_CHECKING:
     from paint3d.app.model.study import StudyTable, Summary
@@ -122,7 +122,7 @@ def _table(options: argparse.Namespace) -> None:
         )
     if options.report is not None:
         report = {"versions": find_versions(), **table.to_json()}
-        text = json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False)
+        text = json_text(report, indent=2, allow_nan=False)
         with write_atomically(options.report) as part:
             part.write_text(text + "\n", encoding="utf-8")
     sys.stdout.write("\n".join(table_lines(table)) + "\n")

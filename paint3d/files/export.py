@@ -11,6 +11,7 @@ from typing import NamedTuple
 from paint3d.errors import ExportError, UnknownNameError
 from paint3d.files.atomic import write_atomically
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.odd_names import plain_name
 from paint3d.files.painting import Exportable, Painting, Untextured, read_painting
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.records import write_records
@@ -147,10 +148,11 @@ class PreparedExport:
         told(0.5)
         unit = options.unit or form.unit
         painting = painting.placed(unit, options.up_axis or form.up_axis)
-        title = self.path.name[: -len(self.suffix)] or painting.material
+        material = plain_name(painting.material)
+        title = plain_name(self.path.name[: -len(self.suffix)]) or material
         told(1.0)
         with write_atomically(self.path, progress) as temporary:
-            form.write(temporary, painting._replace(title=title), options, unit)
+            form.write(temporary, painting._replace(title=title, material=material), options, unit)
 
 
 def prepare_export(

@@ -17,6 +17,7 @@ from paint3d.arrays import as_number
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.errors import ExportError, InputError, Paint3DError
 from paint3d.files.atomic import write_atomically
+from paint3d.files.odd_names import json_text
 from paint3d.ink.materials import Material
 
 __all__ = ["Settings", "load_settings", "save_settings"]
@@ -250,4 +251,4 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
         raise ExportError(f"{file.parent}: cannot be made: {cause.strerror or cause}") from None
     values = {"version": VERSION, **dataclasses.asdict(settings)}
     with write_atomically(file) as part:
-        part.write_text(json.dumps(values, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+        part.write_text(json_text(values, indent=1) + "\n", encoding="utf-8")

@@ -12,6 +12,7 @@ import numpy as np
 from paint3d.arrays import as_number
 from paint3d.errors import InputError
 from paint3d.files.atomic import write_atomically
+from paint3d.files.odd_names import json_text
 
 __all__ = ["PLAN_NAME", "StudyPlan", "Trial", "load_plan", "make_plan", "save_plan"]
 
@@ -165,7 +166,7 @@ def save_plan(plan: StudyPlan, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     values = {"format": "paint3d-study", "version": VERSION, **asdict(plan)}
     with write_atomically(file) as part:
-        part.write_text(json.dumps(values, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+        part.write_text(json_text(values, indent=1) + "\n", encoding="utf-8")
     return file
 
 
