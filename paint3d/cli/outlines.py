@@ -29,8 +29,8 @@ def check_is_plane(mesh: TriangleMesh) -> None:
         raise ExportError(f"{mesh.name} is not the plane z = 0; expected it for an .svg of strokes")
 
 
-def export_outlines(mesh: TriangleMesh, recording: Recording, file: Path) -> None:
-    """Write the strokes' outlines in the colour of a full coat of the recording's ink on paper.
+def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Path) -> None:
+    """Write the strokes' outlines in the colour of a full coat of an ink on paper.
 
     Raises
     ------
@@ -48,9 +48,9 @@ def export_outlines(mesh: TriangleMesh, recording: Recording, file: Path) -> Non
     from paint3d.stroke.zones import stroke_outlines
 
     header = recording.header
-    ink = load_pigment(str(header["ink"]))
+    pigment = load_pigment(ink)
     paper = load_material("xuan").reflectance
-    red, green, blue = srgb_from_reflectance(mixture_reflectance({ink: 1.0}, 1.0, paper))
+    red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, 1.0, paper))
     outlines = stroke_outlines(recording, load_brush(str(header["brush"])))
     low, high = mesh.bounds
     title = "".join(str(character["text"]) for character in header["characters"])

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
-from paint3d.errors import RecordingError
+from paint3d.errors import PigmentError, RecordingError
 from paint3d.files.atomic import write_atomically
 from paint3d.files.odd_names import json_text
 
 if TYPE_CHECKING:
+    from paint3d.ink.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.stroke.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
@@ -89,12 +90,11 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
     """
     from paint3d.brush.presets import load_brush
     from paint3d.ink.materials import load_material
-    from paint3d.ink.pigments import load_pigment
     from paint3d.stroke.engine import Painter
     from paint3d.surface.painted_surface import PaintedSurface
 
     brush = load_brush(wishes.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
-    ink = load_pigment(wishes.ink or _named_in(recording, "ink", DEFAULT_INK))
+    ink = _ink(recording, wishes.ink)
     material = load_material(wishes.material)
     say_if_compiling(quiet=wishes.quiet)
     seconds: dict[str, float] = {}
@@ -113,6 +113,18 @@ def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
     if painter.hairs is not None:
         settings["hairs"] = asdict(painter.hairs.spec)
     return Painting(surface, painter.report(), seconds, (recording,), settings)
+
+
+def _ink(recording: Recording, wished: str | None) -> Pigment:
+    """The ink that the user wants, or the recording's own, which names no file of this machine."""
+    from paint3d.ink.pigments import load_pigment
+
+    if wished:
+        return load_pigment(wished)
+    try:
+        return load_pigment(_named_in(recording, "ink", DEFAULT_INK), own_tables=False)
+    except PigmentError as cause:
+        raise RecordingError(f"the header: {cause}, or --ink") from None
 
 
 def _named_in(recording: Recording, what: str, default: str) -> str:

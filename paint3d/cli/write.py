@@ -159,7 +159,7 @@ def run(options: argparse.Namespace) -> None:
     painting.counts["characters"] = written.characters
     with timed(painting.seconds, "export"):
         if as_outlines:
-            export_outlines(mesh, written.recording, options.out)
+            export_outlines(mesh, written.recording, options.ink or DEFAULT_INK, options.out)
         else:
             write_result(painting, options.out)
     if options.recording is not None:

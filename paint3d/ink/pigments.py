@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from paint3d.errors import UnknownNameError
+from paint3d.errors import PigmentError, UnknownNameError
 from paint3d.ink.pigment import BANDS_NM, Pigment
 from paint3d.ink.pigment_tables import load_pigments_csv
 
@@ -27,6 +27,7 @@ __all__ = [
     "load_palette",
     "load_pigment",
     "load_pigments_csv",
+    "named_table",
     "pigment_names",
 ]
 
@@ -61,21 +62,44 @@ def pigment_names() -> list[str]:
     return list(load_palette())
 
 
-def load_pigment(name: str) -> Pigment:
+def named_table(name: str) -> str | None:
+    """Return the file of a user's own table that an ink's name leads to; None for the others.
+
+    Examples
+    --------
+    >>> named_table("mine.csv:iron gall"), named_table("pine soot")
+    ('mine.csv', None)
+    """
+    file, colon, _ = name.rpartition(":")
+    return file if colon and file.lower().endswith(".csv") else None
+
+
+def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
     """Return a pigment by its name in the palette, English or Chinese, or a drawdown paint.
 
     ``water`` is one too; ``FILE.csv:NAME`` is the pigment NAME of a user's own table.
+
+    Parameters
+    ----------
+    name : str
+    own_tables : bool
+        Whether the name may lead to a file. Names that come from somebody else's file may not.
 
     Raises
     ------
     UnknownNameError
         If there is none; the message lists the palette, or the table's names.
     PigmentError
-        If the table cannot be used.
+        If the table cannot be used, or may not be read.
     """
-    file, colon, own = name.rpartition(":")
-    if colon and file.lower().endswith(".csv"):
-        table = load_pigments_csv(file)
+    file = named_table(name)
+    if file is not None:
+        if not own_tables:
+            raise PigmentError(
+                f"the ink {name[-100:]!r} is of a table on this machine, which a file "
+                "may not name; expected an ink of the palette"
+            )
+        own, table = name[len(file) + 1 :], load_pigments_csv(file)
         if own not in table:
             raise UnknownNameError(f"ink of {file}", own, table)
         return table[own]

@@ -239,3 +239,11 @@ def test_list_of_inks_has_a_line_each_and_colour_only_when_asked():
     assert "松烟墨" in soot
     assert "#3" in soot
     assert "substitute" in soot
+
+
+def test_a_name_that_somebody_else_wrote_leads_to_no_file(tmp_path):
+    own = f"{table(tmp_path, 'mine,1,2,3,4,4,4')}:mine"
+    assert load_pigment(own).name == "mine"
+    with pytest.raises(PigmentError, match=r"mine\.csv:mine' is of a table on this machine"):
+        load_pigment(own, own_tables=False)
+    assert load_pigment("pine soot", own_tables=False).name == "pine soot"

@@ -15,7 +15,7 @@ from paint3d.brush.spec import BrushSpec
 from paint3d.errors import Paint3DError, SessionError
 from paint3d.files.load import UNITS_MM
 from paint3d.ink.materials import material_names
-from paint3d.ink.pigments import WATER, Pigment, load_palette
+from paint3d.ink.pigments import WATER, Pigment, load_palette, load_pigment, named_table
 from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -48,7 +48,8 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, object]) -> Pa
     ink = ink if isinstance(ink, str) else DEFAULT_INKS[0]
     azimuth = settings.get("azimuth", "commanded")
     brush = _brush(settings.get("brush"))
-    painter = Painter(surface, brush, None if surface.pigments else ink, azimuth)
+    pigment = None if surface.pigments else load_pigment(ink, own_tables=False)
+    painter = Painter(surface, brush, pigment, azimuth)
     if "dipped" in settings:
         dipped = saved_mixture(settings["dipped"], surface)
         painter.restore({**painter.keep(), "_dipped": dipped})
@@ -128,6 +129,9 @@ def saved_mixture(saved: object, surface: PaintedSurface) -> Mixture:
     """Weights of inks by name; those that the palette has otherwise, or not, as on the surface."""
     if not isinstance(saved, Mapping) or not saved:
         raise SessionError(f"an ink is {saved!r:.60}; expected weights by name")
+    if any(isinstance(name, str) and named_table(name) is not None for name in saved):
+        raise SessionError(f"an ink is of a table on this machine, in {str(saved)[:100]}; "
+                           "expected names of its own or of the palette")  # fmt: skip
     palette = {**load_palette(), WATER.name: WATER}
     own = {p.name: p for p in surface.pigments if palette.get(p.name) is not p}
     return {

@@ -22,6 +22,7 @@ from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.files.session import SESSION_SUFFIX, load_session
+from paint3d.ink.pigments import load_pigment
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.stroke.engine import Painter
 from paint3d.stroke.glyph_sources import GlyphSource, open_glyphs
@@ -336,6 +337,6 @@ class _Judge:
         header = recording.header
         surface = PaintedSurface(self._mesh, _RESOLUTION_MM)
         brush = load_brush(str(header.get("brush") or _DEFAULT_BRUSH))
-        ink = str(header.get("ink") or _DEFAULT_INK)
+        ink = load_pigment(str(header.get("ink") or _DEFAULT_INK), own_tables=False)
         Painter(surface, brush, ink, str(header["azimuth"])).replay(recording)
         return surface
