@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import parse_json, read_beside
+from paint3d.files.gltf_kinds import check_kinds
 from paint3d.files.raw_mesh import check_count
 
 __all__ = ["GltfFile"]
@@ -41,6 +42,7 @@ class GltfFile:
         self.binary: bytes | None = None
         text = self._open_container(data) if data[:4] == b"glTF" else data
         self.document = parse_json(text)
+        check_kinds(self.document)
         self._buffers: dict[int, bytes] = {}
 
     def _open_container(self, data: bytes) -> bytes:
@@ -57,7 +59,10 @@ class GltfFile:
             chunks.setdefault(kind, data[at + 8 : at + 8 + size])
             at += 8 + size
         if JSON_CHUNK not in chunks:
-            raise MeshError("it has no JSON chunk")
+            raise MeshError(
+                f"it has no JSON chunk within the {length} bytes that its header speaks of, "
+                f"of {len(data)}; expected one after the header"
+            )
         self.binary = chunks.get(BIN_CHUNK)
         return chunks[JSON_CHUNK]
 

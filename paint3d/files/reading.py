@@ -82,7 +82,7 @@ def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
     except MemoryError:
         raise MeshError(f"{path}: it does not fit into memory") from None
     except SURPRISES as cause:
-        raise MeshError(f"{path}: its structure is damaged near {_one_line(cause)}") from None
+        raise MeshError(f"{path}: its structure is damaged: {_in_words(cause)}") from None
 
 
 def read_raw(path: Path, texture: bool = False) -> RawMesh:
@@ -98,6 +98,19 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     if data.startswith(WIDE):
         data = plain_text(data)
     return read(data, path.parent, texture) if kind in BESIDE else read(data)
+
+
+def _in_words(cause: Exception) -> str:
+    """What damaged structure made a reader stumble over, for people."""
+    if isinstance(cause, KeyError):
+        return f"it lacks {_one_line(cause):.60}"
+    if isinstance(cause, IndexError):
+        return "it refers to something that it does not have"
+    if isinstance(cause, AttributeError | TypeError):
+        return "a part of it is of another kind than is expected there"
+    if isinstance(cause, RecursionError):
+        return "its parts are nested too deeply"
+    return f"near {_one_line(cause):.160}"
 
 
 def _one_line(cause: BaseException) -> str:

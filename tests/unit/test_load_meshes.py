@@ -184,7 +184,7 @@ BAD_FILES = {
     "list.gltf": ("[]", "not an object"),
     "scenes.gltf": ('{"scenes": [{"nodes": [5]}]}', r"nodes\[5\], of which there are 0"),
     "loop.gltf": ('{"scenes": [{"nodes": [0]}], "nodes": [{"children": [0]}]}', "reached twice"),
-    "type.gltf": ('{"scenes": [{"nodes": 7}]}', "structure is damaged"),
+    "type.gltf": ('{"scenes": [{"nodes": 7}]}', r"scenes\[0\].nodes is a number; expected a list"),
     "not.3mf": (b"PK", "not a readable 3MF archive"),
 }  # fmt: skip
 

@@ -1,5 +1,6 @@
 """Files of other people's that say more, or less, than most: read, or refused by what they hold."""
 
+import struct
 import zipfile
 
 import numpy as np
@@ -191,6 +192,96 @@ def test_beams_beside_triangles_are_said_to_be_left_out(tmp_path):
     triangle = '<triangles><triangle v1="0" v2="1" v3="2"/></triangles>'
     path = package(tmp_path / "a.3mf", nodes(ball_rows()) + triangle + BEAMS)
     assert read_surface(path, Wanted()).notes == ("left out: beam lattices",)
+
+
+# -- glTF -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"asset": {"version": "1.0"}, "scene": "main", "scenes": {"main": {}}}',
+         "it is glTF version 1.0; expected 2"),
+        ('{"scene": "main", "scenes": {"main": {"nodes": ["a"]}}}', "as in glTF version 1"),
+        ('{"scenes": ["main"]}', r"its scenes\[0\] is a text; expected an object"),
+        ('{"meshes": [{"primitives": [["POSITION"]]}]}',
+         r"its meshes\[0\].primitives\[0\] is a list; expected an object"),
+        ('{"meshes": [{"primitives": [{"attributes": 7}]}]}',
+         r"primitives\[0\].attributes is a number; expected an object"),
+        ('{"materials": [{"pbrMetallicRoughness": null}]}',
+         r"its materials\[0\].pbrMetallicRoughness is null; expected an object"),
+        ('{"nodes": [{"children": "all"}]}', r"nodes\[0\].children is a text; expected a list"),
+        ('{"scenes": [{"nodes": ["a"]}]}', r"refers to nodes\[a\], of which there are 0"),
+        ('{"asset": [], "scenes": []}', "its asset is a list; expected an object"),
+    ],
+)  # fmt: skip
+def test_gltf_of_another_kind(tmp_path, text, message):
+    with pytest.raises(MeshError, match=message):
+        read_surface(written(tmp_path, "a.gltf", text))
+
+
+def test_a_glb_that_ends_before_its_first_chunk(tmp_path):
+    data = b"glTF" + struct.pack("<II", 2, 16) + struct.pack("<I4s", 4, b"JSON") + b"{}  "
+    with pytest.raises(MeshError, match="no JSON chunk within the 16 bytes that its header speaks"):
+        read_surface(written(tmp_path, "a.glb", data))
+
+
+@pytest.mark.parametrize("kind", [KeyError, IndexError, AttributeError, TypeError, RecursionError])
+def test_what_a_reader_stumbles_over_is_told_in_words(tmp_path, monkeypatch, kind):
+    def stumble(*_):
+        raise kind("'str' object has no attribute 'get'")
+
+    monkeypatch.setattr("paint3d.files.read_off.read_off", stumble)
+    with pytest.raises(MeshError, match="its structure is damaged: ") as caught:
+        read_surface(written(tmp_path, "a.off", "OFF"))
+    assert ("attribute" in str(caught.value)) == (kind is KeyError)
+
+
+# -- OFF --------------------------------------------------------------------------------------
+
+CUBE = trimesh.creation.box((1.0, 2.0, 3.0))
+CUBE_ROWS = "".join(f"{x} {y} {z}\n" for x, y, z in CUBE.vertices)
+CUBE_FACES = "".join(f"3 {a} {b} {c}\n" for a, b, c in CUBE.faces)
+COLOURED_ROWS = CUBE_ROWS.replace("\n", " 255 128 0 255\n")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"OFF8 12 18\n{CUBE_ROWS}{CUBE_FACES}",
+        f"OFF 8 12 18\n{CUBE_ROWS}{CUBE_FACES}",
+        f"8 12 18\n{CUBE_ROWS}{CUBE_FACES}",
+        f"# by hand\noff\n8 12 18\n{CUBE_ROWS}{CUBE_FACES}",
+        f"OFF\n8 12 0\n{CUBE_ROWS}{CUBE_FACES.replace(' ', chr(10))}",
+        f"OFF\n8 12 0\n{CUBE_ROWS.replace(' ', chr(10))}{CUBE_FACES}",
+        f"OFF 8 12 0 {CUBE_ROWS} {CUBE_FACES}".replace("\n", " "),
+        f"STOFF\n8 12 0\n{CUBE_ROWS.replace(chr(10), ' .5 .5' + chr(10))}{CUBE_FACES}",
+        f"OFF\n8 12 0\n{CUBE_ROWS}{CUBE_FACES.replace(chr(10), ' 255 0 0' + chr(10))}",
+        f"COFF\n8 12 0\n{COLOURED_ROWS}{CUBE_FACES}",
+        f"COFF\n8 12 0\n{COLOURED_ROWS}{CUBE_FACES.replace(' ', chr(10))}",
+    ],
+)
+def test_off_with_its_lines_and_its_word_anyhow(tmp_path, text):
+    mesh = read_surface(written(tmp_path, "a.off", text)).mesh
+    assert (mesh.n_vertices, mesh.n_faces) == (8, 12)
+    assert mesh.area == pytest.approx(CUBE.area)
+    assert (mesh.colours is not None) == text.startswith("COFF")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (f"4OFF\n8 12 0\n{CUBE_ROWS}", "other than three dimensions; expected three"),
+        ("OFF BINARY\n", "binary OFF file"),
+        ("8 12\n", "does not start with 'OFF'"),
+        (f"OFF\n8 12 0\n{CUBE_ROWS}{CUBE_FACES[:60]}", "cut short"),
+        (f"OFF\n8 13 0\n{CUBE_ROWS}{CUBE_FACES}x\n", "does not start with its number"),
+        ("OFFICE\n8 12 0\n", "does not start with 'OFF'"),
+    ],
+)
+def test_off_that_is_none(tmp_path, text, message):
+    with pytest.raises(MeshError, match=message):
+        read_surface(written(tmp_path, "a.off", text))
 
 
 # -- headers ----------------------------------------------------------------------------------
