@@ -31,7 +31,9 @@ def read_table(path: Path) -> tuple[list[Row], list[Outcome]]:
     InputError
         If the file is no table, or a column is not known.
     """
-    records = csv.reader(io.StringIO(_text(path)), strict=True)
+    text = _text(path)
+    delimiter = max(",;\t", key=text.partition("\n")[0].count)  # as recordings' tables have them
+    records = csv.reader(io.StringIO(text), strict=True, delimiter=delimiter)
     try:
         header = [name.strip().lower().removeprefix("--") for name in next(records, [])]
         _check_header(path, header)

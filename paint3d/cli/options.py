@@ -108,7 +108,7 @@ def add_surface_options(parser: argparse.ArgumentParser) -> None:
         "--material",
         metavar="NAME",
         default="porcelain",
-        help="of the surface: porcelain, bisque, xuan or plaster (default: porcelain)",
+        help="of the surface: porcelain, bisque, terracotta, xuan or plaster (default: porcelain)",
     )
     parser.add_argument(
         "--resolution",

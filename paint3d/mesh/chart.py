@@ -26,6 +26,8 @@ _FINEST_STEP = 1e-3
 _LEAST_ADVANCE = 0.6
 """A step that gains less than this share of its length has run into the surface's end."""
 _MOST_NODES = 400
+_PROBES = 5  # along each side: these rays are followed first, to see whether the surface ends
+_FARTHEST_SIZES = 8.0  # diagonals of the object that a chart may reach from its middle
 _INVERSE_NODES = 81
 
 
@@ -210,7 +212,8 @@ def make_chart(
     MeshError
         If the surface ends within the rectangle.
     InputError
-        If an extent or the spacing is not positive.
+        If an extent or the spacing is not positive, or the rectangle reaches farther from its
+        middle than eight times the object's size.
 
     Notes
     -----
@@ -220,9 +223,18 @@ def make_chart(
     half_width = as_number(half_width, "half_width", 1e-3, 1e6)
     half_height = as_number(half_height, "half_height", 1e-3, 1e6)
     spacing = as_number(spacing, "spacing", 1e-3, 1e6)
+    step = as_number(step, "step", 1e-3, 1e6)
+    size = float(np.linalg.norm(np.ptp(surface.mesh.bounds, axis=0)))
+    reach = math.hypot(half_width, half_height)
+    if reach > _FARTHEST_SIZES * size:
+        raise InputError(
+            f"{surface.mesh.name} is {size:.0f} mm in size; expected a sheet that reaches less "
+            f"than {reach:.0f} mm from its middle"
+        )
     xs, ys = _nodes(half_width, spacing), _nodes(half_height, spacing)
     x, y = (grid.ravel() for grid in np.meshgrid(xs, ys, indexing="ij"))
-    points, normals = _trace(surface, frame, x, y, as_number(step, "step", 1e-3, 1e6))
+    _trace(surface, frame, *_rim(half_width, half_height), step)
+    points, normals = _trace(surface, frame, x, y, step)
     shape = (len(xs), len(ys), 3)
     return SurfaceChart(frame, xs, ys, points.reshape(shape), normals.reshape(shape))
 
@@ -230,6 +242,14 @@ def make_chart(
 def _nodes(half: float, spacing: float) -> NDArray:
     n = min(max(2, math.ceil(half / spacing)), _MOST_NODES // 2)
     return np.linspace(-half, half, 2 * n + 1)
+
+
+def _rim(half_width: float, half_height: float) -> tuple[NDArray, NDArray]:
+    """Some chart coordinates x, y (N,) on the rectangle's rim, with its corners."""
+    along = np.linspace(-1.0, 1.0, _PROBES)
+    x, y = (grid.ravel() for grid in np.meshgrid(along, along, indexing="ij"))
+    rim = np.maximum(np.abs(x), np.abs(y)) == 1.0
+    return half_width * x[rim], half_height * y[rim]
 
 
 def _trace(

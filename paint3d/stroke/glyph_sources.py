@@ -21,6 +21,7 @@ __all__ = [
     "open_glyphs",
 ]
 
+_OTHERS = ", or --glyphs DIR with those of hanzi-writer-data, which has 9,574"
 _HOW_TO_GET = "get it with: npm pack hanzi-writer-data@2 && tar xf hanzi-writer-data-*.tgz"
 _PROBE = "一"
 
@@ -138,5 +139,8 @@ def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
     missing = [c for c in characters if not source.has(c)]
     if missing:
         names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing)
-        raise InputError(f"{source.name} has no glyph for {names}; expected characters it has")
+        others = "" if isinstance(source, HanziWriterFolder) else _OTHERS
+        raise InputError(
+            f"{source.name} has no glyph for {names}; expected characters it has{others}"
+        )
     return {c: source.load(c) for c in characters}

@@ -22,6 +22,15 @@ def table(tmp_path, text):
     return read_table(path)
 
 
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_cells_may_be_parted_by_others_than_commas(tmp_path, delimiter):
+    lines = ["text|object|output|size", "永,和|bowl|a.ply|12.5"]
+    rows, refused = table(tmp_path, "\r\n".join(lines).replace("|", delimiter))
+    assert refused == []
+    assert rows[0].arguments[:3] == ("write", "--on=bowl", "--out=a.ply")
+    assert rows[0].arguments[-1] == "永,和"
+
+
 def test_a_row_is_what_one_would_type(tmp_path):
     rows, refused = table(
         tmp_path,

@@ -210,3 +210,19 @@ def test_laying_refuses_what_does_not_fit(plane):
 def test_centring_scales_about_the_middle():
     moved = centred(pad([[10, 10, 3], [30, 20, 0]]), width_mm=10)
     assert moved.position.tolist() == [[-5, -2.5, 3], [5, 2.5, 0]]
+
+
+@pytest.mark.parametrize("half", [300.0, 5e5])
+def test_a_sheet_much_too_large_is_refused_soon(plane, monkeypatch, half):
+    asked, find = [], ClosestPoints.find
+
+    def counted(self, points):
+        asked.append(len(points))
+        return find(self, points)
+
+    monkeypatch.setattr(ClosestPoints, "find", counted)
+    frame = frame_at(plane, (0, 0, 0), (0, 1, 0))
+    asked.clear()
+    with pytest.raises((InputError, MeshError), match=r"surface ends|is 141 mm in size; expected"):
+        make_chart(plane, frame, half, half)
+    assert sum(asked) < 10_000  # a full grid of them is 160,000 at every step

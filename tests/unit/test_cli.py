@@ -15,6 +15,7 @@ from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, first_run, main, options, progress, replay, report, versions
 from paint3d.errors import ExportError, MeshError
+from paint3d.ink.materials import material_names
 
 SUFFIXES = (".ply", ".p3d.txt")
 
@@ -225,3 +226,10 @@ def test_benchmarks_are_written_as_json(
     told = json.loads((tmp_path / "a.json").read_text())
     assert told["benchmarks"]["scaling"]["rows"] == [[1.5]]
     assert told["versions"]["numpy"]
+
+
+def test_help_names_every_material() -> None:
+    parser = argparse.ArgumentParser()
+    options.add_surface_options(parser)
+    told = " ".join(parser.format_help().split())
+    assert all(name in told for name in material_names())
