@@ -153,6 +153,7 @@ def show_pictures(
     colours: NDArray | None = None,
     normals: NDArray | None = None,
     most: int = MOST_VERTICES,
+    corner_colours: NDArray | None = None,
 ) -> Pictured:
     """Refine a mesh where its pictures ask for it, and colour its vertices after them.
 
@@ -171,12 +172,21 @@ def show_pictures(
         Mixed along edges.
     most : int
         Vertices, nearly, beyond those that there are.
+    corner_colours : (F, 3, 3) uint8, optional
+        Of the corners, instead of `colours`: a vertex whose corners differ becomes several.
 
     Returns
     -------
     Pictured
         The vertices given come first, in their order, as far as each has one colour.
     """
+    if corner_colours is not None:
+        codes = corner_colours.reshape(-1, 3).astype(np.int64)
+        faces, source = _split(faces, codes @ np.array([65536, 256, 1]), len(vertices))
+        vertices = vertices[source]
+        normals = None if normals is None else normals[source]
+        colours = np.full((len(source), 3), 255, np.uint8)
+        colours[faces.ravel()] = codes
     n = len(vertices)
     own = np.ones((n, 3)) if colours is None else linear_from_srgb(colours)
     own = np.hstack([own, np.zeros((n, 3)) if normals is None else normals])

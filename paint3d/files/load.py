@@ -51,10 +51,10 @@ def load_mesh(
         Whether to build a surface through the points of a file without triangles. By default
         only for point clouds: files that speak of faces and hold none are refused.
     texture : bool
-        Whether to take the colours and pictures of the materials (glTF, OBJ). Where a picture is
-        finer than the mesh, triangles are halved until it shows, up to some 200,000 vertices
-        more. Pictures outside the file's folder are not followed, and the logger says so, as it
-        says what else a file holds that is left out.
+        Whether to take the colours and pictures of materials and faces (glTF, OBJ, PLY, 3MF).
+        Where a picture is finer than the mesh, triangles are halved until it shows, up to some
+        200,000 vertices more. Pictures outside the file's folder are not followed, and the logger
+        says so, as it says what else a file holds that is left out.
     up : {"z", "y", "x", "-z", "-y", "-x", "auto"}, optional
         The axis of the file that points up; it becomes z. By default what the format says (glTF:
         y), and z for formats that say nothing. With "auto" those are guessed from how the object

@@ -46,6 +46,9 @@ class RawMesh:
         Of each polygon, -1 for none; None where no material was read.
     uv : (N, 2) float64 or None
         Place of every corner on its polygon's picture, from the upper left; nan where unknown.
+    corner_colours : (N, 3) uint8 or None
+        sRGB codes of every corner, where those of one vertex may differ; they count where looks
+        are read, and `colours` elsewhere.
     """
 
     vertices: NDArray[np.float64]
@@ -60,6 +63,7 @@ class RawMesh:
     looks: tuple[Look, ...] = ()
     look_of: NDArray[np.int64] | None = None
     uv: NDArray[np.float64] | None = None
+    corner_colours: NDArray[np.uint8] | None = None
 
     @classmethod
     def of_triangles(cls, vertices: NDArray, faces: NDArray, **others: object) -> RawMesh:

@@ -7,14 +7,17 @@ import posixpath
 import zipfile
 import zlib
 from dataclasses import dataclass, field, replace
+from functools import partial
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.colours_3mf import CORE, Paint3mf, Seen
 from paint3d.files.contents import parse_xml
 from paint3d.files.raw_mesh import RawMesh, left_out
+from paint3d.files.textures import Look
 
 __all__ = ["read_3mf"]
 
@@ -25,13 +28,6 @@ UNITS_MM = {
     "inch": 25.4,
     "foot": 304.8,
     "meter": 1000.0,
-}
-CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
-MATERIAL = "{http://schemas.microsoft.com/3dmanufacturing/material/2015/02}"
-LEFT_OUT = {
-    f"{MATERIAL}texture2dgroup": "its pictures",
-    f"{MATERIAL}compositematerials": "mixtures of materials",
-    f"{MATERIAL}multiproperties": "mixtures of materials",
 }
 LATTICE = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
 PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
@@ -46,28 +42,42 @@ class Package:
     """An opened archive: model parts already parsed, and pieces of mesh found so far."""
 
     archive: zipfile.ZipFile
+    paint: Paint3mf
     models: dict[str, ElementTree.Element] = field(default_factory=dict)
     pieces: list[RawMesh] = field(default_factory=list)
 
     def model(self, part: str) -> ElementTree.Element:
         """Return the root of a model part."""
         if part not in self.models:
-            try:
-                self.models[part] = parse_xml(self.archive.read(part.lstrip("/")), part)
-            except KeyError:
-                raise MeshError(f"it refers to {part!r}, which it does not contain") from None
+            self.models[part] = parse_xml(read_part(self.archive, part), part)
         return self.models[part]
 
 
-def read_3mf(data: bytes) -> RawMesh:
-    """Read a 3MF package: core, materials (colours), and components in other parts.
+def read_part(archive: zipfile.ZipFile, part: str) -> bytes:
+    """Return the bytes of a part.
 
-    A vertex whose corners have different colours gets their mean.
+    Raises
+    ------
+    MeshError
+        If there is none of that name.
+    """
+    try:
+        return archive.read(part.lstrip("/"))
+    except KeyError:
+        raise MeshError(f"it refers to {part!r:.80}, which it does not contain") from None
+
+
+def read_3mf(data: bytes, texture: bool = False) -> RawMesh:
+    """Read a 3MF package: core, materials (colours, textures), components in other parts.
+
+    A vertex whose corners have different colours gets their mean; the corners' are handed on.
 
     Parameters
     ----------
     data : bytes
         The whole file.
+    texture : bool
+        Whether pictures are read, and colours of corners kept apart.
 
     Raises
     ------
@@ -78,7 +88,9 @@ def read_3mf(data: bytes) -> RawMesh:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             _check_entries(archive)
-            return _read_package(Package(archive))
+            paint = Paint3mf(partial(read_part, archive), texture)
+            raw = _read_package(Package(archive, paint))
+            return raw if texture else replace(raw, looks=(), look_of=None, uv=None)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError) as cause:
         raise MeshError(f"it is not a readable 3MF archive: {cause}") from None
 
@@ -105,24 +117,18 @@ def _read_package(package: Package) -> RawMesh:
         _place(package, part, item.get("objectid"), _matrix(item.get("transform")), ())
     if not package.pieces:
         raise MeshError("it has no build items with triangles; expected a surface")
-    raw = _merged(package.pieces, UNITS_MM[unit])
-    dropped, beams = _dropped(package), _has_beams(package)
-    if not len(raw.sizes):
-        what = "a beam lattice, which is not read" if beams else "a mesh"
-        return replace(raw, announces=what, notes=left_out(dropped))
-    return replace(raw, notes=left_out(dropped | ({"beam lattices"} if beams else set())))
+    raw = _merged(package.pieces, UNITS_MM[unit], package.paint.looks)
+    notes, dropped = tuple(dict.fromkeys(package.paint.notes)), package.paint.dropped
+    if len(raw.sizes):
+        dropped = dropped | ({"beam lattices"} if _has_beams(package) else set())
+        return replace(raw, notes=notes + left_out(dropped))
+    what = "a beam lattice, which is not read" if _has_beams(package) else "a mesh"
+    return replace(raw, announces=what, notes=notes + left_out(dropped))
 
 
 def _has_beams(package: Package) -> bool:
     objects = f"{CORE}resources/{CORE}object/{CORE}mesh/{LATTICE}"
     return any(root.find(objects) is not None for root in package.models.values())
-
-
-def _dropped(package: Package) -> set[str]:
-    """What its parts say of colours that is not read."""
-    roots = package.models.values()
-    tags = {element.tag for root in roots for element in root.iterfind(f"{CORE}resources/*")}
-    return {what for tag, what in LEFT_OUT.items() if tag in tags}
 
 
 def _start_part(archive: zipfile.ZipFile) -> str:
@@ -153,7 +159,7 @@ def _place(
         raise MeshError(f"it refers to object {object_id}, which it does not contain")
     mesh = solid.find(f"{CORE}mesh")
     if mesh is not None:
-        package.pieces.append(_mesh(model, solid, mesh, matrix))
+        package.pieces.append(_mesh(package, part, solid, mesh, matrix))
     for component in solid.iterfind(f"{CORE}components/{CORE}component"):
         inner = component.get(f"{PRODUCTION}path", part)
         local = _matrix(component.get("transform")) @ matrix
@@ -169,7 +175,8 @@ def _matrix(text: str | None) -> NDArray[np.float64]:
 
 
 def _mesh(
-    model: ElementTree.Element,
+    package: Package,
+    part: str,
     solid: ElementTree.Element,
     mesh: ElementTree.Element,
     matrix: NDArray[np.float64],
@@ -182,67 +189,48 @@ def _mesh(
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
         bad = faces.min() if faces.min() < 0 else faces.max()
         raise MeshError(f"a triangle refers to vertex {bad}; expected 0 to {len(vertices) - 1}")
-    colours = _colours(model, solid, triangles, faces, len(vertices))
+    seen = package.paint.see(part, package.model(part), solid, triangles)
+    corners = None if seen.colours is None else seen.colours.reshape(-1, 3, 3)
+    uv = seen.uv.reshape(-1, 3, 2)
+    colours = None if corners is None else _means(seen, faces, len(vertices))
     if np.linalg.det(matrix[:3, :3]) < 0.0:
-        faces = faces[:, ::-1]
-    return RawMesh.of_triangles(vertices, faces, colours=colours)
+        faces, uv = faces[:, ::-1], uv[:, ::-1]
+        corners = None if corners is None else corners[:, ::-1]
+    return RawMesh.of_triangles(
+        vertices, faces, colours=colours, look_of=seen.look_of, uv=uv.reshape(-1, 2),
+        corner_colours=None if corners is None else corners.reshape(-1, 3).astype(np.uint8),
+    )  # fmt: skip
 
 
-def _colours(
-    model: ElementTree.Element,
-    solid: ElementTree.Element,
-    triangles: list[ElementTree.Element],
-    faces: NDArray[np.int64],
-    n_vertices: int,
-) -> NDArray[np.uint8] | None:
+def _means(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.uint8]:
     """Return the mean colour of each vertex's corners, white where there is none."""
-    palettes = _palettes(model)
-    rows, colours = [], []
-    for k, triangle in enumerate(triangles):
-        palette = palettes.get(triangle.get("pid", solid.get("pid")))
-        if palette is None:
-            continue
-        first = triangle.get("p1", solid.get("pindex", "0"))
-        rows.append(k)
-        colours += [palette[int(triangle.get(name, first))] for name in ("p1", "p2", "p3")]
-    if not rows:
-        return None
-    corners, codes = faces[rows].ravel(), np.array(colours, np.float64)
+    corners = faces[seen.coloured].ravel()
+    codes = seen.colours.reshape(-1, 3, 3)[seen.coloured].reshape(-1, 3)
     weight = np.bincount(corners, minlength=n_vertices)[:, None]
     total = [np.bincount(corners, codes[:, k], n_vertices) for k in range(3)]
     mean = np.where(weight > 0, np.stack(total, axis=1) / np.maximum(weight, 1), 255.0)
     return np.floor(mean + 0.5).astype(np.uint8)
 
 
-def _palettes(model: ElementTree.Element) -> dict[str | None, list[tuple[int, int, int]]]:
-    """Return the sRGB codes of every colour group and base material list, by resource id."""
-    palettes = {}
-    kinds = ((f"{MATERIAL}colorgroup", "color"), (f"{CORE}basematerials", "displaycolor"))
-    for tag, attribute in kinds:
-        for group in model.iter(tag):
-            palettes[group.get("id")] = [_hex(entry.get(attribute)) for entry in group]
-    return palettes
-
-
-def _hex(text: str | None) -> tuple[int, int, int]:
-    code = (text or "").strip().lstrip("#")
-    if len(code) not in (6, 8):
-        raise MeshError(f"a colour is {text!r}; expected #RRGGBB")
-    return int(code[0:2], 16), int(code[2:4], 16), int(code[4:6], 16)
-
-
-def _merged(pieces: list[RawMesh], unit_mm: float) -> RawMesh:
+def _merged(pieces: list[RawMesh], unit_mm: float, looks: list[Look]) -> RawMesh:
     first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
-    colours = None
-    if any(piece.colours is not None for piece in pieces):
-        blank = [np.full((len(piece.vertices), 3), 255, np.uint8) for piece in pieces]
-        pairs = zip(pieces, blank, strict=True)
-        colours = np.concatenate([b if p.colours is None else p.colours for p, b in pairs])
+    coloured = any(piece.colours is not None for piece in pieces)
+    plain = bool(looks) or coloured  # faces without a picture are seen as they are coloured
     return RawMesh(
         np.concatenate([piece.vertices for piece in pieces]),
         np.concatenate([p.corners + n for p, n in zip(pieces, first, strict=False)]),
         np.concatenate([piece.sizes for piece in pieces]),
-        colours,
+        _all(pieces, "colours", "vertices") if coloured else None,
         unit_mm=unit_mm,
         up="z",
+        looks=(*looks, Look()) if plain else (),
+        look_of=np.concatenate([piece.look_of for piece in pieces]),
+        uv=np.concatenate([piece.uv for piece in pieces]),
+        corner_colours=_all(pieces, "corner_colours", "corners") if coloured else None,
     )
+
+
+def _all(pieces: list[RawMesh], name: str, of: str) -> NDArray[np.uint8]:
+    """Colours of all pieces, white where one has none."""
+    found = [(getattr(piece, name), len(getattr(piece, of))) for piece in pieces]
+    return np.concatenate([np.full((n, 3), 255, np.uint8) if c is None else c for c, n in found])

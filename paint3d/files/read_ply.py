@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.ply_looks import PlyLooks, has_face_colours, picture_names, ply_looks
 from paint3d.files.ply_tables import Element, Tables, read_tables
 from paint3d.files.raw_mesh import RawMesh, index_array, left_out
-from paint3d.files.vertex_colours import colour_codes
+from paint3d.files.vertex_colours import COLOUR_NAMES, colour_codes
 
 __all__ = ["read_ply"]
 
 WANTED = ("vertex", "face", "tristrips")
 INDEX_NAMES = ("vertex_indices", "vertex_index")
-COLOUR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
 STRIP_END = -1
 
 
-def read_ply(data: bytes) -> RawMesh:
+def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     """Read a PLY file.
 
     Parameters
     ----------
     data : bytes
         The whole file.
+    folder : Path
+        Where its pictures lie; others are not followed.
+    texture : bool
+        Whether pictures and colours of faces are read, instead of vertex colours.
 
     Raises
     ------
@@ -39,15 +45,25 @@ def read_ply(data: bytes) -> RawMesh:
     corners, sizes = _polygons(tables)
     colours, notes = _colours(vertex)
     notes += tuple(f"its header's line {line[:60]!r} is passed over" for line in tables.unknown)
-    pictures = any(comment.startswith("TextureFile") for comment in tables.comments)
+    if texture and len(sizes):
+        found = ply_looks(tables, corners, sizes, folder)
+        notes += found.notes
+    else:
+        found = PlyLooks()
+        dropped = ["its pictures"] if picture_names(tables) else []
+        notes += left_out([*dropped, *(["colours of faces"] * has_face_colours(tables))])
     return RawMesh(
         vertices,
         corners,
         sizes,
-        colours,
+        None if found.looks else colours,
         _normals(vertex),
         announces=_announced(tables),
-        notes=notes + left_out(["its pictures"] if pictures else []),
+        notes=notes,
+        looks=found.looks,
+        look_of=found.look_of,
+        uv=found.uv,
+        corner_colours=found.corner_colours,
     )
 
 

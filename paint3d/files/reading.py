@@ -25,7 +25,7 @@ __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface"]
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
 READERS |= {".glb": "gltf", ".gltf": "gltf"}
-BESIDE = ("gltf", "obj")  # readers of files that refer to others in their folder
+BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -97,7 +97,9 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     data = read_contents(path)
     if data.startswith(WIDE):
         data = plain_text(data)
-    return read(data, path.parent, texture) if kind in BESIDE else read(data)
+    if kind in BESIDE:
+        return read(data, path.parent, texture)
+    return read(data, texture) if kind == "3mf" else read(data)
 
 
 def _in_words(cause: Exception) -> str:
@@ -162,6 +164,7 @@ def _checked_mesh(
     shown = show_pictures(
         vertices, faces, raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks,
         raw.colours, normals,
+        corner_colours=None if raw.corner_colours is None else raw.corner_colours[corners],
     )  # fmt: skip
     normals = _unit_normals(shown.normals)
     return Reading(TriangleMesh(*shown[:3], name, normals), notes)

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["colour_codes"]
+__all__ = ["COLOUR_NAMES", "colour_codes"]
+
+COLOUR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
+"""Of the columns in which a PLY has colours, the first that it has are taken."""
 
 ROUNDING = 1e-6  # above 1
 WHITE = 255

@@ -153,7 +153,73 @@ def _mesh_seeds() -> list[tuple[str, bytes]]:
         (".stl", f"solid a\n{facet}endloop\nendfacet\nendsolid\n".encode()),
         (".obj", f"{relative}f -3/1 -2/1 -1/-1\nf 1//2 2//1 3//3\nl 1 2\n".encode()),
         (".gltf", _gltf()),
+        *_odd_meshes(rows),
     ]
+
+
+def _odd_meshes(rows: str) -> list[tuple[str, bytes]]:
+    """Strips, pictures, colours of faces and of corners, inward corners, lines that go on."""
+    place = "property float x\nproperty float y\nproperty float z\n"
+    colour = "property float red\nproperty float green\nproperty float blue\n"
+    start = "ply\nformat ascii 1.0\nmade by hand\ncomment TextureFile none.png\n"
+    strips = f"{start}element vertex 8\n{place}element tristrips 1\n"
+    strips += f"property list int int vertex_indices\nend_header\n{rows}\n7 0 1 2 3 -1 4 5\n"
+    faces = f"{start}element vertex 8\n{place}element face 2\n"
+    faces += "property list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+    faces += f"property int texnumber\n{colour}end_header\n{rows}\n"
+    faces += "3 0 1 2 6 0 0 1 0 0 1 0 1 0 .5\n3 2 1 3 0 0 nan 0 7\n"
+    slot = "v 0 0 0 nan 0 0\nv 9 0 0 1 0 0\nv 9 9 0 2 0 0\nv 5 9 0 1 1 1\nv 5 1 0 0 0 0\n"
+    return [
+        (".ply", strips.encode()),
+        (".ply", faces.replace(" TextureFile none.png", "").encode()),
+        (".ply", faces.encode()),
+        (
+            ".obj",
+            f"{slot}v 4 1 0 0 0 0\nv 4 9 0 1 1 1\nv 0 9 0 1 1 1\nf 1 2 3 4 5 6 7 8\n".encode(),
+        ),
+        (
+            ".off",
+            f"COFF8 2 0\n{rows.replace(chr(10), ' 255 0 0 ')} 1 2 3\n3 0\n1 2\n3 2 1 3".encode(),
+        ),
+        (".3mf", _pictured_3mf()),
+    ]
+
+
+def _pictured_3mf() -> bytes:
+    import io
+    import zipfile
+
+    from PIL import Image
+
+    core = "http://schemas.microsoft.com/3dmanufacturing"
+    nodes = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in CORNERS.tolist())
+    model = (
+        f'<model xmlns="{core}/core/2015/02" xmlns:m="{core}/material/2015/02" unit="inch">'
+        '<resources><m:texture2d id="1" path="/3D/a.png" tilestyleu="mirror"/>'
+        '<m:texture2dgroup id="2" texid="1"><m:tex2coord u="0" v=".5"/>'
+        '<m:tex2coord u="1.5" v="1"/></m:texture2dgroup><m:colorgroup id="3">'
+        '<m:color color="#102030"/><m:color color="#aabbccdd"/></m:colorgroup>'
+        f'<object id="4" pid="3" pindex="1"><mesh><vertices>{nodes}</vertices><triangles>'
+        '<triangle v1="0" v2="1" v3="2" pid="2" p1="0" p2="1" p3="0"/>'
+        '<triangle v1="2" v2="1" v3="3" pid="3" p1="0" p2="1" p3="1"/>'
+        '<triangle v1="4" v2="6" v3="7"/></triangles></mesh></object></resources>'
+        '<build><item objectid="4" transform="-1 0 0 0 1 0 0 0 1 5 5 5"/></build></model>'
+    )
+    relations = (
+        '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+        f'<Relationship Target="/3D/m.model" Id="r" Type="{core}/2013/01/3dmodel"/></Relationships>'
+    )
+    picture, package = io.BytesIO(), io.BytesIO()
+    Image.fromarray((np.arange(48).reshape(4, 4, 3) * 5).astype(np.uint8)).save(picture, "PNG")
+    with zipfile.ZipFile(package, "w") as archive:
+        parts = (
+            ("_rels/.rels", relations),
+            ("3D/m.model", model),
+            ("3D/a.png", picture.getvalue()),
+        )
+        for name, content in parts:
+            archive.writestr(zipfile.ZipInfo(name), content)
+    return package.getvalue()
 
 
 def _gltf() -> bytes:
