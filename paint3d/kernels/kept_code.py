@@ -1,26 +1,63 @@
-"""Drop compiled kernels that call others whose source has changed.
+"""Where compiled kernels are kept; those that call others whose source has changed are dropped.
 
 numba compiles a kernel anew when the file it stands in has changed, not when a kernel that it calls
 in another file has. After an edit, or a change of versions in a working copy, old and new code
 would run side by side and nobody would know. So the state of all sources is kept beside the
 compiled code, and where a file has changed, what is compiled of it and of all files that import it
 is deleted.
+
+numba keeps them beside the source or in the user's cache folder, and refuses to work where it can
+write to neither: then they are kept in a private folder among the temporary files.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import os
 import re
 from pathlib import Path
 
-from numba import njit
+from numba import config, njit
+
+from paint3d.own_folders import can_write, find_home, private_folder
 
 __all__ = ["compiled_code", "drop_stale"]
 
 _RECORD = "sources.json"
 _IMPORT = re.compile(r"^from paint3d\.kernels(?:\.(\w+))? import (\([^)]*\)|.*)$", re.MULTILINE)
+
+
+log = logging.getLogger("paint3d")
+
+
+def _finds_a_folder() -> bool:
+    """Whether numba has where to keep what it compiles."""
+    beside = Path(__file__).with_name("__pycache__")
+    users = os.environ.get("XDG_CACHE_HOME", find_home() or "")
+    if not (config.CACHE_DIR or os.path.isabs(users) or can_write(beside)):
+        return False  # it would make a folder named ~ in the working one, or numba
+    try:
+        njit(cache=True)(_finds_a_folder)
+    except RuntimeError:  # no locator available
+        return False
+    return True
+
+
+def _give_a_folder() -> None:
+    """Have this process, and those that it starts, keep compiled kernels in a private folder."""
+    folder = private_folder() / "numba"
+    log.warning(
+        "no home that can be written: compiled code is kept in %s; NUMBA_CACHE_DIR names another "
+        "folder",
+        folder,
+    )
+    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = os.fspath(folder)
+
+
+if not _finds_a_folder():
+    _give_a_folder()
 
 
 @njit(cache=True)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from paint3d.app.model.places import config_folder
+from paint3d.app.model.places import config_folder, usual_config_folder
 from paint3d.app.model.pressure_curve import PressureCurve
 from paint3d.arrays import as_number
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
@@ -194,6 +194,10 @@ def load_settings(folder: Path | None = None) -> tuple[Settings, str | None]:
         What was wrong with the file and where it lies now, for the user; None if nothing was.
     """
     file = _file(folder)
+    if folder is None and not file.is_file():
+        usual = usual_config_folder()  # of a home that can be read, but not written
+        if usual is not None and os.access(_file(usual), os.R_OK):
+            file = _file(usual)
     try:
         return _parse(file.read_text("utf-8")), None
     except FileNotFoundError:

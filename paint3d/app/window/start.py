@@ -10,9 +10,10 @@ import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.places import stand_in
 from paint3d.app.model.settings import load_settings
 from paint3d.app.window.studio import StudioWindow
-from paint3d.app.window.wording import choose_language
+from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
 from paint3d.device.force_port import HidForcePort
 from paint3d.device.hid_nodes import list_nodes
@@ -99,6 +100,8 @@ def run_studio(
     window = StudioWindow(app, settings, plugged=_plugged(), feel=_feel)
     if problem is not None:
         window.tell(problem, state="bad")
+    elif (kept := stand_in()) is not None:
+        window.tell(say("no home to write to: all is kept in {folder}", folder=kept), state="bad")
     window.show()
     window.files.show_recent()
     try:
