@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 import os
+import signal
 import stat
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["is_private", "usable_cores", "user_number"]
+__all__ = [
+    "end_with_parent",
+    "holding_interrupts",
+    "ignore_interrupts",
+    "is_private",
+    "usable_cores",
+    "user_number",
+]
 
 
 def user_number() -> int:
@@ -32,3 +43,49 @@ def usable_cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+@contextmanager
+def holding_interrupts() -> Iterator[None]:
+    """Hold interrupts back meanwhile, here and for good in processes that are started here.
+
+    Those call `ignore_interrupts` when they are ready to. Elsewhere than on POSIX systems nothing
+    is held back.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # once more would let interrupts through
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+
+def ignore_interrupts() -> None:
+    """Ignore interrupts in this process: whoever started it is to end it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def end_with_parent() -> None:
+    """Have this process, started by `multiprocessing`, end when its parent does, however it does.
+
+    Not even a parent that is killed leaves it behind: the system closes what they share.
+    """
+    from multiprocessing import parent_process  # not wanted by those who only ask for cores
+
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_wait_for_end, args=(parent.sentinel,), daemon=True).start()
+
+
+def _wait_for_end(sentinel: int) -> None:
+    from multiprocessing.connection import wait
+
+    wait([sentinel])
+    os._exit(1)

@@ -5,12 +5,10 @@ Everything is told by the recording of the handle that comes out: replaying it p
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +35,7 @@ from paint3d.stroke.hand_motion import (
 from paint3d.stroke.ladder import FootprintLadder, build_ladder
 from paint3d.stroke.layout import Layout, PlacedCharacter, lay_out
 from paint3d.stroke.planning import PlanSettings, plan_glyph
+from paint3d.stroke.processes import in_processes
 from paint3d.stroke.timing import Motion, Tempo, time_courses
 
 __all__ = ["Pen", "Written", "write_text"]
@@ -172,27 +171,7 @@ def _plan_all(
         for glyph in glyphs.values():
             yield _planned(glyph, ladder, pen)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(n, context, _remember, (ladder, pen)) as pool:
-        try:
-            yield from pool.map(_plan_remembered, glyphs.values())
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-
-
-_remembered: tuple[FootprintLadder, Pen] | None = None
-
-
-def _remember(ladder: FootprintLadder, pen: Pen) -> None:
-    """Keep in a new process what all its plans share."""
-    global _remembered
-    _remembered = ladder, pen
-
-
-def _plan_remembered(glyph: Glyph) -> Motion:
-    if _remembered is None:
-        raise RuntimeError("the process was not told what to plan with")
-    return _planned(glyph, *_remembered)
+    yield from in_processes(partial(_planned, ladder=ladder, pen=pen), [*glyphs.values()], n)
 
 
 def _planned(glyph: Glyph, ladder: FootprintLadder, pen: Pen) -> Motion:

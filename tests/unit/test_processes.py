@@ -1,0 +1,105 @@
+"""Processes that are started to help give their results in order, and are never left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import pytest
+
+from paint3d.errors import InputError, Paint3DError
+from paint3d.stroke.processes import in_processes
+
+PATIENCE_S = 60
+SLEEPERS = """
+import os, sys, time
+from paint3d.stroke.processes import in_processes
+
+def work(item):
+    print(os.getpid(), flush=True)
+    time.sleep(600)
+
+if __name__ == "__main__":
+    print("starting", flush=True)
+    list(in_processes(work, [1, 2, 3], 2))
+"""
+
+
+def test_results_come_in_order() -> None:
+    assert list(in_processes(abs, [-3, 2, -1, 0, 5], 2)) == [3, 2, 1, 0, 5]
+    assert list(in_processes(abs, [], 1)) == []
+
+
+def test_what_fails_there_is_raised_here() -> None:
+    with pytest.raises(InputError, match="an expected number"):
+        list(in_processes(_refuse, [1, 2], 2))
+    with pytest.raises(Paint3DError, match=r"died \(exit status 7\)"):
+        list(in_processes(os._exit, [7], 1))
+
+
+def _refuse(item: int) -> int:
+    raise InputError(f"{item} is no surprise; an expected number")
+
+
+@contextmanager
+def started(tmp_path: Path) -> Iterator[subprocess.Popen]:
+    script = tmp_path / "sleepers.py"
+    script.write_text(SLEEPERS)
+    running = subprocess.Popen(
+        [sys.executable, script],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        # a shell's background jobs, as tests may be, ignore what they are to obey here
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    try:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "starting\n"
+        yield running
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(running.pid, signal.SIGKILL)
+        running.communicate(timeout=PATIENCE_S)
+
+
+def is_alive(number: int) -> bool:
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{number}/stat")  # one that nobody has waited for is dead, too
+    return not state.exists() or state.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_none_outlives_the_one_that_started_it(number: int, tmp_path: Path) -> None:
+    with started(tmp_path) as running:
+        assert running.stdout is not None
+        workers = [int(running.stdout.readline()) for _ in range(2)]
+        assert all(map(is_alive, workers))
+        running.send_signal(number)
+        running.wait(PATIENCE_S)
+        began = time.monotonic()
+        while any(map(is_alive, workers)):
+            assert time.monotonic() - began < PATIENCE_S, "they live on"
+            time.sleep(0.02)
+
+
+@pytest.mark.parametrize("later_s", [0.0, 0.05, 0.15, 0.4, None])  # while they start; at work
+def test_an_interrupt_is_told_by_one_alone(later_s: float | None, tmp_path: Path) -> None:
+    with started(tmp_path) as running:
+        assert running.stdout is not None
+        if later_s is None:
+            for _ in range(2):
+                running.stdout.readline()
+        else:
+            time.sleep(later_s)
+        os.killpg(running.pid, signal.SIGINT)  # as a terminal does: all of them get it
+        _, errors = running.communicate(timeout=PATIENCE_S)
+        assert errors.count("Traceback") == 1
+        assert errors.rstrip().endswith("KeyboardInterrupt")
