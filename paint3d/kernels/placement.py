@@ -21,11 +21,12 @@ from paint3d.kernels.contact import find_foot, find_meant
 from paint3d.kernels.drag import drag_length, drag_step
 from paint3d.kernels.tuft import enclose_tuft, greatest_descent, trace_outline
 
-__all__ = ["OVERPRESSED", "TILT_LIMITED", "lean_plane", "place_stamp", "start_sheet"]
+__all__ = ["OVERPRESSED", "REACH", "TILT_LIMITED", "lean_plane", "place_stamp", "start_sheet"]
 
 TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
 OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
-_REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
+REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
+_OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is not over the surface
 
 
 @njit(cache=True, nogil=True)
@@ -49,13 +50,15 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     centred = pose[8] > 0.0
     values[st.TOUCHES] = 0.0
     values[st.CENTRED] = pose[8]
-    reach = _REACH * tuft.length
+    reach = REACH * tuft.length
     if centred:
         triangle = find_meant(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot)
     else:
         triangle = find_foot(
             tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot, room.warm
         )
+        if triangle < 0 and pose[7] >= 0.0:
+            triangle = _find_far(tree, pose, up_x, up_y, up_z, foot, room.warm)
     values[st.TRIANGLE] = triangle
     if triangle < 0:
         for axis in range(3):
@@ -107,6 +110,22 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     _hold_outline(values)
     if values[st.AREA] > 0.0:
         values[st.TOUCHES] = 1.0
+
+
+@njit(cache=True, nogil=True)
+def _find_far(tree, pose, up_x, up_y, up_z, foot, warm):
+    """The foot of a root that stands over the surface at any height; -1 beside the surface.
+
+    A hand that says how hard it presses does press, wherever its root is said to be.
+    """
+    triangle = find_foot(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, np.inf, foot, warm)
+    if triangle < 0:
+        return -1
+    height, away = 0.0, 0.0
+    for axis in range(3):
+        height += (pose[axis] - foot[axis]) * foot[3 + axis]
+        away += (pose[axis] - foot[axis]) ** 2
+    return triangle if away - height * height <= _OVER * _OVER * away else -1
 
 
 @njit(cache=True, nogil=True)

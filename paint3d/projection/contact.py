@@ -15,7 +15,7 @@ from paint3d.arrays import as_array, as_number
 from paint3d.errors import InputError
 from paint3d.kernels import stamp as st
 from paint3d.kernels.contact import ContactTree
-from paint3d.kernels.placement import place_stamp
+from paint3d.kernels.placement import REACH, place_stamp
 from paint3d.kernels.tuft import Tuft
 from paint3d.mesh.paint_mesh import PaintMesh
 from paint3d.projection.room import make_room
@@ -71,6 +71,8 @@ def find_contact(
 ) -> Contact | None:
     """The contact of one pose, or None where no surface that faces the brush is within reach.
 
+    Who presses touches the surface under the root, however far it is.
+
     Parameters
     ----------
     tuft : Tuft
@@ -111,6 +113,9 @@ def find_contact(
     if v[st.TRIANGLE] < 0:
         return None
     touches = v[st.TOUCHES] > 0.0
+    far = np.linalg.norm(pose[:3] - v[st.FOOT_X : st.FOOT_X + 3]) > REACH * tuft.length
+    if far and not touches:
+        return None
     return Contact(
         foot=v[st.FOOT_X : st.FOOT_X + 3].copy(),
         origin=v[st.ORIGIN_X : st.ORIGIN_X + 3].copy(),

@@ -97,14 +97,29 @@ def test_without_a_touch_nothing_happens(pressures):
     assert painter.report()["samples"] == len(pressures)
 
 
-def test_far_from_the_surface_nothing_happens():
+@pytest.mark.parametrize("pressed", [True, False])
+def test_far_beside_the_surface_or_above_it_unpressed_nothing_happens(pressed):
     recording = stroke(LANDING)
-    away = recording.position + np.array([0.0, 0.0, 60.0])
-    lifted = dataclasses.replace(recording, position=away)
+    away = recording.position + np.array([80.0 if pressed else 0.0, 0.0, 60.0])
+    pressure = recording.pressure if pressed else None
+    lifted = dataclasses.replace(recording, position=away, pressure=pressure)
     painter = Painter(surface())
     painter.replay(lifted)
     assert painter.in_brush() == painter.loaded
     assert not painter.surface.coverage.any()
+
+
+@pytest.mark.parametrize("hairs", [0, 50])
+def test_who_presses_paints_from_any_height(hairs):
+    recording = stroke(LANDING)
+    painted = []
+    for height in (0.0, 200.0):
+        away = recording.position + np.array([0.0, 0.0, height])
+        painter = Painter(surface(), hairs=hairs)
+        painter.replay(dataclasses.replace(recording, position=away))
+        painted.append(painter.surface.coverage)
+    assert painted[0].any()
+    np.testing.assert_allclose(painted[0], painted[1], atol=2e-3)
 
 
 def test_beside_the_surface_ink_runs_off_or_stays():

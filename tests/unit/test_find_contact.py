@@ -37,6 +37,17 @@ def test_a_brush_in_the_air_touches_nothing(painter):
     assert painter.contact((0.0, 0.0, 80.0), UPRIGHT) is None
 
 
+def test_who_presses_touches_from_any_height_but_not_from_beside(painter):
+    near = painter.contact((3.0, -4.0, 28.0), UPRIGHT, 0.4)
+    far = painter.contact((3.0, -4.0, 500.0), UPRIGHT, 0.4)
+    assert (far.length, far.width, far.area) == (near.length, near.width, near.area)
+    np.testing.assert_allclose(far.foot, near.foot, atol=1e-9)
+    np.testing.assert_allclose(far.origin, near.origin, atol=1e-9)
+    edge = painter.surface.source.bounds[1][0]
+    assert painter.contact((edge + 60.0, 0.0, 100.0), UPRIGHT, 0.4) is None
+    assert painter.contact((0.0, 0.0, 80.0), UPRIGHT, 0.0) is None
+
+
 def test_on_a_sphere_the_normal_is_the_radius():
     surface = paint3d.PaintedSurface(paint3d.load_mesh("sphere"), 2.0)
     painter = paint3d.Painter(surface, "full")
