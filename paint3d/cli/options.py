@@ -28,9 +28,10 @@ __all__ = [
 ]
 
 UNITS = ("mm", "cm", "m", "in")
+MATERIALS = ("porcelain", "bisque", "xuan", "plaster", "terracotta")  # known before NumPy is
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
 _MOST_HAIRS = 10_000  # as `brush.bristle_spec.MOST_HAIRS`, known here before NumPy is loaded
-_FINEST_MM = 0.005  # the finest that `PaintedSurface` takes; known here before anything is loaded
+_FINEST_MM, _COARSEST_MM = 0.005, 1e6  # that `PaintedSurface` takes, known here before NumPy is
 
 
 def parse_length_mm(text: str) -> float:
@@ -60,6 +61,10 @@ def parse_resolution_mm(text: str) -> float:
     resolution = parse_length_mm(text)
     if resolution < _FINEST_MM:
         raise argparse.ArgumentTypeError(f"{text} is too fine; expected at least {_FINEST_MM:g} mm")
+    if resolution > _COARSEST_MM:
+        raise argparse.ArgumentTypeError(
+            f"{text} is too coarse; expected at most {_COARSEST_MM:g} mm"
+        )
     return resolution
 
 
@@ -107,8 +112,8 @@ def add_surface_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--material",
         metavar="NAME",
-        default="porcelain",
-        help="of the surface: porcelain, bisque, terracotta, xuan or plaster (default: porcelain)",
+        default=MATERIALS[0],
+        help=f"of the surface: {', '.join(MATERIALS)} (default: {MATERIALS[0]})",
     )
     parser.add_argument(
         "--resolution",

@@ -44,6 +44,24 @@ class Wishes:
     spread_s: float | None = None
     hairs: int | None = None
 
+    def check(self) -> None:
+        """Look up everything that is named, before any work.
+
+        Raises
+        ------
+        InputError
+            If the brush, the ink or the material is not known or cannot be read.
+        """
+        from paint3d.brush.presets import load_brush
+        from paint3d.ink.materials import load_material
+        from paint3d.ink.pigments import load_pigment
+
+        load_material(self.material)
+        if self.brush is not None:
+            load_brush(self.brush)
+        if self.ink is not None:
+            load_pigment(self.ink)
+
 
 @dataclass(frozen=True)
 class Painting:

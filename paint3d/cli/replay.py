@@ -83,9 +83,6 @@ def run(options: argparse.Namespace) -> None:
         (options.recording, options.on, own_table(options.ink)),
         force=options.force,
     )
-    recording = load_recording(options.recording)
-    mesh = load_object(options)
-    recording = lay_on(mesh, recording, options.at, options.size)
     wishes = Wishes(
         brush=options.brush,
         ink=options.ink,
@@ -95,6 +92,10 @@ def run(options: argparse.Namespace) -> None:
         quiet=options.quiet,
         spread_s=options.spread,
     )
+    wishes.check()
+    recording = load_recording(options.recording)
+    mesh = load_object(options)
+    recording = lay_on(mesh, recording, options.at, options.size)
     painting = paint(mesh, recording, wishes)
     with timed(painting.seconds, "export"):
         write_result(painting, options.out)

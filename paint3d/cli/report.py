@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 from paint3d.cli.versions import find_versions
+from paint3d.machine import usable_cores
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -41,16 +42,10 @@ def _ask(code: str) -> str:
     return f"unknown ({reasons[-1] if reasons else f'exit status {answer.returncode}'})"
 
 
-def _find_usable_cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 def run(options: argparse.Namespace) -> None:
     """Print the report to stdout, one ``name: value`` a line."""
     facts = find_versions()
-    facts["cores"] = str(_find_usable_cores())
+    facts["cores"] = str(usable_cores())
     facts["display"] = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or "none"
     facts["renderer"] = _ask(_ASK_RENDERER)
     facts["hid devices"] = _ask(_ASK_DEVICES)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,8 +22,12 @@ from paint3d.cli.outlines import check_is_plane, export_outlines
 from paint3d.cli.painting import DEFAULT_INK, Wishes, paint, timed, write_report
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import result_suffixes, write_result
+from paint3d.errors import InputError
+from paint3d.machine import usable_cores
 
 if TYPE_CHECKING:
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.stroke.glyph_sources import GlyphSource
     from paint3d.stroke.writing import Pen, Written
 
 __all__ = ["HELP", "add_arguments", "run"]
@@ -127,6 +130,7 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
+    from paint3d.stroke.glyph_sources import check_glyphs, open_glyphs
     from paint3d.stroke.recording import save_recording
 
     check_output_file(options.out, (*result_suffixes(), ".svg"))
@@ -146,13 +150,18 @@ def run(options: argparse.Namespace) -> None:
         hairs=options.hairs,
         quiet=options.quiet,
     )
-    mesh = load_object(options)
+    wishes.check()
+    source, pen = open_glyphs(options.glyphs), _pen(options)
+    check_glyphs(source, options.text)
     as_outlines = options.out.name.lower().endswith(".svg")
+    if as_outlines and options.azimuth != "commanded":
+        raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
+    mesh = load_object(options)
     if as_outlines:
         check_is_plane(mesh)
     seconds: dict[str, float] = {}
     with timed(seconds, "plan"):
-        written = _plan(options, mesh)
+        written = _plan(options, mesh, source, pen)
     painting = paint(mesh, written.recording, wishes)
     painting.seconds.update(seconds)
     painting.counts["glyphs"] = written.recording.header["glyphs"]
@@ -170,14 +179,14 @@ def run(options: argparse.Namespace) -> None:
         sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
 
 
-def _plan(options: argparse.Namespace, mesh) -> Written:
+def _plan(
+    options: argparse.Namespace, mesh: TriangleMesh, source: GlyphSource, pen: Pen
+) -> Written:
     """Plan the text, telling the progress."""
     from paint3d.ink.pigments import load_pigment
-    from paint3d.stroke.glyph_sources import open_glyphs
     from paint3d.stroke.layout import Layout
     from paint3d.stroke.writing import write_text
 
-    source = open_glyphs(options.glyphs)
     layout = Layout(options.layout, options.at, options.around, options.side)
     header = {"ink": load_pigment(options.ink or DEFAULT_INK).name, "glyphs": source.name}
     with ProgressBar("planning", enabled=not options.quiet) as bar:
@@ -191,10 +200,10 @@ def _plan(options: argparse.Namespace, mesh) -> Written:
             mesh,
             options.text,
             source,
-            _pen(options),
+            pen,
             layout,
             header=header,
-            processes=options.processes or _usable_cores(),
+            processes=options.processes or usable_cores(),
             progress=tell,
         )
 
@@ -208,9 +217,3 @@ def _pen(options: argparse.Namespace) -> Pen:
     brush = load_brush(options.brush or choose_brush(options.size))
     settings = PlanSettings(technique=options.technique, azimuth=options.azimuth)
     return Pen(brush, options.size, settings)
-
-
-def _usable_cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -16,12 +16,12 @@ __all__ = [
     "GlyphSource",
     "HanziWriterFolder",
     "KanjiVGLines",
+    "check_glyphs",
     "load_glyphs",
     "open_glyph_folder",
     "open_glyphs",
 ]
 
-_OTHERS = ", or --glyphs DIR with those of hanzi-writer-data, which has 9,574"
 _HOW_TO_GET = "get it with: npm pack hanzi-writer-data@2 && tar xf hanzi-writer-data-*.tgz"
 _PROBE = "一"
 
@@ -35,10 +35,13 @@ class GlyphSource(Protocol):
         What it is, for reports.
     licence : str
         Whose shapes they are and under what licence.
+    elsewhere : str
+        What to do about a character that is not known.
     """
 
     name: str
     licence: str
+    elsewhere: str
 
     def has(self, text: str) -> bool:
         """Whether a character is known."""
@@ -59,6 +62,7 @@ class HanziWriterFolder:
         "Stroke shapes: hanzi-writer-data (Make Me a Hanzi), derived from Arphic PL KaitiM; "
         "Arphic Public License"
     )
+    elsewhere: str = "expected characters it has"
 
     def has(self, text: str) -> bool:
         """Whether there is a file for a character."""
@@ -78,6 +82,10 @@ class KanjiVGLines:
     licence: str = (
         "Stroke lines: KanjiVG (Ulrich Apel, kanjivg.tagaini.net), CC BY-SA 3.0; "
         + SOURCE_OF_SHAPES
+    )
+    elsewhere: str = (
+        "it holds the forms that are written in Japan, others may be in hanzi-writer-data: "
+        f"expected characters it has, or --glyphs DIR ({_HOW_TO_GET})"
     )
 
     def has(self, text: str) -> bool:
@@ -127,20 +135,27 @@ def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
     )
 
 
+def check_glyphs(source: GlyphSource, text: str) -> None:
+    """Refuse a text with characters that a source does not know.
+
+    Raises
+    ------
+    InputError
+        If characters are missing; the message names them all, and where else they may be.
+    """
+    missing = [c for c in dict.fromkeys("".join(text.split())) if not source.has(c)]
+    if missing:
+        names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing)
+        raise InputError(f"{source.name} has no glyph for {names}; {source.elsewhere}")
+
+
 def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
     """The glyphs of all characters of a text, each once.
 
     Raises
     ------
     InputError
-        If characters are missing; the message names them all.
+        As `check_glyphs`.
     """
-    characters = list(dict.fromkeys(text))
-    missing = [c for c in characters if not source.has(c)]
-    if missing:
-        names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing)
-        others = "" if isinstance(source, HanziWriterFolder) else _OTHERS
-        raise InputError(
-            f"{source.name} has no glyph for {names}; expected characters it has{others}"
-        )
-    return {c: source.load(c) for c in characters}
+    check_glyphs(source, text)
+    return {c: source.load(c) for c in dict.fromkeys(text)}

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.cli import main
+from paint3d.cli import main, options, replay, write
+from paint3d.errors import InputError
+from paint3d.ink.materials import material_names
+from paint3d.stroke.glyph_sources import check_glyphs, open_glyphs
 
 BAR = "M 150 420 L 220 350 L 800 350 L 880 420 L 800 470 L 220 470 Z"
 
@@ -61,3 +64,53 @@ def test_bad_input_is_one_line(
     assert words in told[-1]
     assert all(line.startswith("planned ") for line in told[:-1])
     assert list(tmp_path.iterdir()) == []
+
+
+WISHES = [
+    ({"material": "nosuch"}, "unknown material 'nosuch'"),
+    ({"resolution": 1e300}, "1e+300 is too coarse; expected at most 1e+06 mm"),
+    ({"brush": "broom"}, "unknown brush 'broom'"),
+    ({"ink": "mud"}, "unknown ink 'mud'"),
+    ({"hairs": 20_000}, "hairs; expected 0 to 10000"),
+]
+WISHES_IN_WRITING = [
+    ({"glyphs": "nowhere"}, "nowhere: no such folder"),
+    ({"text": "一龘"}, "no glyph for '龘' (U+9F98)"),
+    ({"technique": "pianfeng", "azimuth": "dragged"}, "dragged tuft"),
+    ({"azimuth": "dragged", "out": "a.svg"}, "need a commanded one"),
+]
+
+
+@pytest.mark.parametrize(
+    ("command", "wish", "words"),
+    [
+        *(("write", *wish) for wish in WISHES + WISHES_IN_WRITING),
+        *(("replay", *wish) for wish in WISHES),
+    ],
+)
+def test_what_is_wished_is_checked_before_any_work(
+    command: str, glyphs: Path, tmp_path: Path, monkeypatch, capsys, wish: dict, words: str
+) -> None:
+    def load(_: object) -> None:
+        pytest.fail("something was loaded")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(write, "load_object", load)
+    monkeypatch.setattr(replay, "load_object", load)
+    monkeypatch.setattr("paint3d.stroke.recording.load_recording", load)
+    chosen = {"text": "none.jsonl"} if command == "replay" else {"text": "一", "glyphs": glyphs}
+    chosen |= {"on": "plane", "out": "a.ply", **wish}
+    text = chosen.pop("text")
+    assert main.main([command, text, *(f"--{k}={v}" for k, v in chosen.items())]) == 2
+    assert words in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_material_is_listed() -> None:
+    assert list(options.MATERIALS) == material_names()
+
+
+def test_forms_that_kanjivg_lacks_are_looked_for_elsewhere() -> None:
+    pytest.importorskip("kanjivg")
+    with pytest.raises(InputError, match=r"'歲' \(U\+6B72\).*--glyphs DIR \(get it with: npm"):
+        check_glyphs(open_glyphs(None), "永歲")
