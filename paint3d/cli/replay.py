@@ -21,6 +21,7 @@ from paint3d.cli.options import (
 from paint3d.cli.pads import lay_on
 from paint3d.cli.painting import Wishes, paint, timed, write_report
 from paint3d.cli.results import result_suffixes, write_result
+from paint3d.cli.untouched import refuse_untouched
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -97,6 +98,7 @@ def run(options: argparse.Namespace) -> None:
     mesh = load_object(options)
     recording = lay_on(mesh, recording, options.at, options.size)
     painting = paint(mesh, recording, wishes)
+    refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):
         write_result(painting, options.out)
     if options.report is not None:

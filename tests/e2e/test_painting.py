@@ -66,15 +66,39 @@ def test_quiet_says_nothing(paint3d, recording: Path, tmp_path: Path) -> None:
     assert done.stderr == ""
 
 
-def test_a_surface_that_is_never_touched_stays_bare(paint3d, save, lines, tmp_path: Path) -> None:
+def test_with_a_pressure_the_position_says_only_where(paint3d, save, lines, tmp_path: Path) -> None:
+    """The root is 30 mm up; xiaokai is 22 mm long."""
+    near = [lines[0], *({**line, "position": [*line["position"][:2], 15]} for line in lines[1:])]
+    replay(paint3d, save(tmp_path / "near.jsonl", near), tmp_path / "a.ply", "--brush", "xiaokai")
+    replay(paint3d, save(tmp_path / "far.jsonl", lines), tmp_path / "b.ply", "--brush", "xiaokai")
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"pressure": 0.0}, "its pressure is 0 throughout"),
+        ({"pressure": None}, "comes as near as 60.0 mm, and full is 35 mm long"),
+        ({"orientation": [0, 1, 0, 0]}, "60.0 mm off at the least, or behind it"),
+        ({"position": [900, 0, 30]}, "where it presses, the tuft's root is beside the surface"),
+    ],
+)
+def test_a_replay_that_paints_nothing_says_so(
+    paint3d, save, lines, tmp_path: Path, change: dict, reason: str
+) -> None:
     for line in lines[1:]:
-        line["pressure"] = 0.0
-    report = tmp_path / "report.json"
+        line["position"] = [*line["position"][:2], 60]
+        line.update(change)
+        if line["pressure"] is None:
+            del line["pressure"]
     recording = save(tmp_path / "air.jsonl", lines)
-    replay(paint3d, recording, tmp_path / "a.ply", "--report", report)
-    told = json.loads(report.read_text())
-    assert told["vertices_painted"] == 0
-    assert told["ink_ledger"]["in_brush"] == told["ink_ledger"]["loaded"]
+    done = paint3d("replay", recording, "--on", "plane", "--out", tmp_path / "a.ply")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith(f"paint3d: error: {recording}: the brush never touches plane: ")
+    assert done.stderr.count("\n") == 1
+    assert reason in done.stderr
+    assert not (tmp_path / "a.ply").exists()
 
 
 def test_demo(paint3d, tmp_path: Path) -> None:
@@ -183,11 +207,13 @@ def test_an_object_is_stood_up_on_request(paint3d, recording: Path, tmp_path: Pa
 
     lying, out = tmp_path / "lying.ply", tmp_path / "a.ply"
     export(turn_mesh(load_mesh("plane"), turn_up("-x").T), lying)
-    for up, axis in (("-x", 2), ("auto", 2), (None, 0)):
-        wish = [] if up is None else [f"--up={up}"]
-        done = paint3d("replay", recording, "--on", lying, "--out", out, *wish)
+    for up in ("-x", "auto"):
+        done = paint3d("replay", recording, "--on", lying, "--out", out, f"--up={up}")
         assert done.returncode == 0, done.stderr
-        assert np.ptp(load_mesh(out).vertices, axis=0).argmin() == axis
+        assert np.ptp(load_mesh(out).vertices, axis=0).argmin() == 2
+    done = paint3d("replay", recording, "--on", lying, "--out", out)
+    assert done.returncode == 2
+    assert "the brush never touches lying" in done.stderr
     done = paint3d("replay", recording, "--on", lying, "--out", out, "--up=w")
     assert done.returncode == 2
     assert "--up" in done.stderr
