@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import os
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.batch_emit import KINDS
 from paint3d.cli.options import add_quiet_option
 from paint3d.cli.progress import ProgressBar
 from paint3d.errors import InputError
+from paint3d.machine import usable_cores
 
 if TYPE_CHECKING:
     from paint3d.cli.batch_record import FinishedRows
@@ -42,6 +46,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument(
         "--scheduler", metavar="ADDRESS", help="paint on the Dask cluster of this scheduler"
     )
+    where.add_argument(
+        "--emit",
+        choices=KINDS,
+        help="paint nothing: write a job file for this engine to stdout, a job for each row left",
+    )
+    where.add_argument(
+        "--row",
+        metavar="N",
+        type=_parse_count,
+        help="paint the row in line N of the table only, as the jobs of --emit do",
+    )
+    parser.add_argument(
+        "--folder",
+        metavar="DIR",
+        type=Path,
+        help="where files that the table names are counted from (default: the working folder)",
+    )
     parser.add_argument(
         "--again", action="store_true", help="paint rows that are finished already, too"
     )
@@ -63,11 +84,21 @@ def run(options: argparse.Namespace) -> None:
     InputError
         If the table cannot be used, or, at the end, if rows have failed.
     """
+    options.table = options.table.absolute() if options.folder else options.table
+    with contextlib.chdir(options.folder or os.curdir):
+        _run(options)
+
+
+def _run(options: argparse.Namespace) -> None:
     from paint3d.cli.batch_record import FinishedRows
     from paint3d.cli.batch_table import read_table
 
     started = time.perf_counter()
     rows, refused = read_table(options.table)
+    if options.row is not None:
+        rows, refused = _only(options.row, rows), _only(options.row, refused)
+        if not rows and not refused:
+            raise InputError(f"{options.table}: there is no row in line {options.row}")
     finished = FinishedRows(options.table.with_name(options.table.name + ".finished"))
     left = [row for row in rows if options.again or not finished.has(row)]
     by_line = {row.line: row for row in left}
@@ -75,6 +106,10 @@ def run(options: argparse.Namespace) -> None:
     for outcome in refused:
         failed.append(outcome.line)
         _tell_failure(options.table, outcome)
+    if options.emit is not None:
+        _refuse(options.table, failed, len(rows) + len(refused))
+        _emit(left, options)
+        return
     with ProgressBar("painting rows", enabled=not options.quiet) as progress:
         for done, outcome in enumerate(_outcomes(left, finished, options), 1):
             if outcome.message:
@@ -90,20 +125,38 @@ def run(options: argparse.Namespace) -> None:
             f"{options.table}: {painted} painted in {seconds:.1f} s, {len(rows) - len(left)} "
             f"finished before, {len(failed)} failed\n"
         )
+    _refuse(options.table, failed, len(rows) + len(refused))
+
+
+def _only(line: int, rows: list) -> list:
+    """The row of a line, or its refusal."""
+    return [row for row in rows if row.line == line]
+
+
+def _refuse(table: Path, failed: list[int], total: int) -> None:
+    """End with an error where rows have failed."""
     if failed:
         lines = ", ".join(map(str, sorted(failed)[:_SHOWN_LINES]))
         more = " ..." if len(failed) > _SHOWN_LINES else ""
-        total = len(rows) + len(refused)
-        raise InputError(
-            f"{options.table}: {len(failed)} of {total} rows failed, in line {lines}{more}"
-        )
+        raise InputError(f"{table}: {len(failed)} of {total} rows failed, in line {lines}{more}")
+
+
+def _emit(left: list[Row], options: argparse.Namespace) -> None:
+    from paint3d.cli.batch_emit import job_file
+
+    if not left:
+        raise InputError(f"{options.table}: every row is finished; expected --again to do it anew")
+    lines = [row.line for row in left]
+    sys.stdout.write(job_file(options.emit, options.table, lines, again=options.again))
 
 
 def _outcomes(
     rows: list[Row], finished: FinishedRows, options: argparse.Namespace
 ) -> Iterator[Outcome]:
+    from paint3d.cli.batch_cluster import run_on_cluster
     from paint3d.cli.batch_order import longest_first
-    from paint3d.cli.batch_workers import run_here, run_on_cluster, usable_cores
+    from paint3d.cli.batch_rows import run_row
+    from paint3d.cli.batch_workers import run_here
 
     if not rows:
         return iter(())
@@ -112,6 +165,8 @@ def _outcomes(
     from paint3d.cli.first_run import say_if_compiling
 
     say_if_compiling(quiet=options.quiet)
+    if options.row is not None:
+        return map(run_row, rows)
     processes = options.processes or usable_cores()
     return run_here(longest_first(rows, finished) if processes > 1 else rows, processes)
 

@@ -43,6 +43,30 @@ def command_parser(command: str) -> Parser:
     return parser
 
 
+def placed(row: Row, folder: str) -> Row:
+    """The row with the files that it names counted from a folder, wherever it is run."""
+    command, *options, subject = row.arguments
+    of_files = {
+        option
+        for action in command_parser(command)._actions
+        for option in action.option_strings
+        if action.type is Path
+    }
+    words = []
+    for word in options:
+        option, equals, value = word.partition("=")
+        if option in of_files:
+            value = os.path.join(folder, value)
+        elif option == "--on" and os.path.isfile(os.path.join(folder, value)):
+            value = os.path.join(folder, value)  # else it is a built-in object's name
+        elif option == "--ink" and value.rpartition(":")[0].lower().endswith(".csv"):
+            value = os.path.join(folder, value)
+        words.append(option + equals + value)
+    if command == "replay":
+        subject = os.path.join(folder, subject)
+    return row._replace(arguments=(command, *words, subject))
+
+
 def run_row(row: Row) -> Outcome:
     """Run a row to its end, here and now; whatever goes wrong is told, never raised."""
     started = time.perf_counter()

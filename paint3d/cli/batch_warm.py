@@ -7,10 +7,11 @@ the thread that forks. An interrupt meant for the batch is kept from the server 
 from __future__ import annotations
 
 import gc
-import signal
 import sys
 import warnings
 from importlib import import_module
+
+from paint3d.machine import ignore_interrupts
 
 _NEEDED = (
     "paint3d.cli.batch_workers",
@@ -22,8 +23,7 @@ _NEEDED = (
     "paint3d.surface.painted_surface",
 )
 
-signal.signal(signal.SIGINT, signal.SIG_IGN)  # the batch stops what it has started
-signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+ignore_interrupts()  # the batch stops what it has started
 if not sys.warnoptions:
     warnings.simplefilter("ignore")
 for _name in _NEEDED:

@@ -1,33 +1,23 @@
-"""Where rows are run: in processes of this machine, or on a Dask cluster."""
+"""Rows in processes of this machine."""
 
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 
 from paint3d.cli.batch_rows import Outcome, Row, run_row
-from paint3d.errors import InputError
+from paint3d.machine import end_with_parent, holding_interrupts, ignore_interrupts
 
-__all__ = ["run_here", "run_on_cluster", "usable_cores"]
+__all__ = ["run_here"]
 
-PATIENCE_S = 30
 _WARM = "paint3d.cli.batch_warm"
-
-
-def usable_cores() -> int:
-    """Return how many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def run_here(rows: Sequence[Row], processes: int) -> Iterator[Outcome]:
@@ -55,14 +45,12 @@ def _context() -> BaseContext:
     """How processes come to be: forked from one that has imported all, where that is safe."""
     if not sys.platform.startswith("linux"):  # elsewhere system libraries do not survive a fork
         return multiprocessing.get_context("spawn")
+    from multiprocessing import forkserver
+
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([_WARM])
-    resource_tracker.ensure_running()  # would unblock signals below
-    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:  # the server inherits the mask: no traceback where it is interrupted while it imports
+    with holding_interrupts():  # no traceback where the server is interrupted while it imports
         forkserver.ensure_running()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
     return context
 
 
@@ -110,7 +98,8 @@ class _Worker:
 
 def _serve(connection: Connection) -> None:
     """Run rows until the other end is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent stops us
+    ignore_interrupts()  # the parent stops us
+    end_with_parent()
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
     while True:
@@ -123,46 +112,3 @@ def _serve(connection: Connection) -> None:
             connection.send(tuple(outcome))
         except OSError:
             return
-
-
-def run_on_cluster(rows: Sequence[Row], address: str) -> Iterator[Outcome]:
-    """Run rows on a Dask cluster, whose workers see the same files under the same paths.
-
-    Raises
-    ------
-    InputError
-        If the package ``distributed`` is missing, or the scheduler does not answer.
-    """
-    try:
-        from distributed import Client, as_completed
-    except ImportError:
-        raise InputError(
-            "--scheduler needs the package distributed; expected pip install 'paint3d[cluster]'"
-        ) from None
-    try:
-        client = Client(address, timeout=PATIENCE_S)
-    except (OSError, ValueError, TypeError) as cause:
-        raise InputError(f"the scheduler {address} does not answer: {cause}") from None
-    with client:
-        folder = os.getcwd()
-        tasks = {
-            client.submit(_run_in, folder, tuple(row), pure=False, retries=0): row for row in rows
-        }
-        for task in as_completed(tasks):
-            if task.status == "finished":
-                yield Outcome(*task.result())
-            else:
-                yield Outcome(tasks[task].line, f"its worker failed: {task.exception()}", 0.0, "")
-
-
-def _run_in(folder: str, row: tuple) -> tuple:
-    """Run a row on a worker as from this folder.
-
-    Raises
-    ------
-    FileNotFoundError
-        If the worker does not see the folder.
-    """
-    if os.getcwd() != folder:
-        os.chdir(folder)
-    return tuple(run_row(Row(*row)))

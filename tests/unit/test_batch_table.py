@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.cli import batch_rows, batch_table, batch_workers
+from paint3d.cli import batch_cluster, batch_rows, batch_table
 from paint3d.cli.batch_order import longest_first
 from paint3d.cli.batch_record import FinishedRows
-from paint3d.cli.batch_rows import Row, fingerprint, run_row
+from paint3d.cli.batch_rows import Row, fingerprint, placed, run_row
 from paint3d.cli.batch_table import read_table
 from paint3d.cli.objects import load_object
 from paint3d.errors import ExportError, InputError, MeshError
@@ -239,6 +239,23 @@ def test_an_object_is_read_once_until_its_file_changes(tmp_path, monkeypatch):
 
 def test_a_scheduler_that_is_not_there(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(batch_workers, "PATIENCE_S", 0.5)
+    monkeypatch.setattr(batch_cluster, "PATIENCE_S", 0.5)
     with pytest.raises(InputError, match=r"scheduler tcp://127\.0\.0\.1:9 does not answer"):
-        next(batch_workers.run_on_cluster([Row(1, "a", ("replay",))], "tcp://127.0.0.1:9"))
+        next(batch_cluster.run_on_cluster([Row(1, "a", ("replay",))], "tcp://127.0.0.1:9"))
+
+
+def test_a_row_is_run_elsewhere_with_the_files_of_its_folder(tmp_path):
+    (tmp_path / "jug.obj").write_text("")
+    options = ("--out=b/a.ply", "--report=/c/r.json", "--ink=my.csv:mud", "--size=2", "--quiet")
+    row = Row(2, "b/a.ply", ("replay", "--on=jug.obj", *options, "--", "--out=s.jsonl"))
+    there = placed(row, str(tmp_path))
+    assert there[:2] == row[:2]
+    assert there.arguments == (
+        "replay", f"--on={tmp_path}/jug.obj", f"--out={tmp_path}/b/a.ply", "--report=/c/r.json",
+        f"--ink={tmp_path}/my.csv:mud", "--size=2", "--quiet", "--", f"{tmp_path}/--out=s.jsonl",
+    )  # fmt: skip
+    row = Row(2, "a.ply", ("write", "--on=bowl", "--out=a.ply", "--ink=墨", "--", "--out=永"))
+    there = placed(row, str(tmp_path))
+    assert there.arguments == (
+        "write", "--on=bowl", f"--out={tmp_path}/a.ply", "--ink=墨", "--", "--out=永"
+    )  # fmt: skip
