@@ -1,23 +1,60 @@
-"""What operating systems do each in their own way, and what is done where one cannot do it."""
+"""What operating systems do each in their own way, and what is done where one cannot do it.
+
+All that the program needs of a system beyond Python's common ground is here, but for the priority
+of a servo (`haptics.realtime`) and the right to open a device (`device.permission`). Tried on Linux
+alone; what stands in elsewhere is tried there, with Linux's own hidden.
+"""
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import stat
+import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import ModuleType
+from typing import BinaryIO
 
 __all__ = [
+    "APPENDING",
+    "ENDING",
     "end_with_parent",
+    "flush_file",
+    "flush_folder",
+    "from_parent",
+    "handed_to_child",
     "holding_interrupts",
     "ignore_interrupts",
+    "is_locked",
     "is_private",
+    "limit_process",
+    "lock",
+    "make_memory_file",
     "usable_cores",
     "user_number",
 ]
+
+APPENDING = os.O_WRONLY | os.O_APPEND | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+"""Flags of `os.open` to append bytes as they are, in no process but this one."""
+ENDING = tuple(
+    getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)
+)
+"""Signals that ask a process to end."""
+
+
+def _module(name: str) -> ModuleType | None:
+    """A module of Python's that not every system has."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        return None
+
+
+# -- users and processors -----------------------------------------------------------------------
 
 
 def user_number() -> int:
@@ -43,6 +80,9 @@ def usable_cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+# -- processes ----------------------------------------------------------------------------------
 
 
 @contextmanager
@@ -89,3 +129,92 @@ def _wait_for_end(sentinel: int) -> None:
 
     wait([sentinel])
     os._exit(1)
+
+
+def limit_process(memory: int, seconds: int) -> None:
+    """Limit this process, bytes of address space and s of computing, where the system can.
+
+    It leaves no picture of its memory behind. Elsewhere whoever started it ends it in time.
+    """
+    resource = _module("resource")
+    if resource is None:
+        return
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
+
+def handed_to_child(descriptor: int) -> tuple[int, dict[str, object]]:
+    """What a child is told of an open file, for `from_parent`, and what `Popen` is to be given."""
+    msvcrt = _module("msvcrt")
+    if msvcrt is None:
+        return descriptor, {"pass_fds": (descriptor,)}
+    handle = msvcrt.get_osfhandle(descriptor)
+    os.set_handle_inheritable(handle, True)
+    return handle, {"close_fds": False}
+
+
+def from_parent(number: int) -> int:
+    """The descriptor of a file that the parent handed over."""
+    msvcrt = _module("msvcrt")
+    return number if msvcrt is None else msvcrt.open_osfhandle(number, os.O_RDWR)
+
+
+# -- files --------------------------------------------------------------------------------------
+
+
+def make_memory_file() -> int:
+    """Return the descriptor of a file that has no name and is gone when the last one closes it."""
+    if hasattr(os, "memfd_create"):
+        return os.memfd_create("paint3d")
+    with tempfile.TemporaryFile() as file:
+        return os.dup(file.fileno())
+
+
+def lock(file: BinaryIO) -> None:
+    """Lock a file for as long as this process lives and keeps it open.
+
+    Raises
+    ------
+    OSError
+        If another process has.
+    """
+    fcntl, msvcrt = _module("fcntl"), _module("msvcrt")
+    if fcntl is not None:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    elif msvcrt is not None:
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+
+
+def is_locked(path: Path) -> bool:
+    """Whether a living process has locked a file; False where that cannot be known."""
+    fcntl, msvcrt = _module("fcntl"), _module("msvcrt")
+    try:
+        with open(path, "rb") as file:
+            if fcntl is not None:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            elif msvcrt is not None:
+                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+                msvcrt.locking(file.fileno(), msvcrt.LK_UNLCK, 1)
+    except BlockingIOError:
+        return True
+    except PermissionError:
+        return msvcrt is not None
+    except OSError:
+        return False
+    return False
+
+
+def flush_file(descriptor: int) -> None:
+    """Bring what was written to the disk."""
+    (os.fdatasync if hasattr(os, "fdatasync") else os.fsync)(descriptor)
+
+
+def flush_folder(folder: Path) -> None:
+    """Bring a folder's names to the disk; systems that cannot do so are left in peace."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

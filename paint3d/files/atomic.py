@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from paint3d.errors import ExportError
+from paint3d.machine import flush_folder
 
 __all__ = ["write_atomically"]
 
@@ -51,7 +52,7 @@ def write_atomically(
         if progress is not None:
             progress(1.0)
         os.replace(temporary, target)
-        _flush_folder(target.parent)
+        flush_folder(target.parent)
     except OSError as cause:
         raise ExportError(f"{named}: cannot write: {_reason(cause)}") from None
     finally:
@@ -86,16 +87,6 @@ def _reserve(target: Path) -> Path:
 def _flush(path: Path) -> None:
     with open(path, "rb+") as file:
         os.fsync(file.fileno())
-
-
-def _flush_folder(folder: Path) -> None:
-    """Bring the move itself to the disk; file systems that cannot do so are left in peace."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        with suppress(OSError):
-            os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _reason(cause: OSError) -> str:

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import sys
 from pathlib import Path
+
+from paint3d.machine import from_parent, limit_process
 
 __all__ = ["main"]
 
@@ -18,17 +19,14 @@ __all__ = ["main"]
 def main() -> None:
     """Read the file of the request (JSON in the first argument) and hand its mesh over."""
     request = json.loads(sys.argv[1])
-    memory, seconds = int(request["memory"]), int(request["seconds"])
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    limit_process(int(request["memory"]), int(request["seconds"]))
 
     from paint3d.errors import MeshError
     from paint3d.files.handover import send
     from paint3d.files.reading import Wanted, read_surface
 
     path = Path(os.fsdecode(bytes.fromhex(request["path"])))
-    descriptor = int(request["descriptor"])
+    descriptor = from_parent(int(request["file"]))
     try:
         reading = read_surface(path, Wanted(*request["wanted"]))
     except MeshError as cause:

@@ -9,26 +9,17 @@ from __future__ import annotations
 import json
 import mmap
 import os
-import tempfile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 
-__all__ = ["make_memory_file", "receive", "send"]
+__all__ = ["receive", "send"]
 
 MAX_LINE = 1 << 20
 TYPES = {"vertices": "<f4", "faces": "<i4", "normals": "<f4", "colours": "|u1"}
 NUMBERS_A_ROW = 3
-
-
-def make_memory_file() -> int:
-    """Return the descriptor of a file that has no name and is gone when the last one closes it."""
-    if hasattr(os, "memfd_create"):
-        return os.memfd_create("paint3d")
-    with tempfile.TemporaryFile() as file:
-        return os.dup(file.fileno())
 
 
 def send(descriptor: int, arrays: dict[str, NDArray], facts: dict[str, object]) -> None:
@@ -53,7 +44,7 @@ def receive(descriptor: int) -> tuple[dict[str, NDArray], dict[str, object]]:
     try:
         if size < 4:
             raise ValueError
-        data = mmap.mmap(descriptor, 0, prot=mmap.PROT_READ)
+        data = mmap.mmap(descriptor, 0, access=mmap.ACCESS_READ)
         length = int.from_bytes(data[:4], "little")
         if length > min(MAX_LINE, size - 4):
             raise ValueError

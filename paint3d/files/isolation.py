@@ -17,10 +17,11 @@ import time
 from pathlib import Path
 
 from paint3d.errors import MeshError
-from paint3d.files.handover import make_memory_file, receive
+from paint3d.files.handover import receive
 from paint3d.files.patience import Watch
 from paint3d.files.progress import Progress
 from paint3d.files.reading import Reading, Wanted
+from paint3d.machine import handed_to_child, make_memory_file
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["MAX_IDLE_SECONDS", "MAX_MEMORY", "MAX_SECONDS", "PICTURE_SECONDS", "read_apart"]
@@ -70,10 +71,11 @@ def _run(
     limits: tuple[float, float],
     progress: Progress | None,
 ) -> None:
+    number, handed = handed_to_child(descriptor)
     request = {
         "path": os.fsencode(path).hex(),
         "wanted": list(wanted),
-        "descriptor": descriptor,
+        "file": number,
         "memory": MAX_MEMORY,
         "seconds": math.ceil(limits[0]),  # where its parent cannot look, or is gone
     }
@@ -84,7 +86,7 @@ def _run(
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,  # nothing comes, but its end tells at once that the child ended
         stderr=subprocess.DEVNULL,
-        pass_fds=(descriptor,),
+        **handed,
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # its threads reserve memory
     ) as child:
         try:

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from paint3d.device.recorded import Recording, checked_header
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, RecordingError, SessionError
+from paint3d.machine import APPENDING, flush_file
 
 __all__ = ["SAMPLE", "Journal", "Loss", "read_events", "read_journal"]
 
@@ -105,8 +106,7 @@ class Journal:
         except (TypeError, ValueError) as cause:
             raise RecordingError(f"the journal's header cannot be kept: {cause}") from None
         try:
-            flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
-            self._file = os.open(self.path, flags, 0o666)
+            self._file = os.open(self.path, APPENDING | os.O_CREAT | os.O_EXCL, 0o666)
         except OSError as cause:
             raise ExportError(f"{path}: cannot start a journal: {cause.strerror}") from None
         self._length = 0
@@ -188,7 +188,7 @@ class Journal:
             if self._dirty.is_set():
                 self._dirty.clear()
                 with suppress(OSError):  # writing will tell
-                    os.fdatasync(self._file)
+                    flush_file(self._file)
 
     def close(self) -> None:
         """Mark the journal as whole and close it; a second time does nothing.

@@ -22,6 +22,7 @@ from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, 
 from paint3d.haptics.shared_state import RING_COLUMNS, SNAPSHOT_COLUMNS, ServoBoard, TreeBlock
 from paint3d.kernels import haptic_state as hs
 from paint3d.kernels.haptic_step import servo_step
+from paint3d.machine import ENDING
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.single_turns import multiply, turn
 
@@ -186,7 +187,7 @@ def run_servo(task: ServoTask) -> None:
     def stop(*_: object) -> None:
         servo.stopping = True
 
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+    for number in ENDING:
         signal.signal(number, stop)
     servo.warm_up()
     keep_in_memory()

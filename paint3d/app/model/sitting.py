@@ -8,7 +8,6 @@ hold everything. A lock that dies with the program tells whether a sitting is go
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import shutil
@@ -25,6 +24,7 @@ from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.journal import Journal, Loss, read_events
+from paint3d.machine import is_locked, lock
 
 __all__ = ["Recovered", "Sitting", "Unfinished", "recoverable"]
 
@@ -57,7 +57,7 @@ class Sitting:
         try:
             self.folder.mkdir(parents=True)
             self._lock = open(self.folder / _LOCK, "wb")  # noqa: SIM115 - for as long as it lives
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(self._lock)
             self._describe(document)
         except OSError as cause:
             raise ExportError(f"{root}: cannot keep what is painted here: {cause}") from None
@@ -256,14 +256,7 @@ def _unfinished(folder: Path) -> list[Unfinished]:
 
 def _goes_on(folder: Path) -> bool:
     """Whether a living program holds the folder's lock."""
-    try:
-        with open(folder / _LOCK, "rb") as lock:
-            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    return False
+    return is_locked(folder / _LOCK)
 
 
 def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
