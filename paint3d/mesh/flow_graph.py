@@ -17,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.kernels.block_groups import group_blocks
 from paint3d.kernels.diffusion import activate_cells
 from paint3d.kernels.intrinsic import cotangent_weights, flip_to_delaunay, pair_edges
 from paint3d.kernels.wet_graph import count_vertices, leaves_in_box, list_vertices, pick_nodes
@@ -58,6 +59,10 @@ class FlowGraph:
         Weights are >= 0.
     owner : (L,) int32
         The node whose link it is.
+    first_beside, last_beside : (B,) int64
+        The run of each open block's neighbours.
+    beside : (M,) int32
+        The blocks that share a link with it.
     block_open : (B,) bool
     block_nodes : (B,) int64
         How many nodes of each are known.
@@ -72,7 +77,10 @@ class FlowGraph:
         self._cell_runs = np.searchsorted(
             self._cell_block[self._cells], np.arange(self.n_blocks + 1)
         )
-        self._beside: dict[int, list[int]] = {}
+        self._rims: dict[int, NDArray] = {}
+        self.beside, self._n_beside = np.zeros(0, np.int32), 0
+        self.first_beside, self.last_beside = np.zeros((2, self.n_blocks), np.int64)
+        self._heads = np.full(self.n_blocks, -1, np.int32)
         self.block_open = np.zeros(self.n_blocks, bool)
         self.block_nodes = np.zeros(self.n_blocks, np.int64)
         self._known = np.zeros(mesh.n_cells, bool)
@@ -127,27 +135,14 @@ class FlowGraph:
         return self.blocks_of(self.around(self._cells[_runs(self._cell_runs, blocks)]))
 
     def apart(self, blocks: NDArray) -> list[NDArray]:
-        """Some blocks (K,), rising, in groups that no block lies next to two of."""
-        head = {}  # of each block and those next to it: a block of its group
-
-        def top(block: int) -> int:
-            while head[block] != block:
-                block = head[block]
-            return block
-
-        for block in blocks.tolist():
-            if block not in self._beside:
-                self._beside[block] = self.blocks_around(np.array([block])).tolist()
-            around = [block, *self._beside[block]]
-            tops = sorted({top(other) for other in around if other in head} | {block})
-            for other in (*around, *tops):
-                head.setdefault(other, tops[0])
-            for other in tops:
-                head[other] = tops[0]
-        groups: dict[int, list[int]] = {}
-        for block in blocks.tolist():
-            groups.setdefault(top(block), []).append(block)
-        return [np.array(group) for group in groups.values()]
+        """Some open blocks (K,), rising, in groups that no block lies next to two of."""
+        group = np.empty(len(blocks), np.int32)
+        count = group_blocks(
+            blocks, self.first_beside, self.last_beside, self.beside, self._heads, group
+        )
+        order = np.argsort(group, kind="stable")
+        ends = np.cumsum(np.bincount(group, minlength=count))[:-1]
+        return np.split(blocks[order], ends)
 
     def nodes_of(self, blocks: NDArray) -> NDArray:
         """The known nodes of some blocks (K,), rising: always in the same order."""
@@ -157,6 +152,14 @@ class FlowGraph:
         nodes = np.empty(int((stops - starts).sum()), np.int32)
         pick_nodes(starts, stops, nodes)
         return nodes
+
+    def rims_of(self, blocks: NDArray) -> NDArray:
+        """Nodes (R,) next to those of some open blocks (K,): always in the same order.
+
+        Some of them may come twice, or be of these blocks.
+        """
+        rims = [self._rims[block] for block in blocks.tolist()]
+        return np.concatenate([np.zeros(0, np.int32), *rims])
 
     # -- growth -----------------------------------------------------------------------------
 
@@ -240,6 +243,16 @@ class FlowGraph:
         for name in ("links", "owner", "weights"):
             setattr(self, name, with_room(getattr(self, name), n))
         self.links[self.n_links : n] = ids[links[taken]]
+        is_rim = np.zeros(len(ids), bool)
+        is_rim[links[taken]] = True
+        is_rim[rows] = False
+        self._rims[block] = ids[is_rim]
+        around = np.unique(self.block[self._rims[block]])
+        m = self._n_beside + len(around)
+        self.beside = with_room(self.beside, m)
+        self.beside[self._n_beside : m] = around
+        self.first_beside[block], self.last_beside[block] = self._n_beside, m
+        self._n_beside = m
         self.weights[self.n_links : n] = weights[taken]
         at = ids[rows]
         self.last[at] = self.n_links + np.cumsum(counts)

@@ -19,15 +19,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.diffusion import (
-    evaporate,
-    flow_pigment,
-    note_motion,
-    potentials,
-    solve_edges,
-    solve_water,
-    weigh_links,
-)
+from paint3d.kernels.block_groups import grade_paces
+from paint3d.kernels.diffusion import evaporate, solve_edges
+from paint3d.kernels.wet_step import move_water
 from paint3d.surface.side_by_side import each
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
@@ -38,14 +32,17 @@ __all__ = ["Flow"]
 
 _BUNDLE = 4000  # nodes that are moved by one thread, or more
 
-_TOLERANCE = 5e-4  # of the pores' depth, in a node's balance
-_MOST_SWEEPS = 60
 _LONGEST_STEP = 20.0  # s
-_PACE = 0.05  # of the pores' depth: the change a step of our own choosing aims at
+_SHORTEST = 0.05  # s: no step in which much moves is cut to less
+_MOST, _MEAN = 0.3, 0.01  # of the pores' depth: the changes a step of our own choosing aims at
+_EASE = 2.5  # times as much beside a hand
+_GROWTH = 1.5
+_UNLIKE = 1.15  # times as long as a neighbour's may a block's steps be
 _REST = 60.0  # s: steps while nothing moves but air
 _PIECE = 0.05  # s: time that passes at once beside a hand
 _LATE = 0.12  # s: steps as long can be taken where ink has just come; radii are 2 % off then
 _NEARLY = 0.7  # of its step: then a block may take it along with others
+_BESIDE = 0.35  # of it: the same where a neighbour takes one
 _EDGE_GAIN, _EDGE_REACH = 8.0, 1.0  # evaporation at the border over that inside, less 1; mm
 _EDGE_SWEEPS = 2
 _DRY = 1e-9  # mm
@@ -84,12 +81,13 @@ class Flow:
         self._surface = surface
         self._patch = WetPatch(surface)
         self.steps = 0
+        self._ease = 1.0
 
     @property
     def water(self) -> float:
         """Water on the surface and in its pores, mm3."""
         n = self._patch.graph.n_nodes
-        return float(self._patch.water[:n] @ self._patch.graph.area[:n])
+        return math.fsum(self._patch.water[:n] * self._patch.graph.area[:n])
 
     @property
     def n_wet(self) -> int:
@@ -122,6 +120,7 @@ class Flow:
     def advance(self, seconds: float, step: float | None, fresh: NDArray) -> None:
         """Let time pass; `fresh` (N,) int32 are vertices whose ink may have changed since."""
         patch = self._patch
+        self._ease = 1.0
         self._take_up(fresh)
         left = seconds
         longest = np.inf if step is None else step
@@ -132,10 +131,15 @@ class Flow:
             left -= gone
             patch.owed += gone
             if left <= 1e-9 * seconds:
-                self._step(wet)  # all are brought to now
+                self._bring_to_now()
             else:
-                self._step(wet[patch.owed[wet] >= _NEARLY * pace])
+                self._step(self._due(wet, pace))
         patch.hand_back()
+
+    def _bring_to_now(self) -> None:
+        patch = self._patch
+        while len(wet := patch.wet_blocks()) and patch.owed[wet].any():
+            self._step(wet[patch.owed[wet] > 0.0])
 
     def follow(self, seconds: float, fresh: NDArray, most_nodes: int) -> bool:
         """Let time pass, and let what is due move, as far as there is time for it.
@@ -152,17 +156,29 @@ class Flow:
             and three times what suits it.
         """
         patch = self._patch
+        self._ease = _EASE
         self._take_up(fresh)
         pieces = max(1, math.ceil(seconds / _PIECE))
         for _ in range(pieces):
             patch.owed += seconds / pieces
             wet = patch.wet_blocks()
-            due = wet[patch.owed[wet] >= _NEARLY * patch.pace[wet]]
+            due = self._due(wet, patch.pace[wet])
             chosen = self._most_urgent(due, most_nodes)
             self._step(chosen)
         patch.hand_back()
         wet = patch.wet_blocks()
         return not (patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])).any()
+
+    def _due(self, wet: NDArray, pace: NDArray) -> NDArray:
+        """Those of the wet blocks (K,), of paces (K,), that take a step now."""
+        patch, graph = self._patch, self._patch.graph
+        share = np.zeros(graph.n_blocks)
+        share[wet] = patch.owed[wet] / pace
+        is_due = share >= _NEARLY
+        for block in np.flatnonzero(is_due):
+            beside = graph.beside[graph.first_beside[block] : graph.last_beside[block]]
+            is_due[beside] |= share[beside] >= _BESIDE
+        return np.flatnonzero(is_due)
 
     def _most_urgent(self, due: NDArray, most_nodes: int) -> NDArray:
         """Those of the blocks (K,) that wait longest for their pace, rising; one at least."""
@@ -193,28 +209,33 @@ class Flow:
         self.steps += 1
         step = _Step(
             due=np.zeros(patch.graph.n_blocks, bool),
-            moved=np.zeros(patch.graph.n_blocks),
+            moved=np.zeros((patch.graph.n_blocks, 3)),
             mobile=np.zeros(patch.graph.n_blocks, bool),
             still_wet=np.zeros(patch.graph.n_blocks, bool),
         )
         step.due[blocks] = True
+        was_dry = np.isinf(patch.owed)
         bundles = [blocks]
         if patch.material.pores_mm > 0.0:
             patch.open(blocks)
             bundles = self._bundles(blocks)
-        nodes = [patch.graph.nodes_of(bundle) for bundle in bundles]
-        done = each(lambda own: self._move_and_dry(own, step), nodes)
+        work = [(bundle, np.zeros(1)) for bundle in bundles]
+        done = each(lambda own: self._move_and_dry(*own, step), work)
         dried = []
-        for own, gone in zip(nodes, done, strict=True):
+        for own, gone in zip(work, done, strict=True):
             while gone is None:  # more of the surface has to be known first
-                patch.open(self._wanted(own, step))
-                gone = self._move_and_dry(own, step)
+                patch.open(self._wanted(own[0], step))
+                gone = self._move_and_dry(*own, step)
             dried.append(gone)
         dry = np.concatenate(dried)
         if len(dry):
             patch.dry(dry)
-        patch.owed[step.due] = np.where(step.still_wet[step.due], 0.0, np.inf)
-        self._choose_pace(step)
+        for own, rest in work:
+            length = float(patch.owed[own].max()) - rest
+            patch.pace[own] = np.minimum(patch.pace[own], length)
+            left = np.minimum(patch.owed[own], rest)
+            patch.owed[own] = np.where(step.still_wet[own], left, np.inf)
+        self._choose_pace(step, np.flatnonzero(was_dry & np.isfinite(patch.owed)))
 
     def _bundles(self, blocks: NDArray) -> list[NDArray]:
         """Blocks (K,) in bundles that have nothing to do with one another, none very small."""
@@ -229,62 +250,47 @@ class Flow:
             size += int(graph.block_nodes[group].sum())
         return [np.sort(np.concatenate(bundle)) for bundle in bundles]
 
-    def _choose_pace(self, step: _Step) -> None:
-        p, due = self._patch, step.due
-        aim = _PACE * p.material.pores_mm
+    def _choose_pace(self, step: _Step, came: NDArray) -> None:
+        """Let the next steps follow the motion in these; `came` (K,) are blocks wet since."""
+        p, due, graph = self._patch, step.due, self._patch.graph
+        pores = p.material.pores_mm
         pace = p.pace[due]
-        longer = pace * np.clip(aim / np.maximum(step.moved[due], 1e-12), 0.5, 1.5)
+        most, volume, area = step.moved[due].T
+        change = np.maximum(most / _MOST, volume / np.maximum(area, 1e-12) / _MEAN)
+        longer = pace * np.clip(self._ease * pores / np.maximum(change, 1e-12), 0.5, _GROWTH)
         longer = np.clip(longer, FIRST_PACE, _LONGEST_STEP)
         p.pace[due] = np.where(step.mobile[due], longer, np.minimum(_REST, 2.0 * pace))
+        p.pace[came] = p.pace[due].min(initial=_LONGEST_STEP)
+        p.pace[np.isinf(p.owed)] = np.inf
+        grade_paces(
+            p.wet_blocks(), graph.first_beside, graph.last_beside, graph.beside, _UNLIKE, p.pace
+        )
         p.pace[np.isinf(p.owed)] = FIRST_PACE
-        woken = (step.moved > 0.5 * aim) & ~due  # a neighbour let in more than a step's worth
-        p.pace[woken] = FIRST_PACE
 
-    def _move_and_dry(self, nodes: NDArray, step: _Step) -> NDArray | None:
-        """A step of some nodes (N,), which touches nothing that other bundles know of.
+    def _move_and_dry(self, blocks: NDArray, rest: NDArray, step: _Step) -> NDArray | None:
+        """A step of some blocks (K,), which touches nothing that other bundles know of.
 
-        Returns those that are dry now, or None where more of the surface has to be known: then
+        Returns the nodes that are dry now, or None where more of the surface has to be known: then
         nothing was done.
         """
-        if self._patch.material.pores_mm > 0.0 and not self._move(nodes, step):
-            return None
-        return self._evaporate(nodes, step)
-
-    def _weigh(self, nodes: NDArray, step: _Step) -> NDArray:
-        """Find for how long water runs on each link of some nodes (N,); the nodes around (R,)."""
         p = self._patch
-        graph = p.graph
-        ring = np.empty(graph.n_nodes, np.int32)
-        n_ring = weigh_links(
-            nodes, graph.first, graph.last, graph.links, p.weights, graph.block, p.owed, step.due,
-            p.marks, p.exchange, p.exchanged, ring,
-        )  # fmt: skip
-        return ring[:n_ring]
+        nodes = p.graph.nodes_of(blocks)
+        drink = p.material
+        if drink.pores_mm > 0.0:
+            stages = move_water(
+                p.fields(step.due, step.mobile, step.moved), nodes, p.graph.rims_of(blocks),
+                drink.pores_mm, drink.spread_mm2_s, drink.passing,
+                _SHORTEST, rest,
+            )  # fmt: skip
+            if stages < 0:
+                return None
+        return self._evaporate(nodes, float(rest[0]), step)
 
-    def _move(self, nodes: NDArray, step: _Step) -> bool:
-        """Let water flow; whether all that it reaches is known."""
-        p = self._patch
-        graph = p.graph
-        ring = self._weigh(nodes, step)
-        if ((graph.closed[ring] != 0) & (p.water[ring] > 0.0)).any():
-            return False
-        around = np.concatenate([nodes, ring])
-        active = around[p.water[around] > p.material.pores_mm * p.residual[around]]
-        step.mobile[graph.block[active]] = True
-        if not len(active):
-            return True
-        count, reached, is_solved = self._solve(active)
-        if is_solved:
-            self._carry(reached, count, nodes, step)
-        else:
-            p.psi[reached[:count]] = 0.0
-            p.marks[reached[:count]] = 0
-        return is_solved
-
-    def _wanted(self, nodes: NDArray, step: _Step) -> NDArray:
-        """Blocks to be opened before the water on some nodes (N,) can move."""
+    def _wanted(self, blocks: NDArray, step: _Step) -> NDArray:
+        """Blocks to be opened before the water on some blocks (K,) can move."""
         graph, water = self._patch.graph, self._patch.water
-        ring = self._weigh(nodes, step)
+        ring = graph.rims_of(blocks)
+        ring = ring[~step.due[graph.block[ring]]]
         asked = ring[(graph.closed[ring] == 2) | ((graph.closed[ring] == 1) & (water[ring] > 0.0))]
         step.rings += 1
         wanted = np.unique(graph.block[asked])
@@ -292,53 +298,7 @@ class Flow:
             wanted = graph.blocks_around(wanted)
         return wanted
 
-    def _solve(self, active: NDArray) -> tuple[int, NDArray, bool]:
-        """Find the depths: how many nodes were reached, which, and whether all were known."""
-        p = self._patch
-        graph, drink = p.graph, p.material
-        pores, film = drink.pores_mm, drink.spread_mm2_s
-        reached = np.empty(graph.n_nodes, np.int32)
-        reached[: len(active)] = active
-        p.marks[active] = 1
-        # start from where the last step's motion leads
-        depth = np.empty(graph.n_nodes)
-        gone = p.owed[graph.block[active]]
-        gone[np.isinf(gone)] = 0.0
-        depth[active] = np.maximum(
-            pores * p.residual[active], p.water[active] + gone * p.speed[active]
-        )
-        potentials(active, depth, pores, p.residual, p.strength, film, p.psi)
-        stats = np.zeros(3)
-        count = solve_water(
-            reached, len(active), p.marks, graph.closed, p.water, graph.area, graph.first,
-            graph.last, graph.links, p.exchange, p.exchanged, pores, p.residual, p.strength, film,
-            p.entry, _TOLERANCE * pores, _MOST_SWEEPS, depth, p.psi, stats,
-        )  # fmt: skip
-        return count, reached, stats[2] == 0.0
-
-    def _carry(self, reached: NDArray, count: int, nodes: NDArray, step: _Step) -> None:
-        """Move water and pigment as the potentials say, and note what that did."""
-        p = self._patch
-        graph = p.graph
-        here = reached[:count]
-        order = here[p.psi[here] > 0.0]
-        order = order[np.argsort(-p.psi[order], kind="stable")]
-        before = p.water[here]
-        flow_pigment(
-            order, reached, count, p.psi, p.entry, graph.area, graph.first, graph.last,
-            graph.links, p.exchange, p.material.passing, p.water, p.pigment, p.gained, p.brought,
-        )  # fmt: skip
-        p.speed[nodes] = 0.0
-        note_motion(
-            reached, count, before, p.water, graph.block, p.owed, step.due, p.held, p.speed,
-            p.changed, p.soaked, p.entry, step.moved,
-        )  # fmt: skip
-        p.psi[here] = 0.0
-        p.marks[here] = 0
-        blocks = np.unique(graph.block[here])
-        p.owed[blocks[np.isinf(p.owed[blocks]) & (step.moved[blocks] > 0.0)]] = 0.0
-
-    def _evaporate(self, nodes: NDArray, step: _Step) -> NDArray:
+    def _evaporate(self, nodes: NDArray, rest: float, step: _Step) -> NDArray:
         """Let the water of some nodes (N,) dry; return those that are dry now."""
         p = self._patch
         graph = p.graph
@@ -354,7 +314,7 @@ class Flow:
             )  # fmt: skip
         dried = np.empty(len(wet), np.int32)
         count = evaporate(
-            wet, graph.block, p.owed, p.material.drying_mm_s, gain, p.inside, _DRY, p.water,
+            wet, graph.block, p.owed, rest, p.material.drying_mm_s, gain, p.inside, _DRY, p.water,
             dried, step.still_wet,
         )  # fmt: skip
         return dried[:count]

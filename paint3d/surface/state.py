@@ -36,7 +36,7 @@ __all__ = [
     "surface_state",
 ]
 
-STATE_VERSION = 5
+STATE_VERSION = 6
 HABIT = (PICKUP, CAPACITY, REACH)
 """Which of `InkField.habit` are of the brush; the other is the material's."""
 MOST_STATIONS = 256
@@ -46,7 +46,6 @@ FLOW_VERTICES = ("vertices", "fresh")
 _OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
 MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
-_FASTEST_MM_S = 1e6  # that water rises or falls
 _LONGEST_PACE, _LONGEST_OWED = 3600.0, 1e9  # s
 
 _FLOW = {  # the most of each
@@ -60,6 +59,7 @@ _UPGRADES: dict[int, Callable[[State], State]] = {
     2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
     3: lambda state: {**state, "version": 4, "layers": None, "active": 0, **_whole(state)},
     4: lambda state: {**state, "version": 5, **_paced(state)},
+    5: lambda state: {**state, "version": 6},  # it says how fast the water rose, too
 }
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
@@ -79,7 +79,7 @@ def surface_state(surface: PaintedSurface) -> State:
         float64, pick-up (1/mm), capacity (coats x mm2) and reach (mm) of `kernels.pickup`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
-        where there is any trace of it: flow_vertices (C,) int32, flow_water, flow_speed,
+        where there is any trace of it: flow_vertices (C,) int32, flow_water,
         flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_pigment (C, P) float64,
         flow_written (C, P) float32; flow_fresh (N,) int32 vertices.
 
@@ -360,9 +360,6 @@ def checked_flow(
     shape = (len(kept["vertices"]),)
     for name, most in _FLOW.items():
         kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most)
-    kept["speed"] = as_array(state["flow_speed"], "flow_speed", shape, np.float64, SessionError)
-    if np.abs(kept["speed"]).max(initial=0.0) > _FASTEST_MM_S:
-        raise SessionError(f"flow_speed exceeds {_FASTEST_MM_S:g} mm/s")
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)

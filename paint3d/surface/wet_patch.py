@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paint3d.ink.materials import WET_COAT_MM
 from paint3d.ink.pigments import WATER
 from paint3d.kernels.grain import fill_grain
+from paint3d.kernels.wet_step import WetFields
 from paint3d.mesh.flow_graph import with_room
 
 if TYPE_CHECKING:
@@ -21,13 +22,11 @@ __all__ = ["FIRST_PACE", "WetPatch"]
 _GRAIN_MM = 1.2  # bumps of the paper that ink runs around
 _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
 _GRAIN_OF_WAYS = 2.0  # of the conductance
-_KEPT = ("water", "speed", "inside", "soaked", "pigment")
+_KEPT = ("water", "inside", "soaked", "pigment")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "held", "entry", "dry_entry", "ways", "psi",
-    "marks", "exchanged", "gained", "brought",
+    *_KEPT, "changed", "residual", "strength", "held", "entry", "dry_entry", "ways", "place",
 )  # fmt: skip
-_OF_LINKS = ("weights", "exchange")
 FIRST_PACE = 1.0 / 30.0  # s: the step where something came
 
 
@@ -50,8 +49,6 @@ class WetPatch:
         Depth, mm.
     pigment : (N, P) float64
         Coats times the covered share.
-    speed : (N,) float64
-        Change of depth in the last step, mm/s.
     inside : (N,) float64
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float64
@@ -62,7 +59,7 @@ class WetPatch:
         Time that passed since each block's last step, s; infinite where there is no water.
     pace : (B,) float64
         The step that suits each block now, s.
-    psi, marks, exchange, exchanged, gained, brought
+    place : (N,) int32
         Work, 0 between two steps.
     """
 
@@ -73,11 +70,10 @@ class WetPatch:
         count = len(surface.pigments)
         for name in _OF_NODES:
             setattr(self, name, np.zeros(0))
-        self.changed, self.marks = np.zeros(0, bool), np.zeros(0, np.uint8)
-        self.pigment, self.brought = np.zeros((0, count)), np.zeros((0, count))
+        self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
+        self.pigment = np.zeros((0, count))
         self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
-        self.weights, self.exchange = np.zeros(0), np.zeros(0)
-        self.totals = np.zeros(0)
+        self.weights, self.totals = np.zeros(0), np.zeros(0)
         self._n_nodes = self._n_links = 0
         self.owed = np.full(self.graph.n_blocks, np.inf)
         self.pace = np.full(self.graph.n_blocks, FIRST_PACE)
@@ -122,6 +118,15 @@ class WetPatch:
         wet = kept["water"] > 0.0
         block = self.graph.block[node[wet]]
         self.owed[block], self.pace[block] = kept["owed"][wet], kept["pace"][wet]
+
+    def fields(self, due: NDArray, mobile: NDArray, moved: NDArray) -> WetFields:
+        """What a step of some blocks, `due` (B,) bool, knows; see there for the others."""
+        graph = self.graph
+        return WetFields(
+            graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
+            graph.closed, self.place, self.residual, self.strength, self.held, self.entry,
+            self.water, self.pigment, self.soaked, self.changed, self.owed, due, mobile, moved,
+        )  # fmt: skip
 
     def is_wet(self) -> bool:
         """Whether there is any water left."""
@@ -177,7 +182,7 @@ class WetPatch:
     def _know_pigments(self) -> None:
         missing = len(self._surface.pigments) - self.pigment.shape[1]
         if missing:
-            for name in ("pigment", "brought", "written"):
+            for name in ("pigment", "written"):
                 setattr(self, name, np.pad(getattr(self, name), ((0, 0), (0, missing))))
 
     def _drop_water(self, nodes: NDArray) -> None:
@@ -254,8 +259,7 @@ class WetPatch:
             setattr(self, name, with_room(getattr(self, name), graph.n_nodes))
         for name in _OF_PLACES:
             setattr(self, name, with_room(getattr(self, name), graph.n_places))
-        for name in _OF_LINKS:
-            setattr(self, name, with_room(getattr(self, name), graph.n_links))
+        self.weights = with_room(self.weights, graph.n_links)
         self.totals = with_room(self.totals, graph.n_nodes)
         nodes = slice(self._n_nodes, graph.n_nodes)
         if self._n_nodes < graph.n_nodes:
