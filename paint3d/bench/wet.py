@@ -37,8 +37,8 @@ class _Hand:
 
     Attributes
     ----------
-    now, ink_s : float
-        Time since the beginning, and time that passed for the ink, s.
+    now, ink_s, owed : float
+        Time since the beginning, time that passed for the ink, and what is still to, s.
     late, slices : list of float
         How long after it came each batch was done, and what each piece of time took, s.
     """
@@ -48,7 +48,7 @@ class _Hand:
     ink_s: float = 0.0
     late: list[float] = field(default_factory=list)
     slices: list[float] = field(default_factory=list)
-    _owed: float = 0.0
+    owed: float = 0.0
     _keeps_up: bool = True
     _asked: deque[tuple[float, Callable[[], object]]] = field(default_factory=deque)
 
@@ -64,14 +64,14 @@ class _Hand:
                 self._asked.popleft()
                 self._spend(work)
                 self.late.append(self.now - at)
-            elif not self._keeps_up or self._owed >= WET_STEP_S:
+            elif not self._keeps_up or self.owed >= WET_STEP_S:
                 self._let_time_pass()
             else:
-                self._wait(min(at - self.now, WET_STEP_S - self._owed + 1e-6))
+                self._wait(min(at - self.now, WET_STEP_S - self.owed + 1e-6))
 
     def _let_time_pass(self) -> None:
-        seconds = min(self._owed, PIECE_S) if self._keeps_up else 0.0
-        self._owed = self._owed - seconds if self._keeps_up else min(self._owed, PIECE_S)
+        seconds = min(self.owed, PIECE_S) if self._keeps_up else 0.0
+        self.owed = self.owed - seconds if self._keeps_up else min(self.owed, PIECE_S)
         before = self.now
         self._keeps_up = self._spend(lambda: self.document.let_time_pass(seconds))
         self._spend(self.document.refresh)
@@ -86,7 +86,7 @@ class _Hand:
 
     def _wait(self, seconds: float) -> None:
         self.now += seconds
-        self._owed = min(self._owed + seconds, LONGEST_WET_S)
+        self.owed = min(self.owed + seconds, LONGEST_WET_S)
 
 
 def _stroke(k: int, start_s: float) -> list[DeviceSample]:
@@ -130,7 +130,7 @@ def measure(share: float = 1.0) -> Result:
     rows, at = [], 0.0
     n = max(1, round(_STROKES * share))
     for k in range(n):
-        began, ink, passed = hand.now, hand.ink_s, len(hand.late)
+        began, ink, passed = hand.now, hand.ink_s + hand.owed, len(hand.late)
         pieces = len(hand.slices)
         hand.ask(at, document.begin_stroke)
         for i, sample in enumerate(_stroke(k, at)):
@@ -144,7 +144,7 @@ def measure(share: float = 1.0) -> Result:
             (
                 k + 1, document.surface.flow.n_wet, 1e3 * max(hand.late[passed:]),
                 1e3 * max(hand.slices[pieces:], default=0.0),
-                (hand.ink_s - ink) / (hand.now - began),
+                (hand.ink_s + hand.owed - ink) / (hand.now - began),
             )
         )  # fmt: skip
     hand.ask(hand.now, document.undo)

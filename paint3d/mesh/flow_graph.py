@@ -116,6 +116,11 @@ class FlowGraph:
         marks[fields.sheet_cell[fields.vertex_sheet[ids]]] = True
         return np.flatnonzero(marks)
 
+    def block_of(self, ids: NDArray) -> NDArray:
+        """(N,) int32 block in which each of some vertices lies."""
+        fields = self._mesh.arrays
+        return self._cell_block[fields.sheet_cell[fields.vertex_sheet[ids]]]
+
     def blocks_of(self, cells: NDArray) -> NDArray:
         """The blocks of some cells (K,), rising."""
         return np.unique(self._cell_block[cells])

@@ -41,6 +41,7 @@ _UNLIKE = 1.15  # times as long as a neighbour's may a block's steps be
 _REST = 60.0  # s: steps while nothing moves but air
 _PIECE = 0.05  # s: time that passes at once beside a hand
 _LATE = 0.12  # s: steps as long can be taken where ink has just come; radii are 2 % off then
+_OPENED = 6  # blocks whose ways are learnt in one call beside a hand: some 6 ms each
 _NEARLY = 0.7  # of its step: then a block may take it along with others
 _BESIDE = 0.35  # of it: the same where a neighbour takes one
 _EDGE_GAIN, _EDGE_REACH = 8.0, 1.0  # evaporation at the border over that inside, less 1; mm
@@ -75,6 +76,13 @@ class Flow:
     Parameters
     ----------
     surface : PaintedSurface
+
+    Attributes
+    ----------
+    steps : int
+        Taken so far.
+    waiting : (N,) int32
+        Vertices whose ink `follow` has not taken up yet: they are fresh at the next call, too.
     """
 
     def __init__(self, surface: PaintedSurface) -> None:
@@ -82,6 +90,8 @@ class Flow:
         self._patch = WetPatch(surface)
         self.steps = 0
         self._ease = 1.0
+        self.waiting = np.zeros(0, np.int32)
+        self._waited = 0.0  # s, since all fresh ink was taken up
 
     @property
     def water(self) -> float:
@@ -111,8 +121,14 @@ class Flow:
         """What `restore` takes: what is on the patch, vertex by vertex."""
         return self._patch.keep()
 
+    def clear(self) -> None:
+        """Take all water away."""
+        self._patch.clear()
+        self.waiting = self.waiting[:0]
+
     def restore(self, kept: Mapping[str, NDArray]) -> None:
         """Go on where another flow, on the same surface with the same ink, was kept."""
+        self.waiting = self.waiting[:0]
         self._patch.restore(kept)
 
     # -- time -------------------------------------------------------------------------------
@@ -145,19 +161,25 @@ class Flow:
         """Let time pass, and let what is due move, as far as there is time for it.
 
         Water that moves little is left where it is until its step is due, and of what is due no
-        more is done than `most_nodes` for every 1/20 s, what waits longest first; the rest is due
-        at the next call, which may be for no time at all. How far anything is behind, and what is
-        done in one call, does not depend on a clock.
+        more is done than `most_nodes` for every 1/20 s, what waits longest first; and no more than
+        a few blocks are opened. The rest is due at the next call, which may be for no time at all.
+        How far anything is behind, and what is done in one call, does not depend on a clock.
 
         Returns
         -------
         bool
-            Whether no water waits so long for its step that this could be seen: more than 0.12 s,
-            and three times what suits it.
+            Whether nothing waits so long that this could be seen: water for its step more than
+            0.12 s, and three times what suits it; ink to be taken up 0.12 s.
         """
         patch = self._patch
         self._ease = _EASE
-        self._take_up(fresh)
+        now, self.waiting = patch.open_some(fresh, _OPENED)
+        self._waited = self._waited + seconds if len(self.waiting) else 0.0
+        self._take_up(now)
+        if not patch.open_wet(_OPENED):
+            patch.owed += seconds
+            patch.hand_back()
+            return False
         pieces = max(1, math.ceil(seconds / _PIECE))
         for _ in range(pieces):
             patch.owed += seconds / pieces
@@ -167,7 +189,8 @@ class Flow:
             self._step(chosen)
         patch.hand_back()
         wet = patch.wet_blocks()
-        return not (patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])).any()
+        is_late = patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])
+        return not is_late.any() and self._waited < _LATE
 
     def _due(self, wet: NDArray, pace: NDArray) -> NDArray:
         """Those of the wet blocks (K,), of paces (K,), that take a step now."""
@@ -206,6 +229,7 @@ class Flow:
         if not len(blocks):
             return
         patch = self._patch
+        blocks = blocks.astype(np.int64)
         self.steps += 1
         step = _Step(
             due=np.zeros(patch.graph.n_blocks, bool),

@@ -284,7 +284,8 @@ class PaintedSurface:
         if self._flow is None:
             from paint3d.surface.flow import Flow
 
-            self._flow, self._still = Flow(self), None
+            self._flow, self._still = self._still or Flow(self), None
+            self._flow.clear()
             self._fresh = [np.flatnonzero(self.coverage > 0.0).astype(np.int32)]
         return self._flow
 
@@ -304,8 +305,6 @@ class PaintedSurface:
         for name in ("pigment", "written"):  # pigments may have come since
             missing = count - kept[name].shape[1]
             kept[name] = np.pad(kept[name], ((0, 0), (0, missing)))
-        if self._flow is None and self._still is not None:
-            self._flow, self._still = self._still, None
         self.flow.restore(kept)
         self._fresh = [kept["fresh"]]
 
@@ -356,7 +355,9 @@ class PaintedSurface:
             If the time is not a finite number of at least 0.
         """
         seconds = as_number(seconds, "seconds", 0.0)
-        return self.flow.follow(seconds, self._take_fresh(), most_nodes)
+        keeps_up = self.flow.follow(seconds, self._take_fresh(), most_nodes)
+        self._fresh.append(self.flow.waiting)
+        return keeps_up
 
     @property
     def flow_patience(self) -> float:

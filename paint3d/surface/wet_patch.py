@@ -98,23 +98,28 @@ class WetPatch:
             "pace": self.pace[block],
         }
 
+    def clear(self) -> None:
+        """Take everything away."""
+        self._know_pigments()
+        for name in _KEPT:
+            getattr(self, name)[:] = 0.0
+        self.written[:] = 0.0
+        self.entry[:] = self.dry_entry
+        self.changed[:] = False
+        self.owed[:], self.pace[:] = np.inf, FIRST_PACE
+
     def restore(self, kept: Mapping[str, NDArray]) -> None:
         """Take over what another patch kept, on the same vertices of the same surface."""
         ids = kept["vertices"]
         self.graph.know(self.graph.cells_of(ids))  # the ways from there are found when needed
         self._follow()
-        self._know_pigments()
-        for name in _KEPT:
-            getattr(self, name)[:] = 0.0
-        self.written[:] = 0.0
+        self.clear()
         place = self.graph.places(ids)
         node = self.graph.node_of[place]
         for name in _KEPT:
             getattr(self, name)[node] = kept[name]
         self.written[place] = kept["written"]
         self.entry = np.where(self.soaked >= 1.0, 0.0, self.dry_entry)
-        self.changed[:] = False
-        self.owed[:], self.pace[:] = np.inf, FIRST_PACE
         wet = kept["water"] > 0.0
         block = self.graph.block[node[wet]]
         self.owed[block], self.pace[block] = kept["owed"][wet], kept["pace"][wet]
@@ -246,6 +251,30 @@ class WetPatch:
         else:
             self.graph.know(cells)
         self._follow()
+
+    def open_some(self, ids: NDArray, most: int) -> tuple[NDArray, NDArray]:
+        """Reach as far as some vertices (N,) with ink, but open no more than so many blocks.
+
+        Returns those whose ink can be taken up now, and those that have to wait.
+        """
+        place = self.graph.places(ids)
+        wanted = self._surface.ink.amounts[ids].any(axis=1) & ~self._is_open(place)
+        if self.material.pores_mm <= 0.0 or not wanted.any():
+            return ids, ids[:0]
+        block = self.graph.block_of(ids)
+        closed = np.unique(block[wanted])
+        self.open(closed[:most])
+        waits = wanted & np.isin(block, closed[most:])
+        return ids[~waits], ids[waits]
+
+    def open_wet(self, most: int) -> bool:
+        """Open so many of the blocks with water; whether all are open now."""
+        wet = self.wet_blocks()
+        if self.material.pores_mm <= 0.0:
+            return True
+        closed = wet[~self.graph.block_open[wet]]
+        self.open(closed[:most])
+        return len(closed) <= most
 
     def open(self, blocks: NDArray) -> None:
         """Learn the ways in some blocks (K,)."""

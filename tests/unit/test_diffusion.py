@@ -441,6 +441,8 @@ def test_a_slice_of_work_is_bounded_and_the_rest_is_done_later():
     surface = laid(radius=8.0, coats=2.0)
     other = laid(radius=8.0, coats=2.0)
     other.diffuse(0.0)
+    while surface.follow_flow(0.0, 200) and len(surface.flow.waiting):
+        pass  # until all its ways are known
     assert surface.follow_flow(1.0 / 30.0, 200)
     moved = np.flatnonzero(surface.flow.depths()[1] != other.flow.depths()[1])
     assert 0 < len(moved) < 0.5 * np.count_nonzero(other.flow.depths()[1])
@@ -450,6 +452,40 @@ def test_a_slice_of_work_is_bounded_and_the_rest_is_done_later():
         calls += 1
     assert 4 < calls < 200
     assert not surface.follow_flow(0.3, 200)  # now it is behind
+
+
+def test_no_more_than_a_few_blocks_are_opened_in_one_call(monkeypatch):
+    """Where much is wet at once, as after opening a painting, the hand need not wait for it."""
+    monkeypatch.setattr(flows, "_OPENED", 2)
+    surface, whole = laid(radius=12.0, coats=1.0), laid(radius=12.0, coats=1.0)
+    whole.diffuse(0.0)
+    before = surface.wet_ink()
+    opened, calls = 0, 0
+    while surface.follow_flow(0.0) and len(surface.flow.waiting):
+        now = np.count_nonzero(surface.flow_graph.block_open)
+        assert opened < now <= opened + flows._OPENED
+        opened, calls = now, calls + 1
+        assert surface.flow_patience == 0.0
+    assert calls > 3
+    assert surface.flow.water == whole.flow.water
+    assert surface.wet_ink() == pytest.approx(before, rel=1e-6)
+
+
+def test_ink_that_waits_to_be_taken_up_is_kept(monkeypatch):
+    monkeypatch.setattr(flows, "_OPENED", 2)
+    surface = laid(radius=12.0, coats=1.0)
+    surface.follow_flow(0.02)
+    kept = surface.keep_flow()
+    before = surface.flow.water
+    surface.restore_flow(kept)
+    keeps_up = [surface.follow_flow(0.05) for _ in range(5)]
+    assert keeps_up[0]
+    assert not all(keeps_up)  # time has to stand still for it
+    while len(surface.flow.waiting):
+        surface.follow_flow(0.0)
+    assert surface.flow.water > 1.5 * before
+    volume = WET_COAT_MM * surface.wet_ink()
+    assert surface.flow.water == pytest.approx(volume, rel=0.01)  # a little has dried
 
 
 def test_the_outcome_does_not_depend_on_the_threads(monkeypatch):
