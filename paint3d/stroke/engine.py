@@ -311,7 +311,7 @@ class Painter:
             view would; the painting is the same without.
         wet : bool
             Let the ink spread and dry meanwhile, in the recording's own time, by frames of
-            1/30 s or as `frame_rate` says (`PaintedSurface.diffuse`). Otherwise no time passes.
+            1/30 s or as `frame_rate` says (`PaintedSurface.follow_flow`). Otherwise no time passes.
         """
         if wet and frame_rate is None:
             frame_rate = _WET_RATE
@@ -327,12 +327,14 @@ class Painter:
             self._paint(samples, int(last), stops)
             if wet:
                 now = float(path.time_s[last])
-                self.surface.diffuse(now - before)
+                self.surface.follow_flow(now - before, None)
                 before = now
             if frame_rate is not None:
                 self._refresh()
             if progress is not None:
                 progress((last + 1) / n)
+        if wet:
+            self.surface.diffuse(0.0)  # what waits for its step takes it
         self._n_samples += n
         self._begin()
 

@@ -146,10 +146,9 @@ class Flow:
             gone = min(left, longest, max(float((pace - patch.owed[wet]).min()), FIRST_PACE))
             left -= gone
             patch.owed += gone
-            if left <= 1e-9 * seconds:
-                self._bring_to_now()
-            else:
+            if left > 1e-9 * seconds:
                 self._step(self._due(wet, pace))
+        self._bring_to_now()
         patch.hand_back()
 
     def _bring_to_now(self) -> None:
@@ -157,7 +156,7 @@ class Flow:
         while len(wet := patch.wet_blocks()) and patch.owed[wet].any():
             self._step(wet[patch.owed[wet] > 0.0])
 
-    def follow(self, seconds: float, fresh: NDArray, most_nodes: int) -> bool:
+    def follow(self, seconds: float, fresh: NDArray, most_nodes: int | None) -> bool:
         """Let time pass, and let what is due move, as far as there is time for it.
 
         Water that moves little is left where it is until its step is due, and of what is due no
@@ -173,10 +172,11 @@ class Flow:
         """
         patch = self._patch
         self._ease = _EASE
-        now, self.waiting = patch.open_some(fresh, _OPENED)
+        most_blocks = _OPENED if most_nodes is not None else patch.graph.n_blocks
+        now, self.waiting = patch.open_some(fresh, most_blocks)
         self._waited = self._waited + seconds if len(self.waiting) else 0.0
         self._take_up(now)
-        if not patch.open_wet(_OPENED):
+        if not patch.open_wet(most_blocks):
             patch.owed += seconds
             patch.hand_back()
             return False
@@ -185,8 +185,7 @@ class Flow:
             patch.owed += seconds / pieces
             wet = patch.wet_blocks()
             due = self._due(wet, patch.pace[wet])
-            chosen = self._most_urgent(due, most_nodes)
-            self._step(chosen)
+            self._step(due if most_nodes is None else self._most_urgent(due, most_nodes))
         patch.hand_back()
         wet = patch.wet_blocks()
         is_late = patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])

@@ -221,3 +221,21 @@ def test_the_refined_mesh_is_whole():
     assert mesh.area == pytest.approx(source.area, rel=1e-6)
     assert painter.surface.vertex_areas.sum() == pytest.approx(source.area, rel=1e-6)
     assert (mesh.colours == painter.surface.srgb).all()
+
+
+def test_wet_replays_take_what_is_due_and_come_out_as_if_all_were_moved():
+    recording = stroke(np.append(np.full(60, 0.5), np.zeros(400)))
+    found = []
+    for exactly in (False, True):
+        surface = PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8, "xuan")
+        if exactly:
+            surface.follow_flow = lambda seconds, most, own=surface: own.diffuse(seconds)
+        Painter(surface, "zhongbaiyun", "pine soot").replay(recording, wet=True)
+        assert not surface.keep_flow()["owed"].any()  # brought to now
+        ink, areas = surface.amounts.sum(axis=1).astype(float), surface.vertex_areas
+        found.append((areas[ink > 0.02].sum(), ink**2 @ areas, ink @ areas, surface.flow.steps))
+    (area, square, whole, steps), exact = found
+    assert area == pytest.approx(exact[0], rel=0.02)
+    assert square == pytest.approx(exact[1], rel=0.02)
+    assert whole == pytest.approx(exact[2], rel=1e-3)
+    assert steps < 0.8 * exact[3]
