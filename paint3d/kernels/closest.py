@@ -202,6 +202,8 @@ def _enters(boxes, node, ray, best):
     for axis in range(3):
         low = boxes[node, axis] - ray[axis]
         high = boxes[node, 3 + axis] - ray[axis]
+        if low > high:  # of an empty node
+            return False
         way = ray[3 + axis]
         if way == 0.0:
             if low > 0.0 or high < 0.0:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from paint3d.errors import InputError
+from paint3d.kernels.closest import _enters
 from paint3d.kernels.halving import order_by_halving
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.mesh.solids import make_bowl, make_plane
@@ -40,6 +41,13 @@ def queries(seed: int, mesh: TriangleMesh, n: int) -> NDArray:
     points[::4] = corners[::4, 0]
     points[1::4] = 0.5 * (corners[1::4, 0] + corners[1::4, 1])
     return points
+
+
+def test_rays_do_not_enter_boxes_that_hold_nothing() -> None:
+    boxes = np.array([[-np.inf] * 6, [np.inf] * 3 + [-np.inf] * 3, [0.0] * 3 + [1.0] * 3])
+    ray = np.array([0.5, 0.5, 9.0, 0.1, 0.0, -2.0])
+    assert not _enters(boxes, 1, ray, np.inf)
+    assert _enters(boxes, 2, ray, np.inf)
 
 
 def distance_to_segments(points: NDArray, a: NDArray, b: NDArray) -> NDArray:
