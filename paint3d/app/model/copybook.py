@@ -210,10 +210,10 @@ class Copybook:
     def place_of(self, stroke: Stroke) -> int | None:
         """The character in whose square most of a stroke was painted; None where in none."""
         path = object_poses(stroke.samples)
-        roots = path.position
+        way = path.way  # a brush that leans has its root over another character
         if path.pressure is not None and (path.pressure > 0.0).any():
-            roots = roots[path.pressure > 0.0]
-        feet = self.ghosts[0].surface.find(roots).points
+            way = way[path.pressure > 0.0]
+        feet = self.ghosts[0].surface.find(way).points
         counts = [_inside(ghost, feet) for ghost in self.ghosts]
         best = int(np.argmax(counts))
         return best if counts[best] > 0 else None
