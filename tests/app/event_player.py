@@ -248,7 +248,7 @@ def look(window: StudioWindow, view: str | dict) -> None:
         window.hand.look_from(view)
 
 
-def settle(window: StudioWindow, seconds: float = 120.0) -> None:
+def settle(window: StudioWindow, seconds: float = 600.0) -> None:
     """Wait until everything asked for is painted."""
     done = window.stage.easel.post(lambda document: None)
     until = time.monotonic() + seconds

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.window.studio import StudioWindow
+from tests.app import event_player
 from tests.app.event_player import EventRecording, look, open_for, settle
 from tests.app.hands import same_vertices
 from tests.app.marks import (
@@ -158,6 +161,27 @@ def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: st
         window.post("end_stroke")
     settle(window)
     same_vertices(surfaces[0], window.document.surface)
+
+
+def test_a_stroke_is_painted_whole_though_another_object_is_opened_at_once(
+    window, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    band = EventRecording.load("band")
+    left = []
+    for held in (False, True):
+        open_for(window, band.header, 1.0)
+        document, gate = window.document, threading.Event()
+        if held:  # the painting stands still until the other object is being opened
+            window.stage.easel.post(lambda document, gate=gate: gate.wait(60))
+            monkeypatch.setattr(event_player, "settle", lambda window: None)
+            threading.Timer(2.0, gate.set).start()
+        player_of(window).play(band, "at once")
+        assert held == (len(document.strokes) == 0)
+        assert window.files.open_path("sphere", 4.0, "porcelain", asked=True)
+        assert window.document is not document
+        left.append(document)
+    assert len(left[1].strokes) == len(left[0].strokes) > 0
+    same_vertices(left[0].surface, left[1].surface)
 
 
 def test_strokes_in_all_directions_start_as_wide_as_they_go_on(window) -> None:
