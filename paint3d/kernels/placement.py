@@ -240,17 +240,16 @@ def _bend_along_drag(values, was_touching, tuft, room):
 def _press(pose, up_x, up_y, up_z, values, tuft):
     """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height.
 
-    Where the hand means a place, the tilt is the handle's lean along the bend alone.
+    Where the hand means a place, there is a pressure, and the tilt is the handle's lean along the
+    bend alone.
     """
     if values[st.CENTRED] > 0.0:
         _limit_tilt(values, up_x, up_y, up_z, tuft)
-        tilt = values[st.TILT]
-        sine = np.sin(tilt)
-    else:
-        sine = _sine_of_tilt(values, up_x, up_y, up_z)
-        sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
-        tilt = np.arcsin(sine)
-    values[st.TILT] = tilt
+        _set_descent(values, pose[7] * tuft.full_press, tuft)
+        return
+    sine = _sine_of_tilt(values, up_x, up_y, up_z)
+    sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
+    values[st.TILT] = np.arcsin(sine)
     if np.isnan(pose[7]):
         height = 0.0
         for axis in range(3):
@@ -258,7 +257,12 @@ def _press(pose, up_x, up_y, up_z, values, tuft):
         descent = tuft.length * sine - height
     else:
         descent = pose[7] * tuft.full_press
-    descent = min(descent, greatest_descent(tuft, tilt))
+    _set_descent(values, descent, tuft)
+
+
+@njit(cache=True, nogil=True)
+def _set_descent(values, descent, tuft):
+    descent = min(descent, greatest_descent(tuft, values[st.TILT]))
     values[st.DESCENT] = descent
     values[st.PRESSURE] = min(1.0, max(0.0, descent / tuft.full_press))
 
@@ -300,7 +304,7 @@ def _settle(values, up_x, up_y, up_z, tuft):
 @njit(cache=True, nogil=True)
 def _limit_tilt(values, up_x, up_y, up_z, tuft):
     """Make the handle's lean along the bend the model's tilt; returns the sine of that lean."""
-    lean = -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
+    lean = _lean(values, up_x, up_y, up_z)
     values[st.TILT] = max(np.arccos(min(1.0, max(0.0, lean))), tuft.lowest_tilt)
     return lean
 
@@ -326,8 +330,15 @@ def _sine_of_tilt(values, up_x, up_y, up_z):
 
 @njit(cache=True, nogil=True)
 def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
-    """Keep count of what the model could not follow, so that a report can say so."""
-    if _sine_of_tilt(values, up_x, up_y, up_z) < np.sin(tuft.lowest_tilt) - 1e-9:
+    """Keep count of what the model could not follow, so that a report can say so.
+
+    A handle over a place that the hand means may lean to the side of the bend as far as it likes.
+    """
+    if values[st.CENTRED] > 0.0:
+        upright = np.sin(np.arccos(min(1.0, max(0.0, _lean(values, up_x, up_y, up_z)))))
+    else:
+        upright = _sine_of_tilt(values, up_x, up_y, up_z)
+    if upright < np.sin(tuft.lowest_tilt) - 1e-9:
         counters[TILT_LIMITED] += 1
     if values[st.DESCENT] >= greatest_descent(tuft, values[st.TILT]):
         counters[OVERPRESSED] += 1
@@ -340,6 +351,11 @@ def start_sheet(values, field):
     if cell < 0:
         return -1
     return sheet_of(field, cell, int(values[st.TRIANGLE]))
+
+
+@njit(cache=True, nogil=True)
+def _lean(values, up_x, up_y, up_z):
+    return -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
 
 
 @njit(cache=True, nogil=True)

@@ -76,6 +76,14 @@ def test_the_mark_lies_under_the_pen_however_it_leans(tilt, toward, pressure):
     assert ink.sum() == pytest.approx(ink_of(upright).sum(), rel=0.1)
 
 
+def test_a_lean_to_the_side_of_the_bend_is_no_limit_of_the_tilt():
+    lean = np.tan(np.radians(70.0))
+    _, aside = painted(line((0.0, lean, 0.0)), resolution=2.0)
+    _, forward = painted(line((lean, 0.0, 0.0)), resolution=2.0)
+    assert aside.report()["tilt_limited"] == 0
+    assert forward.report()["tilt_limited"] > 0
+
+
 @pytest.mark.parametrize("hairs", [0, 100])
 def test_inside_the_bowl_nothing_is_missing_and_nothing_lies_elsewhere(hairs):
     mesh = load_mesh("bowl")
