@@ -27,6 +27,7 @@ TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
 OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
 REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
 _OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is not over the surface
+_LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
 
 
 @njit(cache=True, nogil=True)
@@ -82,14 +83,19 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     along, up, radius = enclose_tuft(
         tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], room.tuft
     )
+    extent = 0.0
     if centred:
-        along -= _trace_middle(values, tuft, room)
+        middle, extent = _trace_extent(values, tuft, room)
+        along -= middle
     for axis in range(3):
         values[st.SPHERE_X + axis] = (
             foot[axis] + along * values[st.BEND_X + axis] + up * values[st.NORMAL_X + axis]
         )
     values[st.RADIUS] = radius
-    lean_plane(values, field, room)
+    if centred:
+        _lean_plane_under(values, extent, field, room)
+    else:
+        lean_plane(values, field, room)
     if dragged:
         _set_bend(values, values[st.DRAG_X], values[st.DRAG_X + 1], values[st.DRAG_X + 2])
     else:
@@ -143,10 +149,18 @@ def _trace(values, tuft, room):
 
 
 @njit(cache=True, nogil=True)
-def _trace_middle(values, tuft, room):
-    """How far along the bend the outline's middle lies from P'_m, mm; 0 where nothing touches."""
+def _trace_extent(values, tuft, room):
+    """How far along the bend the outline's middle lies from P'_m, and half its longer side, mm.
+
+    Both are 0 where nothing touches.
+    """
     n = _trace(values, tuft, room)
-    return 0.5 * (room.reach[0] + room.reach[n - 1]) if n > 0 else 0.0
+    if n == 0:
+        return 0.0, 0.0
+    half = 0.5 * (room.reach[0] - room.reach[n - 1])
+    for k in range(n):
+        half = max(half, room.half_width[k])
+    return 0.5 * (room.reach[0] + room.reach[n - 1]), half
 
 
 @njit(cache=True, nogil=True)
@@ -365,20 +379,54 @@ def lean_plane(values, field, room):
     Sheets of surface that face away from the brush are left out (the far side of a thin wall), and
     those at the sphere's border fade in, so that the plane does not jump as the brush moves.
     """
+    n = _flood(values, field, room)
+    if n > 0:
+        _sum_normals(
+            field.sheet_pack, room.sheets, n, values, values[st.SPHERE_X], values[st.SPHERE_X + 1],
+            values[st.SPHERE_X + 2], values[st.RADIUS], field.numbers[1], room.vector,
+        )  # fmt: skip
+        _set_normal(values, room.vector)
+
+
+@njit(cache=True, nogil=True)
+def _flood(values, field, room):
+    """Find the sheets of the patch in the enclosing sphere; how many, 0 where no surface is."""
     sheet = start_sheet(values, field)
     if sheet < 0:
-        return
-    cx = values[st.SPHERE_X]
-    cy = values[st.SPHERE_X + 1]
-    cz = values[st.SPHERE_X + 2]
-    radius = values[st.RADIUS]
+        return 0
     room.tick[0] += 1
-    n = flood_patch(
-        field, sheet, cx, cy, cz, radius + field.numbers[1], room.stamps, room.tick[0], room.sheets
-    )
-    room.patch[0] = n
-    _sum_normals(field.sheet_pack, room.sheets, n, values, field.numbers[1], room.vector)
-    sum_x, sum_y, sum_z = room.vector[0], room.vector[1], room.vector[2]
+    room.patch[0] = flood_patch(
+        field, sheet, values[st.SPHERE_X], values[st.SPHERE_X + 1], values[st.SPHERE_X + 2],
+        values[st.RADIUS] + field.numbers[1], room.stamps, room.tick[0], room.sheets,
+    )  # fmt: skip
+    return room.patch[0]
+
+
+@njit(cache=True, nogil=True)
+def _lean_plane_under(values, extent, field, room):
+    """Let the plane be that of the surface under a footprint around the place that is meant.
+
+    The enclosing sphere is that of the whole tuft, many times as wide. What it holds of a wall or
+    of the far side of a crease, which the footprint does not touch, would lean the plane so far
+    that what lies under the footprint faces away from it. `extent` is half the outline's longer
+    side, mm.
+    """
+    n = _flood(values, field, room)
+    if n == 0:
+        return
+    cell = field.numbers[1]
+    fade = max(_LEAST_FADE * cell, min(cell, extent))
+    _sum_normals(
+        field.sheet_pack, room.sheets, n, values, values[st.FOOT_X], values[st.FOOT_X + 1],
+        values[st.FOOT_X + 2], extent, fade, room.vector,
+    )  # fmt: skip
+    _set_normal(values, room.vector)
+
+
+@njit(cache=True, nogil=True)
+def _set_normal(values, vector):
+    """Make a vector's direction the plane's normal; it stays as it is where there is none."""
+    sum_x, sum_y, sum_z = vector[0], vector[1], vector[2]
     norm = np.sqrt(sum_x * sum_x + sum_y * sum_y + sum_z * sum_z)
     if norm > 0.0:
         values[st.NORMAL_X] = sum_x / norm
@@ -387,15 +435,14 @@ def lean_plane(values, field, room):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sum_normals(pack, sheets, n, values, fade, total):
-    """Sum the area-weighted normals of the sheets that face as the foot's surface does."""
+def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, total):
+    """Sum the area-weighted normals of the sheets in a ball that face as the foot's surface does.
+
+    At its border they fade in over the way `fade`, mm.
+    """
     fx = values[st.FOOT_NORMAL_X]
     fy = values[st.FOOT_NORMAL_X + 1]
     fz = values[st.FOOT_NORMAL_X + 2]
-    cx = values[st.SPHERE_X]
-    cy = values[st.SPHERE_X + 1]
-    cz = values[st.SPHERE_X + 2]
-    radius = values[st.RADIUS]
     x, y, z = 0.0, 0.0, 0.0
     for k in range(n):
         s = sheets[k]

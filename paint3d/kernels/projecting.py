@@ -20,6 +20,7 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
     Straight-line float32 code over consecutive memory: the compiler turns it into vector
     instructions. A vertex that faces away, or lands outside the enclosing sphere, is sent far off;
     where it lands and not where it is, for a convex surface falls away from under the tip.
+    So is one that would be carried farther than the frame says, as from a ridge beside the brush.
     `stretch` gets the plane's area for one of the surface there, as on a cylinder: 1 / cosine^2.
     """
     ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
@@ -28,6 +29,7 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
     cx, cy, cz = np.float32(frame[9]), np.float32(frame[10]), np.float32(frame[11])
     sx, sy, sz = np.float32(frame[12]), np.float32(frame[13]), np.float32(frame[14])
     r2 = np.float32(frame[sw.RADIUS2])
+    farthest2 = np.float32(frame[sw.CARRY2])
     least = np.float32(LEAST_FACING)
     away = np.float32(AWAY)
     one = np.float32(1.0)
@@ -52,7 +54,7 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
         ez = qz - sz
         reach = max(ex * ex + ey * ey + ez * ez, height * height)
         x = qx * bx + qy * by + qz * bz
-        xs[k] = away if (cosine < least) | (reach > r2) else x
+        xs[k] = away if (cosine < least) | (reach > r2) | (t * t > farthest2) else x
         ys[k] = qx * cx + qy * cy + qz * cz
         stretch[k] = inverse * inverse
 
@@ -66,6 +68,7 @@ def take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out
     ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
     ux, uy, uz = np.float32(frame[3]), np.float32(frame[4]), np.float32(frame[5])
     r2 = np.float32(frame[sw.RADIUS2])
+    farthest2 = np.float32(frame[sw.CARRY2])
     least = np.float32(LEAST_FACING)
     one = np.float32(1.0)
     n = last - first
@@ -78,9 +81,10 @@ def take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out
     for k in range(n):
         cosine = nx[k] * ux + ny[k] * uy + nz[k] * uz
         height = (px[k] - ox) * ux + (py[k] - oy) * uy + (pz[k] - oz) * uz
-        bad = (cosine < least) | (height * height > r2)
-        refused += np.int32(bad)
         inverse = one / cosine
+        t = height * inverse
+        bad = (cosine < least) | (height * height > r2) | (t * t > farthest2)
+        refused += np.int32(bad)
         ids[k] = first + k
         share[k] = inverse * inverse
         cover[k] = -one if bad else one

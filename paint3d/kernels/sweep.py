@@ -13,9 +13,9 @@ from numba import njit
 from paint3d.kernels import stamp as st
 
 __all__ = [
-    "AFTER", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CROSS", "END", "END_RISE",
-    "FRAME_SIZE", "NORMAL", "ORIGIN", "PARTS", "RADIUS2", "RISE", "RISES", "SCALE", "SPHERE",
-    "TURN_AFTER", "fill_between", "fill_frame", "sweep_bounds",
+    "AFTER", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CARRY2", "CROSS", "END",
+    "END_RISE", "FRAME_SIZE", "NORMAL", "ORIGIN", "PARTS", "RADIUS2", "RISE", "RISES", "SCALE",
+    "SPHERE", "TURN_AFTER", "fill_between", "fill_frame", "sweep_bounds",
 ]  # fmt: skip
 
 _MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
@@ -26,7 +26,8 @@ _PART_WIDTH = 0.25  # of the soft edge, the shortest
 ORIGIN, NORMAL, BEND, CROSS, SPHERE = 0, 3, 6, 9, 12
 RADIUS2, BOX, BOX_BEFORE, SCALE, AFTER, BEFORE = 15, 16, 20, 24, 25, 28
 TURN_AFTER, PARTS, RISE, END_RISE, END, RISES = 31, 35, 36, 37, 38, 39
-FRAME_SIZE = 43  # numbers in it
+CARRY2 = 43
+FRAME_SIZE = 44  # numbers in it
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
@@ -87,7 +88,12 @@ def fill_frame(before, after, plane, scale, bounds, frame):
         frame[CROSS + k] = plane[st.CROSS_X + k]
         frame[SPHERE + k] = plane[st.SPHERE_X + k] - plane[st.ORIGIN_X + k]
     # the sphere is that of one stamp: the other's outline sticks out by what it moved
-    frame[RADIUS2] = (plane[st.RADIUS] + 0.5 / scale + st.outline_motion(before, after)) ** 2
+    sticks_out = 0.5 / scale + st.outline_motion(before, after)
+    frame[RADIUS2] = (plane[st.RADIUS] + sticks_out) ** 2
+    frame[CARRY2] = np.inf
+    if plane[st.CENTRED] > 0.0:
+        half = max(_half_extent(before.values), _half_extent(after.values))
+        frame[CARRY2] = (half + sticks_out) ** 2
     for k in range(8):
         frame[BOX + k] = bounds[k]
     frame[SCALE] = scale
@@ -96,6 +102,14 @@ def fill_frame(before, after, plane, scale, bounds, frame):
         frame[at + 1] = values[st.HEEL]
         frame[at + 2] = values[st.TIP]
     frame[TURN_AFTER : TURN_AFTER + 4] = (0.0, 0.0, 1.0, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _half_extent(values):
+    """Half the longer side of a footprint, mm; 0 where there is none."""
+    if values[st.TOUCHES] <= 0.0:
+        return 0.0
+    return max(0.5 * (values[st.TIP] - values[st.HEEL]), values[st.WIDEST])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

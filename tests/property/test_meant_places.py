@@ -19,6 +19,7 @@ from paint3d.files.session import Session, load_session, save_session
 from paint3d.frames import quaternions_from_matrices
 from paint3d.kernels.stamp import TIP, ink_way, make_stamp
 from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.resampling import resample
 from paint3d.stroke.engine import Painter
 from paint3d.stroke.laying import lay
@@ -103,6 +104,59 @@ def test_inside_the_bowl_nothing_is_missing_and_nothing_lies_elsewhere(hairs):
         gaps = np.linalg.norm(points[:, None] - found.points[None, 3:-3], axis=2).min(axis=0)
         assert gaps.max() < 1.5
         assert painter.ledger()["off_surface"] < 0.05 * ink_of(surface).sum()
+
+
+def extruded(profile, length=100.0, step=4.0):
+    """A surface over a line in x and z (N, 2), as long along y, mm; its front is to the left."""
+    profile = np.asarray(profile, float)
+    ys = np.arange(-0.5 * length, 0.5 * length + step, step)
+    vertices = np.array([[x, y, z] for y in ys for x, z in profile])
+    n = len(profile)
+    first = np.array([k * n + i for k in range(len(ys) - 1) for i in range(n - 1)])
+    faces = np.concatenate(
+        [
+            np.stack([first, first + 1, first + n], axis=1),
+            np.stack([first + 1, first + n + 1, first + n], axis=1),
+        ]
+    )
+    return TriangleMesh(vertices, faces)
+
+
+def painted_on(mesh, places, lean=(0.0, 0.0, 0.0), pressure=0.25):
+    """What a stroke leaves over those places of a mesh: the vertices with ink, and the way."""
+    found = ClosestPoints(mesh).find(np.asarray(places, float))
+    pressures = np.full(len(places), pressure)
+    pressures[[0, -1]] = 0.0
+    leans = np.tile(lean, (len(places), 1))
+    surface = PaintedSurface(mesh, 0.6, "porcelain")
+    recording = stroke(found.points, found.normals, leans, pressures)
+    Painter(surface, "full", "pine soot").replay(recording)
+    return surface.paint_mesh.vertices[ink_of(surface) > 0.0].astype(float), found.points
+
+
+def test_a_ridge_beside_the_brush_stays_clean():
+    """Its rounded top looks away from the brush: carried along its normals it lies under it."""
+    turn = np.linspace(np.pi, 0.0, 9)
+    top = np.stack([6.0 + 2.0 * np.cos(turn), 8.0 + 2.0 * np.sin(turn)], axis=1)
+    mesh = extruded([(-40.0, 0.0), (0.0, 0.0), (4.0, 0.0), *top, (8.0, 0.0), (40.0, 0.0)])
+    way = np.stack([np.zeros(50), np.linspace(-25.0, 25.0, 50), np.zeros(50)], axis=1)
+    inked, _ = painted_on(mesh, way)
+    assert inked[:, 2].max() < 3.0
+    inner = inked[np.abs(inked[:, 1]) < 15.0]
+    assert abs(inner[:, 0].min() + inner[:, 0].max()) < 1.2  # twice the middle
+
+
+def test_the_plane_is_that_of_the_surface_under_the_footprint():
+    """The tuft's sphere holds more of the slopes beside a ledge than of the ledge."""
+    mesh = extruded([(-10.0, 40.0), (0.0, 0.0), (12.0, 0.0), (14.0, -8.0), (24.0, -48.0)])
+    surface = PaintedSurface(mesh, 0.6, "porcelain")
+    painter = Painter(surface, "full", "pine soot")
+    for x in (4.0, 6.0, 8.0):
+        place = (x, 1.0, 0.0)
+        contact = painter.contact((x, 1.0, 30.0), (1.0, 0.0, 0.0, 0.0), 0.25, place)
+        np.testing.assert_allclose(contact.normal, (0.0, 0.0, 1.0), atol=0.1)
+    contact = painter.contact((12.0, 1.0, 30.0), (1.0, 0.0, 0.0, 0.0), 0.25, (12.0, 1.0, 0.0))
+    assert 0.4 < contact.normal[2] < 0.95  # half of each face
 
 
 def test_a_hasty_stroke_stays_on_its_side_of_a_thin_wall():
