@@ -7,7 +7,9 @@ patch, weighted by area, and not over its vertices, so that refining the mesh ch
 
 A hand that paints under a pen or pointer means a place on the surface and not one of the root.
 Then that place stands for the foot point, wherever the handle leans, and the middle of the outline
-lies there.
+lies there: half-way between its ends along the bend and, where the brush moves, half-way between
+the sides of the mark that it draws, so that a brush turned against its way paints no further to one
+side than to the other.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
 REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
 _OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is not over the surface
 _LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
+_TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a brush goes
 
 
 @njit(cache=True, nogil=True)
@@ -49,6 +52,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         room.vector[axis] = before.values[st.FOOT_X + axis]
         room.drag[axis] = before.values[st.DRAG_X + axis]
     centred = pose[8] > 0.0
+    trail = _TRAIL * before.values[st.WIDEST] if was_touching and centred else 0.0
     values[st.TOUCHES] = 0.0
     values[st.CENTRED] = pose[8]
     reach = REACH * tuft.length
@@ -72,6 +76,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         values[st.FOOT_X + axis] = foot[axis]
         values[st.NORMAL_X + axis] = foot[3 + axis]
         values[st.FOOT_NORMAL_X + axis] = foot[3 + axis]
+    if centred and not dragged:
+        _follow_way(values, trail, room)
     _bend_along_pose(values, w, x, y, z)
     _press(pose, up_x, up_y, up_z, values, tuft)
     if values[st.DESCENT] <= 0.0:
@@ -113,6 +119,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         for axis in range(3):
             values[st.ORIGIN_X + axis] = foot[axis] - middle * values[st.BEND_X + axis]
     st.fill_profile(after, room.reach, room.half_width, n)
+    if centred and not dragged:
+        _centre_mark(values, after.half_widths, trail)
     _hold_outline(values)
     if values[st.AREA] > 0.0:
         values[st.TOUCHES] = 1.0
@@ -251,6 +259,53 @@ def _bend_along_drag(values, was_touching, tuft, room):
 
 
 @njit(cache=True, nogil=True)
+def _follow_way(values, trail, room):
+    """Pull the dragged point behind the place that the hand means, at most `trail` (mm) away.
+
+    With `trail` 0 the brush comes down: it has no way yet. Nothing is bent by this point.
+    """
+    rx, ry, rz = 0.0, 0.0, 0.0
+    if trail > 0.0:
+        rx, ry, rz = drag_step(
+            room.drag[0],
+            room.drag[1],
+            room.drag[2],
+            values[st.FOOT_X] - room.vector[0],
+            values[st.FOOT_X + 1] - room.vector[1],
+            values[st.FOOT_X + 2] - room.vector[2],
+            trail,
+        )
+    values[st.DRAG_X] = rx
+    values[st.DRAG_X + 1] = ry
+    values[st.DRAG_X + 2] = rz
+
+
+@njit(cache=True, nogil=True)
+def _centre_mark(values, half_widths, trail):
+    """Move the outline across its way, so that it reaches as far to both sides of the place."""
+    along, across = 0.0, 0.0  # the way's direction in the plane
+    for axis in range(3):
+        along -= values[st.DRAG_X + axis] * values[st.BEND_X + axis]
+        across -= values[st.DRAG_X + axis] * values[st.CROSS_X + axis]
+    length = np.sqrt(along * along + across * across)
+    if length <= 1e-9 or trail <= 0.0:
+        return
+    side_x, side_y = -across / length, along / length
+    half = 0.5 * (values[st.TIP] - values[st.HEEL])
+    left, right = 0.0, 0.0
+    for i in range(st.PROFILE_CELLS + 1):
+        x = (2.0 * i / st.PROFILE_CELLS - 1.0) * half * side_x
+        y = half_widths[i] * abs(side_y)
+        left = max(left, x + y)
+        right = max(right, y - x)
+    aside = 0.5 * (left - right) * min(1.0, length / trail)
+    for axis in range(3):
+        values[st.ORIGIN_X + axis] -= aside * (
+            side_x * values[st.BEND_X + axis] + side_y * values[st.CROSS_X + axis]
+        )
+
+
+@njit(cache=True, nogil=True)
 def _press(pose, up_x, up_y, up_z, values, tuft):
     """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height.
 
@@ -324,6 +379,11 @@ def _limit_tilt(values, up_x, up_y, up_z, tuft):
 
 
 @njit(cache=True, nogil=True)
+def _lean(values, up_x, up_y, up_z):
+    return -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
+
+
+@njit(cache=True, nogil=True)
 def _hold_outline(values):
     """Let the enclosing sphere, made before the plane leaned, hold the outline that came of it."""
     for along, across in (
@@ -365,11 +425,6 @@ def start_sheet(values, field):
     if cell < 0:
         return -1
     return sheet_of(field, cell, int(values[st.TRIANGLE]))
-
-
-@njit(cache=True, nogil=True)
-def _lean(values, up_x, up_y, up_z):
-    return -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
 
 
 @njit(cache=True, nogil=True)

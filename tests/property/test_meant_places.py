@@ -16,7 +16,7 @@ from paint3d.files import journal as journals
 from paint3d.files.journal import Journal, read_journal
 from paint3d.files.load import load_mesh
 from paint3d.files.session import Session, load_session, save_session
-from paint3d.frames import quaternions_from_matrices
+from paint3d.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.kernels.stamp import TIP, ink_way, make_stamp
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -75,6 +75,19 @@ def test_the_mark_lies_under_the_pen_however_it_leans(tilt, toward, pressure):
     inner = (np.abs(points[:, 0]) < 20.0) & (ink > 0.0)
     assert abs(points[inner, 1].max() + points[inner, 1].min()) < 1.0  # of vertices 1 mm apart
     assert ink.sum() == pytest.approx(ink_of(upright).sum(), rel=0.1)
+
+
+@given(st.floats(0.0, 180.0), st.floats(0.05, 0.5))
+@settings(deadline=None, max_examples=12)
+def test_the_mark_lies_under_the_pen_however_it_is_turned(degrees, pressure):
+    recording = line(pressure=pressure)
+    half = np.radians(0.5 * degrees)
+    roll = np.tile([np.cos(half), 0.0, 0.0, np.sin(half)], (len(recording), 1))
+    turned = multiply_quaternions(recording.orientation, roll)
+    surface, _ = painted(replace(recording, orientation=turned), resolution=0.5)
+    inner = (np.abs(surface.paint_mesh.vertices[:, 0]) < 20.0) & (ink_of(surface) > 0.0)
+    across = surface.paint_mesh.vertices[inner, 1]
+    assert abs(across.max() + across.min()) < 1.0  # twice the middle
 
 
 def test_a_lean_to_the_side_of_the_bend_is_no_limit_of_the_tilt():
