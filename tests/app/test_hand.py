@@ -16,6 +16,7 @@ from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh
 from paint3d.frames import matrices_from_quaternions, rotate
 from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.brush_shape import BrushStand
 from tests.app.hands import line, paint, sample, small_plane
 
@@ -94,6 +95,23 @@ def test_the_middle_of_the_footprint_lies_under_the_pointer(plane, tilt):
         middle = contact.origin + contact.bend * _middle(contact, painter.tuft)
         np.testing.assert_allclose(middle, one.contact, atol=1e-4)
         np.testing.assert_allclose(contact.bend[:2], [-(0.8**0.5), -(0.2**0.5)], atol=0.01)
+
+
+@pytest.mark.parametrize(("sign", "most"), [(-1.0, 20.0), (1.0, 55.0)], ids=["roof", "valley"])
+def test_over_a_sharp_edge_the_handle_turns_by_and_by(sign, most):
+    """It would lie flat on one face while it still stands on the other, and smear a blot there."""
+    slope = sign * np.tan(np.radians(35.0))
+    x = np.array([-20.0, 0.0, 20.0])
+    corners = [(a, b, slope * abs(a)) for b in (-20.0, 20.0) for a in x]
+    faces = [(0, 1, 3), (1, 4, 3), (1, 2, 4), (2, 5, 4)]
+    edge = ClosestPoints(TriangleMesh(np.array(corners), np.array(faces)))
+    samples = draw(Hand(edge), [(0.5 * k - 7.75, 0.0) for k in range(32)], pressure=0.25)
+    up = np.array([rotate(s.orientation, np.array([0.0, 0.0, 1.0])) for s in samples])
+    turned = np.degrees(np.arccos(np.clip((up[1:] * up[:-1]).sum(axis=1), -1.0, 1.0)))
+    assert turned.max() < most  # of 70 degrees altogether
+    sine = sign * np.sin(np.radians(35.0))
+    np.testing.assert_allclose(up[[0, -1], 0], [sine, -sine], atol=1e-6)
+    assert (np.abs(up[:, 1]) < 1e-9).all()
 
 
 def _middle(contact, tuft):

@@ -43,6 +43,9 @@ _FILTER_S = 0.03  # over which the pointer's speed is taken
 _SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that tells whither a stroke goes, if need be
 _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
 _LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
+_UNDER = 0.07  # of the tuft's length: half a footprint, about
+_SUNK = 0.35  # of that: how far under the surface its rim is looked for
+_RIM = np.stack([f(0.25 * math.pi * np.arange(8)) for f in (np.cos, np.sin)], axis=1)
 _LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last place is no way to it
 
 
@@ -197,7 +200,7 @@ class Hand:
 
     def hover(self, event: PointerInput, brush: BrushSpec) -> DeviceSample | None:
         """The brush above the surface; None where the pointer is beside the object."""
-        stand = self._follow(event, pulled=False)
+        stand = self._follow(event, brush, pulled=False)
         return None if stand is None else self._sample(stand, brush, lifted=True)
 
     def begin(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample] | None:
@@ -205,7 +208,7 @@ class Hand:
 
         Samples may only come with later events, when it is known whither the stroke goes.
         """
-        stand = self._follow(event, pulled=False)
+        stand = self._follow(event, brush, pulled=False)
         if stand is None:
             return None
         state = self._state
@@ -231,7 +234,7 @@ class Hand:
             state.beside = True
         elif state.beside or self._is_apart(found[0]):
             return self._step_over(event, brush)
-        stand = self._follow(event, pulled=True, pressed=True)
+        stand = self._follow(event, brush, pulled=True, pressed=True)
         if stand is None:
             return []
         state.sent_ns = event.time_ns
@@ -259,7 +262,8 @@ class Hand:
         if found is not None:
             far = float(np.linalg.norm(found[0] - lifted.point)) > _LIFTED_OVER * brush.length_mm
             if not far and not self._is_apart(found[0]):
-                lifted = replace(lifted, point=found[0], normal=found[1])
+                normal = self._normal_under(*found, brush)
+                lifted = replace(lifted, point=found[0], normal=normal)
         return [*samples, self._sample(lifted, brush)]
 
     # -- steps ------------------------------------------------------------------------------
@@ -280,7 +284,9 @@ class Hand:
         landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
         return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
 
-    def _follow(self, event: PointerInput, pulled: bool, pressed: bool = False) -> _Stand | None:
+    def _follow(
+        self, event: PointerInput, brush: BrushSpec, pulled: bool, pressed: bool = False
+    ) -> _Stand | None:
         """Take the pointer's new place; None where it has none."""
         found = self._meet(event)
         self._press_keys(event)
@@ -296,6 +302,7 @@ class Hand:
         string = self.settings.smoothing * self.settings.longest_string_mm if pulled else 0.0
         if string > 0.0:
             point, normal = self._pull(point, string)
+        normal = self._normal_under(point, normal, brush)
         state.point, state.normal = point, normal
         lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
         return _Stand(
@@ -380,6 +387,18 @@ class Hand:
         found = self._surface.find(point[None])
         return found.points[0], found.normals[0]
 
+    def _normal_under(self, point: NDArray, normal: NDArray, brush: BrushSpec) -> NDArray:
+        """The mean normal under a footprint: over a crease the handle turns by and by.
+
+        The places on its rim lie a little under the surface, so that those beyond an edge are
+        nearest to the other face.
+        """
+        ahead = any_tangent(normal, np.array([1.0, 0.0, 0.0]))
+        rim = _RIM @ np.stack([ahead, np.cross(normal, ahead)]) - _SUNK * normal
+        found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
+        mean = 2.0 * normal + found[found @ normal > 0.0].sum(axis=0)
+        return mean / np.linalg.norm(mean)
+
     def _pull(self, target: NDArray, string: float) -> tuple[NDArray, NDArray]:
         """Where a string of this length pulls the brush."""
         state = self._state
@@ -398,7 +417,8 @@ class Hand:
         step_ns = round(length / max(n, 1) / _GLIDE_MM_S * 1e9)
         samples = []
         for k in range(1, n + 1):
-            state.point, state.normal = self._on_surface(start + (k / n) * way)
+            state.point, normal = self._on_surface(start + (k / n) * way)
+            state.normal = self._normal_under(state.point, normal, brush)
             state.sent_ns += max(step_ns, _STEP_NS)
             stand = replace(
                 self._last, time_ns=state.sent_ns, point=state.point, normal=state.normal
