@@ -5,8 +5,10 @@ python -m scripts.study_hand --strokes 40 bowl:in vase:out some/mesh.glb
 
 For every object and side one line: how many of the strokes are inked on less than 98 % of their
 way or jump more than 2 mm, the inked share of all of them together, and of the middle of the marks
-how far off the way they lie. Every stroke leans by up to --tilt degrees to any side, and is painted
-on a clean surface. Needs a display, and the folder of meshes only where one is named.
+how far off the way they lie. What of a way leads through the air, from an edge to what is seen
+behind it, is not asked for; the last column tells how much that is. Every stroke leans by up to
+--tilt degrees to any side, and is painted on a clean surface. Needs a display, and the folder of
+meshes only where one is named.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 REACH = 10.0
 SIDES = {"bowl": ("in", "out"), "vase": ("out",)}
 SIZE_MM = 150.0
-HEAD = "object side strokes lost jumps inked off_p95_mm off_max_mm jump_max_mm stray_max_mm"
+HEAD = (
+    "object side strokes lost jumps inked off_p95_mm off_max_mm jump_max_mm stray_max_mm in_air_mm"
+)
 
 
 def prepared(path: str, folder: Path) -> str:
@@ -48,7 +52,9 @@ def prepared(path: str, folder: Path) -> str:
 
 
 def study(window: StudioWindow, name: str, side: str, options: argparse.Namespace) -> np.ndarray:
-    """(N, 4): inked share, 95 % of the distance from the way, jump and stray, mm, of strokes."""
+    """(N, 6): of strokes the inked share, 95 % of the distance from the way, jump and stray, and
+    how long the way is on the surface and through the air, mm.
+    """
     rng = np.random.default_rng(options.seed)
     rows = []
     strokes = random_strokes(window, rng, options.strokes, side, tilt_degrees=options.tilt)
@@ -60,7 +66,8 @@ def study(window: StudioWindow, name: str, side: str, options: argparse.Namespac
                 off_the_way(found, 95.0, ends_mm=1.0),
                 largest_jump(found),
                 stray(trial.mark, trial.way, HALF_FOOTPRINT),
-                trial.way.length_mm,
+                trial.way.length_mm - trial.way.in_the_air_mm,
+                trial.way.in_the_air_mm,
             ))  # fmt: skip
             if options.each:
                 print("   ", *(f"{value:.2f}" for value in rows[-1]), flush=True)
@@ -98,7 +105,7 @@ def main() -> int:
                 except (Paint3DError, AssertionError) as error:
                     print(f"{Path(name).name} {side}: {error}", flush=True)
                     continue
-                share, off, jump, away, length = rows.T
+                share, off, jump, away, length, in_air = rows.T
                 bad = int((share < 0.98).sum())
                 jumps = int((jump > 2.0).sum())
                 lost += bad + jumps
@@ -106,7 +113,7 @@ def main() -> int:
                 print(
                     f"{Path(name).name} {side} {len(rows)} {bad} {jumps} {total:.4f} "
                     f"{np.percentile(off, 95):.2f} {off.max():.2f} {jump.max():.2f} "
-                    f"{away.max():.2f}", flush=True,
+                    f"{away.max():.2f} {in_air.sum():.1f}", flush=True,
                 )  # fmt: skip
         with window.stage.easel.paused() as document:
             document.modified = False

@@ -66,6 +66,7 @@ MODIFIERS = {
     "ctrl": QtCore.Qt.KeyboardModifier.ControlModifier,
     "alt": QtCore.Qt.KeyboardModifier.AltModifier,
 }
+SLIP_MM = 2.0  # beyond that, a place between two events that lie nearer is none
 PAUSE_MS = 500  # between two recordings played after each other
 _surfaces: list[tuple[object, ClosestPoints]] = []  # of the object that was asked about last
 
@@ -490,7 +491,8 @@ def pen_ways(
 ) -> list[NDArray]:
     """The way (N, 3) of each stroke on the object, mm, where the pen's ray meets it; else nan.
 
-    The view must be that in which it is played.
+    Between two events a ray may slip through a crack to what lies far behind, where the pen never
+    said that it was: nan, too. The view must be that in which it is played.
     """
     surface = surface_of(window)
     size = (window.canvas.width(), window.canvas.height())
@@ -502,9 +504,22 @@ def pen_ways(
         behind = np.concatenate([[0.0], np.cumsum(lengths)])
         at = np.linspace(0.0, behind[-1], max(2, math.ceil(behind[-1] / step_px) + 1))
         dense = np.stack([np.interp(at, behind, column) for column in pixels.T], axis=1)
-        rays = [navigation.ray_at(window.hand.camera, x, y, size) for x, y in dense]
+        rays = [navigation.ray_at(window.hand.camera, x, y, size) for x, y in (*dense, *pixels)]
         hits = surface.cast(
             np.array([ray.origin for ray in rays]), np.array([ray.direction for ray in rays])
         )
-        ways.append(np.where(hits.hit[:, None], hits.points, np.nan))
+        met = np.where(hits.hit[:, None], hits.points, np.nan)
+        ways.append(_without_slips(met[: len(at)], at, met[len(at) :], behind))
     return ways
+
+
+def _without_slips(way: NDArray, at: NDArray, events: NDArray, behind: NDArray) -> NDArray:
+    """A way (N, 3) with nan where it lies farther from both events beside it than they lie apart.
+
+    `at` (N,) and `behind` (E,) say how far the places and the events (E, 3) lie along the line.
+    """
+    k = np.clip(np.searchsorted(behind, at, side="right") - 1, 0, len(behind) - 2)
+    before, after = events[k], events[k + 1]
+    apart = np.linalg.norm(after - before, axis=1)
+    off = np.minimum(*(np.linalg.norm(way - end, axis=1) for end in (before, after)))
+    return np.where((off > apart + SLIP_MM)[:, None], np.nan, way)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from paint3d.ink.pigments import WATER
+from paint3d.mesh.closest import ClosestPoints
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
 INKED = 0.25  # share of a piece that is covered: less is the fringe of a neighbour
 CUTS = 4  # a face is measured in so many steps along each edge
 STEP_MM = 0.25
+IN_THE_AIR_MM = 0.5  # a step of a way that lies farther off the surface leads through the air
 
 
 class Mark(NamedTuple):
@@ -77,6 +79,9 @@ class Way:
     normals : (N, 3) or (3,) array_like
         Of the surface there.
     step_mm : float
+    surface : ClosestPoints, optional
+        Where the pen's ray leaps to what lies behind, the way leads through the air: those steps
+        are left out, for nothing can be painted there. By default all lie on the surface.
 
     Attributes
     ----------
@@ -84,10 +89,16 @@ class Way:
         Where each step lies, where it leads, and the unit vector to its left on the surface.
     at : (K,) float64
         How far it went until there, mm.
+    on_surface : (K,) bool
+        Whether each step lies on the surface.
     """
 
     def __init__(
-        self, points: ArrayLike, normals: ArrayLike = (0.0, 0.0, 1.0), step_mm: float = STEP_MM
+        self,
+        points: ArrayLike,
+        normals: ArrayLike = (0.0, 0.0, 1.0),
+        step_mm: float = STEP_MM,
+        surface: ClosestPoints | None = None,
     ) -> None:
         given = np.asarray(points, float)
         up = np.broadcast_to(np.asarray(normals, float), given.shape)
@@ -103,11 +114,20 @@ class Way:
         self.tangents = _unit(np.gradient(self.points, self.at, axis=0))
         self.sides = _unit(np.cross(up, self.tangents))
         self.tree = cKDTree(self.points)
+        self.on_surface = np.ones(len(self.at), bool)
+        if surface is not None:
+            off = np.linalg.norm(surface.find(self.points).points - self.points, axis=1)
+            self.on_surface = off <= IN_THE_AIR_MM
 
     @property
     def length_mm(self) -> float:
         """Of all of it."""
         return float(self.at[-1])
+
+    @property
+    def in_the_air_mm(self) -> float:
+        """Of what leads through the air."""
+        return float((~self.on_surface).mean()) * self.length_mm
 
     def place(self, points: NDArray) -> tuple[NDArray, NDArray]:
         """How far along the way (below 0 and above its length: beyond), and aside to its left."""
@@ -132,7 +152,8 @@ class Stations(NamedTuple):
     width : (S,) float64
         Covered area over the station's length, mm.
     middle : (S,) float64
-        Middle between its two sides, mm to the left; nan where there is nothing.
+        Middle between its two sides, mm to the left; nan where there is nothing, or where the way
+        leads through the air.
     ink : (S,) float64
         Ink over the station's length, coats x mm.
     """
@@ -198,6 +219,9 @@ def stations(mark: Mark, way: Way, step_mm: float = 1.0, reach_mm: float = np.in
     for station in np.unique(k[dark]):
         at = aside[dark & (k == station)]
         middle[station] = 0.5 * (at.min() + at.max())
+    of_step = np.minimum(np.searchsorted(edges, way.at, side="right") - 1, n - 1)
+    in_the_air = np.bincount(of_step, ~way.on_surface, n) > 0.5 * np.bincount(of_step, minlength=n)
+    middle[in_the_air] = np.nan
     return Stations(
         0.5 * (edges[1:] + edges[:-1]), np.bincount(k, covered, n) / length, middle, ink
     )
@@ -227,7 +251,8 @@ def inked_share(mark: Mark, way: Way, half_footprint_mm: float) -> float:
     dark = mark.points[mark.cover > INKED]
     if not len(dark):
         return 0.0
-    return float((cKDTree(dark).query(way.points)[0] <= half_footprint_mm).mean())
+    there = way.points[way.on_surface]
+    return float((cKDTree(dark).query(there)[0] <= half_footprint_mm).mean())
 
 
 def stray(mark: Mark, way: Way, half_footprint_mm: float) -> float:

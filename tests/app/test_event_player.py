@@ -19,6 +19,7 @@ from tests.app.event_player import (
     DeviceEvent,
     EventPlayer,
     EventRecording,
+    _without_slips,
     hand_over,
     open_for,
     pen_ways,
@@ -169,3 +170,18 @@ def test_a_stroke_of_a_recording_paints_on_its_way(window) -> None:
     assert painted[0][0] == 0
     assert painted[0][1] > 10
     assert len(window.document.strokes) == 1
+
+
+def test_a_ray_that_slips_through_a_crack_is_no_place_of_the_pen() -> None:
+    """Three events, 10 pixels and 8 mm apart; between the first two a ray falls 90 mm deep."""
+    at, behind = np.arange(21.0), np.array([0.0, 10.0, 20.0])
+    way = np.stack([0.8 * at, 0.0 * at, 0.0 * at], axis=1)
+    events = way[[0, 10, 20]]
+    way[[4, 10], 2] = -90.0
+    way[15, 2] = -1.5  # in a groove, but near
+    found = _without_slips(way, at, events, behind)
+    assert np.isnan(found[[4, 10]]).all()
+    kept = np.delete(np.arange(21), [4, 10])
+    np.testing.assert_array_equal(found[kept], way[kept])
+    events[2, 2] = way[11:, 2] = -90.0  # the pen itself went there
+    assert np.isfinite(_without_slips(way, at, events, behind)[11:]).all()

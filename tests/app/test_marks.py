@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.app.marks import (
     Mark,
     Way,
@@ -141,3 +143,22 @@ def test_faces_are_cut_into_pieces_of_their_whole_area() -> None:
     assert (mark.areas * mark.cover).sum() == pytest.approx(2.0 * 0.5)
     assert (mark.areas * mark.ink).sum() == pytest.approx(2.0 * 1.5)
     np.testing.assert_allclose(mark.cover, 1.0 - mark.points[:, 0] / 2 - mark.points[:, 1] / 4)
+
+
+def test_where_the_way_leads_through_the_air_nothing_is_asked() -> None:
+    """A way over the edge of a table to the floor: 20 mm on each, and 30 through the air."""
+    corners = [[0, -9, 30], [20, -9, 30], [20, 9, 30], [0, 9, 30],
+               [20, -9, 0], [40, -9, 0], [40, 9, 0], [20, 9, 0]]  # fmt: skip
+    faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]
+    surface = ClosestPoints(TriangleMesh(np.array(corners, float), np.array(faces)))
+    line = [[0.0, 0.0, 30.0], [20.0, 0.0, 30.0], [21.0, 0.0, 0.0], [40.0, 0.0, 0.0]]
+    way = Way(line, surface=surface)
+    assert way.in_the_air_mm == pytest.approx(29.0, abs=0.5)
+    points = np.array([[x, y, 30.0 * (x < 20)] for x in np.arange(0.25, 40) for y in (-2, 2)])
+    mark = Mark(points, *np.ones((3, len(points))))
+    assert inked_share(mark, way, 2.4) == 1.0
+    assert inked_share(mark.where(points[:, 0] < 20), way, 2.4) == pytest.approx(0.51, abs=0.02)
+    assert inked_share(mark, Way(line), 2.4) < 0.65
+    middle = stations(mark, way).middle
+    assert np.isnan(middle[22:48]).all()
+    assert np.abs(middle[np.isfinite(middle)]).max() < 0.1

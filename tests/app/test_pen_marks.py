@@ -25,10 +25,17 @@ from tests.app.marks import (
     strongest_spot,
 )
 from tests.app.random_strokes import random_strokes
-from tests.app.trials import Trial, blind, mark_now, player_of, try_strokes, ways_of
+from tests.app.trials import (
+    HALF_FOOTPRINT,
+    blind,
+    faults,
+    mark_now,
+    player_of,
+    try_strokes,
+    ways_of,
+)
 
 UPRIGHT = {"tilt": (0.0, 0.0)}
-HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 REACH = 10.0  # mm, beside the way: what is farther off is measured by `stray`
 
 
@@ -42,25 +49,6 @@ def window(program):
     with window.stage.easel.paused() as document:
         document.modified = False
     window.close()
-
-
-def faults(trial: Trial, wanted_ink: float) -> list[str]:
-    """What is asked of any pen's stroke and is not so."""
-    found = stations(trial.mark, trial.way)
-    inked = inked_share(trial.mark, trial.way, HALF_FOOTPRINT)
-    off = off_the_way(found, 95.0, ends_mm=1.0)
-    jump = largest_jump(found)
-    ink = ink_per_mm(trial.mark, trial.way) / wanted_ink
-    told = []
-    if inked < 0.98:
-        told.append(f"inked {inked:.3f}")
-    if off > 1.0:
-        told.append(f"{off:.2f} mm off")
-    if jump > 2.0:
-        told.append(f"jump of {jump:.2f} mm")
-    if not 0.9 <= ink <= 1.1:
-        told.append(f"ink {ink:.2f} of the upright one's")
-    return [f"stroke {trial.number}: {', '.join(told)}"] if told else []
 
 
 def upright_ink(window: StudioWindow, recording: EventRecording) -> list[float]:

@@ -10,9 +10,29 @@ import numpy as np
 
 from paint3d.app.window.studio import StudioWindow
 from tests.app.event_player import EventPlayer, EventRecording, pen_ways, settle, surface_of
-from tests.app.marks import Mark, Way, take_mark
+from tests.app.marks import (
+    Mark,
+    Way,
+    ink_per_mm,
+    inked_share,
+    largest_jump,
+    off_the_way,
+    stations,
+    take_mark,
+)
 
-__all__ = ["Trial", "blind", "mark_now", "player_of", "try_strokes", "ways_of"]
+__all__ = [
+    "HALF_FOOTPRINT",
+    "Trial",
+    "blind",
+    "faults",
+    "mark_now",
+    "player_of",
+    "try_strokes",
+    "ways_of",
+]
+
+HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 
 
 class Trial(NamedTuple):
@@ -27,6 +47,25 @@ def player_of(window: StudioWindow) -> EventPlayer:
     """The window's one player: its clock goes on."""
     there = window.findChild(EventPlayer)
     return EventPlayer(window) if there is None else there
+
+
+def faults(trial: Trial, wanted_ink: float | None = None) -> list[str]:
+    """What is asked of any stroke and is not so; its ink, if that is given, coats x mm."""
+    found = stations(trial.mark, trial.way)
+    inked = inked_share(trial.mark, trial.way, HALF_FOOTPRINT)
+    off = off_the_way(found, 95.0, ends_mm=1.0)
+    jump = largest_jump(found)
+    told = []
+    if inked < 0.98:
+        told.append(f"inked {inked:.3f}")
+    if off > 1.0:
+        told.append(f"{off:.2f} mm off")
+    if jump > 2.0:
+        told.append(f"jump of {jump:.2f} mm")
+    ink = 1.0 if wanted_ink is None else ink_per_mm(trial.mark, trial.way) / wanted_ink
+    if not 0.9 <= ink <= 1.1:
+        told.append(f"ink {ink:.2f} of what was wanted")
+    return [f"stroke {trial.number}: {', '.join(told)}"] if told else []
 
 
 @contextmanager
@@ -48,7 +87,10 @@ def mark_now(window: StudioWindow) -> Mark:
 def ways_of(window: StudioWindow, recording: EventRecording) -> list[Way]:
     """Where the pen goes on the object in each stroke, in the view of now."""
     surface = surface_of(window)
-    return [Way(way, surface.find(way).normals) for way in _finite(pen_ways(window, recording))]
+    return [
+        Way(way, surface.find(way).normals, surface=surface)
+        for way in _finite(pen_ways(window, recording))
+    ]
 
 
 def try_strokes(

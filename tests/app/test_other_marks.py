@@ -1,0 +1,226 @@
+"""What others than a pen leave: images of a symmetry, ghosts, fingers, mice and pads."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from paint3d.app.window.studio import StudioWindow
+from paint3d.cli.pads import lay_on
+from paint3d.device.recorded import Recording
+from paint3d.files.load import load_mesh
+from paint3d.mesh.closest import ClosestPoints
+from paint3d.stroke.engine import Painter
+from paint3d.stroke.pad import orientations_from_angles
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.app.event_player import DeviceEvent, EventRecording, open_for, settle, surface_of
+from tests.app.marks import Way, ink_per_mm, take_mark
+from tests.app.random_strokes import random_strokes
+from tests.app.trials import Trial, blind, faults, mark_now, player_of, try_strokes, ways_of
+
+STEP_MS = 10
+SPEED_MM_S = 80.0
+BESIDE = 9.0  # mm: what is farther from a way belongs to another image
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window that draws no pictures."""
+    window = StudioWindow(program)
+    window.show()
+    with blind(window):
+        yield window
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+def stroke_along(
+    places: ArrayLike,
+    header: dict,
+    device: str = "pen",
+    pressure: float = 0.25,
+    tilt: tuple[float, float] = (0.0, 0.0),
+) -> EventRecording:
+    """One stroke along a line (N, 2 or 3) on the object, mm, from press to release."""
+    line = np.asarray(places, float)
+    behind = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    n = max(2, round(behind[-1] / SPEED_MM_S * 1000.0 / STEP_MS))
+    at = np.linspace(0.0, behind[-1], n)
+    points = np.stack([np.interp(at, behind, column) for column in line.T], axis=1)
+    rows = [("press" if k == 0 else "move", p, pressure) for k, p in enumerate(points)]
+    rows.append(("release", points[-1], 0.0))
+    events = [
+        DeviceEvent(device, kind, tuple(place), force, tilt, 0.0,
+                    ("left",) if kind != "release" and device != "touch" else (),
+                    time_ms=STEP_MS * k, handled_ms=STEP_MS * k + 3)
+        for k, (kind, place, force) in enumerate(rows)
+    ]  # fmt: skip
+    return EventRecording({"places": "object", **header}, tuple(events))
+
+
+def by_finger(recording: EventRecording) -> EventRecording:
+    """The same by a finger."""
+    return EventRecording(
+        recording.header,
+        tuple(replace(event, device="touch", buttons=(), id=1) for event in recording.events),
+    )
+
+
+def images_of(window: StudioWindow, way: Way) -> list[Way]:
+    """The way under every image of the symmetry that is set, itself first."""
+    found = []
+    for image in (np.eye(4), *window.document.symmetry.images()):
+        turned = way.points @ image[:3, :3].T + image[:3, 3]
+        found.append(Way(turned, surface_of(window).find(turned).normals))
+    return found
+
+
+def apart(ways: list[Way]) -> float:
+    """How near two of the ways come to one another, mm."""
+    return min(
+        float(one.tree.query(other.points)[0].min())
+        for k, one in enumerate(ways)
+        for other in ways[:k]
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "actions"),
+    [("vase", ("mirror",)), ("bowl", ("radial",)), ("sphere", ("mirror", "radial"))],
+    ids=["vase mirrored", "bowl turned", "sphere both"],
+)
+def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, actions) -> None:
+    open_for(window, {"object": name, "material": "porcelain"}, 1.0)
+    for action in actions:
+        window.actions_by_name[action].setChecked(True)
+    settle(window)
+    told, tried = [], 0
+    side = "in" if name == "bowl" else "any"
+    strokes = random_strokes(
+        window, np.random.default_rng(6), 40, side, tilt_degrees=50.0, lengths_mm=(15.0, 25.0)
+    )
+    for stroke in strokes:
+        ways = images_of(window, ways_of(window, stroke)[0])
+        if apart(ways) < 2.0 * BESIDE:
+            continue
+        player_of(window).play(stroke)
+        mark = mark_now(window)
+        own = ink_per_mm(mark.within(ways[0], BESIDE), ways[0])
+        for number, way in enumerate(ways):
+            told += faults(Trial(number, mark.within(way, BESIDE), way), own)
+        window.post("undo")
+        settle(window)
+        tried += 1
+        if tried == 3:
+            break
+    for action in actions:
+        window.actions_by_name[action].setChecked(False)
+    settle(window)
+    assert tried == 3
+    assert told == []
+
+
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (35.0, 35.0)], ids=["upright", "45"])
+def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> None:
+    open_for(window, {"object": "vase", "material": "porcelain", "view": "front"}, 0.6)
+    assert window.copying.lay_out("二十", 36.0, False)
+    ghosts = window.panels.copybook.copybook.ghosts
+    told, strokes = [], []
+    for number, ghost in enumerate(ghosts):
+        for median in ghost.medians:
+            strokes.append(stroke_along(median, {}, pressure=0.2, tilt=tilt))
+            way = Way(median, surface_of(window).find(median).normals)
+            player_of(window).play(strokes[-1])
+            told += faults(Trial(number, mark_now(window), way))
+            window.post("undo")
+            settle(window)
+    for stroke in strokes:
+        player_of(window).play(stroke)
+    wait = time.monotonic() + 60.0
+    while [len(ghost.strokes) for ghost in ghosts] != [2, 2] and time.monotonic() < wait:
+        settle(window)
+    counted = [len(ghost.strokes) for ghost in ghosts]
+    window.copying.hide()
+    assert told == []
+    assert counted == [2, 2]
+
+
+def lines_on(window: StudioWindow, name: str, side: str, n: int) -> Iterator[EventRecording]:
+    """Recordings of random strokes on an object, with the view they are to be played in."""
+    open_for(window, {"object": name, "material": "porcelain"}, 1.0)
+    return random_strokes(window, np.random.default_rng(12), n, side)
+
+
+def wait_for_pens(window: StudioWindow) -> None:
+    """Until what a pen did is past by the clock of other devices, too.
+
+    Its events are played faster than a hand makes them. And for a moment after a pen was seen, what
+    touches is the hand that holds it.
+    """
+    while time.monotonic_ns() // 1_000_000 < player_of(window).now_ms + 250:
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize(("name", "side"), [("bowl", "in"), ("vase", "out")])
+def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: str) -> None:
+    monkeypatch.setattr(window.canvas, "finger", "paint")  # by itself it turns once a pen was seen
+    told = []
+    for number, stroke in enumerate(lines_on(window, name, side, 3)):
+        (way,) = ways_of(window, stroke)
+        wait_for_pens(window)
+        player_of(window).play(by_finger(stroke))
+        told += faults(Trial(number, mark_now(window), way))
+        window.post("undo")
+        settle(window)
+    assert told == []
+
+
+@pytest.mark.parametrize(("name", "side"), [("bowl", "in"), ("vase", "out")])
+def test_a_mouse_paints_under_its_point(window, name: str, side: str) -> None:
+    told = []
+    for stroke in lines_on(window, name, side, 3):
+        for trial in try_strokes(window, stroke.changed(device="mouse", tilt=(0.0, 0.0))):
+            told += faults(trial)
+    assert told == []
+
+
+def pad_stroke(line: ArrayLike, pressure: float, altitude: float) -> Recording:
+    """A stroke on a pad along a line (N, 2), mm, by a pen that leans down and to the right."""
+    points = np.asarray(line, float)
+    n = len(points)
+    force = np.full(n, pressure)
+    force[[0, -1]] = 0.0
+    leaning = orientations_from_angles(np.full(n, -0.25 * np.pi), np.full(n, altitude))
+    places = np.column_stack([points, np.zeros(n)])
+    times = np.arange(n, dtype=np.int64) * 5_000_000
+    return Recording(times, places, leaning, force, np.zeros(n, np.int32), header={"space": "pad"})
+
+
+PAD_LINES = {
+    "across": np.linspace((-20.0, 0.0), (20.0, 0.0), 60),
+    "down": np.linspace((0.0, 18.0), (0.0, -18.0), 60),
+    "slanting": np.linspace((-14.0, 14.0), (14.0, -14.0), 60),
+    "round": 14.0 * np.stack([f(np.linspace(0.0, 4.0, 120)) for f in (np.cos, np.sin)], axis=1),
+}
+
+
+@pytest.mark.parametrize("name", ["bowl", "vase", "sphere"])
+@pytest.mark.parametrize("pressure", [0.25, 0.5])
+def test_a_pad_is_laid_down_as_it_was_drawn(name: str, pressure: float) -> None:
+    mesh = load_mesh(name)
+    surface, told = ClosestPoints(mesh), []
+    for what, line in PAD_LINES.items():
+        laid = lay_on(mesh, pad_stroke(line, pressure, np.radians(55.0)), None, None)
+        painter = Painter(PaintedSurface(mesh, 0.8))
+        painter.replay(laid)
+        way = Way(laid.contact, surface.find(laid.contact).normals)
+        told += [f"{what}: {fault}" for fault in faults(Trial(0, take_mark(painter.surface), way))]
+    assert told == []
