@@ -207,6 +207,22 @@ def test_the_brush_is_lifted_over_what_hides_the_rest():
     assert (y[4:] < 0.8 * low[1]).all()
 
 
+@pytest.mark.parametrize("x", [-62.0, -56.0, -48.0, -30.0, 0.0, 52.0, 60.0])
+def test_the_brush_is_lifted_where_a_rim_hides_the_wall_behind_it(x):
+    bowl = ClosestPoints(load_mesh("bowl"))
+    (low, high), eye = bowl.mesh.bounds, np.array([0.0, -400.0, 300.0])
+    ways = np.linspace([x, 0.0, 0.9 * high[2]], [x, low[1], 0.3 * high[2]], 60) - eye
+    hits = bowl.cast(np.tile(eye, (60, 1)), ways)
+    seen = hits.points[hits.hit]
+    leaps = np.linalg.norm(np.diff(seen, axis=0), axis=1) > 12.0
+    assert leaps.sum() == 1  # from the wall inside to the rim before it
+    samples = across(bowl, *seen)
+    down = np.array([s.pressure > 0.0 for s in samples])
+    assert np.count_nonzero(down[:-1] & ~down[1:]) == 2
+    gaps = np.linalg.norm(np.diff(np.array([s.contact for s in samples]), axis=0), axis=1)
+    assert gaps[down[:-1] & down[1:]].max() < 12.0
+
+
 def test_the_brush_stays_down_over_a_round_body(sphere):
     eye, turn = np.array([0.0, -400.0, 0.0]), np.radians(np.arange(-60, 61, 30))
     ring = 50.0 * np.column_stack([np.sin(turn), -np.cos(turn), np.zeros(5)])

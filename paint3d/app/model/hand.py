@@ -39,6 +39,8 @@ _GLIDE_STEP_MM = 0.5
 _LEAST_GAP_MM = 3.0
 _PLACES_BETWEEN = (0.25, 0.5, 0.75)
 _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
+_HALVINGS = 7  # of the angle between two rays, to find an edge between them
+_STAYS = 0.6  # of a way: a part that stays greater is an edge's
 _FILTER_S = 0.03  # over which the pointer's speed is taken
 _SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that tells whither a stroke goes, if need be
 _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
@@ -149,6 +151,7 @@ class _State:
     point: NDArray  # where the brush is
     normal: NDArray
     tip: NDArray  # where the tuft's tip trails
+    ray: tuple[NDArray, NDArray] | None = None  # by which the pointer met the surface
     began_ns: int | None = None
     beside: bool = False
     speed: float = 0.0
@@ -232,7 +235,7 @@ class Hand:
         found = self._meet(event)
         if found is None:
             state.beside = True
-        elif state.beside or self._is_apart(found[0]):
+        elif state.beside or self._is_apart(found[0], event):
             return self._step_over(event, brush)
         stand = self._follow(event, brush, pulled=True, pressed=True)
         if stand is None:
@@ -261,14 +264,14 @@ class Hand:
         lifted = replace(self._last, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
         if found is not None:
             far = float(np.linalg.norm(found[0] - lifted.point)) > _LIFTED_OVER * brush.length_mm
-            if not far and not self._is_apart(found[0]):
+            if not far and not self._is_apart(found[0], event):
                 normal = self._normal_under(*found, brush)
                 lifted = replace(lifted, point=found[0], normal=normal)
         return [*samples, self._sample(lifted, brush)]
 
     # -- steps ------------------------------------------------------------------------------
 
-    def _is_apart(self, point: NDArray) -> bool:
+    def _is_apart(self, point: NDArray, event: PointerInput) -> bool:
         """Whether the way to a point leaves the surface, as from a rim to what is behind it."""
         way = point - self._state.target
         distance = float(np.linalg.norm(way))
@@ -276,7 +279,31 @@ class Hand:
             return False
         between = self._state.target + np.outer(_PLACES_BETWEEN, way)
         off = np.linalg.norm(self._surface.find(between).points - between, axis=1)
-        return bool(off.max() > _MOST_OFF * distance)
+        return bool(off.max() > _MOST_OFF * distance) or self._leaps(point, event)
+
+    def _leaps(self, point: NDArray, event: PointerInput) -> bool:
+        """Whether an edge is seen between the last place and this: no ray between meets the way.
+
+        Of two rays the one in the middle halves the way between what they meet, or, where the
+        surface is seen from the side, all but. Over an edge the greater part stays as it is.
+        """
+        rays = [self._state.ray, _ray_of(event)]
+        if rays[0] is None or rays[1] is None:
+            return False
+        places = [self._state.target, point]
+        gap = float(np.linalg.norm(point - self._state.target))
+        for _ in range(_HALVINGS):
+            origin, direction = (0.5 * (a + b) for a, b in zip(*rays, strict=True))
+            middle = origin, direction / np.linalg.norm(direction)
+            hit = self._surface.cast(middle[0][None], middle[1][None])
+            if not hit.hit[0]:
+                return True
+            gaps = [float(np.linalg.norm(hit.points[0] - place)) for place in places]
+            if max(gaps) < _STAYS * gap:
+                return False
+            behind = int(gaps[0] >= gaps[1])
+            rays[behind], places[behind] = middle, hit.points[0]
+        return True
 
     def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """Up where the brush is, and down where the pointer is now."""
@@ -298,7 +325,7 @@ class Hand:
             tip = point + any_tangent(normal, np.zeros(3))
             state = self._state = _State(event.time_ns, point, point, normal, tip)
         self._follow_speed(event.time_ns, point)
-        state.time_ns, state.target = event.time_ns, point
+        state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
         string = self.settings.smoothing * self.settings.longest_string_mm if pulled else 0.0
         if string > 0.0:
             point, normal = self._pull(point, string)
@@ -482,6 +509,12 @@ class Hand:
             _REST,
             stand.point,
         )
+
+
+def _ray_of(event: PointerInput) -> tuple[NDArray, NDArray] | None:
+    if event.origin is None or event.direction is None:
+        return None
+    return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
 
 
 def _turned(vector: NDArray, axis: NDArray, angle: float) -> NDArray:
