@@ -64,14 +64,14 @@ def group_blocks(blocks, first, last, beside, head, group):
 
 @njit(cache=True, nogil=True)
 def grade_paces(wet, first, last, beside, most, pace):
-    """Let no pace (B,) be more than `most` times that of a neighbour, among wet blocks (K,)."""
+    """Let no pace (B,) f32 be more than `most` times that of a neighbour, among wet blocks (K,)."""
     lowered = True
     while lowered:
         lowered = False
         for k in range(wet.shape[0]):
             b = wet[k]
             for e in range(first[b], last[b]):
-                limit = most * pace[b]
+                limit = np.float32(most * pace[b])  # as it is kept, or this never ends
                 if pace[beside[e]] > limit:
                     pace[beside[e]] = limit
                     lowered = True

@@ -38,7 +38,7 @@ def solve_edges(wet, area, first, last, links, weights, totals, reach, sweeps, i
     """How deep inside the wet region nodes lie: 0 beyond its border, 1 well within.
 
     (1 - reach^2 Laplacian) inside = 1 on the wet nodes (W,), 0 elsewhere: at a distance x from a
-    straight border 1 - exp(-x / reach). Gauss-Seidel from what `inside` (N,) f64 holds, which
+    straight border 1 - exp(-x / reach). Gauss-Seidel from what `inside` (N,) f32 holds, which
     is 0 beyond the wet nodes.
     """
     square = reach * reach

@@ -48,9 +48,9 @@ class WetFields(NamedTuple):
     entry: NDArray  # (N,) float64, potential that it takes to get in: 0 where it is wet already
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
-    soaked: NDArray  # (N,) float64, greatest share that was under water since it was dry
+    soaked: NDArray  # (N,) float32, greatest share that was under water since it was dry
     changed: NDArray  # (N,) bool, set where anything moved
-    owed: NDArray  # (B,) float64, time since each block's last step, s
+    owed: NDArray  # (B,) float32, time since each block's last step, s
     due: NDArray  # (B,) bool, those that take theirs now
     mobile: NDArray  # (B,) bool, set where there is water that can move
     moved: NDArray  # (B, 3) float64: raised to the greatest change of depth, mm; added to: volume

@@ -79,9 +79,9 @@ def surface_state(surface: PaintedSurface) -> State:
         float64, pick-up (1/mm), capacity (coats x mm2) and reach (mm) of `kernels.pickup`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
-        where there is any trace of it: flow_vertices (C,) int32, flow_water,
-        flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_pigment (C, P) float64,
-        flow_written (C, P) float32; flow_fresh (N,) int32 vertices.
+        where there is any trace of it: flow_vertices (C,) int32, flow_water (C,) and flow_pigment
+        (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_written (C, P)
+        float32; flow_fresh (N,) int32 vertices.
 
         layers is None, or says of each layer, the lowest first, name, visible and locked; active
         is the place of the one that the arrays above belong to. Those of any other, at place K,
@@ -359,7 +359,8 @@ def checked_flow(
     kept = {name: now(_vertices(state, f"flow_{name}", n_vertices)) for name in FLOW_VERTICES}
     shape = (len(kept["vertices"]),)
     for name, most in _FLOW.items():
-        kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most)
+        dtype = np.float64 if name == "water" else np.float32
+        kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most).astype(dtype)
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)

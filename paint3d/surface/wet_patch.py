@@ -49,15 +49,15 @@ class WetPatch:
         Depth, mm.
     pigment : (N, P) float64
         Coats times the covered share.
-    inside : (N,) float64
+    inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
-    soaked : (N,) float64
+    soaked : (N,) float32
         Greatest share of the node's area that was under water since it was last dry, 0 to 1.
     changed : (N,) bool
         Nodes whose ink moved since it was handed back.
-    owed : (B,) float64
+    owed : (B,) float32
         Time that passed since each block's last step, s; infinite where there is no water.
-    pace : (B,) float64
+    pace : (B,) float32
         The step that suits each block now, s.
     place : (N,) int32
         Work, 0 between two steps.
@@ -71,12 +71,13 @@ class WetPatch:
         for name in _OF_NODES:
             setattr(self, name, np.zeros(0))
         self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
+        self.inside, self.soaked = np.zeros((2, 0), np.float32)
         self.pigment = np.zeros((0, count))
         self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
         self.weights, self.totals = np.zeros(0), np.zeros(0)
         self._n_nodes = self._n_links = 0
-        self.owed = np.full(self.graph.n_blocks, np.inf)
-        self.pace = np.full(self.graph.n_blocks, FIRST_PACE)
+        self.owed = np.full(self.graph.n_blocks, np.inf, np.float32)
+        self.pace = np.full(self.graph.n_blocks, FIRST_PACE, np.float32)
         self._follow()
 
     def keep(self) -> dict[str, NDArray]:
@@ -94,7 +95,7 @@ class WetPatch:
         return {name: getattr(self, name)[node] for name in _KEPT} | {
             "vertices": self.graph.vertices[at],
             "written": self.written[at],
-            "owed": np.where(np.isfinite(self.owed[block]), self.owed[block], 0.0),
+            "owed": np.where(np.isfinite(self.owed[block]), self.owed[block], np.float32(0.0)),
             "pace": self.pace[block],
         }
 
@@ -207,9 +208,7 @@ class WetPatch:
         ink.amounts[ids] = amounts
         self.written[at] = amounts
         inked = amounts.any(axis=1)
-        ink.coverage[ids[inked]] = np.maximum(
-            ink.coverage[ids[inked]], self.soaked[nodes[inked]].astype(np.float32)
-        )
+        ink.coverage[ids[inked]] = np.maximum(ink.coverage[ids[inked]], self.soaked[nodes[inked]])
         self._surface.touch(ids)
         self.changed[nodes] = False
 

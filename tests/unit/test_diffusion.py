@@ -318,8 +318,8 @@ def test_no_new_extremes_at_any_step(step):
     fields = WetFields(
         runs[:-1], runs[1:], links, weights, area, np.zeros(n, np.int32), np.zeros(n, np.uint8),
         np.zeros(n, np.int32), residual, strength, np.full(n, 0.02), entry, water, pigment,
-        np.zeros(n), np.zeros(n, bool), np.array([step]), np.ones(1, bool), np.zeros(1, bool),
-        np.zeros((1, 3)),
+        np.zeros(n, np.float32), np.zeros(n, bool), np.array([step], np.float32),
+        np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
     )  # fmt: skip
     nodes = np.arange(n, dtype=np.int32)
     assert move_water(fields, nodes, nodes[:0], 0.06, 10.0, 1.0, step, np.ones(1)) > 0
