@@ -333,6 +333,28 @@ def test_no_new_extremes_at_any_step(step):
     assert concentration.max() < 0.7 + 1e-9
 
 
+def test_work_grows_with_the_root_of_the_time():
+    """Nothing has to converge: a hundred times the time takes ten times the stages."""
+    points, faces = sheared()
+    runs, links, weights = graph_of_triangles(points, faces)
+    n = len(points)
+    nodes, residual = np.arange(n, dtype=np.int32), np.full(n, 0.15)
+    stages = []
+    for step in (0.1, 10.0):
+        water = np.full(n, 0.05)
+        water[: n // 2] = 0.055
+        fields = WetFields(
+            runs[:-1], runs[1:], links, weights, np.full(n, 0.25), np.zeros(n, np.int32),
+            np.zeros(n, np.uint8), np.zeros(n, np.int32), residual, np.full(n, 0.17),
+            np.full(n, 0.02), np.zeros(n), water, water[:, None].copy(), np.ones(n, np.float32),
+            np.zeros(n, bool), np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool),
+            np.zeros((1, 3)),
+        )  # fmt: skip
+        stages.append(move_water(fields, nodes, nodes[:0], 0.06, 10.0, 0.8, step, np.zeros(1)))
+        assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12
+    assert stages[1] == pytest.approx(10 * stages[0], rel=0.25)
+
+
 def test_grain_depends_on_the_place_alone():
     points = np.random.default_rng(1).uniform(-50, 50, (2000, 3))
     height, again = np.empty(2000), np.empty(2000)
