@@ -135,7 +135,7 @@ def _set_up(
     ground = light_ground(occluder, suns)
     from_above = view.direction[2] > SHALLOWEST
     albedo = srgb_to_linear(srgb)
-    seen = np.einsum("ij,ij->i", normals, camera.position - vertices) > -0.2 * occluder.radius
+    seen = _seen(normals, camera.position - vertices, faces)
     mean_albedo = float(areas @ albedo.mean(axis=1) / areas.sum())
     light = light_points(occluder, ground, suns, vertices[seen], normals[seen], mean_albedo)
     exposure = WHITE_POINT / float(np.quantile(light.mean(axis=1), LIT_BEST))
@@ -147,6 +147,17 @@ def _set_up(
     return Scene(
         vertices, faces, normals, colours, peak, exposure, ground if from_above else None, camera
     )
+
+
+def _seen(normals: NDArray, to_camera: NDArray, faces: NDArray) -> NDArray[np.bool_]:
+    """Which vertices (V,) have a part in what may be seen, and so need light.
+
+    All three of a triangle that turns to the camera with one: else it would fade into black.
+    """
+    ahead = np.einsum("ij,ij->i", normals, to_camera) > 0.0
+    seen = np.zeros(len(normals), np.bool_)
+    seen[faces[ahead[faces].any(axis=1)]] = True
+    return seen
 
 
 def _develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:

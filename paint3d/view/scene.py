@@ -13,14 +13,16 @@ from paint3d.errors import ExportError
 from paint3d.view.camera import Camera
 from paint3d.view.daylight import Ground
 from paint3d.view.studio import Gloss, make_panorama
-from paint3d.view.tone import linear_to_srgb
+from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 
 __all__ = ["Scene", "draw_scene"]
 
 BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the paper far from the object
 POOL = np.array([0.600, 0.572, 0.535])  # and around it, where the key light falls
 DIFFUSE = 0.924  # of evenly falling light, what VTK returns from a white rough surface; measured
-SAMPLES_A_PIXEL = 8
+SAMPLES_A_PIXEL = 8  # as far as the driver has them: software has 4, and none over some edges
+FINER = 2  # pixels drawn for each of the picture, across and down
+MOST_PIXELS = 8192  # drawn, along a side
 MATTE_IOR, GLAZE_IOR = 1.1, 1.53
 GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
 POOL_RADIUS = 0.62  # of the ground's half-width
@@ -55,7 +57,9 @@ def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.
     import pyvista as pv
 
     with _quiet_vtk():
-        plotter = pv.Plotter(off_screen=True, window_size=size, lighting="none")
+        scale = FINER if max(size) * FINER <= MOST_PIXELS else 1
+        drawn = tuple(scale * n for n in size)
+        plotter = pv.Plotter(off_screen=True, window_size=drawn, lighting="none")
         try:
             plotter.set_background(linear_to_srgb(BACKDROP))
             _add_object(plotter, scene, gloss)
@@ -69,7 +73,17 @@ def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.
             raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
         finally:
             plotter.close()
-    return np.ascontiguousarray(pixels[..., :3])
+    return _joined(np.ascontiguousarray(pixels[..., :3]), scale)
+
+
+def _joined(pixels: NDArray[np.uint8], scale: int) -> NDArray[np.uint8]:
+    """Join scale x scale pixels to one, by their light: edges cover the share that they do."""
+    if scale == 1:
+        return pixels
+    height, width = pixels.shape[0] // scale, pixels.shape[1] // scale
+    light = srgb_to_linear(np.arange(256, dtype=np.uint8)).astype(np.float32)[pixels]
+    light = light.reshape(height, scale, width, scale, 3).mean(axis=(1, 3))
+    return np.rint(255 * linear_to_srgb(light)).astype(np.uint8)
 
 
 def _add_object(plotter, scene: Scene, gloss: Gloss) -> None:
@@ -95,7 +109,7 @@ def _add_ground(plotter, ground: Ground) -> None:
     square = pv.PolyData.from_regular_faces(corners, [[0, 1, 2], [0, 2, 3]])
     square.active_texture_coordinates = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
     pixels = np.rint(255 * linear_to_srgb(_ground_light(ground))).astype(np.uint8)
-    plotter.add_mesh(square, texture=_texture(pixels), lighting=False)
+    plotter.add_mesh(square, texture=_texture(pixels, plain=True), lighting=False)
 
 
 def _ground_light(ground: Ground) -> NDArray[np.float64]:
@@ -137,8 +151,12 @@ def _place_camera(plotter, scene: Scene) -> None:
     plotter.reset_camera_clipping_range()
 
 
-def _texture(pixels: NDArray):
-    """Return a texture of the (H, W, 3) array, first row at the bottom, values as they are."""
+def _texture(pixels: NDArray, *, plain: bool = False):
+    """Return a texture of the (H, W, 3) array, first row at the bottom, values as they are.
+
+    A `plain` one has no coarser copies: where it is seen at a slant, the step from one to the next
+    would leave stripes.
+    """
     import pyvista as pv
 
     height, width = pixels.shape[:2]
@@ -148,7 +166,7 @@ def _texture(pixels: NDArray):
     texture = pv.Texture(image)
     texture.SetColorModeToDirectScalars()
     texture.SetInterpolate(True)
-    texture.SetMipmap(True)
+    texture.SetMipmap(not plain)
     return texture
 
 

@@ -10,10 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.ndimage import median_filter
 
 from paint3d.errors import ExportError, InputError, MeshError, UnknownNameError
+from paint3d.files.load import load_mesh
+from paint3d.files.painting import PlainSurface
 from paint3d.view import picture
-from paint3d.view.picture import Gloss, View, render_picture
+from paint3d.view.picture import Gloss, View, draw_picture, render_picture
 from tests.unit.view_shapes import BARE, INK, ball, sheet
 
 SIZE = (320, 240)
@@ -110,6 +113,43 @@ def test_without_a_display_it_is_silent_and_the_same(tmp_path, portrait):
     assert (done.returncode, done.stderr) == (0, "")
     with Image.open(path) as image:
         assert np.array_equal(np.asarray(image), portrait)
+
+
+@pytest.fixture(scope="module")
+def bare_bowl():
+    vertices, faces, normals, _ = PlainSurface(load_mesh("bowl")).export_arrays(None)
+    srgb = np.tile(BARE, (len(vertices), 1))
+    return draw_picture(vertices, faces, normals, srgb, size=(1000, 750)).mean(axis=2)
+
+
+@needs_opengl
+def test_no_dark_dots_lie_along_a_rim(bare_bowl):
+    assert (bare_bowl > median_filter(bare_bowl, 5) - 30.0).all()
+
+
+@needs_opengl
+@pytest.mark.parametrize("row", [570, 580])
+def test_the_shadow_beside_a_foot_has_no_stripes(bare_bowl, row):
+    """It turns to light at an even pace, taken over six pixels."""
+    beside = np.convolve(bare_bowl[row, 650:730], np.ones(6) / 6, "valid")[::3]
+    assert beside[-1] > beside[0] + 30.0
+    assert np.abs(np.diff(beside, 2)).mean() < 0.35
+
+
+@needs_opengl
+def test_an_outline_lies_between_the_pixels():
+    """Found from how much of each pixel it covers, it is smooth to a tenth of a pixel."""
+    vertices, faces, normals = ball()
+    ink = np.tile(np.uint8([10, 10, 12]), (len(vertices), 1))
+    pixels = draw_picture(vertices, faces, normals, ink, size=SIZE).astype(float).mean(axis=2)
+    rows, edge = np.arange(70, 170), []
+    for row in pixels[70:170, :160]:
+        k = int(np.abs(np.diff(row)).argmax())
+        before, after = row[k - 3], row[k + 4]
+        edge.append(k + (row[k - 3 : k + 5] - after).sum() / (before - after))
+    powers = np.vander((rows - 120) / 50, 5)
+    off = edge - powers @ np.linalg.lstsq(powers, edge, rcond=None)[0]
+    assert off.std() < 0.09
 
 
 def test_a_missing_folder_is_told_and_nothing_is_drawn(tmp_path, monkeypatch):
