@@ -11,7 +11,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from paint3d.cli.options import add_quiet_option, check_output_folder, parse_hairs
-from paint3d.cli.painting import Wishes, paint, timed, write_report
+from paint3d.cli.painting import Wishes, paint, prepare, timed, write_report
 from paint3d.cli.results import write_result
 from paint3d.errors import ExportError
 
@@ -57,11 +57,9 @@ def run(options: argparse.Namespace) -> None:
     _make_folder(options.out)
     with as_file(files("paint3d.stroke").joinpath(_RECORDING)) as path:
         recording = load_recording(path)
-    painting = paint(
-        load_mesh("bowl"),
-        recording,
-        Wishes(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs),
-    )
+    wishes = Wishes(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs)
+    seconds: dict[str, float] = {}
+    painting = paint(prepare(load_mesh("bowl"), wishes, seconds), recording, wishes, seconds)
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):
         for file in written:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from paint3d.stroke.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["DEFAULT_INK", "Painting", "Wishes", "paint", "timed", "write_report"]
+__all__ = ["DEFAULT_INK", "Painting", "Wishes", "paint", "prepare", "timed", "write_report"]
 
 _DEFAULT_BRUSH = "full"
 DEFAULT_INK = "pine soot"
@@ -98,26 +98,39 @@ def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
     seconds[step] = seconds.get(step, 0.0) + time.perf_counter() - started
 
 
-def paint(mesh: TriangleMesh, recording: Recording, wishes: Wishes) -> Painting:
-    """Paint a recording on a mesh, showing a progress bar on a terminal.
+def prepare(mesh: TriangleMesh, wishes: Wishes, seconds: dict[str, float]) -> PaintedSurface:
+    """Make a mesh ready for painting, adding the time that takes to `seconds`.
 
     Raises
     ------
     InputError
-        If the brush, the ink, the material or a sample cannot be used.
+        If the material is not known, or the mesh cannot be painted on at this resolution.
+    """
+    from paint3d.ink.materials import load_material
+    from paint3d.surface.painted_surface import PaintedSurface
+
+    material = load_material(wishes.material)
+    say_if_compiling(quiet=wishes.quiet)
+    with timed(seconds, "prepare"):
+        return PaintedSurface(mesh, resolution=wishes.resolution_mm, material=material)
+
+
+def paint(
+    surface: PaintedSurface, recording: Recording, wishes: Wishes, seconds: dict[str, float]
+) -> Painting:
+    """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
+
+    Raises
+    ------
+    InputError
+        If the brush, the ink or a sample cannot be used.
     """
     from paint3d.brush.presets import load_brush
-    from paint3d.ink.materials import load_material
     from paint3d.stroke.engine import Painter
-    from paint3d.surface.painted_surface import PaintedSurface
 
     brush = load_brush(wishes.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
     ink = _ink(recording, wishes.ink)
-    material = load_material(wishes.material)
-    say_if_compiling(quiet=wishes.quiet)
-    seconds: dict[str, float] = {}
     with timed(seconds, "prepare"):
-        surface = PaintedSurface(mesh, resolution=wishes.resolution_mm, material=material)
         azimuth = recording.header["azimuth"]
         painter = Painter(surface, brush, ink, azimuth, hairs=wishes.hairs)
     with (

@@ -19,7 +19,7 @@ from paint3d.cli.options import (
     parse_seconds,
 )
 from paint3d.cli.pads import lay_on
-from paint3d.cli.painting import Wishes, paint, timed, write_report
+from paint3d.cli.painting import Wishes, paint, prepare, timed, write_report
 from paint3d.cli.results import result_suffixes, write_result
 from paint3d.cli.untouched import refuse_untouched
 
@@ -96,8 +96,10 @@ def run(options: argparse.Namespace) -> None:
     wishes.check()
     recording = load_recording(options.recording)
     mesh = load_object(options)
+    seconds: dict[str, float] = {}
+    surface = prepare(mesh, wishes, seconds)
     recording = lay_on(mesh, recording, options.at, options.size)
-    painting = paint(mesh, recording, wishes)
+    painting = paint(surface, recording, wishes, seconds)
     refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):
         write_result(painting, options.out)

@@ -19,7 +19,7 @@ from paint3d.cli.options import (
     parse_place,
 )
 from paint3d.cli.outlines import check_is_plane, export_outlines
-from paint3d.cli.painting import DEFAULT_INK, Wishes, paint, timed, write_report
+from paint3d.cli.painting import DEFAULT_INK, Wishes, paint, prepare, timed, write_report
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import result_suffixes, write_result
 from paint3d.errors import InputError
@@ -160,10 +160,10 @@ def run(options: argparse.Namespace) -> None:
     if as_outlines:
         check_is_plane(mesh)
     seconds: dict[str, float] = {}
+    surface = prepare(mesh, wishes, seconds)
     with timed(seconds, "plan"):
         written = _plan(options, mesh, source, pen)
-    painting = paint(mesh, written.recording, wishes)
-    painting.seconds.update(seconds)
+    painting = paint(surface, written.recording, wishes, seconds)
     painting.counts["glyphs"] = written.recording.header["glyphs"]
     painting.counts["characters"] = written.characters
     with timed(painting.seconds, "export"):

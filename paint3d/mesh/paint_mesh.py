@@ -7,6 +7,7 @@ of cells in which they are refined and found (`kernels.cells`), and everything i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -26,6 +27,8 @@ __all__ = ["PaintMesh"]
 
 _REFINED_CELL = 5.0  # a cell's size over the longest edge wanted: cells are refined as a whole
 _PLAIN_CELL = 12.0  # where nothing is refined, fewer and larger cells are found faster
+_MOST_CELLS = 4e6  # a gigabyte; of larger objects the cells are larger, up to:
+_COARSEST_CELL = 256.0  # edges: refining one takes a second and 20 MB
 _SOFT_EDGE_PER_EDGE = 0.6  # mean vertex spacing over the longest edge, nearly
 _BLOCK_STEPS = 16  # places along a cell that order its vertices
 _LATTICE = 1 << 20  # cells along an axis that Morton codes can hold
@@ -65,8 +68,14 @@ class PaintMesh:
         ------
         MeshError
             If more triangles share one edge than can be refined, the object is too large for the
-            resolution (2^20 cells of 5 edges along an axis, or about 2^26 in all), or it lies so
-            far from the origin that float32 coordinates are coarser than the resolution.
+            resolution (some 130,000 edges along either side of a square), or it lies so far from
+            the origin that float32 coordinates are coarser than the resolution.
+
+        Notes
+        -----
+        What is painted is refined cell by cell. A cell is 5 edges long, longer where the surface
+        would take more than some millions of them: memory and time follow what is painted, and
+        the object's area only up to a gigabyte and some ten seconds.
         """
         return cls(make_base_surface(mesh), resolution)
 
@@ -76,8 +85,7 @@ class PaintMesh:
         self.refines = resolution is not None and bool(edges.max() > self.resolution)
         if self.refines:
             _check_precision(base.points, self.resolution)
-        edges_per_cell = _REFINED_CELL if self.refines else _PLAIN_CELL
-        order, lattice = _Lattice.build(base, edges_per_cell * self.resolution)
+        order, lattice = _Lattice.build(base, self._cell_size(float(base.areas.sum())))
         self.source_vertices = base.source_vertices[order]
         rank = np.empty(len(order), np.int32)
         rank[order] = np.arange(len(order), dtype=np.int32)
@@ -85,6 +93,24 @@ class PaintMesh:
         self.n_base_vertices = len(order)
         self._lattice = lattice
         self._make_arrays(base, order, edges)
+
+    def _cell_size(self, area: float) -> float:
+        """Return the size of cells, mm, for a surface of `area` mm2.
+
+        Raises
+        ------
+        MeshError
+            If they would be too large to be refined as a whole.
+        """
+        edges_per_cell = _REFINED_CELL if self.refines else _PLAIN_CELL
+        least = math.sqrt(_PAIRS_PER_CELL * area / _MOST_CELLS)
+        if self.refines and least > _COARSEST_CELL * self.resolution:
+            raise MeshError(
+                f"the object's surface of {1e-6 * area:.3g} m2 is too large for vertices every "
+                f"{self.resolution:g} mm; expected another unit (--unit) if it is not so large, or "
+                f"at least {least / _COARSEST_CELL:.2g} mm (--resolution)"
+            )
+        return max(edges_per_cell * self.resolution, least)
 
     def _make_arrays(self, base: BaseSurface, order: NDArray, edges: NDArray) -> None:
         n, roots = self.n_base_vertices, len(self.base_faces)
@@ -245,6 +271,13 @@ def _check_precision(points: NDArray, resolution: float) -> None:
     farthest = float(np.abs(points).max())
     step = float(np.spacing(np.float32(farthest)))
     if _STEPS_PER_EDGE * step > resolution:
+        span = float(np.ptp(points, axis=0).max())
+        if _STEPS_PER_EDGE * float(np.spacing(np.float32(0.5 * span))) > resolution:
+            raise MeshError(
+                f"the object is {span:g} mm long, where float32 has steps of {step:g} mm, too "
+                f"coarse for vertices every {resolution:g} mm; expected another unit (--unit) if "
+                f"it is not so long, or at least {_STEPS_PER_EDGE * step:.2g} mm (--resolution)"
+            )
         raise MeshError(
             f"a coordinate is {farthest:g} mm, where float32 has steps of {step:g} mm; "
             f"expected steps of at most {resolution / _STEPS_PER_EDGE:g} mm at this resolution: "
@@ -352,7 +385,8 @@ def _pairs_by_cell(
         if room > _MOST_PAIRS:
             raise MeshError(
                 f"the object's surface of {1e-6 * float(base.areas.sum()):.3g} m2 would take about "
-                f"{room:.2g} cells at this resolution; expected at most {_MOST_PAIRS:.2g}"
+                f"{room:.2g} cells at this resolution; expected at most {_MOST_PAIRS:.2g}: a "
+                "coarser resolution or, if it is not so large, another unit"
             )
         places, roots = np.empty((room, 3), np.int32), np.empty(room, np.int32)
         n = fill_pairs(base.points, base.faces, origin, size, places, roots)

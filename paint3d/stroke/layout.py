@@ -32,6 +32,7 @@ LAYOUTS = ("columns", "row")
 _TOUCHING = 0.004  # of the em: squares that share this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
+_FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
 _STEPS_PER_EM = 8.0
 _MIDDLE = (0.5, 0.5)
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
@@ -284,6 +285,7 @@ class _Grid:
         self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None
     ) -> SurfaceLine:
         step = max(self.em_mm / _STEPS_PER_EM, 0.1)
+        most = _FARTHEST * self.em_mm if most is None else most
         return walk(self.surface, start, self.up, bearing, most, step)
 
     def _has_room(self, shape: tuple[int, int], pitch: NDArray) -> bool:

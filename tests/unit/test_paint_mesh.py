@@ -10,6 +10,9 @@ from paint3d.kernels.refine import activate_cell
 from paint3d.mesh import paint_mesh
 from paint3d.mesh.paint_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.stroke.engine import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from scripts.surface_cases import poses
 
 
 def fan(blades, radius=10.0, height=0.0):
@@ -181,16 +184,59 @@ def test_far_from_the_origin():
         PaintMesh.build(away, 1.0)
 
 
-def test_too_large_for_the_resolution():
-    points = np.array([[0, 0, 0], [1e7, 0, 0], [0, 1, 0]], float)
-    with pytest.raises(MeshError, match=r"mm long; expected at most|steps"):
+@pytest.mark.parametrize("side", [1e7, 1e11])
+def test_too_long_for_the_resolution(side):
+    points = np.array([[0, 0, 0], [side, 0, 0], [0, 1, 0]], float)
+    with pytest.raises(MeshError, match=r"mm long.*expected another unit \(--unit\).*resolution"):
         PaintMesh.build(TriangleMesh(points, [(0, 1, 2)]), 1e-3)
 
 
 def test_too_much_surface_for_the_resolution():
     points = np.array([[0, 0, 0], [6e5, 0, 0], [0, 6e5, 0]], float)
-    with pytest.raises(MeshError, match=r"surface of 1\.8e\+05 m2 would take about .* cells"):
-        PaintMesh.build(TriangleMesh(points, [(0, 1, 2)]), 4.0)
+    match = r"surface of 1\.8e\+05 m2 is too large .* every 1 mm; expected another unit \(--unit\)"
+    with pytest.raises(MeshError, match=match) as caught:
+        PaintMesh.build(TriangleMesh(points, [(0, 1, 2)]), 1.0)
+    assert "at least 1.2 mm (--resolution)" in str(caught.value)
+
+
+def square(side):
+    points = np.array([[0, 0, 0], [side, 0, 0], [side, side, 0], [0, side, 0]], float)
+    return TriangleMesh(points, [(0, 1, 2), (0, 2, 3)])
+
+
+def test_cells_grow_with_a_large_surface_and_with_no_other(monkeypatch):
+    monkeypatch.setattr(paint_mesh, "_MOST_CELLS", 2e4)
+    sizes, cells = [], []
+    for side in (50.0, 100.0, 400.0, 1000.0):
+        mesh = PaintMesh.build(square(side), 0.4)
+        sizes.append(float(mesh.arrays.numbers[1]))
+        cells.append(mesh.n_cells)
+    assert sizes == pytest.approx([2.0, 2.0, 4.0, 10.0])
+    assert cells[1] == pytest.approx(4 * cells[0], rel=0.1)
+    assert max(cells) == pytest.approx(min(cells[2:]), rel=0.1)
+    with pytest.raises(MeshError, match="too large"):
+        PaintMesh.build(square(20_000.0), 0.4)
+
+
+def test_the_same_is_painted_on_larger_cells(monkeypatch):
+    recording = poses(
+        np.column_stack([np.linspace(180.0, 220.0, 20), np.full(20, 200.0), np.zeros(20)]),
+        (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.full(20, 0.4),
+    )  # fmt: skip
+    painted = []
+    for most in (4e6, 2e4):
+        monkeypatch.setattr(paint_mesh, "_MOST_CELLS", most)
+        painter = Painter(PaintedSurface(square(400.0), 0.8), "full")
+        painter.replay(recording)
+        surface = painter.surface
+        here = surface.coverage[: surface.n_vertices] > 0.0
+        points = surface.paint_mesh.vertices[here].astype(float)
+        order = np.lexsort(points.T)
+        painted.append((points[order], surface.coverage[: surface.n_vertices][here][order]))
+    (points, cover), (more_points, more_cover) = painted
+    assert len(points) == len(more_points) > 500
+    np.testing.assert_array_equal(points, more_points)
+    np.testing.assert_allclose(cover, more_cover, atol=1e-5)
 
 
 def test_too_many_triangles_on_one_edge():
