@@ -78,14 +78,14 @@ class Recording:
     def __post_init__(self) -> None:
         time_ns = _times(self.time_ns)
         n = len(time_ns)
-        identity = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+        identity = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (n, 4))
         checked = {
             "time_ns": time_ns,
             "position": _floats(self.position, "position", (n, 3)),
             "orientation": _unit(self.orientation, "orientation", n),
             "pressure": None if self.pressure is None else _pressures(self.pressure, n),
             "buttons": _buttons(self.buttons, n),
-            "object_position": np.zeros((n, 3))
+            "object_position": np.broadcast_to(np.zeros(3), (n, 3))
             if self.object_position is None
             else _floats(self.object_position, "object_position", (n, 3)),
             "object_orientation": identity
@@ -94,7 +94,7 @@ class Recording:
             "contact": _contacts(self.contact, n, self.pressure is not None),
         }
         for name, array in checked.items():
-            if array is not None:
+            if array is not None and array.flags.writeable:
                 array.setflags(write=False)
             object.__setattr__(self, name, array)
         object.__setattr__(self, "header", checked_header(self.header))
@@ -165,7 +165,7 @@ def _times(values: object) -> NDArray:
         )
     if len(raw) == 0:
         raise RecordingError("the recording has no samples; expected at least one")
-    times = raw.astype(np.int64)
+    times = _own(raw.astype(np.int64, copy=False), values)
     late = np.flatnonzero(times[1:] <= times[:-1])
     if len(late):
         i = int(late[0]) + 1
@@ -177,10 +177,27 @@ def _times(values: object) -> NDArray:
 
 
 def _floats(values: object, name: str, shape: tuple[int, ...]) -> NDArray:
-    return as_array(values, name, shape, error=RecordingError).copy()
+    if _is_one_row(values, shape):  # stays one
+        return np.broadcast_to(_floats(values[:1], name, (1, *shape[1:])), shape)
+    return _own(as_array(values, name, shape, error=RecordingError), values)
+
+
+def _own(array: NDArray, given: object) -> NDArray:
+    """A copy that nobody else can write to; the array itself where it is such a one already."""
+    frozen = array is given and array.base is None and not array.flags.writeable
+    return array if frozen else array.copy()
+
+
+def _is_one_row(values: object, shape: tuple[int, ...]) -> bool:
+    """Whether it is an array of that shape in which all rows are the same memory."""
+    if not isinstance(values, np.ndarray) or values.shape != shape or len(shape) != 2:
+        return False
+    return shape[0] > 1 and values.strides[0] == 0
 
 
 def _unit(values: object, name: str, n: int) -> NDArray:
+    if _is_one_row(values, (n, 4)):
+        return np.broadcast_to(_unit(values[:1], name, 1), (n, 4))
     array = _floats(values, name, (n, 4))
     with np.errstate(over="ignore"):
         length = np.linalg.norm(array, axis=1)
@@ -191,7 +208,9 @@ def _unit(values: object, name: str, n: int) -> NDArray:
             f"expected 1 within {UNIT_TOLERANCE:g}"
         )
     off = np.abs(length - 1.0) > _ROUNDING
-    array[off] /= length[off, None]
+    if off.any():
+        array = array if array.flags.writeable else array.copy()
+        array[off] /= length[off, None]
     return array
 
 
@@ -234,4 +253,4 @@ def _buttons(values: object, n: int) -> NDArray:
     bad = np.flatnonzero((raw < 0) | (raw > 0x7FFFFFFF))
     if len(bad):
         raise RecordingError(f"sample {bad[0]}: buttons is {raw[bad[0]]}; expected 0 to 2147483647")
-    return raw.astype(np.int32)
+    return _own(raw.astype(np.int32, copy=False), values)

@@ -36,6 +36,7 @@ from numpy.typing import NDArray
 
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
+from paint3d.stroke.number_table import NumberTable
 from paint3d.stroke.pad import DEFAULT_LEAN, join_strokes, orientations_from_angles, spread_ties
 
 __all__ = ["read_csv", "read_plain_table", "write_csv"]
@@ -55,60 +56,10 @@ _AZIMUTHS = ("azimuth", "sensor_azimuth", "azimuth_deg")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _OBJECT = ("object_x_mm", "object_y_mm", "object_z_mm", *(f"object_{q}" for q in _QUATERNION))
 _CONTACT = ("contact_x_mm", "contact_y_mm", "contact_z_mm")
+_EXACT = ("time_ns", "buttons")
 _LARGEST = 1e9
 _TOO_FAST_MS = 0.05
 """A pad read more often than every 0.05 ms does not exist: such steps are seconds."""
-
-
-class _Table:
-    """Numbers of a table by column, with the line each row came from."""
-
-    def __init__(self, names: list[str], name: str) -> None:
-        self.names = names
-        self.name = name
-        self.lines: list[int] = []
-        self.rows: list[list[float]] = []
-
-    def add(self, number: int, cells: list[str]) -> None:
-        if len(cells) != len(self.names):
-            raise RecordingError(
-                f"{self.name}:{number}: there are {len(cells)} columns; expected {len(self.names)}"
-            )
-        self.lines.append(number)
-        self.rows.append([self._number(number, c, cell) for c, cell in enumerate(cells)])
-
-    def _number(self, line: int, c: int, cell: str) -> float:
-        exact = self.names[c] in ("time_ns", "buttons")
-        if not cell and self.names[c] in _CONTACT:
-            return math.nan
-        try:
-            value = int(cell) if exact else float(cell)
-            if math.isfinite(value) and abs(value) < 2.0**62:
-                return value
-        except (ValueError, OverflowError):
-            pass
-        kind = "an integer" if exact else "a finite number"
-        raise RecordingError(
-            f"{self.name}:{line}: {self.names[c]} is {cell.strip()[:40]!r}; expected {kind}"
-        )
-
-    def column(self, *names: str) -> tuple[str, NDArray] | None:
-        """The first of the named columns that is there, and its values."""
-        for name in names:
-            if name in self.names:
-                c = self.names.index(name)
-                kind = np.int64 if name in ("time_ns", "buttons") else np.float64
-                return name, np.array([row[c] for row in self.rows], dtype=kind)
-        return None
-
-    def check(self, name: str, values: NDArray, low: float, high: float) -> NDArray:
-        bad = np.flatnonzero((values < low) | (values > high))
-        if len(bad):
-            raise RecordingError(
-                f"{self.name}:{self.lines[bad[0]]}: {name} is {values[bad[0]]:.6g}; "
-                f"expected {low:g} to {high:g}"
-            )
-        return values
 
 
 def read_csv(
@@ -145,9 +96,8 @@ def read_csv(
             f"{name}:{number}: columns are {', '.join(names)[:200]}; expected distinct names, "
             f"among them one of {', '.join(_TIMES)}"
         )
-    table = _Table(names, name)
-    for line, row in filled:
-        table.add(line, [cell.strip().strip('"') for cell in row.split(delimiter)])
+    table = NumberTable(names, name, _EXACT, _CONTACT)
+    table.read(filled, delimiter, lambda row: [c.strip().strip('"') for c in row.split(delimiter)])
     return _assemble(table, header, scale, y_down)
 
 
@@ -161,10 +111,9 @@ def read_plain_table(
     RecordingError
         ``name:line: what is X; expected Y``.
     """
-    table = _Table(["time", "x", "y", "pressure"], name)
-    for number, text in lines:
-        if text.strip() and not text.startswith("#"):
-            table.add(number, text.split())
+    table = NumberTable(["time", "x", "y", "pressure"], name)
+    told = ((number, text) for number, text in lines if text.strip() and text[0] != "#")
+    table.read(told, None, str.split)
     return _assemble(table, {}, scale, y_down)
 
 
@@ -178,20 +127,23 @@ def _header(text: str, where: str) -> dict:
     return header
 
 
-def _assemble(table: _Table, header: dict, scale: float, y_down: bool) -> Recording:
-    if not table.rows:
+def _assemble(table: NumberTable, header: dict, scale: float, y_down: bool) -> Recording:
+    if not len(table):
         raise RecordingError(f"{table.name}: there are no samples; expected at least one")
     up = 1.0 if table.column("y_mm") or not y_down else -1.0
     position = np.stack([_place(table, axis, scale) for axis in "xyz"], axis=1)
     position[:, 1] *= up
+    table.let_go(*(name for names in _PLACES.values() for name in names))
     found = table.column(*_STROKES)
     stroke = np.zeros(len(position)) if found is None else found[1]
     time_ns, notes = _times(table, stroke)
+    table.let_go(*_TIMES)
     if notes:
         header = {**header, "notes": [*_listed(header.get("notes")), *notes]}
     buttons = table.column("buttons")
     pressed = None if buttons is None else table.check("buttons", buttons[1], 0, 2**31 - 1)
     pressure = _pressures(table)
+    table.let_go(*_STROKES, *_PRESSURES)
     try:
         if table.column("qw"):
             return _posed(table, header, time_ns, position, pressure, pressed)
@@ -208,7 +160,7 @@ def _listed(notes: object) -> list:
 
 
 def _posed(
-    table: _Table,
+    table: NumberTable,
     header: dict,
     time_ns: NDArray,
     position: NDArray,
@@ -230,7 +182,7 @@ def _posed(
     )
 
 
-def _columns(table: _Table, names: tuple[str, ...]) -> NDArray:
+def _columns(table: NumberTable, names: tuple[str, ...]) -> NDArray:
     found = [table.column(name) for name in names]
     if None in found:
         raise RecordingError(f"there is no column {names[found.index(None)]!r}")
@@ -238,11 +190,11 @@ def _columns(table: _Table, names: tuple[str, ...]) -> NDArray:
     return np.stack(checked, axis=1)
 
 
-def _place(table: _Table, axis: str, scale: float) -> NDArray:
+def _place(table: NumberTable, axis: str, scale: float) -> NDArray:
     found = table.column(*_PLACES[axis])
     if found is None:
         if axis == "z":
-            return np.zeros(len(table.rows))
+            return np.zeros(len(table))
         names = ", ".join(_PLACES[axis])
         raise RecordingError(
             f"{table.name}: there is no column for {axis}; expected one of {names}"
@@ -252,7 +204,7 @@ def _place(table: _Table, axis: str, scale: float) -> NDArray:
     return values if name.endswith("_mm") else values * scale
 
 
-def _pressures(table: _Table) -> NDArray | None:
+def _pressures(table: NumberTable) -> NDArray | None:
     found = table.column(*_PRESSURES)
     if found is None:
         return None
@@ -261,23 +213,27 @@ def _pressures(table: _Table) -> NDArray | None:
     return table.check(name, values, 0.0, most) / most
 
 
-def _leaning(table: _Table, up: float) -> NDArray:
+def _leaning(table: NumberTable, up: float) -> NDArray:
     """Orientations from the lean; upright, the tip pointing up left, where it is not known."""
-    angles = []
+    angles, known = [], False
     for key, otherwise in (
         ("azimuth", DEFAULT_LEAN * up),
         ("altitude", 0.5 * math.pi),
         ("rotation", 0.0),
     ):
         found = table.column(key, f"sensor_{key}", f"{key}_deg")
-        values = np.full(len(table.rows), otherwise) if found is None else found[1]
+        values = np.full(1, otherwise) if found is None else found[1]
+        known = known or found is not None
         if found is not None and found[0].endswith("_deg"):
             values = np.radians(values)
         angles.append(table.check(key, values, -100.0, 100.0))
-    return orientations_from_angles(angles[0] * up, angles[1], angles[2])
+    if known:
+        angles = [np.broadcast_to(values, len(table)) for values in angles]
+    same = orientations_from_angles(angles[0] * up, angles[1], angles[2])
+    return np.broadcast_to(same, (len(table), 4))
 
 
-def _times(table: _Table, stroke: NDArray) -> tuple[NDArray, list[str]]:
+def _times(table: NumberTable, stroke: NDArray) -> tuple[NDArray, list[str]]:
     """Times in ns, and what had to be done to them."""
     name, values = table.column(*_TIMES)
     starts = np.flatnonzero(np.concatenate([[True], stroke[1:] != stroke[:-1]]))
@@ -285,7 +241,7 @@ def _times(table: _Table, stroke: NDArray) -> tuple[NDArray, list[str]]:
     if len(late):
         i = int(late[0]) + 1
         raise RecordingError(
-            f"{table.name}:{table.lines[i]}: {name} is {values[i]:.17g}; "
+            f"{table.name}:{table.line(i)}: {name} is {values[i]:.17g}; "
             f"expected at least {values[i - 1]:.17g}, the time before it"
         )
     if name == "time_ns":
@@ -298,7 +254,7 @@ def _times(table: _Table, stroke: NDArray) -> tuple[NDArray, list[str]]:
     if len(times) > 1 and (np.diff(times) <= 0).any():
         i = int(np.flatnonzero(np.diff(times) <= 0)[0]) + 1
         raise RecordingError(
-            f"{table.name}:{table.lines[i]}: more samples share a time than ns are left"
+            f"{table.name}:{table.line(i)}: more samples share a time than ns are left"
         )
     return times, notes
 
@@ -307,7 +263,7 @@ def _rounded(values: NDArray, unit: float, starts: NDArray) -> tuple[NDArray, li
     """ns from the first stamp; strokes that start in ms but go on in s are put right."""
     first = np.repeat(values[starts], np.diff(np.append(starts, len(values))))
     steps = np.diff(values - first)
-    steps = steps[steps > 0]
+    steps = steps[steps > 0] if unit == 1e6 else steps[:0]
     notes = []
     offset = (values - first) * unit
     if unit == 1e6 and len(steps) > 1 and np.median(steps) < _TOO_FAST_MS:
@@ -317,10 +273,13 @@ def _rounded(values: NDArray, unit: float, starts: NDArray) -> tuple[NDArray, li
         if (begin[1:] > begin[:-1] + seconds[ends[:-1]]).all():
             offset = seconds
             notes.append("time stamps count in ms between strokes but in s within them")
-    total = (first - values[0]) * unit + offset
+    del steps
+    first -= values[0]
+    total = first * unit + offset
+    del first, offset
     if len(total) and total[-1] >= 2.0**62:
         raise RecordingError("the times span over 146 years; expected a recording")
-    return np.round(total).astype(np.int64), notes
+    return np.round(total, out=total).astype(np.int64), notes
 
 
 def write_csv(recording: Recording) -> Iterator[str]:

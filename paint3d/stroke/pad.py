@@ -94,6 +94,8 @@ def spread_ties(time_ns: NDArray) -> tuple[NDArray, int]:
     n_moved : int
         How many samples got a new time.
     """
+    if (time_ns[1:] > time_ns[:-1]).all():
+        return time_ns.copy(), 0
     stamps, first, counts = np.unique(time_ns, return_index=True, return_counts=True)
     if len(stamps) == len(time_ns):
         return time_ns.copy(), 0
@@ -131,24 +133,33 @@ def join_strokes(
         Entries for the recording's header.
     """
     pressed = np.full(len(time_ns), 0.5) if pressure is None else np.asarray(pressure)
-    buttons = np.zeros(len(time_ns), dtype=np.int32) if buttons is None else buttons
     ends = np.flatnonzero(np.diff(stroke) != 0)
     gaps = time_ns[ends + 1] - time_ns[ends]
     lift = np.minimum(LIFT_NS, gaps // 4)
     after = (pressed[ends] > 0) & (lift > 0)
     before = (pressed[ends + 1] > 0) & (lift > 0)
-    source = np.concatenate([np.arange(len(time_ns)), ends[after], ends[before] + 1])
-    times = np.concatenate(
-        [time_ns, time_ns[ends[after]] + lift[after], time_ns[ends[before] + 1] - lift[before]]
+    # a lift goes behind its stroke's last sample, another before the next stroke's first
+    source = np.concatenate([ends[after], ends[before] + 1])
+    places = np.concatenate([ends[after], ends[before]]) + 1
+    lifts = np.concatenate(
+        [time_ns[ends[after]] + lift[after], time_ns[ends[before] + 1] - lift[before]]
     )
-    lifted = np.arange(len(source)) >= len(time_ns)
-    order = np.argsort(times, kind="stable")
-    source, lifted = source[order], lifted[order]
+    n = len(time_ns) + len(places)
+    if orientation.strides[0] == 0:  # one for all, whichever sample
+        orientation = np.broadcast_to(orientation[:1], (n, 4))
+    else:
+        orientation = np.insert(orientation, places, orientation[source], axis=0)
     return Recording(
-        times[order],
-        position[source],
-        orientation[source],
-        np.where(lifted, 0.0, pressed[source]),
-        buttons[source],
+        _frozen(np.insert(time_ns, places, lifts)),
+        _frozen(np.insert(position, places, position[source], axis=0)),
+        orientation,
+        _frozen(np.insert(pressed, places, 0.0)),
+        None if buttons is None else _frozen(np.insert(buttons, places, buttons[source])),
         header={"space": "pad", **header},
     )
+
+
+def _frozen(array: NDArray) -> NDArray:
+    """A new array that is not written to any more, so that it need not be copied."""
+    array.setflags(write=False)
+    return array
