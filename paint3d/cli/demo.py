@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> None:
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):
         for file in written:
-            write_result(painting, file)
+            write_result(painting, file, quiet=options.quiet)
     write_report(options.out / "report.json", painting)
     if not options.quiet:
         sys.stdout.write(f"{painting.summarize()}\n")

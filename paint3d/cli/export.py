@@ -13,6 +13,7 @@ from paint3d.cli.options import (
     check_output_file,
     check_overwriting,
 )
+from paint3d.cli.progress import ProgressBar
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -81,21 +82,24 @@ def run(options: argparse.Namespace) -> None:
 
     check_output_file(options.file, EXPORT_SUFFIXES)
     check_overwriting((options.file,), (options.session,), force=options.force)
-    session = load_session(options.session)
-    if is_session_path(options.file):
-        save_session(session, options.file)
-    else:
-        export(
-            session.surface,
-            options.file,
-            tolerance=options.tolerance,
-            exact=options.exact,
-            unit=options.unit,
-            up_axis=options.up_axis,
-            unlit=options.unlit,
-            texture=options.texture,
-            filaments=options.filaments,
-            packed_normals=options.packed_normals,
-        )
+    with ProgressBar("opening", enabled=not options.quiet) as progress:
+        session = load_session(options.session, progress)
+    with ProgressBar("writing", enabled=not options.quiet) as progress:
+        if is_session_path(options.file):
+            save_session(session, options.file, progress)
+        else:
+            export(
+                session.surface,
+                options.file,
+                tolerance=options.tolerance,
+                exact=options.exact,
+                unit=options.unit,
+                up_axis=options.up_axis,
+                unlit=options.unlit,
+                texture=options.texture,
+                filaments=options.filaments,
+                packed_normals=options.packed_normals,
+                progress=progress,
+            )
     if not options.quiet:
         sys.stdout.write(f"{options.file}\n")

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import os
-from functools import lru_cache
 from typing import TYPE_CHECKING
+
+from paint3d.cli.progress import ProgressBar
 
 if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["load_object"]
+
+_last: dict[tuple, TriangleMesh] = {}  # the one that was read last
 
 
 def load_object(options: argparse.Namespace) -> TriangleMesh:
@@ -23,7 +26,19 @@ def load_object(options: argparse.Namespace) -> TriangleMesh:
     """
     path = os.path.abspath(options.on)  # a name means another file in another folder
     how = (options.unit, options.from_points, options.texture, options.up)
-    return _load(options.on, path, _state(path), *how)
+    key = (options.on, path, _state(path), *how)
+    if key not in _last:
+        from paint3d.files.load import load_mesh
+
+        unit, from_points, texture, up = how
+        with ProgressBar("reading", enabled=not options.quiet) as progress:
+            mesh = load_mesh(
+                options.on, unit, from_points=from_points, texture=texture, up=up,
+                progress=progress,
+            )  # fmt: skip
+        _last.clear()
+        _last[key] = mesh
+    return _last[key]
 
 
 def _state(path: str) -> tuple[int, int] | None:
@@ -33,18 +48,3 @@ def _state(path: str) -> tuple[int, int] | None:
     except (OSError, ValueError):
         return None
     return found.st_size, found.st_mtime_ns
-
-
-@lru_cache(maxsize=1)
-def _load(
-    name: str,
-    path: str,
-    state: tuple[int, int] | None,
-    unit: str | None,
-    from_points: bool | None,
-    texture: bool,
-    up: str | None,
-) -> TriangleMesh:
-    from paint3d.files.load import load_mesh
-
-    return load_mesh(name, unit, from_points=from_points, texture=texture, up=up)

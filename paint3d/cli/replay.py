@@ -20,6 +20,7 @@ from paint3d.cli.options import (
 )
 from paint3d.cli.pads import lay_on
 from paint3d.cli.painting import Wishes, paint, prepare, timed, write_report
+from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import result_suffixes, write_result
 from paint3d.cli.untouched import refuse_untouched
 
@@ -94,7 +95,8 @@ def run(options: argparse.Namespace) -> None:
         spread_s=options.spread,
     )
     wishes.check()
-    recording = load_recording(options.recording)
+    with ProgressBar("reading", enabled=not options.quiet) as progress:
+        recording = load_recording(options.recording, progress=progress)
     mesh = load_object(options)
     seconds: dict[str, float] = {}
     surface = prepare(mesh, wishes, seconds)
@@ -102,7 +104,7 @@ def run(options: argparse.Namespace) -> None:
     painting = paint(surface, recording, wishes, seconds)
     refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):
-        write_result(painting, options.out)
+        write_result(painting, options.out, quiet=options.quiet)
     if options.report is not None:
         write_report(options.report, painting)
     if not options.quiet:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.progress import ProgressBar
+
 if TYPE_CHECKING:
     from paint3d.cli.painting import Painting
 
@@ -18,8 +20,8 @@ def result_suffixes() -> tuple[str, ...]:
     return EXPORT_SUFFIXES
 
 
-def write_result(painting: Painting, file: Path) -> None:
-    """Write a painting in the format that the file's suffix names.
+def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None:
+    """Write a painting in the format that the file's suffix names, telling the progress.
 
     Raises
     ------
@@ -29,8 +31,9 @@ def write_result(painting: Painting, file: Path) -> None:
     from paint3d.files.export import export
     from paint3d.files.session import Session, is_session_path, save_session
 
-    if is_session_path(file):
-        session = Session(painting.surface, painting.recordings, painting.settings)
-        save_session(session, file)
-    else:
-        export(painting.surface, file)
+    with ProgressBar("writing", enabled=not quiet) as progress:
+        if is_session_path(file):
+            session = Session(painting.surface, painting.recordings, painting.settings)
+            save_session(session, file, progress)
+        else:
+            export(painting.surface, file, progress=progress)

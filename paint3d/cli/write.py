@@ -170,7 +170,7 @@ def run(options: argparse.Namespace) -> None:
         if as_outlines:
             export_outlines(mesh, written.recording, options.ink or DEFAULT_INK, options.out)
         else:
-            write_result(painting, options.out)
+            write_result(painting, options.out, quiet=options.quiet)
     if options.recording is not None:
         save_recording(written.recording, options.recording)
     if options.report is not None:

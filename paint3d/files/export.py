@@ -61,6 +61,7 @@ def export(
     filaments: int | Sequence[str] | None = None,
     packed_normals: bool = False,
     size: tuple[int, int] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Write a painting to `path`; the suffix chooses the format.
 
@@ -97,6 +98,8 @@ def export(
         .p3d.txt: write the paper's seven numbers a vertex, one of them for the normal.
     size : (int, int), optional
         .png: width and height, pixels; by default 1600 x 1200.
+    progress : callable, optional
+        Called with about the share done, now and then; what it raises leaves everything as it was.
 
     Raises
     ------
@@ -109,12 +112,13 @@ def export(
     path = Path(path)
     suffix = check_export_path(path)
     if suffix == SESSION_SUFFIX:
-        _save(surface, path)
+        _save(surface, path, progress)
         return
     options = ExportOptions(
         tolerance, exact, unit, up_axis, unlit, texture, filaments, packed_normals, size
     )
-    prepare_export(surface, path, options).write()
+    prepared = prepare_export(surface, path, options, part_of(progress, 0.0, 0.6))
+    prepared.write(part_of(progress, 0.6, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,11 +188,11 @@ def prepare_export(
     return PreparedExport(path, suffix, options, read_painting(surface, options, progress))
 
 
-def _save(surface: Exportable | TriangleMesh, path: Path) -> None:
+def _save(surface: Exportable | TriangleMesh, path: Path, progress: Progress | None = None) -> None:
     if not isinstance(surface, PaintedSurface):
         kind = type(surface).__name__
         raise ExportError(f"{path}: a session holds a PaintedSurface; got a {kind}")
-    save_session(Session(surface), path)
+    save_session(Session(surface), path, progress)
 
 
 def check_export_path(path: str | os.PathLike[str]) -> str:

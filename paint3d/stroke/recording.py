@@ -30,6 +30,7 @@ __all__ = ["Recording", "load_recording", "save_recording"]
 _GZIP_MAGIC = b"\x1f\x8b"
 _MAX_LINE = 1 << 16
 _MAX_BYTES = 1 << 29
+_TELL_EVERY = 1 << 14  # lines
 _MAX_XML_BYTES = 1 << 26
 _WRITERS = {
     ".jsonl": write_jsonl,
@@ -40,7 +41,11 @@ _WRITERS = {
 
 
 def load_recording(
-    path: str | os.PathLike[str], *, scale: float = MM_PER_PIXEL, y_down: bool = True
+    path: str | os.PathLike[str],
+    *,
+    scale: float = MM_PER_PIXEL,
+    y_down: bool = True,
+    progress: Callable[[float], None] | None = None,
 ) -> Recording:
     """Read a recording.
 
@@ -52,6 +57,8 @@ def load_recording(
         mm per unit of a pad's x and y where the file does not say; 25.4/96 for pixels.
     y_down : bool
         Whether y grows downwards in files of pads that do not say, as on screens.
+    progress : callable, optional
+        Called with the share of the file that is read, now and then; what it raises stops it.
 
     Raises
     ------
@@ -64,7 +71,8 @@ def load_recording(
         with open(path, "rb") as raw:
             stream = _decompressed(raw)
             start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
-            return _read(stream, start, name, Path(path), scale, y_down)
+            told = None if progress is None else _share_read(raw, progress)
+            return _read(stream, start, name, Path(path), scale, y_down, told)
     except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
         raise RecordingError(f"{name}: the gzip data are damaged or cut short ({cause})") from None
     except OSError as cause:
@@ -73,11 +81,17 @@ def load_recording(
 
 
 def _read(
-    stream: BinaryIO, start: bytes, name: str, path: Path, scale: float, y_down: bool
+    stream: BinaryIO,
+    start: bytes,
+    name: str,
+    path: Path,
+    scale: float,
+    y_down: bool,
+    told: Callable[[], None] | None,
 ) -> Recording:
     if start.startswith(b"<"):
         return read_inkml(_whole(stream, name), name, scale=scale, y_down=y_down)
-    lines = _lines(stream, name)
+    lines = _lines(stream, name, told)
     suffixes = [s.lower() for s in path.suffixes]
     if start.startswith(b"{") or ".jsonl" in suffixes or ".json" in suffixes or not start:
         return read_jsonl(lines, name)
@@ -97,10 +111,20 @@ def _decompressed(raw: io.BufferedReader) -> io.BufferedReader:
     return raw
 
 
-def _lines(stream: BinaryIO, name: str) -> Iterator[tuple[int, str]]:
+def _share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None]:
+    """What tells how much of a file has been read, packed or not."""
+    size = max(1, os.fstat(raw.fileno()).st_size)
+    return lambda: progress(min(1.0, raw.tell() / size))
+
+
+def _lines(
+    stream: BinaryIO, name: str, told: Callable[[], None] | None = None
+) -> Iterator[tuple[int, str]]:
     number = n_bytes = 0
     while line := stream.readline(_MAX_LINE + 1):
         number += 1
+        if told is not None and number % _TELL_EVERY == 0:
+            told()
         n_bytes += len(line)
         if len(line) > _MAX_LINE:
             raise RecordingError(f"{name}:{number}: the line is longer than {_MAX_LINE} bytes")

@@ -216,7 +216,9 @@ def test_an_object_is_read_once_until_its_file_changes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     corners = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 9 9 0\n"
     Path("jug.obj").write_text(corners + "f 1 2 3\n")
-    options = Namespace(on="jug.obj", unit=None, from_points=None, texture=False, up=None)
+    options = Namespace(
+        on="jug.obj", unit=None, from_points=None, texture=False, up=None, quiet=True
+    )
     mesh = load_object(options)
     assert load_object(options) is mesh
     assert load_object(Namespace(**{**vars(options), "unit": "cm"})).area == 100.0 * mesh.area

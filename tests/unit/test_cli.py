@@ -230,3 +230,27 @@ def test_help_names_every_material() -> None:
     options.add_surface_options(parser)
     told = " ".join(parser.format_help().split())
     assert all(name in told for name in material_names())
+
+
+def test_what_takes_long_is_told_on_a_terminal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("sheet.obj").write_text("v 0 0 0\nv 90 0 0\nv 90 90 0\nv 0 90 0\nf 1 2 3 4\n")
+    pose = '"position":[45,45,30],"orientation":[1,0,0,0]'
+    lines = [f'{{"time_ns":{k},{pose},"pressure":0.3}}' for k in (0, 10**7)]
+    header = '{"format":"paint3d-recording","version":1}'
+    Path("a.jsonl").write_text("\n".join([header, *lines]))
+    replayed = "replay a.jsonl --on sheet.obj --resolution 4 --out a.p3d"
+    for line, told in (
+        (replayed, ("reading", "painting", "writing")),
+        ("export a.p3d a.glb", ("opening", "writing")),
+    ):
+        terminal = Terminal()
+        monkeypatch.setattr(sys, "stderr", terminal)
+        assert main.main(line.split()) == 0
+        assert all(f"{what} [" in terminal.getvalue() for what in told), terminal.getvalue()
+        quiet = Terminal()
+        monkeypatch.setattr(sys, "stderr", quiet)
+        assert main.main([*line.split(), "--quiet", "--force"]) == 0
+        assert quiet.getvalue() == ""

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+from concurrent.futures import CancelledError
 
 import numpy as np
 import pytest
@@ -204,3 +205,23 @@ def test_a_recording_plays_back_as_a_device():
     assert [s.time_ns for s in samples] == [0, 1_000_000, 2_000_000]
     assert samples[2].pressure == 1.0
     assert samples[1].position.tolist() == [3.0, 4.0, 5.0]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".csv.gz", ".jsonl"])
+def test_the_share_that_is_read_is_told_and_can_stop_it(tmp_path, suffix):
+    n = 40_000
+    times, zeros = np.arange(n) * 1_000_000, np.zeros((n, 3))
+    recording = Recording(times, zeros, np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)))
+    file = tmp_path / f"long{suffix}"
+    save_recording(recording, file)
+    shares = []
+    load_recording(file, progress=shares.append)
+    assert len(shares) >= 2
+    assert shares == sorted(shares)
+    assert 0.0 < shares[0] < shares[-1] <= 1.0
+
+    def stop(share):
+        raise CancelledError
+
+    with pytest.raises(CancelledError):
+        load_recording(file, progress=stop)

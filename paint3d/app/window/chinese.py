@@ -5,7 +5,7 @@ from __future__ import annotations
 __all__ = ["CHINESE"]
 
 CHINESE = {
-    "no home to write to: all is kept in {folder}": "没有可写的主目录：一切暂存于 {folder}",
+    "No home to write to: all is kept in {folder}": "没有可写的主目录：一切暂存于 {folder}",
     "Turn and scale the object…": "转动、缩放器物…", "Begin anew": "重新开始",
     "Keep its own colours and pictures": "保留自带的颜色与贴图", "Turn round": "转身",
     "Tip forward": "前翻", "Tip aside": "侧翻", "likely": "可能", "{axis} up": "{axis} 朝上",

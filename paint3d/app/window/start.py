@@ -101,7 +101,7 @@ def run_studio(
     if problem is not None:
         window.tell(problem, state="bad")
     elif (kept := stand_in()) is not None:
-        window.tell(say("no home to write to: all is kept in {folder}", folder=kept), state="bad")
+        window.tell(say("No home to write to: all is kept in {folder}", folder=kept), state="bad")
     window.show()
     window.files.show_recent()
     try:
