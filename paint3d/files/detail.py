@@ -24,6 +24,7 @@ _FINEST = 1.0 / 1500.0  # of the object's size: shorter edges are not halved
 _PIXEL = 0.8  # pixels: nor are edges that are so short on the picture
 _SEAM = 24  # codes: corners of a vertex that differ by more do not share a colour
 _ROUNDS = 40
+_FARTHEST = 1e4  # pictures side by side: places farther out are damaged, and count as unknown
 _CREASE_ANGLE = np.deg2rad(40.0)  # as `paint3d.mesh.base_surface` has it
 _GRIDS = (2, 4, 8, 16, 24)  # steps along an edge at which a triangle's picture is looked at
 _AT_ONCE = 1 << 20  # places
@@ -190,7 +191,7 @@ def show_pictures(
     n = len(vertices)
     own = np.ones((n, 3)) if colours is None else linear_from_srgb(colours)
     own = np.hstack([own, np.zeros((n, 3)) if normals is None else normals])
-    uv = np.where(np.isfinite(uv), uv, np.nan)
+    uv = np.where(np.abs(uv) <= _FARTHEST, uv, np.nan)
     lost = np.isnan(uv).any(axis=(1, 2))
     plain = {k: Look(one.factor) for k, one in enumerate(looks)}
     looks = [*looks, *plain.values(), Look()]

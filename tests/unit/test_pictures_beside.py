@@ -192,6 +192,12 @@ def test_a_3mf_texture_that_is_tiled(tmp_path):
     assert shown.colours[corner[0]].tolist() == [255, 0, 0]
 
 
+def test_places_absurdly_far_out_are_taken_for_unknown(tmp_path):
+    far = PLACES.replace('u="0.25"', 'u="2147483647"')
+    mesh = with_pictures(package(tmp_path / "a.3mf", TEXTURE.format("") + far, ON_PICTURE)).mesh
+    assert mesh.n_vertices < 100  # not refined for thousands of millions of pictures
+
+
 def test_colours_of_a_3mf_stay_apart_at_a_vertex(tmp_path):
     """A colour group gives each corner a colour: without pictures their mean, with them both."""
     flat = ('pid="5" p1="0"', 'pid="5" p1="1"')
