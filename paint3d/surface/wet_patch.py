@@ -198,14 +198,16 @@ class WetPatch:
                 self.pigment[nodes, column] = 0.0
 
     def hand_back(self) -> None:
-        """Put the pigment back on the vertices, where it moved."""
+        """Put the pigment back on the vertices, where it moved; ink that came since stays there."""
         graph = self.graph
         at = np.flatnonzero(self.changed[graph.node_of[: graph.n_places]])
         if not len(at):
             return
         ink, ids, nodes = self._surface.ink, graph.vertices[at], graph.node_of[at]
         amounts = self.pigment[nodes].astype(np.float32)
-        ink.amounts[ids] = amounts
+        now, before = ink.amounts[ids], self.written[at]
+        since = np.maximum(now + (amounts - before), 0.0)
+        ink.amounts[ids] = np.where(now == before, amounts, since)
         self.written[at] = amounts
         inked = amounts.any(axis=1)
         ink.coverage[ids[inked]] = np.maximum(ink.coverage[ids[inked]], self.soaked[nodes[inked]])

@@ -510,6 +510,18 @@ def test_ink_that_waits_to_be_taken_up_is_kept(monkeypatch):
     assert surface.flow.water == pytest.approx(volume, rel=0.01)  # a little has dried
 
 
+def test_ink_that_waits_is_not_lost_to_ink_that_runs_there(monkeypatch):
+    monkeypatch.setattr(flows, "_OPENED", 1)
+    surface = laid(radius=12.0, coats=3.0)
+    before = surface.wet_ink()
+    waited = 0
+    for _ in range(40):
+        surface.follow_flow(0.05)
+        waited += len(surface.flow.waiting) > 0
+        assert surface.wet_ink() + surface.dry_ink() == pytest.approx(before, rel=1e-6)
+    assert waited > 1
+
+
 def test_the_outcome_does_not_depend_on_the_threads(monkeypatch):
     """Drops apart from one another, each moved by whoever has time, or by one thread."""
     monkeypatch.setattr(flows, "_BUNDLE", 100)
