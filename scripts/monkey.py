@@ -3,6 +3,7 @@
 python -m scripts.monkey --actions 10000 --seed 1
 python -m scripts.monkey --seed 1 --only 3-17 42        (some of its actions again)
 python -m scripts.monkey --seed 1 --actions 300 --shrink  (the fewest actions with the same fault)
+python -m scripts.monkey --seed 1 --disk read-only        (or full; mounts one, so it needs root)
 
 Needs a display; under Xvfb as good as any. Nothing outside a temporary folder is written.
 """
@@ -10,6 +11,7 @@ Needs a display; under Xvfb as good as any. Nothing outside a temporary folder i
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import subprocess
 import sys
@@ -30,9 +32,78 @@ def numbers(texts: list[str]) -> list[int]:
     return found
 
 
+class Disk:
+    """A small disk of its own at a folder, which can be spoilt and mended.
+
+    Parameters
+    ----------
+    folder : str
+    kind : {"read-only", "full"} or None
+        None: the folder stays as it is.
+    """
+
+    def __init__(self, folder: str, kind: str | None) -> None:
+        self._folder, self._kind = folder, kind
+
+    def __enter__(self) -> Disk:
+        if self._kind is not None:
+            self._mount("-t", "tmpfs", "-o", "size=64m", "tmpfs")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._kind is not None:
+            subprocess.run(["umount", "--lazy", self._folder], check=True)
+
+    def spoil(self) -> None:
+        """Let nothing more be written."""
+        if self._kind == "read-only":
+            self._mount("-o", "remount,ro")
+        elif self._kind == "full":
+            with contextlib.suppress(OSError), open(self._filler, "wb", buffering=0) as file:
+                while file.write(bytes(4096)):
+                    pass
+
+    def mend(self) -> None:
+        """Let files be written again."""
+        if self._kind == "read-only":
+            self._mount("-o", "remount,rw")
+        elif self._kind == "full":
+            self._filler.unlink()
+
+    @property
+    def _filler(self) -> Path:
+        return Path(self._folder) / "filler"
+
+    def _mount(self, *how: str) -> None:
+        subprocess.run(["mount", *how, self._folder], check=True)
+
+
+class MonkeyOnDisk(Monkey):
+    """One whose folder lies on a disk that cannot be written, but before it begins and at the end.
+
+    Parameters
+    ----------
+    disk : Disk
+    others
+        See `Monkey`.
+    """
+
+    def __init__(self, disk: Disk, *others: object) -> None:
+        self._disk = disk
+        super().__init__(*others)
+
+    def _fill_folder(self) -> None:
+        super()._fill_folder()
+        self._disk.spoil()
+
+    def _end(self) -> None:
+        self._disk.mend()
+        super()._end()
+
+
 def one_run(options: argparse.Namespace) -> list[Fault]:
     """Do it in this process."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, Disk(folder, options.disk) as disk:
         os.environ.update(XDG_CONFIG_HOME=folder, PAINT3D_STATE=f"{folder}/state")
         from paint3d.app.window.start import make_program
 
@@ -40,7 +111,7 @@ def one_run(options: argparse.Namespace) -> list[Fault]:
         home = Path.cwd()
         (Path(folder) / "work").mkdir()
         os.chdir(Path(folder) / "work")
-        monkey = Monkey(app, Path(folder) / "work", options.seed, options.start)
+        monkey = MonkeyOnDisk(disk, app, Path(folder) / "work", options.seed, options.start)
         began = time.monotonic()
 
         def told(number: int, faults: list[Fault]) -> None:
@@ -68,6 +139,7 @@ def breaks(options: argparse.Namespace, chosen: list[int], wanted: str) -> bool:
     """Whether these actions, in a process of their own, have the same fault."""
     command = [sys.executable, "-m", "scripts.monkey", "--seed", str(options.seed), "--brief"]
     command += ["--start", options.start] if options.start else []
+    command += ["--disk", options.disk] if options.disk else []
     command += ["--only", *map(str, chosen)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900)
     return wanted in done.stdout
@@ -102,6 +174,7 @@ def main() -> int:
     parser.add_argument("--actions", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--start", help="open this in every new window; else it is empty")
+    parser.add_argument("--disk", choices=("read-only", "full"), help="that all files lie on")
     parser.add_argument("--only", nargs="+", help="numbers of actions, or ranges")
     parser.add_argument("--ignore", nargs="*", default=["slow"], help="kinds of faults")
     parser.add_argument("--shrink", action="store_true", help="find the fewest actions")

@@ -114,6 +114,21 @@ def test_over_a_sharp_edge_the_handle_turns_by_and_by(sign, most):
     assert (np.abs(up[:, 1]) < 1e-9).all()
 
 
+@pytest.mark.parametrize("x_tilt", [-60.0, 0.0, 60.0])
+def test_a_brush_that_is_pulled_over_a_ridge_does_not_lie_down_on_the_other_side(x_tilt):
+    x, slope = np.array([-20.0, 0.0, 20.0]), np.tan(np.radians(60.0))
+    corners = [(a, b, -slope * abs(a)) for b in (-20.0, 20.0) for a in x]
+    faces = [(0, 1, 3), (1, 4, 3), (1, 2, 4), (2, 5, 4)]
+    ridge = ClosestPoints(TriangleMesh(np.array(corners), np.array(faces)))
+    hand = Hand(ridge, HandSettings(smoothing=1.0))
+    leaning = {"right": (1, 0, 0), "up": (0, 1, 0), "x_tilt": x_tilt, "pressure": 0.3}
+    samples = draw(hand, [(0.7 * k - 7.0, 0.0) for k in range(21)], **leaning)
+    assert len(samples) > 30  # the string is run in when the pen is lifted
+    up = np.array([rotate(s.orientation, np.array([0.0, 0.0, 1.0])) for s in samples])
+    normals = ridge.find(places(samples)).normals
+    assert np.einsum("ij,ij->i", up, normals).min() > 0.2
+
+
 def _middle(contact, tuft):
     """From where the outline is counted to its middle, mm, as it is drawn."""
     stand = BrushStand.of(tuft, contact.foot, np.eye(3), contact)

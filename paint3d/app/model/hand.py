@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.pressure_curve import PressureCurve
-from paint3d.app.model.standing import any_tangent, lean_of, root_over
+from paint3d.app.model.standing import any_tangent, held_over, lean_of, root_over
 from paint3d.arrays import as_array, as_number
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import MAX_FORCE_N
@@ -487,7 +487,8 @@ class Hand:
         return self.settings.trail * brush.length_mm
 
     def _sample(self, stand: _Stand, brush: BrushSpec, lifted: bool = False) -> DeviceSample:
-        z, normal = stand.lean, stand.normal
+        normal = stand.normal
+        z = held_over(stand.lean, normal)  # gliding and lifted it comes to where others were right
         if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
             bend = any_tangent(normal, self._state.tip - stand.point)
             x = bend - (bend @ z) / (normal @ z) * normal

@@ -19,7 +19,7 @@ from paint3d.kernels.tuft import (
     trace_outline,
 )
 
-__all__ = ["any_tangent", "lean_of", "root_over"]
+__all__ = ["any_tangent", "held_over", "lean_of", "root_over"]
 
 _MOST_LEAN = math.radians(60.0)
 _STEEPEST_TILT = 85.0  # degrees that a tablet may say
@@ -58,6 +58,21 @@ def lean_of(
         return normal
     angle = min(math.atan(length), _MOST_LEAN)
     return math.cos(angle) * normal + math.sin(angle) / length * aside
+
+
+def held_over(lean: NDArray, normal: NDArray) -> NDArray:
+    """A handle's direction, where it is farther than 60 degrees from a normal turned towards it.
+
+    Parameters
+    ----------
+    lean, normal : (3,)
+        Unit.
+    """
+    along = float(lean @ normal)
+    if along >= math.cos(_MOST_LEAN) - 1e-9:
+        return lean
+    aside = any_tangent(normal, lean)
+    return math.cos(_MOST_LEAN) * normal + math.sin(_MOST_LEAN) * aside
 
 
 def root_over(
