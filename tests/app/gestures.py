@@ -73,6 +73,17 @@ def drag(canvas, start, end, button=BUTTON.LeftButton, keys=NO_KEY, n=15, releas
         live()
 
 
+def pen(canvas, kind, x, y, pressure, tilt=(0.0, 0.0)):
+    """Send one event of a tablet's pen."""
+    down = BUTTON.NoButton if kind == KIND.TabletRelease else BUTTON.LeftButton
+    place = QtCore.QPointF(x, y)
+    event = QtGui.QTabletEvent(
+        kind, PEN, place, canvas.mapToGlobal(place), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
+        BUTTON.LeftButton, down,
+    )  # fmt: skip
+    QtWidgets.QApplication.sendEvent(canvas, event)
+
+
 def pen_stroke(canvas, start, end, pressures, tilt=(0.0, 0.0)):
     """A stroke with a tablet's pen."""
     size = np.array([canvas.width(), canvas.height()])
@@ -80,12 +91,6 @@ def pen_stroke(canvas, start, end, pressures, tilt=(0.0, 0.0)):
     for k, ((x, y), pressure) in enumerate(zip(path, pressures, strict=True)):
         kind = KIND.TabletPress if k == 0 else KIND.TabletMove
         kind = KIND.TabletRelease if k == len(pressures) - 1 else kind
-        down = BUTTON.NoButton if kind == KIND.TabletRelease else BUTTON.LeftButton
-        place = QtCore.QPointF(x, y)
-        event = QtGui.QTabletEvent(
-            kind, PEN, place, canvas.mapToGlobal(place), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
-            BUTTON.LeftButton, down,
-        )  # fmt: skip
-        QtWidgets.QApplication.sendEvent(canvas, event)
+        pen(canvas, kind, x, y, pressure, tilt)
         live(0.008)
     live()

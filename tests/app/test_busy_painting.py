@@ -12,7 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.window.jobs import run_beside
-from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse
+from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen
 from tests.app.windows import opened, settled
 
 
@@ -99,5 +99,30 @@ def test_a_stroke_that_is_taken_back_does_not_begin_again_while_the_button_is_do
     settled(window)
     assert len(window.document.strokes) == n
     drag(window.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
+    settled(window)
+    assert len(window.document.strokes) == n + 1
+
+
+@pytest.mark.parametrize("device", ["mouse", "pen"])
+def test_what_was_pressed_elsewhere_does_not_paint(window, device: str) -> None:
+    """A press that closed a menu is the menu's; what is dragged after it is no stroke."""
+    settled(window)
+    n = len(window.document.strokes)
+    width, height = window.canvas.width(), window.canvas.height()
+    for k in range(8):
+        x, y = (0.4 + 0.02 * k) * width, 0.5 * height
+        if device == "mouse":
+            mouse(window.canvas, KIND.MouseMove, x, y, buttons=BUTTON.LeftButton)
+        else:
+            pen(window.canvas, KIND.TabletMove, x, y, 0.5)
+        live(0.01)
+    assert not window.hand.in_stroke
+    if device == "mouse":
+        mouse(window.canvas, KIND.MouseButtonRelease, x, y, BUTTON.LeftButton)
+    else:
+        pen(window.canvas, KIND.TabletRelease, x, y, 0.0)
+    settled(window)
+    assert len(window.document.strokes) == n
+    drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     settled(window)
     assert len(window.document.strokes) == n + 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,17 +167,19 @@ class Canvas(QtWidgets.QWidget):
             self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Steer, or move the brush."""
+        """Steer, or move the brush; what was pressed elsewhere, on a menu, does not paint."""
         event.accept()
         self._take_focus()
         place = event.position()
+        self._mouse_down = self._mouse_down and bool(event.buttons() & _BUTTON.LeftButton)
         if self._by == "mouse":
             self._go_on(place)
         elif self._mouse_down or not (self._pen_down or self._mode):
             if not self._mouse_down and self.grip_at(place.x(), place.y()):
                 self.left.emit()
             else:
-                self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
+                touch = touch_of_mouse(event, self._time_ns("mouse", event))
+                self.touched.emit(replace(touch, down=self._mouse_down))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """Stop steering, or lift the brush."""
@@ -228,7 +230,9 @@ class Canvas(QtWidgets.QWidget):
                 self._begin(mode, "pen", place)
                 return
         touch = touch_of_tablet(event, self._time_ns("pen", event))
-        self._pen_down = touch.down
+        pressed = self._pen_down or event.type() == _KIND.TabletPress
+        self._pen_down = touch.down and pressed
+        touch = replace(touch, down=self._pen_down)
         if not touch.down and self.grip_at(place.x(), place.y()):
             self.left.emit()
         else:
