@@ -169,18 +169,24 @@ def wait_for_pens(window: StudioWindow) -> None:
         time.sleep(0.01)
 
 
+@pytest.mark.long  # once in twenty runs a stroke left nothing; what it tells then will say why
 @pytest.mark.parametrize(("name", "side"), [("bowl", "in"), ("vase", "out")])
 def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: str) -> None:
     monkeypatch.setattr(window.canvas, "finger", "paint")  # by itself it turns once a pen was seen
-    told = []
+    told, heard = [], []
+    canvas = window.canvas
+    canvas.taken_back.connect(lambda: heard.append("taken back"))
+    canvas.steered.connect(lambda kind, drag: heard.append(f"{kind} {drag}"))
+    canvas.touched.connect(lambda touch: heard.append(f"{touch.time_ns} {touch.down}"))
     for number, stroke in enumerate(lines_on(window, name, side, 3)):
         (way,) = ways_of(window, stroke)
         wait_for_pens(window)
+        heard.append(f"stroke {number}")
         player_of(window).play(by_finger(stroke))
         told += faults(Trial(number, mark_now(window), way))
         window.post("undo")
         settle(window)
-    assert told == []
+    assert told == [], (window.told.text(), heard)
 
 
 @pytest.mark.parametrize(("name", "side"), [("bowl", "in"), ("vase", "out")])
