@@ -42,16 +42,7 @@ OUTLINE_CAPACITY = (
     MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
 )  # what out_reach and out_half_width must hold
 HALF_RING = 5  # surface points on one half of each joint's section, for the enclosing sphere
-SCRATCH_SIZE = 512  # float64 numbers: angles, then four of every surface point
-_POINTS = 6  # on these steps
-_CROSSING_STEPS = 7
-OUTLINE_CAPACITY = (
-    MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
-)  # what out_reach and out_half_width must hold
-HALF_RING = 5  # surface points on one half of each joint's section, for the enclosing sphere
-SCRATCH_SIZE = (
-    512  # float64 numbers: angles, then three coordinates of every surface point, and one more
-)
+SCRATCH_SIZE = 512  # float64 numbers: angles, then x, y, z and square of every surface point
 _POINTS = MAX_SEGMENTS * HALF_RING + 1
 _X, _Y, _Z, _SQUARE = 32, 32 + _POINTS, 32 + 2 * _POINTS, 32 + 3 * _POINTS
 _TOLERANCE = 3e-3  # an outlier nearer than this (relative) ends the sphere's passes
