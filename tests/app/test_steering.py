@@ -215,6 +215,18 @@ def test_a_tap_on_a_grip_holds_upright_or_shows_everything(window) -> None:
     assert changes(window, first) == set()
 
 
+@pytest.mark.parametrize("leap", [-9000.0, 9000.0])
+def test_a_drag_may_leap_over_screens_between_two_events(window, leap) -> None:
+    canvas, before = window.canvas, window.hand.camera
+    with faults() as found:
+        mouse(canvas, KIND.MouseButtonPress, 40, 40, BUTTON.RightButton, BUTTON.RightButton)
+        mouse(canvas, KIND.MouseMove, 40 + leap, 40, BUTTON.NoButton, BUTTON.RightButton)
+        mouse(canvas, KIND.MouseButtonRelease, 40 + leap, 40, BUTTON.RightButton)
+        live()
+    assert not found
+    assert changes(window, before) == {"dolly"}
+
+
 def test_a_pens_buttons_steer(window) -> None:
     n = strokes(window)
     for button, what in ((BUTTON.RightButton, "orbit"), (BUTTON.MiddleButton, "pan")):

@@ -19,6 +19,7 @@ from paint3d.view.camera import Camera
 __all__ = ["STEPS", "Steering"]
 
 _NEARER_A_NOTCH, _NEARER_A_PIXEL = 1.14, 1.006
+_LEAP = 1000.0  # pixels between two events of a drag that count
 _BESIDE = 24.0  # pixels that a drag begins away from the object, to turn it
 _AROUND = [(0.0, 0.0), *((math.cos(k * math.pi / 4), math.sin(k * math.pi / 4)) for k in range(8))]
 _TAP = 4.0  # pixels that a tap on a grip moves at most
@@ -130,7 +131,8 @@ class Steering(QtCore.QObject):
         """Steer by a drag of (dx, dy) pixels from where the pointer was."""
         camera, height = self._hand.camera, self._canvas.height()
         if mode == "dolly":
-            self._look(navigation.dolly(camera, _NEARER_A_PIXEL ** (dx - dy)))
+            pixels = min(max(dx - dy, -_LEAP), _LEAP)
+            self._look(navigation.dolly(camera, _NEARER_A_PIXEL**pixels))
         elif mode == "pan":
             self._look(navigation.pan(camera, dx, dy, height))
         elif mode == "roll":
