@@ -28,7 +28,7 @@ from paint3d.view.live_patches import LivePatches
 
 __all__ = ["CoarseObject", "CoarsePiece"]
 
-_MOST = 0.95
+_MOST = 0.95  # of its area, by which its triangles' size is told
 _PIECES = 24  # each costs the renderer some tens of microseconds a frame
 
 
@@ -115,8 +115,8 @@ class CoarseObject:
     def triangle_mm(self) -> float:
         """How large its triangles are, mm: most of its area lies in smaller ones."""
         pairs = [(piece.points[piece.faces[:, k]] for k in range(3)) for piece in self.pieces]
-        cross = np.concatenate([np.cross(b - a, c - a) for a, b, c in pairs] or [np.zeros((1, 3))])
-        areas = np.sort(np.sqrt(np.einsum("ij,ij->i", cross, cross)))
+        normals = [np.cross(b - a, c - a) for a, b, c in pairs] or [np.zeros((1, 3))]
+        areas = np.sort(np.linalg.norm(np.concatenate(normals), axis=1))
         sums = np.cumsum(areas, dtype=np.float64)
         return float(np.sqrt(areas[np.searchsorted(sums, _MOST * sums[-1])]))
 
