@@ -18,6 +18,7 @@ import numpy as np
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.navigation import orbit
+from paint3d.app.window.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
@@ -122,7 +123,7 @@ def _around_the_bowl(stage: Stage) -> Way:
 def _stand(document: Document, view: View) -> tuple[Stage, Camera]:
     """A document on stage, lit and drawn."""
     stage = Stage(_SIZE)
-    stage.open(document)
+    stage.open(Opened.of(document))
     camera = fit_camera(stage.points, view, _SIZE[0] / _SIZE[1])
     stage.set_camera(camera)
     while not (stage.is_lit and stage.is_drawn):

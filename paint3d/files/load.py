@@ -12,7 +12,7 @@ from paint3d.files.isolation import read_apart
 from paint3d.files.progress import Progress
 from paint3d.files.reading import MESH_SUFFIXES, UNITS_MM, Reading, Wanted, read_surface
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.mesh.upright import UP_AXES, guess_up, turn_mesh, turn_up
+from paint3d.mesh.upright import UP_AXES, turn_mesh, turn_up
 
 __all__ = ["AUTO", "BUILT_IN_OBJECTS", "MESH_SUFFIXES", "UNITS_MM", "load_mesh", "read_mesh"]
 
@@ -110,7 +110,7 @@ def read_mesh(
 
 
 def _guessed(reading: Reading) -> Reading:
-    guess = guess_up(reading.mesh)
+    guess = reading.likely_up
     if not guess.sure:
         note = "which way is up is not sure; z is taken (--up takes another axis)"
         return replace(reading, notes=(*reading.notes, note))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
@@ -18,7 +19,7 @@ from paint3d.files.detail import show_pictures
 from paint3d.files.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.mesh.upright import turn_rows, turn_up
+from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
 
 __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface"]
 
@@ -61,6 +62,11 @@ class Reading:
     notes: tuple[str, ...] = ()
     knows_up: bool = False
     unit_mm: float = 1.0
+
+    @cached_property
+    def likely_up(self) -> Upright | None:
+        """Which way is up, likely; None where it is known."""
+        return None if self.knows_up else guess_up(self.mesh)
 
 
 AS_IT_IS = Wanted()

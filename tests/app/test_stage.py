@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
+from paint3d.app.window.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.device.sample import DeviceSample
 from paint3d.view import live_picture
@@ -27,7 +28,7 @@ def sample(k: int, x: float, y: float, z: float = 32.0, pressure: float | None =
 def standing(name: str, resolution: float, view: View, screen: str) -> Stage:
     assert screen
     stage = Stage(SIZE)
-    stage.open(Document.new(name, resolution, "xuan"))
+    stage.open(Opened.of(Document.new(name, resolution, "xuan")))
     stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
     until = time.perf_counter() + 300.0
     while not (stage.is_lit and stage.easel.is_still):

@@ -63,12 +63,11 @@ class CanvasHand(QtCore.QObject):
 
     # -- the view ---------------------------------------------------------------------------
 
-    def open(self) -> None:
-        """Take another object in hand."""
-        source = self._stage.easel.document.surface.source
-        self._surface = ClosestPoints(source)
+    def open(self, surface: ClosestPoints) -> None:
+        """Take another object in hand, the one on stage."""
+        self._surface = surface
         force = self.hand.force if self.hand is not None else self.first_force
-        self.hand = Hand(self._surface, self.settings, force)
+        self.hand = Hand(surface, self.settings, force)
         self.in_stroke = self._spent = False
         self._place = None
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)

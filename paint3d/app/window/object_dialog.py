@@ -18,7 +18,7 @@ from paint3d.app.window.wording import say
 from paint3d.files.load import UNITS_MM
 from paint3d.files.reading import Reading
 from paint3d.ink.materials import material_names
-from paint3d.mesh.upright import UP_AXES, guess_up, stand_on, turn_up
+from paint3d.mesh.upright import UP_AXES, stand_on, turn_up
 from paint3d.view.preview import Preview
 
 __all__ = ["ObjectDialog", "told", "told_size"]
@@ -72,7 +72,7 @@ class ObjectDialog(QtWidgets.QDialog):
         self.setWindowTitle(title)
         self._mesh, self._unit_mm = reading.mesh, reading.unit_mm
         self._wanted = resolution
-        self._guess = None if reading.knows_up else guess_up(reading.mesh)
+        self._guess = reading.likely_up
         start = first_choice(reading, self._guess, material, resolution)
         self._turn, self._scale = start.turn, start.scale
         self._previews = {

@@ -15,11 +15,13 @@ from paint3d.app.model.sitting import Unfinished, recoverable
 from paint3d.app.window.dialogs import NewDialog
 from paint3d.app.window.jobs import Progress, is_waiting, run_beside
 from paint3d.app.window.named import named
+from paint3d.app.window.opened import Opened
 from paint3d.app.window.warming import is_first_start, warm_up
 from paint3d.app.window.wording import say, say_error
 from paint3d.errors import Paint3DError
 from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, read_mesh
 from paint3d.files.progress import part_of
+from paint3d.files.reading import Reading
 from paint3d.files.session import SESSION_SUFFIX, is_session_path
 
 if TYPE_CHECKING:
@@ -27,7 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Opening"]
 
-_FACES_A_SECOND = 3e5  # of a mesh that is made ready to be painted on, about
+_FACES_A_SECOND = 1e6  # of a mesh that is made ready to be painted on, about
+_SHOWN_A_SECOND = 6e5  # and to be shown
 
 
 class Opening:
@@ -120,9 +123,10 @@ class Opening:
     def _open_session(self, path: str, title: str) -> Future:
         undo_bytes = self._undo_bytes()
 
-        def work(progress: Progress) -> Document:
-            told = part_of(progress, 0.0, 0.95)
-            return Document.open(path, undo_bytes=undo_bytes, progress=told)
+        def work(progress: Progress) -> Opened:
+            told = part_of(progress, 0.0, 0.9)
+            document = Document.open(path, undo_bytes=undo_bytes, progress=told)
+            return _opened(document, progress, 0.9)
 
         return run_beside(self._window, title, work)
 
@@ -132,13 +136,13 @@ class Opening:
         settings = self._window.settings
         resolution = settings.resolution_mm if resolution is None else resolution
         material = chosen_material(settings) if material is None else material
-        loaded = run_beside(
-            self._window,
-            title,
-            lambda progress: read_mesh(
-                path, texture=True, up=self.up, progress=_before_one(progress)
-            ),
-        )
+
+        def read(progress: Progress) -> Reading:
+            found = read_mesh(path, texture=True, up=self.up, progress=_before_one(progress))
+            _ = found.likely_up  # found here, not in the window's thread
+            return found
+
+        loaded = run_beside(self._window, title, read)
         if not self.went_well(loaded):
             return None
         reading = loaded.result()
@@ -151,12 +155,12 @@ class Opening:
         brush, inks = chosen_brush(settings), chosen_inks(settings)
         undo_bytes = self._undo_bytes()
 
-        def make(progress: Progress) -> Document:
+        def make(progress: Progress) -> Opened:
             found = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
                 found = read_mesh(path, up=self.up, progress=part_of(progress, 0.0, 0.4)).mesh
             share = 0.0 if choice.coloured else 0.4
-            progress.expect(share, 0.98, 0.2 + found.n_faces / _FACES_A_SECOND)
+            progress.expect(share, 0.7, 0.2 + found.n_faces / _FACES_A_SECOND)
             document = Document.new(
                 choice.apply(found),
                 choice.resolution,
@@ -166,7 +170,7 @@ class Opening:
                 undo_bytes=undo_bytes,
             )
             document.inks[1] = inks[1]
-            return document
+            return _opened(document, progress, 0.7)
 
         return run_beside(self._window, title, make)
 
@@ -235,13 +239,14 @@ class Opening:
         If it is stopped, it stays where it is and is offered again.
         """
         title = say("status.opening", name=named(one.object_name))
-        done = run_beside(
-            self._window, title, lambda progress: one.recover(part_of(progress, 0.0, 0.98))
-        )
+
+        def work(progress: Progress) -> Opened:
+            return _opened(one.recover(part_of(progress, 0.0, 0.9)).document, progress, 0.9)
+
+        done = run_beside(self._window, title, work)
         if not self.went_well(done):
             return False
-        back = done.result()
-        self._window.show_document(back.document)
+        self._window.show_document(done.result())
         one.discard()
         self._window.tell(say("Brought back; save it to keep it"), state="good")
         return True
@@ -255,6 +260,13 @@ def _warming() -> str:
 def _warm_up(progress: Progress) -> None:
     progress.expect(0.0, 0.98, 20.0)
     warm_up(progress.check)
+
+
+def _opened(document: Document, progress: Progress, share: float) -> Opened:
+    """Make it ready to be shown; the share of the work that is done before."""
+    n = document.surface.source.n_faces + 2 * document.surface.n_vertices
+    progress.expect(share, 0.98, 0.1 + n / _SHOWN_A_SECOND)
+    return Opened.of(document, progress.check)
 
 
 def _before_one(progress: Progress):

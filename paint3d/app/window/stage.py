@@ -14,11 +14,11 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.frame import BrushView, Frame, view_brush
 from paint3d.app.model.mask import Stencil
 from paint3d.app.model.sitting import Sitting
+from paint3d.app.window.opened import Opened
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.frames import matrices_from_quaternions
@@ -55,12 +55,15 @@ class Stage:
     easel : Easel or None
     frame : Frame or None
         The last one.
+    points : (N, 3) float32
+        Of the object, to place the camera by, mm.
     """
 
     def __init__(self, size: tuple[int, int], mood: Mood = LIGHT) -> None:
         self.scene = LiveScene(size, mood)
         self.easel: Easel | None = None
         self.frame: Frame | None = None
+        self.points: NDArray = np.empty((0, 3), np.float32)
         self.shows_brush = self.shows_mask = True
         self._stencil: Stencil | None = None
         self._object: LiveObject | None = None
@@ -80,7 +83,7 @@ class Stage:
 
     def open(
         self,
-        document: Document,
+        opened: Opened,
         *,
         wet: bool = False,
         sitting: Sitting | None = None,
@@ -90,7 +93,7 @@ class Stage:
 
         Parameters
         ----------
-        document : Document
+        opened : Opened
         wet : bool
             Let ink spread and dry in real time.
         sitting : Sitting, optional
@@ -99,14 +102,14 @@ class Stage:
             See `Easel`.
         """
         self.close_document()
-        surface = document.surface
-        self._object = LiveObject(surface)
-        gloss = Gloss(surface.material.roughness, surface.material.coat)
-        shown = self._object
+        self.points = opened.points
+        shown = self._object = opened.shown
+        material = opened.document.surface.material
+        gloss = Gloss(material.roughness, material.coat)
         self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
-        self.scene.apply(self._object.uploads(document.refresh()))
-        self._baking = self._baker.submit(self._object.light.bake)
-        self.easel = Easel(document, wet, sitting, base_every_s)
+        self.scene.apply(opened.uploads)
+        self._baking = self._baker.submit(shown.light.bake)
+        self.easel = Easel(opened.document, wet, sitting, base_every_s)
         self.touch()
 
     def close_document(self) -> None:
@@ -133,11 +136,6 @@ class Stage:
     def is_lit(self) -> bool:
         """Whether the soft light has been found."""
         return self._baking is None
-
-    @property
-    def points(self) -> NDArray:
-        """(B, 3) float32: the object's own vertices, to place the camera by."""
-        return self.easel.document.surface.source.vertices
 
     # -- frame by frame ---------------------------------------------------------------------
 

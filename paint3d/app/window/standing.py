@@ -12,10 +12,10 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.own_object import ObjectChoice, first_choice, is_implausible, longest_side
 from paint3d.app.window.jobs import Progress, run_beside
 from paint3d.app.window.object_dialog import ObjectDialog, told
+from paint3d.app.window.opened import Opened
 from paint3d.app.window.wording import say
 from paint3d.files.load import BUILT_IN_OBJECTS
 from paint3d.files.reading import Reading
-from paint3d.mesh.upright import guess_up
 
 if TYPE_CHECKING:
     from paint3d.app.window.studio import StudioWindow
@@ -69,7 +69,7 @@ class Standing:
             self._window.tell(self._said)
 
     def _likely(self, reading: Reading, material: str, resolution: float) -> ObjectChoice:
-        guess = None if reading.knows_up else guess_up(reading.mesh)
+        guess = reading.likely_up
         said = [told(note) for note in reading.notes]
         if guess is not None and not guess.sure:
             said.append(
@@ -113,14 +113,14 @@ class Standing:
         if choice is None or (not is_bare and not window.files.may_leave()):
             return
 
-        def make(_: Progress) -> Document:
+        def make(progress: Progress) -> Opened:
             mesh = choice.apply(reading.mesh)
             document = Document.new(
                 mesh, choice.resolution, choice.material, brush=brush, ink=inks[0],
                 undo_bytes=int(window.settings.undo_megabytes * (1 << 20)),
             )  # fmt: skip
             document.inks[1] = inks[1]
-            return document
+            return Opened.of(document, progress.check)
 
         done = run_beside(window, say("status.opening", name=surface.source.name), make)
         if window.files.went_well(done):

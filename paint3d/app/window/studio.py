@@ -35,6 +35,7 @@ from paint3d.app.window.icons import make_icon
 from paint3d.app.window.jobs import is_waiting
 from paint3d.app.window.keys import HeldKeys
 from paint3d.app.window.named import described
+from paint3d.app.window.opened import Opened
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.player import Player
@@ -248,8 +249,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         """What is being painted; only for reading, and what is posted changes it."""
         return self.stage.easel.document
 
-    def show_document(self, document: Document) -> None:
+    def show_document(self, opened: Opened) -> None:
         """Paint on this from now on; what was painted on before is let go of."""
+        document = opened.document
         self.player.stop()
         if self._told_state != "bad":  # what was good news of the one before
             self.tell(say("hint.turn"))
@@ -259,11 +261,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._show_open(False)
         sitting = self._sitting(document)
         every = self.settings.autosave_s
-        self.stage.open(document, wet=wet, sitting=sitting, base_every_s=every)
+        self.stage.open(opened, wet=wet, sitting=sitting, base_every_s=every)
         self._show_open(True)
         with QtCore.QSignalBlocker(self.actions_by_name["wet"]):
             self.actions_by_name["wet"].setChecked(wet)
-        self.hand.open()
+        self.hand.open(opened.surface)
         self.both_hands.open(document)
         self.panels.open()
         self.show_title()

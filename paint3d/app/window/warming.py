@@ -10,6 +10,7 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.hand import Hand, PointerInput
 from paint3d.kernels.drape import drape_points
+from paint3d.kernels.facing import cone_of
 from paint3d.kernels.kept_code import compiled_code
 from paint3d.kernels.shine import add_shine
 from paint3d.kernels.stroke import paint_samples
@@ -52,7 +53,8 @@ def _paint_unseen(progress: Callable[[], None]) -> None:
     document = Document.new("plane", 4.0, "xuan")
     hand, brush = Hand(ClosestPoints(document.surface.source)), document.painter.brush
     shown = LiveObject(document.surface)
-    shown.uploads(document.refresh())
+    for upload in shown.uploads(document.refresh()):
+        cone_of(upload.points, upload.faces, np.zeros(4))
     progress()
     document.begin_stroke()
     samples = hand.begin(_over(0), brush)
