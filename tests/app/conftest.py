@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import ctypes
 import faulthandler
 import os
-import shutil
-import signal
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from paint3d.app.model import settings
+from tests.app.screens import start_screen
 
 _WET_AT_FIRST = settings.WET_AT_FIRST
 _LONGEST_S = 1200.0
@@ -48,28 +45,10 @@ def screen() -> Iterator[str]:
     if os.environ.get("DISPLAY"):
         yield os.environ["DISPLAY"]
         return
-    server = shutil.which("Xvfb")
-    if server is None:
-        pytest.skip("Xvfb is not installed")
-    read, write = os.pipe()
-    command = [server, "-displayfd", str(write), "-screen", "0", "1400x900x24", "-nolisten", "tcp"]
-    process = subprocess.Popen(
-        command, pass_fds=[write], stderr=subprocess.DEVNULL, preexec_fn=_end_with_us
-    )
-    os.close(write)
-    with os.fdopen(read) as told:
-        number = told.readline().strip()
-    if not number:
-        pytest.skip("Xvfb did not start")
-    os.environ["DISPLAY"] = f":{number}"
+    os.environ["DISPLAY"], process = start_screen("1400x900")
     yield os.environ["DISPLAY"]
     del os.environ["DISPLAY"]
     process.returncode = 0  # left running: OpenGL keeps its connection until this process ends
-
-
-def _end_with_us() -> None:
-    """Have the kernel end this process with its parent (PR_SET_PDEATHSIG)."""
-    ctypes.CDLL(None).prctl(1, signal.SIGTERM)
 
 
 @pytest.fixture(scope="session")

@@ -51,7 +51,7 @@ from paint3d.app.window.theme import (
     is_system_dark,
 )
 from paint3d.app.window.view_actions import ViewActions
-from paint3d.app.window.window_place import restore_window, window_words
+from paint3d.app.window.window_place import first_size, restore_window, window_words
 from paint3d.app.window.wording import choose_unit, say, say_error
 from paint3d.errors import Paint3DError
 from paint3d.view.live_scene import DARK, LIGHT
@@ -135,7 +135,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         )
         self.hand.first_force = self.settings.force_n
         self.panels.hand.show_settings(self.hand.settings)
-        self.resize(1280, 800)
+        self.resize(first_size(self))
         restore_window(self, self.settings.window)
         self._next_draw = self._next_told = 0.0
         self._timer = QtCore.QTimer(self)

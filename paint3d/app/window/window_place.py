@@ -6,9 +6,17 @@ from collections.abc import Mapping
 
 from PySide6 import QtCore, QtWidgets
 
-__all__ = ["restore_window", "window_words"]
+__all__ = ["first_size", "restore_window", "window_words"]
 
 _VERSION = 1  # of the arrangement of tool bars and panels: another one is not restored
+_SIZE = QtCore.QSize(1280, 800)
+_FRAME = QtCore.QSize(2, 38)  # that a window manager puts around it, about
+
+
+def first_size(window: QtWidgets.QMainWindow) -> QtCore.QSize:
+    """How large a window is that was never opened before: no larger than its screen."""
+    room = window.screen().availableGeometry().size() - _FRAME
+    return _SIZE.boundedTo(room).expandedTo(window.minimumSizeHint())
 
 
 def window_words(window: QtWidgets.QMainWindow) -> dict[str, object]:
