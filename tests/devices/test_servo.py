@@ -10,16 +10,19 @@ import socket
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from paint3d.bench.registry import run_benchmark
 from paint3d.brush.presets import load_brush
-from paint3d.device.force_port import SocketForcePort
-from paint3d.device.haptic_stylus import decode_force, encode_pose
+from paint3d.device.force_port import ForceLoop, SocketForcePort
+from paint3d.device.haptic_stylus import decode_force, decode_numbers, encode_force, encode_pose
 from paint3d.device.virtual_stylus import VirtualStylus
+from paint3d.haptics import servo
 from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
@@ -34,6 +37,9 @@ SETTINGS = HapticSettings.for_brush(BRUSH, rise_s=0.1)
 SPRING = BRUSH.spring
 LIFTED, PRESSED = [0, 0, 60.0], [0, 0, 29.0]
 UPRIGHT = [1, 0, 0, 0]
+LIMIT_S = 60.0  # for what comes at once where the machine is not busy
+TICK_NS = 1_000_000
+SILENCE = b"."  # on a counted cable: a millisecond in which the device said nothing
 
 
 @pytest.fixture(scope="module")
@@ -52,10 +58,10 @@ class Device:
         self.number += 1
         self.cable.send(encode_pose(position, orientation, 0, self.number))
 
-    def force(self, patience: float = 1.0):
+    def force(self):
         """The next force, or None when the servo has hung up."""
-        if not select.select([self.cable], [], [], patience)[0]:
-            raise AssertionError("no force came")
+        if not select.select([self.cable], [], [], LIMIT_S)[0]:
+            raise AssertionError(f"no force came within {LIMIT_S} s of pose {self.number}")
         try:
             data = self.cable.recv(64)
         except ConnectionResetError:  # told once; what was sent before is still to be read
@@ -73,10 +79,11 @@ class Device:
             time.sleep(0.0005)
         return strongest
 
-    def until_quiet(self, seconds: float = 2.0, keep_sending: bool = False) -> float:
-        """Seconds until only zeros came (or the servo hung up, its last force being none)."""
-        started, last, n_zeros, since = time.monotonic(), None, 0, 0.0
-        while time.monotonic() - started < seconds:
+    def until_quiet(self, keep_sending: bool = False) -> None:
+        """Wait until only zeros come (or the servo hangs up, its last force being none)."""
+        until, last, n_zeros = time.monotonic() + LIMIT_S, None, 0
+        while n_zeros < 20:
+            assert time.monotonic() < until, f"still {last} N after {LIMIT_S} s"
             if keep_sending:
                 try:
                     self.send(PRESSED)
@@ -86,18 +93,53 @@ class Device:
             if now is None:
                 assert last is not None
                 assert not last.any()
-                return time.monotonic() - started
-            if now.any() or n_zeros == 0:
-                n_zeros, since = 0, time.monotonic() - started
-            last, n_zeros = now, n_zeros + (not now.any())
-            if n_zeros == 20:
-                return since
-        raise AssertionError(f"still {last} N after {seconds} s")
+                return
+            last, n_zeros = now, 0 if now.any() else n_zeros + 1
+
+
+@dataclass(frozen=True)
+class CountedPort:
+    """A device with a clock of its own: a millisecond for each report, however busy the machine."""
+
+    socket: socket.socket
+
+    def run(self, loop: ForceLoop) -> None:
+        now_ns = 0
+        while not loop.stopped():
+            if not select.select([self.socket], [], [], 0.02)[0]:
+                continue  # it has said nothing: no time has gone by
+            report, now_ns = self.socket.recv(64), now_ns + TICK_NS
+            pose = None if report == SILENCE else decode_numbers(report, now_ns)
+            self.socket.send(encode_force(loop.step(pose, now_ns), pose.sequence if pose else 0))
+            loop.sent()
+
+
+class CountedDevice(Device):
+    """The other end of a `CountedPort`: what it feels depends on no clock but its own."""
+
+    def step(self, report: bytes | None = None):
+        """The force that answers a report, or the pen that is pressed."""
+        self.number += 1
+        self.cable.send(report or encode_pose(PRESSED, UPRIGHT, 0, self.number))
+        return self.force()
 
 
 @pytest.fixture
 def device():
     device = Device()
+    yield device
+    device.plug.close()
+    device.cable.close()
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """A device that counts its time, and a program that tells its own by it."""
+    device = CountedDevice()
+    clock = SimpleNamespace(
+        monotonic_ns=lambda: device.number * TICK_NS, monotonic=time.monotonic, sleep=time.sleep
+    )
+    monkeypatch.setattr(servo, "time", clock)
     yield device
     device.plug.close()
     device.cable.close()
@@ -131,7 +173,7 @@ def test_it_answers_and_its_samples_arrive(tree, device) -> None:
     assert status.schedule in SCHEDULES
     assert (status.lost, status.refused, status.fault) == (0, 0, "")
     assert status.step_p99_us < status.worst_step_us + 10.0
-    assert device.until_quiet() < 1.0
+    device.until_quiet()
 
 
 def test_the_device_may_stand_anywhere(tree, device) -> None:
@@ -147,34 +189,59 @@ def test_the_device_may_stand_anywhere(tree, device) -> None:
         assert np.allclose(feedback.take()[-1].position, [10.0, 20.0, 29.0])
 
 
-def test_the_force_follows_the_object(tree, device) -> None:
-    with ForceFeedback(SocketForcePort(device.plug), tree, SETTINGS) as feedback:
-        keep_alive(feedback, device, 20, LIFTED)
+def test_the_force_follows_the_object(tree, counted) -> None:
+    pose = encode_pose(LIFTED, UPRIGHT)
+    with ForceFeedback(CountedPort(counted.plug), tree, SETTINGS) as feedback:
         forces = []
-        for i in range(450):
-            feedback.publish([0, 0, min(i * 0.1, 31.0), 1, 0, 0, 0])  # the left hand lifts it
-            before = spring_now(feedback)  # it softens and hardens with how busy the machine is
-            forces.append((*device.press(1, LIFTED), before, spring_now(feedback)))
-        forces = np.array(forces)
-        strongest = forces[forces[:, 2].argmax()]
-        softest, hardest = sorted(strongest[3:])
-        assert np.allclose(strongest[:2], 0.0)
-        assert 0.95 * 6.0 * softest <= strongest[2] <= 1.05 * 6.0 * hardest
+        for i in range(470):
+            height = min(max(i - 20, 0) * 0.1, 31.0)  # the left hand lifts it
+            feedback.publish([0, 0, height, 1, 0, 0, 0])
+            forces.append(counted.step(pose))
+        assert feedback.status().late == 0
+    forces = np.array(forces)
+    assert np.allclose(forces[:, :2], 0.0)
+    assert not forces[: 20 + 250].any()  # 25 mm are left until it touches
+    assert np.isclose(forces[:, 2].max(), 6.0 * SPRING, rtol=0.01)
+    assert np.isclose(forces[-1, 2], 6.0 * SPRING, rtol=0.01)
+
+
+def pressed(feedback: ForceFeedback, counted: CountedDevice, n: int = 250) -> None:
+    """Hold the pen over the surface, and on it until the whole force is there."""
+    for report in [encode_pose(LIFTED, UPRIGHT)] * 20 + [None] * n:
+        feedback.publish()
+        force = counted.step(report)
+    assert np.allclose(force, [0, 0, 6.0 * SPRING], rtol=0.01)
+
+
+def test_a_device_that_is_silent_for_5_ms_gets_no_force(tree, counted) -> None:
+    with ForceFeedback(CountedPort(counted.plug), tree, SETTINGS) as feedback:
+        pressed(feedback, counted)
+        felt = []
+        for _ in range(30):
+            feedback.publish()
+            felt.append(counted.step(SILENCE)[2] > 0.0)
+    assert felt == [True] * 5 + [False] * 25
+
+
+def test_a_program_that_hangs_for_200_ms_gets_no_force(tree, counted) -> None:
+    with ForceFeedback(CountedPort(counted.plug), tree, SETTINGS) as feedback:
+        pressed(feedback, counted)  # told last a millisecond ago
+        felt = [counted.step()[2] > 0.0 for _ in range(250)]
+    assert felt == [True] * 199 + [False] * 51
 
 
 def test_a_silent_device_gets_no_force(tree, device) -> None:
     with ForceFeedback(SocketForcePort(device.plug), tree, SETTINGS) as feedback:
         keep_alive(feedback, device, 20, LIFTED)
         assert keep_alive(feedback, device, 200)[2] > 0.7
-        assert device.until_quiet() < 0.1  # 5 ms, and what the machine adds
+        device.until_quiet()
 
 
 def test_a_program_that_hangs_gets_no_force(tree, device) -> None:
     with ForceFeedback(SocketForcePort(device.plug), tree, SETTINGS) as feedback:
         keep_alive(feedback, device, 20, LIFTED)
         assert keep_alive(feedback, device, 200)[2] > 0.7
-        waited = device.until_quiet(keep_sending=True)  # and nobody publishes
-        assert 0.1 < waited < 0.8
+        device.until_quiet(keep_sending=True)  # and nobody publishes
 
 
 def test_garbage_is_counted_and_does_not_stop_it(tree, device) -> None:
