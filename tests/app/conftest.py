@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from paint3d.app.model import settings
+from paint3d.view import live_light
+from paint3d.view.studio import light_samples
 from tests.app.screens import start_screen
 
 _WET_AT_FIRST = settings.WET_AT_FIRST
@@ -22,6 +24,17 @@ def dry_at_first() -> Iterator[None]:
     """Ink stays where it was put, for tests that measure it; on xuan it would spread by itself."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(settings, "WET_AT_FIRST", frozenset())
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def few_lights() -> Iterator[None]:
+    """Light what is opened by every eighth of the studio's lights: all take 2 s, hundreds of times.
+
+    Light itself is tested with all of them, in tests/unit.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(live_light, "light_samples", lambda n: light_samples(n)[::8])
         yield
 
 
@@ -41,13 +54,17 @@ def wet_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="session")
 def screen() -> Iterator[str]:
-    """The name of an X display; one is started where there is none."""
-    if os.environ.get("DISPLAY"):
+    """The name of an X display of our own: two programs on one take the keyboard from each other.
+
+    One that is there is used where the tests run in one process, to be watched.
+    """
+    if os.environ.get("DISPLAY") and "PYTEST_XDIST_WORKER" not in os.environ:
         yield os.environ["DISPLAY"]
         return
-    os.environ["DISPLAY"], process = start_screen("1400x900")
-    yield os.environ["DISPLAY"]
-    del os.environ["DISPLAY"]
+    name, process = start_screen("1400x900")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DISPLAY", name)
+        yield name
     process.returncode = 0  # left running: OpenGL keeps its connection until this process ends
 
 
