@@ -38,6 +38,19 @@ def few_lights() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="module")
+def windows_go() -> Iterator[None]:
+    """Delete the windows that a file has closed: every change of theme restyles all there are."""
+    yield
+    if "PySide6.QtWidgets" in sys.modules:
+        from PySide6 import QtCore, QtWidgets
+
+        for widget in QtWidgets.QApplication.topLevelWidgets():
+            if not widget.isVisible() and widget.parent() is None:
+                widget.deleteLater()
+        QtCore.QCoreApplication.sendPostedEvents(None, QtCore.QEvent.Type.DeferredDelete)
+
+
 @pytest.fixture(autouse=True)
 def not_for_ever() -> Iterator[None]:
     """End the process with a traceback if a test waits for a dialog that nobody answers."""
