@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.stroke.number_table import NumberTable
-from paint3d.stroke.pad import DEFAULT_LEAN, join_strokes, orientations_from_angles, spread_ties
+from paint3d.stroke.pad import DEFAULT_LEAN, Lifts, orientations_from_angles, spread_ties
 
 __all__ = ["read_csv", "read_plain_table", "write_csv"]
 
@@ -131,28 +131,44 @@ def _assemble(table: NumberTable, header: dict, scale: float, y_down: bool) -> R
     if not len(table):
         raise RecordingError(f"{table.name}: there are no samples; expected at least one")
     up = 1.0 if table.column("y_mm") or not y_down else -1.0
-    position = np.stack([_place(table, axis, scale) for axis in "xyz"], axis=1)
-    position[:, 1] *= up
-    table.let_go(*(name for names in _PLACES.values() for name in names))
+    for axis in "xyz":
+        _check_place(table, axis)
     found = table.column(*_STROKES)
-    stroke = np.zeros(len(position)) if found is None else found[1]
-    time_ns, notes = _times(table, stroke)
-    table.let_go(*_TIMES)
+    changes = np.array([], np.int64) if found is None else _changes(found[1])
+    time_ns, notes = _times(table, np.concatenate([[0], changes]))
+    table.let_go(*_TIMES, *_STROKES)
     if notes:
         header = {**header, "notes": [*_listed(header.get("notes")), *notes]}
     buttons = table.column("buttons")
     pressed = None if buttons is None else table.check("buttons", buttons[1], 0, 2**31 - 1)
     pressure = _pressures(table)
-    table.let_go(*_STROKES, *_PRESSURES)
+    table.let_go(*_PRESSURES)
     try:
         if table.column("qw"):
+            position = np.stack(list(_places(table, scale, up)), axis=1)
             return _posed(table, header, time_ns, position, pressure, pressed)
         orientation = _leaning(table, up)
         if table.column(*_AZIMUTHS) is None:
             header = {"azimuth": "dragged", **header}
-        return join_strokes(time_ns, position, orientation, pressure, stroke, header, pressed)
+        if pressure is None:
+            pressure = np.full(len(table), 0.5)
+        lifts = Lifts(time_ns, pressure, changes - 1)
+        position = lifts.put_columns(_places(table, scale, up))
+        return Recording(
+            lifts.put_times(time_ns),
+            position,
+            lifts.put(orientation),
+            lifts.put_pressure(pressure),
+            None if pressed is None else lifts.put(pressed),
+            header={"space": "pad", **header},
+        )
     except RecordingError as cause:
         raise RecordingError(f"{table.name}: {cause}") from None
+
+
+def _changes(stroke: NDArray) -> NDArray:
+    """First samples of all strokes but the first."""
+    return np.flatnonzero(stroke[1:] != stroke[:-1]) + 1
 
 
 def _listed(notes: object) -> list:
@@ -190,18 +206,30 @@ def _columns(table: NumberTable, names: tuple[str, ...]) -> NDArray:
     return np.stack(checked, axis=1)
 
 
-def _place(table: NumberTable, axis: str, scale: float) -> NDArray:
+def _check_place(table: NumberTable, axis: str) -> None:
     found = table.column(*_PLACES[axis])
-    if found is None:
-        if axis == "z":
-            return np.zeros(len(table))
+    if found is not None:
+        table.check(*found, -_LARGEST, _LARGEST)
+    elif axis != "z":
         names = ", ".join(_PLACES[axis])
         raise RecordingError(
             f"{table.name}: there is no column for {axis}; expected one of {names}"
         )
-    name, values = found
-    table.check(name, values, -_LARGEST, _LARGEST)
-    return values if name.endswith("_mm") else values * scale
+
+
+def _places(table: NumberTable, scale: float, up: float) -> Iterator[NDArray]:
+    """x, y and z in mm, y upwards; each is forgotten by the table when the next is asked for."""
+    for axis in "xyz":
+        found = table.column(*_PLACES[axis])
+        if found is None:
+            yield np.zeros(len(table))
+            continue
+        name, values = found
+        table.let_go(*_PLACES[axis])
+        del found
+        if not name.endswith("_mm"):
+            values = values * scale
+        yield -values if axis == "y" and up < 0.0 else values
 
 
 def _pressures(table: NumberTable) -> NDArray | None:
@@ -210,7 +238,8 @@ def _pressures(table: NumberTable) -> NDArray | None:
         return None
     name, values = found
     most = MAX_FORCE_N if name.startswith("force") else 1.0
-    return table.check(name, values, 0.0, most) / most
+    checked = table.check(name, values, 0.0, most)
+    return checked if most == 1.0 else checked / most
 
 
 def _leaning(table: NumberTable, up: float) -> NDArray:
@@ -233,11 +262,10 @@ def _leaning(table: NumberTable, up: float) -> NDArray:
     return np.broadcast_to(same, (len(table), 4))
 
 
-def _times(table: NumberTable, stroke: NDArray) -> tuple[NDArray, list[str]]:
-    """Times in ns, and what had to be done to them."""
+def _times(table: NumberTable, starts: NDArray) -> tuple[NDArray, list[str]]:
+    """Times in ns, and what had to be done to them; `starts` are the strokes' first samples."""
     name, values = table.column(*_TIMES)
-    starts = np.flatnonzero(np.concatenate([[True], stroke[1:] != stroke[:-1]]))
-    late = np.flatnonzero(np.diff(values) < 0)
+    late = np.flatnonzero(values[1:] < values[:-1])
     if len(late):
         i = int(late[0]) + 1
         raise RecordingError(
@@ -251,8 +279,9 @@ def _times(table: NumberTable, stroke: NDArray) -> tuple[NDArray, list[str]]:
     times, n_moved = spread_ties(times)
     if n_moved:
         notes.append(f"{n_moved} samples shared a time stamp; spread evenly up to the next one")
-    if len(times) > 1 and (np.diff(times) <= 0).any():
-        i = int(np.flatnonzero(np.diff(times) <= 0)[0]) + 1
+    tied = np.flatnonzero(times[1:] <= times[:-1])
+    if len(tied):
+        i = int(tied[0]) + 1
         raise RecordingError(
             f"{table.name}:{table.line(i)}: more samples share a time than ns are left"
         )
@@ -262,24 +291,30 @@ def _times(table: NumberTable, stroke: NDArray) -> tuple[NDArray, list[str]]:
 def _rounded(values: NDArray, unit: float, starts: NDArray) -> tuple[NDArray, list[str]]:
     """ns from the first stamp; strokes that start in ms but go on in s are put right."""
     first = np.repeat(values[starts], np.diff(np.append(starts, len(values))))
-    steps = np.diff(values - first)
-    steps = steps[steps > 0] if unit == 1e6 else steps[:0]
+    total = values - first
     notes = []
-    offset = (values - first) * unit
-    if unit == 1e6 and len(steps) > 1 and np.median(steps) < _TOO_FAST_MS:
-        seconds = (values - first) * 1e9
-        ends = np.append(starts[1:], len(values)) - 1
-        begin = (values[starts] - values[0]) * unit
-        if (begin[1:] > begin[:-1] + seconds[ends[:-1]]).all():
-            offset = seconds
-            notes.append("time stamps count in ms between strokes but in s within them")
-    del steps
+    in_seconds = unit == 1e6 and _starts_in_ms(values, starts, total)
+    if in_seconds:
+        notes.append("time stamps count in ms between strokes but in s within them")
+    total *= 1e9 if in_seconds else unit
     first -= values[0]
-    total = first * unit + offset
-    del first, offset
+    first *= unit
+    total += first
+    del first
     if len(total) and total[-1] >= 2.0**62:
         raise RecordingError("the times span over 146 years; expected a recording")
     return np.round(total, out=total).astype(np.int64), notes
+
+
+def _starts_in_ms(values: NDArray, starts: NDArray, since: NDArray) -> bool:
+    """Whether strokes start at times in ms, but count s `since` then."""
+    steps = np.diff(since)
+    steps = steps[steps > 0]
+    if len(steps) < 2 or np.median(steps) >= _TOO_FAST_MS:
+        return False
+    ends = np.append(starts[1:], len(values)) - 1
+    begin = (values[starts] - values[0]) * 1e6
+    return bool((begin[1:] > begin[:-1] + (since * 1e9)[ends[:-1]]).all())
 
 
 def write_csv(recording: Recording) -> Iterator[str]:

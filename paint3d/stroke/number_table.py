@@ -44,7 +44,7 @@ class NumberTable:
         self._exact, self._may_lack = set(exact), set(may_lack)
         kinds = [np.int64 if column in self._exact else np.float64 for column in names]
         self._row = np.dtype([(f"c{k}", kind) for k, kind in enumerate(kinds)])
-        self._lines: list[NDArray] = []
+        self._lines: list[range | NDArray] = []
         self._columns: dict[str, list[NDArray]] = {column: [] for column in names}
 
     def __len__(self) -> int:
@@ -71,7 +71,7 @@ class NumberTable:
             if found is None:
                 cells = [self._numbers(line, split(text)) for line, text in block]
                 found = np.array(cells, self._row)
-            _append(self._lines, np.array(lines, np.int32))
+            self._lines.append(_told_briefly(lines))
             for k, column in enumerate(self.names):
                 _append(self._columns[column], found[f"c{k}"].copy())
 
@@ -114,7 +114,11 @@ class NumberTable:
 
     def line(self, row: int) -> int:
         """The line that a row came from."""
-        return int(np.concatenate(self._lines)[row])
+        for lines in self._lines:
+            if row < len(lines):
+                return int(lines[row])
+            row -= len(lines)
+        raise IndexError(row)
 
     def column(self, *names: str) -> tuple[str, NDArray] | None:
         """The first of the named columns that is there, and its values."""
@@ -145,6 +149,12 @@ class NumberTable:
                 f"expected {low:g} to {high:g}"
             )
         return values
+
+
+def _told_briefly(lines: tuple[int, ...]) -> range | NDArray:
+    """Numbers of lines; most follow one another."""
+    told = range(lines[0], lines[-1] + 1)
+    return told if len(told) == len(lines) else np.array(lines, np.int32)
 
 
 def _append(blocks: list[NDArray], block: NDArray) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ __all__ = [
     "DEFAULT_LEAN",
     "LIFT_NS",
     "MM_PER_PIXEL",
+    "Lifts",
     "angles_from_orientations",
     "join_strokes",
     "orientations_from_angles",
@@ -90,15 +92,14 @@ def spread_ties(time_ns: NDArray) -> tuple[NDArray, int]:
     Returns
     -------
     times : (N,) int64
-        Strictly increasing if stamps that differ lie at least a run's length of ns apart.
+        Strictly increasing if stamps that differ lie at least a run's length of ns apart; the
+        same array where nothing was to do.
     n_moved : int
         How many samples got a new time.
     """
     if (time_ns[1:] > time_ns[:-1]).all():
-        return time_ns.copy(), 0
+        return time_ns, 0
     stamps, first, counts = np.unique(time_ns, return_index=True, return_counts=True)
-    if len(stamps) == len(time_ns):
-        return time_ns.copy(), 0
     steps = np.diff(stamps)
     last = steps[-1] if len(steps) else LIFT_NS
     room = np.append(steps, max(int(last), int(counts[-1])))
@@ -108,6 +109,58 @@ def spread_ties(time_ns: NDArray) -> tuple[NDArray, int]:
     ), int(len(time_ns) - len(stamps))
 
 
+class Lifts:
+    """Where and when the pen is lifted between strokes, found before the samples are put together.
+
+    Where two strokes meet and either end is pressed, a sample with pressure 0 is put at the first
+    one's end and another at the second one's start, 1 ms away (or a quarter of the gap, if that is
+    less).
+
+    Parameters
+    ----------
+    time_ns : (N,) int64
+    pressed : (N,) float64
+    ends : (M,) int64
+        Last samples of all strokes but the last one.
+    """
+
+    def __init__(self, time_ns: NDArray, pressed: NDArray, ends: NDArray) -> None:
+        gaps = time_ns[ends + 1] - time_ns[ends]
+        lift = np.minimum(LIFT_NS, gaps // 4)
+        after = (pressed[ends] > 0) & (lift > 0)
+        before = (pressed[ends + 1] > 0) & (lift > 0)
+        # a lift goes behind its stroke's last sample, another before the next stroke's first
+        self._source = np.concatenate([ends[after], ends[before] + 1])
+        self._places = np.concatenate([ends[after], ends[before]]) + 1
+        self._times = np.concatenate(
+            [time_ns[ends[after]] + lift[after], time_ns[ends[before] + 1] - lift[before]]
+        )
+
+    def put_times(self, time_ns: NDArray) -> NDArray:
+        """(N + L,) the times with those of the lifted samples."""
+        return _frozen(np.insert(time_ns, self._places, self._times))
+
+    def put_pressure(self, pressed: NDArray) -> NDArray:
+        """(N + L,) the pressures with 0 where the pen is lifted."""
+        return _frozen(np.insert(pressed, self._places, 0.0))
+
+    def put(self, values: NDArray) -> NDArray:
+        """(N + L, ...) the values, lifted samples having those of the end that they belong to."""
+        if values.ndim == 2 and values.strides[0] == 0:  # one for all, whichever sample
+            return np.broadcast_to(values[:1], (len(values) + len(self._places), values.shape[1]))
+        return _frozen(np.insert(values, self._places, values[self._source], axis=0))
+
+    def put_columns(self, columns: Iterable[NDArray]) -> NDArray:
+        """(N + L, K) columns side by side with the lifted samples', each let go before the next."""
+        whole = None
+        for k, column in enumerate(columns):
+            with_lifts = self.put(column)
+            if whole is None:
+                whole = np.empty((len(with_lifts), 3))
+            whole[:, k] = with_lifts
+        return _frozen(whole)
+
+
 def join_strokes(
     time_ns: NDArray,
     position: NDArray,
@@ -115,17 +168,14 @@ def join_strokes(
     pressure: NDArray | None,
     stroke: NDArray,
     header: dict,
-    buttons: NDArray | None = None,
 ) -> Recording:
-    """One pad recording of several strokes, with the pen lifted in between.
+    """One pad recording of several strokes, with the pen lifted in between (see `Lifts`).
 
-    Where two strokes meet and either end is pressed, a sample with pressure 0 is put at the
-    first one's end and another at the second one's start, 1 ms away (or a quarter of the gap,
-    if that is less). A pad without pressure is taken to press at 0.5 while it touches.
+    A pad without pressure is taken to press at 0.5 while it touches.
 
     Parameters
     ----------
-    time_ns, position, orientation, pressure, buttons
+    time_ns, position, orientation, pressure
         As in `Recording`, without lifted samples.
     stroke : (N,) int64
         Number of each sample's stroke.
@@ -133,28 +183,12 @@ def join_strokes(
         Entries for the recording's header.
     """
     pressed = np.full(len(time_ns), 0.5) if pressure is None else np.asarray(pressure)
-    ends = np.flatnonzero(np.diff(stroke) != 0)
-    gaps = time_ns[ends + 1] - time_ns[ends]
-    lift = np.minimum(LIFT_NS, gaps // 4)
-    after = (pressed[ends] > 0) & (lift > 0)
-    before = (pressed[ends + 1] > 0) & (lift > 0)
-    # a lift goes behind its stroke's last sample, another before the next stroke's first
-    source = np.concatenate([ends[after], ends[before] + 1])
-    places = np.concatenate([ends[after], ends[before]]) + 1
-    lifts = np.concatenate(
-        [time_ns[ends[after]] + lift[after], time_ns[ends[before] + 1] - lift[before]]
-    )
-    n = len(time_ns) + len(places)
-    if orientation.strides[0] == 0:  # one for all, whichever sample
-        orientation = np.broadcast_to(orientation[:1], (n, 4))
-    else:
-        orientation = np.insert(orientation, places, orientation[source], axis=0)
+    lifts = Lifts(time_ns, pressed, np.flatnonzero(np.diff(stroke) != 0))
     return Recording(
-        _frozen(np.insert(time_ns, places, lifts)),
-        _frozen(np.insert(position, places, position[source], axis=0)),
-        orientation,
-        _frozen(np.insert(pressed, places, 0.0)),
-        None if buttons is None else _frozen(np.insert(buttons, places, buttons[source])),
+        lifts.put_times(time_ns),
+        lifts.put(position),
+        lifts.put(orientation),
+        lifts.put_pressure(pressed),
         header={"space": "pad", **header},
     )
 
