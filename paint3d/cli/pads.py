@@ -8,6 +8,7 @@ from paint3d.errors import InputError
 
 if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.stroke.laying import LaidPad
     from paint3d.stroke.recording import Recording
 
 __all__ = ["lay_on"]
@@ -21,7 +22,7 @@ def lay_on(
     recording: Recording,
     place: tuple[float, float] | None,
     width_mm: float | None,
-) -> Recording:
+) -> Recording | LaidPad:
     """The recording in the world: laid on the mesh if it is a pad's, else as it is.
 
     A pad's recording that knows no dips gets one before every stroke.
@@ -46,15 +47,14 @@ def lay_on(
                 "--at and --size lay a pad's recording; this one has its own place in the world"
             )
         return recording
-    import numpy as np
-
     from paint3d.mesh.chart import make_chart
     from paint3d.mesh.closest import ClosestPoints
     from paint3d.mesh.placement import place as find_place
-    from paint3d.stroke.laying import centred, dipped, lay
+    from paint3d.stroke.laying import LaidPad, dipped, size_of
 
-    sheet = dipped(centred(recording, width_mm))
-    half_width, half_height = np.abs(sheet.position[:, :2]).max(axis=0) + _MARGIN_MM
+    middle, half, scale = size_of(recording, width_mm)
+    half_width, half_height = half + _MARGIN_MM
     surface = ClosestPoints(mesh)
     frame = find_place(surface, place or _MIDDLE)
-    return lay(sheet, make_chart(surface, frame, half_width, half_height))
+    chart = make_chart(surface, frame, half_width, half_height)
+    return LaidPad(dipped(recording), chart, middle, scale)

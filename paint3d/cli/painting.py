@@ -19,6 +19,7 @@ from paint3d.files.odd_names import json_text
 if TYPE_CHECKING:
     from paint3d.ink.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.stroke.laying import LaidPad
     from paint3d.stroke.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
@@ -70,8 +71,14 @@ class Painting:
     surface: PaintedSurface
     counts: dict
     seconds: dict[str, float]
-    recordings: tuple[Recording, ...] = ()
+    recordings: tuple[Recording | LaidPad, ...] = ()
     settings: dict = field(default_factory=dict)
+
+    def whole_recordings(self) -> tuple[Recording, ...]:
+        """The recordings in the world; a pad's is laid down as a whole."""
+        from paint3d.stroke.laying import LaidPad
+
+        return tuple(r.whole() if isinstance(r, LaidPad) else r for r in self.recordings)
 
     def describe(self) -> dict:
         """Everything that ``--report`` writes: versions, seconds by stage, counts, ink ledger."""
@@ -116,7 +123,10 @@ def prepare(mesh: TriangleMesh, wishes: Wishes, seconds: dict[str, float]) -> Pa
 
 
 def paint(
-    surface: PaintedSurface, recording: Recording, wishes: Wishes, seconds: dict[str, float]
+    surface: PaintedSurface,
+    recording: Recording | LaidPad,
+    wishes: Wishes,
+    seconds: dict[str, float],
 ) -> Painting:
     """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
 
@@ -146,7 +156,7 @@ def paint(
     return Painting(surface, painter.report(), seconds, (recording,), settings)
 
 
-def _ink(recording: Recording, wished: str | None) -> Pigment:
+def _ink(recording: Recording | LaidPad, wished: str | None) -> Pigment:
     """The ink that the user wants, or the recording's own, which names no file of this machine."""
     from paint3d.ink.pigments import load_pigment
 
@@ -158,7 +168,7 @@ def _ink(recording: Recording, wished: str | None) -> Pigment:
         raise RecordingError(f"the header: {cause}, or --ink") from None
 
 
-def _named_in(recording: Recording, what: str, default: str) -> str:
+def _named_in(recording: Recording | LaidPad, what: str, default: str) -> str:
     """The recording's own brush or ink, or the default where it names none."""
     name = recording.header.get(what)
     if name is None:

@@ -33,7 +33,7 @@ def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None
 
     with ProgressBar("writing", enabled=not quiet) as progress:
         if is_session_path(file):
-            session = Session(painting.surface, painting.recordings, painting.settings)
+            session = Session(painting.surface, painting.whole_recordings(), painting.settings)
             save_session(session, file, progress)
         else:
             export(painting.surface, file, progress=progress)

@@ -9,10 +9,12 @@ from paint3d.errors import RecordingError
 if TYPE_CHECKING:
     from paint3d.cli.painting import Painting
     from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.stroke.laying import LaidPad
     from paint3d.stroke.recording import Recording
 
 __all__ = ["refuse_untouched"]
 
+_PART = 1 << 16  # samples that are laid on the object at once
 _MOST = 20_000  # samples whose distances are looked at
 
 
@@ -33,7 +35,9 @@ def refuse_untouched(painting: Painting, mesh: TriangleMesh, name: str) -> None:
     )
 
 
-def _reason(recording: Recording, mesh: TriangleMesh, brush: str, length_mm: float) -> str:
+def _reason(
+    recording: Recording | LaidPad, mesh: TriangleMesh, brush: str, length_mm: float
+) -> str:
     import numpy as np
 
     from paint3d.mesh.closest import ClosestPoints
@@ -42,10 +46,13 @@ def _reason(recording: Recording, mesh: TriangleMesh, brush: str, length_mm: flo
     pressure = recording.pressure
     if pressure is not None and not pressure.any():
         return "its pressure is 0 throughout; expected strokes that press"
-    way = brush_poses(recording).way
-    if pressure is not None:
-        way = way[pressure > 0.0]
-    way = way[:: 1 + len(way) // _MOST]
+    n = len(recording)
+    ways = []
+    for first in range(0, n, _PART):
+        part = recording.part(first, min(n, first + _PART))
+        way = brush_poses(part).way
+        ways.append((way if pressure is None else way[part.pressure > 0.0])[:: 1 + n // _MOST])
+    way = np.concatenate(ways)
     gaps = np.linalg.norm(ClosestPoints(mesh).find(way).points - way, axis=1)
     near = float(gaps.min())
     if pressure is None:

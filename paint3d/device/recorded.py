@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,6 +111,15 @@ class Recording:
     def duration_s(self) -> float:
         """Time from the first sample to the last, s."""
         return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
+
+    def part(self, first: int, last: int) -> Recording:
+        """The samples from `first` to before `last` as a recording; its arrays are views."""
+        part = object.__new__(Recording)
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            cut = value[first:last] if isinstance(value, np.ndarray) else value
+            object.__setattr__(part, entry.name, cut)
+        return part
 
     def samples(self) -> Iterator[DeviceSample]:
         """The samples one after the other, as a live device would give them."""

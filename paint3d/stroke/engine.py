@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,12 +35,13 @@ from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
 from paint3d.projection.room import Room, grow_room, make_room
 from paint3d.stroke.hair_tuft import HairTuft
-from paint3d.stroke.laying import DIP
+from paint3d.stroke.laying import DIP, LaidPad
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Painter"]
 
+_PART = 1 << 16  # samples of a recording that are made ready at once
 _CHUNK = 2000  # samples between two calls of `progress`
 _STATIONS = 12  # pieces of a tuft that is loaded differently along its length
 _WET_RATE = 30.0  # Hz
@@ -294,7 +295,7 @@ class Painter:
 
     def replay(
         self,
-        recording: Recording,
+        recording: Recording | LaidPad,
         progress: Callable[[float], None] | None = None,
         frame_rate: float | None = None,
         wet: bool = False,
@@ -303,7 +304,8 @@ class Painter:
 
         Parameters
         ----------
-        recording : Recording
+        recording : Recording or LaidPad
+            However long: 65,536 samples at a time are made ready for painting.
         progress : callable, optional
             Called with the fraction done, a few times a second or after every frame.
         frame_rate : float, optional
@@ -315,28 +317,41 @@ class Painter:
         """
         if wet and frame_rate is None:
             frame_rate = _WET_RATE
-        started = time.perf_counter()
-        path = brush_poses(recording)
         self.finish()
-        n = len(path.time_s)
-        stops = _dips(path.buttons)
-        samples = _samples(path)
-        self.seconds["poses"] += time.perf_counter() - started
-        before = float(path.time_s[0])
-        for last in _frame_ends(path.time_s, frame_rate):
-            self._paint(samples, int(last), stops)
-            if wet:
-                now = float(path.time_s[last])
-                self.surface.follow_flow(now - before, None)
-                before = now
-            if frame_rate is not None:
-                self._refresh()
-            if progress is not None:
-                progress((last + 1) / n)
+        n, first, before = len(recording), 0, 0.0
+        origin, at = int(recording.time_ns[0]), self._progress.at
+        while True:
+            last = min(n, first + _PART)
+            samples, dips = self._prepare(recording.part(first, last), origin)
+            known = last - first - 1 - (_LOOKAHEAD if last < n else 0)
+            for stop, is_frame in _stops(samples.time, int(at[0]), known, frame_rate):
+                self._paint(samples, stop, dips)
+                is_end = first + stop == n - 1
+                if frame_rate is not None and (is_frame or is_end):
+                    if wet:
+                        now = float(samples.time[stop])
+                        self.surface.follow_flow(now - before, None)
+                        before = now
+                    self._refresh()
+                if progress is not None:
+                    progress((first + stop + 1) / n)
+            if last == n:
+                break
+            first += known - _LOOKAHEAD
+            at[0] = _LOOKAHEAD
         if wet:
             self.surface.diffuse(0.0)  # what waits for its step takes it
         self._n_samples += n
         self._begin()
+
+    def _prepare(self, part: Recording, origin_ns: int) -> tuple[stroke.Samples, NDArray]:
+        """Samples ready for interpolation, their time counted from `origin_ns`, and their dips."""
+        started = time.perf_counter()
+        path = brush_poses(part)
+        path = dataclasses.replace(path, time_s=(part.time_ns - origin_ns) * 1e-9)
+        prepared = _samples(path), _dips(path.buttons)
+        self.seconds["poses"] += time.perf_counter() - started
+        return prepared
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
         """Paint live: the interval before the last two samples waits for what comes next."""
@@ -468,13 +483,23 @@ def _dips(buttons: NDArray) -> NDArray:
     return np.flatnonzero(down[1:] & ~down[:-1]) + 1
 
 
-def _frame_ends(time_s: NDArray, frame_rate: float | None) -> NDArray:
-    """The last sample of every frame; without a rate, of every 2000 samples."""
-    n = len(time_s)
+def _stops(
+    time_s: NDArray, first: int, last: int, frame_rate: float | None
+) -> Iterator[tuple[int, bool]]:
+    """Samples after `first`, up to `last`, that are painted up to, and whether a frame ends there.
+
+    Without a rate these are every 2000 samples; times are counted from the recording's start.
+    """
     if frame_rate is None:
-        return np.append(np.arange(_CHUNK, n - 1, _CHUNK), n - 1)
-    frames = np.floor((time_s - time_s[0]) * frame_rate).astype(np.int64)
-    return np.append(np.flatnonzero(np.diff(frames)), n - 1)
+        ends = np.arange(first + _CHUNK, last, _CHUNK)
+    else:
+        start = first + 1 if first else 0  # what ended at the last part's end has ended
+        frames = np.floor(time_s[start : last + 2] * frame_rate).astype(np.int64)
+        ends = start + np.flatnonzero(np.diff(frames))
+    for end in ends:
+        yield int(end), frame_rate is not None
+    if not len(ends) or ends[-1] != last:
+        yield last, False
 
 
 def _samples(path: BrushPath) -> stroke.Samples:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, RecordingError
 from paint3d.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.mesh.chart import SurfaceChart
 
-__all__ = ["DIP", "centred", "dipped", "lay"]
+__all__ = ["DIP", "LaidPad", "dipped", "lay", "size_of"]
 
 DIP = 2  # button bit: the brush is dipped, on a lifted sample
 
@@ -56,8 +59,78 @@ def lay(recording: Recording, chart: SurfaceChart) -> Recording:
     )
 
 
-def centred(recording: Recording, width_mm: float | None = None) -> Recording:
-    """A pad recording moved so that its middle is (0, 0), and scaled to a width if one is given.
+@dataclass(frozen=True, eq=False)
+class LaidPad:
+    """A pad recording on a surface, carried there part by part as it is asked for.
+
+    Ten million samples laid at once would take four times the memory of what was read.
+
+    Attributes
+    ----------
+    pad : Recording
+    chart : SurfaceChart
+    middle : (2,) float64
+        What point of the pad comes to lie at the chart's origin.
+    scale : float
+        mm on the surface per mm of the pad.
+    """
+
+    pad: Recording
+    chart: SurfaceChart
+    middle: NDArray
+    scale: float = 1.0
+
+    def __len__(self) -> int:
+        return len(self.pad)
+
+    @property
+    def time_ns(self) -> NDArray:
+        """(N,) int64, as on the pad."""
+        return self.pad.time_ns
+
+    @property
+    def pressure(self) -> NDArray | None:
+        """(N,) float64 in [0, 1], as on the pad."""
+        return self.pad.pressure
+
+    @property
+    def header(self) -> dict[str, object]:
+        """The pad's, in the world's space."""
+        return {**self.pad.header, "space": "world"}
+
+    def part(self, first: int, last: int) -> Recording:
+        """The samples from `first` to before `last`, laid on the surface.
+
+        Raises
+        ------
+        RecordingError
+            If they leave the chart.
+        """
+        part = self.pad.part(first, last)
+        position = part.position.copy()
+        position[:, :2] = (position[:, :2] - self.middle) * self.scale
+        return lay(replace(part, position=position), self.chart)
+
+    def whole(self) -> Recording:
+        """All samples, laid on the surface; as `part` raises."""
+        return self.part(0, len(self))
+
+
+def size_of(recording: Recording, width_mm: float | None = None) -> tuple[NDArray, NDArray, float]:
+    """Where a pad recording's middle is, and how large it is to be laid.
+
+    Parameters
+    ----------
+    recording : Recording
+    width_mm : float, optional
+        How wide; as it was drawn unless told.
+
+    Returns
+    -------
+    middle, half : (2,) float64
+        mm: the middle on the pad, and how far it reaches from there on the surface.
+    scale : float
+        mm on the surface per mm of the pad.
 
     Raises
     ------
@@ -72,18 +145,8 @@ def centred(recording: Recording, width_mm: float | None = None) -> Recording:
         if high[0] <= low[0]:
             raise RecordingError("the recording has no width; expected one to scale")
         scale = width_mm / (high[0] - low[0])
-    position = recording.position.copy()
-    position[:, :2] = (position[:, :2] - 0.5 * (low + high)) * scale
-    return Recording(
-        recording.time_ns,
-        position,
-        recording.orientation,
-        recording.pressure,
-        recording.buttons,
-        recording.object_position,
-        recording.object_orientation,
-        recording.header,
-    )
+    middle = 0.5 * (low + high)
+    return middle, np.maximum(middle - low, high - middle) * scale, scale
 
 
 def dipped(recording: Recording) -> Recording:

@@ -227,7 +227,7 @@ def test_a_pad_is_laid_down_as_it_was_drawn(name: str, pressure: float) -> None:
     mesh = load_mesh(name)
     surface, told = ClosestPoints(mesh), []
     for what, line in PAD_LINES.items():
-        laid = lay_on(mesh, pad_stroke(line, pressure, np.radians(55.0)), None, None)
+        laid = lay_on(mesh, pad_stroke(line, pressure, np.radians(55.0)), None, None).whole()
         painter = Painter(PaintedSurface(mesh, 0.8))
         painter.replay(laid)
         way = Way(laid.contact, surface.find(laid.contact).normals)

@@ -9,7 +9,7 @@ from paint3d.mesh.chart import frame_at, make_chart
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.laying import centred, lay
+from paint3d.stroke.laying import LaidPad, lay, size_of
 from paint3d.stroke.pad import orientations_from_angles
 from paint3d.stroke.recording import Recording
 
@@ -207,9 +207,21 @@ def test_laying_refuses_what_does_not_fit(plane):
         lay(lay(pad([[1, 0, 0]]), chart), chart)
 
 
-def test_centring_scales_about_the_middle():
-    moved = centred(pad([[10, 10, 3], [30, 20, 0]]), width_mm=10)
-    assert moved.position.tolist() == [[-5, -2.5, 3], [5, 2.5, 0]]
+def test_a_pad_is_centred_scaled_and_laid_part_by_part(plane):
+    drawn = pad([[10, 10, 3], [30, 20, 0], [11, 12, 0], [29, 13, 1], [15, 11, 0]])
+    middle, half, scale = size_of(drawn, width_mm=10)
+    assert (middle.tolist(), half.tolist(), scale) == ([20, 15], [5, 2.5], 0.5)
+    chart = make_chart(plane, frame_at(plane, [0, 0, 0], [0, 1, 0]), 10, 10)
+    laid = LaidPad(drawn, chart, middle, scale)
+    whole = laid.whole()
+    assert whole.position[:2] == pytest.approx(np.array([[-5, -2.5, 3], [5, 2.5, 0]]))
+    assert laid.header == whole.header
+    for first, last in ((0, 2), (1, 4), (4, 5)):
+        part = laid.part(first, last)
+        for name in ("time_ns", "position", "orientation", "pressure", "contact", "buttons"):
+            np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[first:last])
+    with pytest.raises(RecordingError, match="has no width"):
+        size_of(pad([[1, 2, 0], [1, 3, 0]]), 10)
 
 
 @pytest.mark.parametrize("half", [300.0, 5e5])

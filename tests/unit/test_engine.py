@@ -10,6 +10,7 @@ import pytest
 from paint3d.brush.presets import load_brush
 from paint3d.errors import InputError, RecordingError, UnknownNameError
 from paint3d.ink.pigments import load_pigment
+from paint3d.stroke import engine
 from paint3d.stroke.engine import DIP, Painter
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -179,6 +180,30 @@ def test_the_button_dips():
         live.advance([sample])
     live.finish()
     assert live.ledger() == painter.ledger()
+
+
+@pytest.mark.parametrize("part", [6, 7, 20])
+@pytest.mark.parametrize("how", [{}, {"wet": True}, {"frame_rate": 60.0}])
+def test_however_many_samples_are_made_ready_at_once_the_painting_is_the_same(
+    monkeypatch, part, how
+):
+    pressures = np.tile([0.0, 0.1, 0.3, 0.4, 0.5, 0.4, 0.0, 0.0, 0.2, 0.3], 5)
+    turn = np.linspace(0.0, 25.0, len(pressures))
+    points = np.column_stack([turn - 12.0, 9.0 * np.sin(turn), 0.0 * turn])
+    recording = poses(points, UP, (0.0, 1.0, 0.0), pressures, tilt=UPRIGHT)
+    buttons = np.where(np.arange(len(recording)) % 13 == 12, DIP, 0)
+    recording = dataclasses.replace(recording, buttons=buttons)
+    whole, parted = Painter(surface(), azimuth="dragged"), Painter(surface(), azimuth="dragged")
+    whole.replay(recording, **how)
+    monkeypatch.setattr(engine, "_PART", part)
+    shares = []
+    parted.replay(recording, progress=shares.append, **how)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert parted.report()["footprints"] == whole.report()["footprints"] > 50
+    for name in ("amounts", "coverage", "srgb"):
+        np.testing.assert_array_equal(getattr(parted.surface, name), getattr(whole.surface, name))
+    assert parted.ledger() == whole.ledger()
 
 
 def test_progress_is_told():
