@@ -31,6 +31,7 @@ __all__ = [
     "ignore_interrupts",
     "is_locked",
     "is_private",
+    "leave_interrupts_to_others",
     "limit_process",
     "lock",
     "make_memory_file",
@@ -103,6 +104,12 @@ def holding_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+
+def leave_interrupts_to_others() -> None:
+    """Let interrupts go to this process's other threads, not to this one."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
 def ignore_interrupts() -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from paint3d.cli.options import add_quiet_option, check_output_folder, parse_hairs
 from paint3d.cli.painting import Wishes, paint, prepare, timed, write_report
+from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import write_result
 from paint3d.errors import ExportError
 
@@ -55,11 +56,15 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.stroke.recording import load_recording
 
     _make_folder(options.out)
-    with as_file(files("paint3d.stroke").joinpath(_RECORDING)) as path:
-        recording = load_recording(path)
+    with (
+        as_file(files("paint3d.stroke").joinpath(_RECORDING)) as path,
+        ProgressBar("reading", enabled=not options.quiet) as progress,
+    ):
+        recording = load_recording(path, progress=progress)
+        mesh = load_mesh("bowl")
     wishes = Wishes(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs)
     seconds: dict[str, float] = {}
-    painting = paint(prepare(load_mesh("bowl"), wishes, seconds), recording, wishes, seconds)
+    painting = paint(prepare(mesh, wishes, seconds), recording, wishes, seconds)
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):
         for file in written:

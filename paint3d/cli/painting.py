@@ -118,7 +118,7 @@ def prepare(mesh: TriangleMesh, wishes: Wishes, seconds: dict[str, float]) -> Pa
 
     material = load_material(wishes.material)
     say_if_compiling(quiet=wishes.quiet)
-    with timed(seconds, "prepare"):
+    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wishes.quiet):
         return PaintedSurface(mesh, resolution=wishes.resolution_mm, material=material)
 
 
@@ -140,7 +140,7 @@ def paint(
 
     brush = load_brush(wishes.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
     ink = _ink(recording, wishes.ink)
-    with timed(seconds, "prepare"):
+    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wishes.quiet):
         azimuth = recording.header["azimuth"]
         painter = Painter(surface, brush, ink, azimuth, hairs=wishes.hairs)
     with (
@@ -150,10 +150,11 @@ def paint(
         painter.replay(recording, progress=progress, wet=wishes.spread_s is not None)
         if wishes.spread_s is not None:
             surface.diffuse(wishes.spread_s)
+        counts = painter.report()
     settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}
     if painter.hairs is not None:
         settings["hairs"] = asdict(painter.hairs.spec)
-    return Painting(surface, painter.report(), seconds, (recording,), settings)
+    return Painting(surface, counts, seconds, (recording,), settings)
 
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> Pigment:

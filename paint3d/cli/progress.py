@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from types import TracebackType
 from typing import Self, TextIO
+
+from paint3d.machine import leave_interrupts_to_others
 
 __all__ = ["ProgressBar"]
 
 _WIDTH = 30
 _INTERVAL_S = 0.1
+_TICK_S = 0.5
+_RUNNER = "###"  # goes to and fro while nobody knows how much is done
 
 
 class ProgressBar:
     """Call it with the fraction done; it draws at most ten times a second and erases itself.
+
+    Used with `with`, it moves on by itself twice a second: with the time that is left, or, where
+    nothing was told yet, to and fro.
 
     Parameters
     ----------
@@ -32,27 +40,55 @@ class ProgressBar:
         self._active = enabled and self._stream.isatty()
         self._started = time.monotonic()
         self._drawn = -_INTERVAL_S
+        self._done: float | None = None
+        self._ticks = 0
+        self._drawing = threading.Lock()
+        self._over = threading.Event()
+        self._ticker: threading.Thread | None = None
 
     def __call__(self, fraction: float) -> None:
         """Show that this fraction, 0 to 1, is done."""
-        elapsed = time.monotonic() - self._started
-        if not self._active or elapsed - self._drawn < _INTERVAL_S:
-            return
-        self._drawn = elapsed
-        done = min(max(fraction, 0.0), 1.0)
-        bar = ("#" * round(done * _WIDTH)).ljust(_WIDTH, ".")
-        left = f" {elapsed * (1 - done) / done:4.0f} s left" if done > 0.02 else ""
-        self._stream.write(f"\r\x1b[K{self._label} [{bar}] {done:4.0%}{left}")
-        self._stream.flush()
+        self._done = min(max(fraction, 0.0), 1.0)
+        if self._active and time.monotonic() - self._started - self._drawn >= _INTERVAL_S:
+            self._draw()
 
     def note(self, line: str) -> None:
         """Write a line above the bar; to a stream that is no terminal it is just written."""
         clear = "\r\x1b[K" if self._active else ""
-        self._stream.write(f"{clear}{line}\n")
-        self._stream.flush()
+        with self._drawing:
+            self._stream.write(f"{clear}{line}\n")
+            self._stream.flush()
         self._drawn = -_INTERVAL_S
 
+    def _draw(self) -> None:
+        elapsed = time.monotonic() - self._started
+        self._drawn = elapsed
+        told = f" {elapsed:4.0f} s"
+        if self._done:
+            bar = ("#" * round(self._done * _WIDTH)).ljust(_WIDTH, ".")
+            if self._done > 0.02:
+                told = f" {elapsed * (1 - self._done) / self._done:4.0f} s left"
+            told = f" {self._done:4.0%}{told}"
+        else:
+            room = _WIDTH - len(_RUNNER)
+            at = room - abs(room - self._ticks % (2 * room))
+            bar = ("." * at + _RUNNER).ljust(_WIDTH, ".")
+        with self._drawing:
+            if not self._over.is_set():
+                self._stream.write(f"\r\x1b[K{self._label} [{bar}]{told}")
+                self._stream.flush()
+
+    def _tick(self) -> None:
+        leave_interrupts_to_others()  # who waits for the work is to be interrupted
+        while not self._over.wait(_TICK_S):
+            if time.monotonic() - self._started - self._drawn >= _TICK_S:
+                self._ticks += 1
+                self._draw()
+
     def __enter__(self) -> Self:
+        if self._active:
+            self._ticker = threading.Thread(target=self._tick, name="progress", daemon=True)
+            self._ticker.start()
         return self
 
     def __exit__(
@@ -61,6 +97,10 @@ class ProgressBar:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self._over.set()
+        if self._ticker is not None:
+            self._ticker.join()
         if self._active:
-            self._stream.write("\r\x1b[K")
-            self._stream.flush()
+            with self._drawing:
+                self._stream.write("\r\x1b[K")
+                self._stream.flush()

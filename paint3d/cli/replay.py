@@ -100,9 +100,11 @@ def run(options: argparse.Namespace) -> None:
     mesh = load_object(options)
     seconds: dict[str, float] = {}
     surface = prepare(mesh, wishes, seconds)
-    recording = lay_on(mesh, recording, options.at, options.size)
+    with ProgressBar("laying", enabled=not options.quiet):
+        recording = lay_on(mesh, recording, options.at, options.size)
     painting = paint(surface, recording, wishes, seconds)
-    refuse_untouched(painting, mesh, str(options.recording))
+    with ProgressBar("looking", enabled=not options.quiet):
+        refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):
         write_result(painting, options.out, quiet=options.quiet)
     if options.report is not None:

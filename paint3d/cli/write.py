@@ -168,11 +168,13 @@ def run(options: argparse.Namespace) -> None:
     painting.counts["characters"] = written.characters
     with timed(painting.seconds, "export"):
         if as_outlines:
-            export_outlines(mesh, written.recording, options.ink or DEFAULT_INK, options.out)
+            with ProgressBar("writing", enabled=not options.quiet):
+                export_outlines(mesh, written.recording, options.ink or DEFAULT_INK, options.out)
         else:
             write_result(painting, options.out, quiet=options.quiet)
     if options.recording is not None:
-        save_recording(written.recording, options.recording)
+        with ProgressBar("writing", enabled=not options.quiet) as progress:
+            save_recording(written.recording, options.recording, progress)
     if options.report is not None:
         write_report(options.report, painting)
     if not options.quiet:

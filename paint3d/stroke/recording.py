@@ -111,8 +111,10 @@ def _decompressed(raw: io.BufferedReader) -> io.BufferedReader:
     return raw
 
 
-def _share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None]:
-    """What tells how much of a file has been read, packed or not."""
+def _share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None] | None:
+    """What tells how much of a file has been read, packed or not; nobody knows of a pipe."""
+    if not raw.seekable():
+        return None
     size = max(1, os.fstat(raw.fileno()).st_size)
     return lambda: progress(min(1.0, raw.tell() / size))
 

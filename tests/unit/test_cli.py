@@ -6,6 +6,8 @@ import argparse
 import io
 import json
 import sys
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -148,6 +150,21 @@ def test_progress_is_drawn_on_a_terminal_and_erased() -> None:
     with progress.ProgressBar("painting", stream=stream) as bar:
         bar(0.5)
     assert "50%" in stream.getvalue()
+    assert stream.getvalue().endswith("\r\x1b[K")
+    assert "\n" not in stream.getvalue()
+
+
+def test_a_bar_moves_while_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "_TICK_S", 0.001)
+    stream = Terminal()
+    with progress.ProgressBar("preparing", stream=stream) as bar:
+        for told in ("preparing [###", "preparing [.###", "preparing [..###"):
+            while told not in stream.getvalue():  # the suite's limit ends what never comes
+                time.sleep(0.001)
+        bar(0.5)
+        while "50%" not in stream.getvalue():
+            time.sleep(0.001)
+    assert not any(thread.name == "progress" for thread in threading.enumerate())
     assert stream.getvalue().endswith("\r\x1b[K")
     assert "\n" not in stream.getvalue()
 
