@@ -1,8 +1,9 @@
 """Strokes on paper while their ink spreads: how far painting falls behind a hand that goes on.
 
 The painting thread's work is done here one piece after the other, by the rules of
-`app.model.easel`: paint first, time in small pieces whenever nothing else waits. The clock that
-the hand writes by is this thread's own CPU time, so other programs on the machine change nothing.
+`app.model.easel`: time passes in small pieces between the samples, and whenever nothing else waits.
+The clock that the hand writes by is this thread's own CPU time, so other programs on the machine
+change nothing.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import LONGEST_WET_S, PIECE_S, WET_STEP_S
+from paint3d.app.model.easel import Pace
+from paint3d.app.model.ink_clock import PIECE_S, InkClock
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
 
@@ -37,23 +39,29 @@ class _Hand:
 
     Attributes
     ----------
-    now, ink_s, owed : float
-        Time since the beginning, time that passed for the ink, and what is still to, s.
+    now, lost_s : float
+        Time since the beginning, and how much of it did not pass for the ink, s.
     late, slices : list of float
         How long after it came each batch was done, and what each piece of time took, s.
     """
 
     document: Document
     now: float = 0.0
-    ink_s: float = 0.0
+    slow_s: float = 0.0
     late: list[float] = field(default_factory=list)
     slices: list[float] = field(default_factory=list)
-    owed: float = 0.0
-    _keeps_up: bool = True
-    _asked: deque[tuple[float, Callable[[], object]]] = field(default_factory=deque)
+    _follows: bool = True
+    _asked: deque[tuple[float, Callable[[], object] | DeviceSample]] = field(default_factory=deque)
+    _clock: InkClock = field(default_factory=lambda: InkClock(0))
+    _pace: Pace = field(default_factory=Pace)
 
-    def ask(self, at: float, work: Callable[[], object]) -> None:
-        """Have something done that comes at a time, s; times rise."""
+    @property
+    def lost_s(self) -> float:
+        """Time that did not pass for the ink: left out, or more moved than could be followed."""
+        return PIECE_S * self._clock.left_out + self.slow_s
+
+    def ask(self, at: float, work: Callable[[], object] | DeviceSample) -> None:
+        """Have something done, or a sample painted, that comes at a time, s; times rise."""
         self._asked.append((at, work))
 
     def go_on(self) -> None:
@@ -62,31 +70,36 @@ class _Hand:
             at, work = self._asked[0]
             if at <= self.now:
                 self._asked.popleft()
-                self._spend(work)
+                if isinstance(work, DeviceSample):
+                    self._paint(at, work)
+                else:
+                    self._spend(work)
                 self.late.append(self.now - at)
-            elif not self._keeps_up or self.owed >= WET_STEP_S:
-                self._let_time_pass()
+            elif self._clock.wait(round(1e9 * self.now), self._pace.most(0.0)):
+                self._follow_time()
             else:
-                self._wait(min(at - self.now, WET_STEP_S - self.owed + 1e-6))
+                self._spend(self.document.rest)
+                self.now += max(0.0, min(at - self.now, 0.2 * PIECE_S))
 
-    def _let_time_pass(self) -> None:
-        seconds = min(self.owed, PIECE_S) if self._keeps_up else 0.0
-        self.owed = self.owed - seconds if self._keeps_up else min(self.owed, PIECE_S)
+    def _paint(self, at: float, sample: DeviceSample) -> None:
+        most = self._pace.most(self.now - at)
+        for _ in range(self._clock.hear(sample.time_ns, round(1e9 * at), most)):
+            self._follow_time()
+        self._spend(lambda: self.document.feed([sample]))
+
+    def _follow_time(self) -> None:
         before = self.now
-        self._keeps_up = self._spend(lambda: self.document.let_time_pass(seconds))
+        self.slow_s += 0.0 if self._follows else PIECE_S
+        self._follows = self._spend(lambda: self.document.follow_time(PIECE_S))
+        self._pace.took(self.now - before)
         self._spend(self.document.refresh)
-        self.ink_s += seconds
         self.slices.append(self.now - before)
 
     def _spend(self, work: Callable[[], object]) -> object:
         before = time.process_time()
         found = work()
-        self._wait(time.process_time() - before)
+        self.now += time.process_time() - before
         return found
-
-    def _wait(self, seconds: float) -> None:
-        self.now += seconds
-        self.owed = min(self.owed + seconds, LONGEST_WET_S)
 
 
 def _stroke(k: int, start_s: float) -> list[DeviceSample]:
@@ -130,11 +143,11 @@ def measure(share: float = 1.0) -> Result:
     rows, at = [], 0.0
     n = max(1, round(_STROKES * share))
     for k in range(n):
-        began, ink, passed = hand.now, hand.ink_s + hand.owed, len(hand.late)
+        began, lost, passed = hand.now, hand.lost_s, len(hand.late)
         pieces = len(hand.slices)
         hand.ask(at, document.begin_stroke)
         for i, sample in enumerate(_stroke(k, at)):
-            hand.ask(at + i / _RATE_HZ, lambda sample=sample: document.feed([sample]))
+            hand.ask(at + i / _RATE_HZ, sample)
         at += _STROKE_S
         hand.ask(at, document.end_stroke)
         at += _REST_S
@@ -144,7 +157,7 @@ def measure(share: float = 1.0) -> Result:
             (
                 k + 1, document.surface.flow.n_wet, 1e3 * max(hand.late[passed:]),
                 1e3 * max(hand.slices[pieces:], default=0.0),
-                (hand.ink_s + hand.owed - ink) / (hand.now - began),
+                1.0 - (hand.lost_s - lost) / (hand.now - began),
             )
         )  # fmt: skip
     hand.ask(hand.now, document.undo)

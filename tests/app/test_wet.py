@@ -5,11 +5,16 @@ from __future__ import annotations
 import threading
 import time
 from concurrent.futures import CancelledError
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from paint3d.app.model import easel as easels
 from paint3d.app.model.easel import Easel
+from paint3d.app.model.ink_clock import PIECE_S, InkClock
 from paint3d.app.model.sitting import Sitting, recoverable
 from tests.app.hands import line, paint, same_vertices, small_plane
 
@@ -17,17 +22,17 @@ from tests.app.hands import line, paint, same_vertices, small_plane
 class Clockwork:
     """Stands in for a document's ink: notes what is asked for, and lasts as long as it is held."""
 
-    def __init__(self, document, answers=()):
-        self.document, self.done, self.answers = document, [], list(answers)
+    def __init__(self, document):
+        self.document, self.done = document, []
         self.held, self.entered = threading.Event(), threading.Event()
         self.held.set()
-        document.let_time_pass = self.let_time_pass
+        document.follow_time = self.follow_time
 
-    def let_time_pass(self, seconds):
+    def follow_time(self, seconds):
         self.entered.set()
         assert self.held.wait(60)
         self.done.append(seconds)
-        return self.answers.pop(0) if self.answers else True
+        return True
 
 
 def wet_plane():
@@ -87,25 +92,116 @@ def test_switching_on_wakes_whoever_sleeps():
     easel.stop()
 
 
-def test_what_cannot_be_followed_is_not_made_up_for():
-    document = wet_plane()
-    clockwork = Clockwork(document, [True, False, False, False, True, True])
-    easel = Easel(document, wet=True)
-    wait_for(lambda: len(clockwork.done) >= 7)
-    easel.stop()
-    behind = clockwork.done[2:5]
-    assert behind == [0.0, 0.0, 0.0]  # work goes on, time does not
-    assert all(0.03 < seconds <= 0.05 for seconds in clockwork.done[:2] + clockwork.done[5:7])
+def test_while_ink_cannot_be_followed_no_time_passes_for_it(monkeypatch):
+    document, asked = small_plane(material="xuan"), []
+    answers = iter([True, False, False, False, True, True])
+
+    def follow(seconds):
+        asked.append(seconds)
+        return next(answers)
+
+    monkeypatch.setattr(document.surface, "follow_flow", follow)
+    keeps_up = [document.follow_time(0.05) for _ in range(6)]
+    assert keeps_up == [True, False, False, False, True, True]
+    assert asked == [0.05, 0.05, 0.0, 0.0, 0.0, 0.05]  # work goes on, time does not
 
 
-def test_time_that_was_late_is_cut(clockwork):
+def test_time_is_left_out_where_a_piece_takes_long(clockwork):
     time.sleep(0.5)
     clockwork.held.set()
-    wait_for(lambda: len(clockwork.done) >= 5)
-    clockwork.easel.wet = False
-    assert max(clockwork.done) <= 0.05
-    late = sum(clockwork.done[1:5])  # before any more time can have passed
-    assert late <= 0.2 + 1e-9
+    clockwork.easel.post(lambda document: None).result(timeout=60)
+    with clockwork.easel.paused():
+        assert len(clockwork.done) <= 2  # of the ten that went by
+
+
+class Wall:
+    """The clock on the wall, which goes on when it is told to."""
+
+    def __init__(self, monkeypatch):
+        self.now = 1000.0
+        names = {name: getattr(time, name) for name in ("monotonic", "thread_time", "sleep")}
+        clock = SimpleNamespace(
+            perf_counter=lambda: self.now, perf_counter_ns=lambda: round(1e9 * self.now), **names
+        )
+        monkeypatch.setattr(easels, "time", clock)
+        monkeypatch.setattr(easels.Pace, "most", lambda pace, behind_s: 1000)  # as fast as need be
+
+
+def strokes(pause_s=0.62):
+    """Three that run into one another, of one hand, at 200 Hz by a clock of its own."""
+    found, t0 = [], 1_000_000
+    for k in range(3):
+        found.append(line((-20, 6 * k), (20, 6 * k - 10), n=30, t0=t0))
+        t0 = found[-1][-1].time_ns + round(1e9 * pause_s)
+    return found
+
+
+def handed_over(wall, late_s, waits=False):
+    """What is painted of a hand whose samples come in bursts, none later than that."""
+    document, began = small_plane(1.0, material="xuan"), wall.now
+    easel = Easel(document, wet=True)
+    for number, stroke in enumerate(strokes()):
+        burst = []
+        easel.post("begin_stroke")
+        for sample in stroke:
+            burst.append(sample)
+            came = began + 1e-9 * sample.time_ns
+            if sample is stroke[-1] or came >= began + 1e-9 * burst[0].time_ns + late_s:
+                wall.now = max(wall.now, came)
+                easel.feed(burst)
+                burst = []
+        easel.post("end_stroke")
+        if waits and number < 2:
+            easel.post(lambda document: None).result(timeout=60)
+            wall.now += 0.5
+            done = document.surface.flow.steps
+            wait_for(lambda done=done: document.surface.flow.steps > done)
+    easel.wet = False
+    easel.stop()
+    return document.surface
+
+
+def test_the_ink_has_the_hands_own_time_however_late_it_is_told(monkeypatch):
+    wall = Wall(monkeypatch)
+    first = handed_over(wall, late_s=0.0, waits=True)
+    assert first.flow.water > 0.0
+    for late_s in (0.0, 0.03, 0.2, 10.0):
+        other = handed_over(wall, late_s)
+        same_vertices(first, other)
+        assert other.flow.water == first.flow.water
+
+
+@given(
+    gaps=st.lists(st.floats(0.001, 0.9), min_size=1, max_size=40),
+    lates=st.lists(st.floats(0.0, 0.24), min_size=40, max_size=40),
+    looks=st.lists(st.integers(0, 4), min_size=40, max_size=40),
+)
+def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps, lates, looks):
+    samples = 5 + np.cumsum(np.round(np.array(gaps) * 1e9).astype(np.int64))
+    calm, late = InkClock(7_000), InkClock(7_000)
+    at_once = [calm.hear(int(t), 0, 1000) for t in samples]
+    come = np.maximum.accumulate(samples + np.round(1e9 * np.array(lates[: len(gaps)])))
+    before, passed = int(come[0]), []
+    for k, (t, now) in enumerate(zip(samples, come, strict=True)):
+        waited = 0
+        for look in np.linspace(before, int(now), looks[k], endpoint=False) if k else ():
+            while late.wait(int(look), 1000):
+                waited += 1
+        passed.append(waited + late.hear(int(t), int(now), 1000))
+        before = int(now)
+    assert passed == at_once
+    assert calm.left_out == late.left_out == 0
+    assert sum(passed) == (samples[-1] - samples[0]) // round(1e9 * PIECE_S)
+
+
+def test_a_clock_that_starts_anew_and_one_that_stood_still_do_no_harm():
+    clock = InkClock(0)
+    assert clock.hear(10**15, 0, 5) == 0  # of a hand whose clock is another one
+    assert clock.hear(10**15 + 10**9, 0, 5) == 5
+    assert clock.left_out == 15
+    assert clock.hear(2 * 10**15, 0, 10**9) == 60  # no more than 3 s, however long it was silent
+    assert clock.hear(77, 0, 10**9) == 0
+    assert clock.hear(77 + 10**8, 0, 10**9) == 2
 
 
 def test_nothing_is_written_down_where_all_is_dry(tmp_path):

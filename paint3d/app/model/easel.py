@@ -5,10 +5,10 @@ let other threads run meanwhile. Colours are computed once for every frame that 
 oftener. What goes wrong in here is told as an event, and painting goes on. With a `Sitting`, every
 sample and command is written down by another thread as it comes, before it is painted if need be.
 
-Ink that spreads gives way to all of this. Time passes in small pieces, one after the other and
-only while nothing else waits, so the hand, undo and a pause overtake it. Where the machine cannot
-follow, no time is added until what is due is done, and what passed meanwhile is left out: ink
-then runs slower than the clock, and is never late.
+Ink that spreads has the hand's own time (`ink_clock`): small pieces of it pass between the samples
+that are painted, and by the wall's clock while nothing else waits. Ink that moves too much to be
+followed runs slower than time does (`Document.follow_time`), on every machine alike; where the
+machine itself cannot follow, pieces are left out, so that painting is never late.
 """
 
 from __future__ import annotations
@@ -27,16 +27,19 @@ from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, GrowthWatch, view_brush
+from paint3d.app.model.ink_clock import PIECE_S, InkClock
 from paint3d.app.model.sitting import Sitting
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
 
-__all__ = ["LONGEST_WET_S", "PIECE_S", "WET_STEP_S", "Easel", "Event"]
+__all__ = ["Easel", "Event", "Pace"]
 
 _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
-WET_STEP_S = 1.0 / 30.0  # between two looks at the ink that spreads
-PIECE_S, LONGEST_WET_S = 0.05, 0.2  # what passes at once, and in all, however late it is
+_MOST_WORK_S = 0.13  # for the time that passes at once
+_MOST_BEHIND_S = 0.15  # that painting is where time still passes, if it takes long to follow
+_NEWS = 0.15  # share of the last piece of time in what one is thought to take
+_FOLLOW = "follow_time"
 
 _BASE_EVERY_S = 120.0
 _DEAR_S = 3.0  # of work since the last base, after which the next is due: what recovering costs
@@ -53,7 +56,8 @@ class Event:
     kind : {"error", "internal"}
         "error": asked for what cannot be; "internal": a fault of the program.
     doing : str
-        What was being done: a command's name, "painting", "showing", or "keeping" what is painted.
+        What was being done: a command's name, "painting", "showing", "resting", or "keeping" what
+        is painted.
     message : str
     error : Exception
     """
@@ -74,6 +78,23 @@ class _Job:
     arguments: tuple = ()
     options: dict | None = None
     result: Future | None = None
+
+
+class Pace:
+    """How long a piece of the ink's time takes to follow here, and how many may pass at once."""
+
+    def __init__(self) -> None:
+        self._piece_s = 0.0
+
+    def took(self, seconds: float) -> None:
+        """Know that a piece took so long."""
+        self._piece_s += _NEWS * (seconds - self._piece_s)
+
+    def most(self, behind_s: float) -> int:
+        """Pieces that may pass at once for a hand that painting is so far behind."""
+        if behind_s > _MOST_BEHIND_S and self._piece_s > 0.7 * PIECE_S:
+            return 0
+        return 1 + int(_MOST_WORK_S / max(self._piece_s, 1e-6))
 
 
 class Easel:
@@ -125,9 +146,7 @@ class Easel:
         self._stale = True
         self._number = 0
         self._lag = 0.0
-        self._last_wet = time.perf_counter()
-        self._owed = 0.0  # time that is still to pass, s
-        self._keeps_up = True
+        self._ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
         self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
         self._thread.start()
 
@@ -166,7 +185,11 @@ class Easel:
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples of both hands, of the stroke that was begun by `post("begin_stroke")`."""
         if samples:
-            self._put(_Job(time.perf_counter(), tuple(samples)))
+            with self._wake:
+                self._refuse_stopped()
+                for job in self._with_time(samples):
+                    self._enqueue(job)
+                self._wake.notify()
             self.newest = samples[-1]
 
     def hover(self, sample: DeviceSample) -> None:
@@ -199,7 +222,7 @@ class Easel:
     def wet(self, on: bool) -> None:
         with self._wake:
             self._wet = bool(on)
-            self._last_wet, self._owed = time.perf_counter(), 0.0
+            self._ink_clock = InkClock(time.perf_counter_ns())
             self._nudged = True
             self._wake.notify()
 
@@ -263,10 +286,27 @@ class Easel:
 
     def _put(self, job: _Job) -> None:
         with self._wake:
-            if self._stopping:
-                raise RuntimeError("the easel was stopped")
+            self._refuse_stopped()
             self._enqueue(job)
             self._wake.notify()
+
+    def _refuse_stopped(self) -> None:
+        if self._stopping:
+            raise RuntimeError("the easel was stopped")
+
+    def _with_time(self, samples: Sequence[DeviceSample]) -> Iterator[_Job]:
+        """Samples that come now, and the time that passes between them; holds the lock."""
+        now = time.perf_counter()
+        behind = now - self._jobs[0].came if self._jobs else 0.0
+        first = 0
+        for k, sample in enumerate(samples if self._wet else ()):
+            pieces = self._ink_clock.hear(sample.time_ns, round(1e9 * now), self._pace.most(behind))
+            if pieces and first < k:
+                yield _Job(now, tuple(samples[first:k]))
+                first = k
+            for _ in range(pieces):
+                yield _piece(now)
+        yield _Job(now, tuple(samples[first:]))
 
     def _enqueue(self, job: _Job) -> None:
         """Put a job into the queue and into the sitting, in one order; holds the lock."""
@@ -296,7 +336,7 @@ class Easel:
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
         if self._wet:
-            return WET_STEP_S if self._keeps_up else 0.0
+            return PIECE_S
         return self._base_every_s if self._scribe is not None else None
 
     def _work(self) -> None:
@@ -304,12 +344,13 @@ class Easel:
         if self._jobs:
             self._do(self._jobs.popleft())
         elif self._wet:
-            self._let_time_pass()
+            self._wait_for_the_hand()
         self._work_s += time.thread_time() - before
         if self._slot is None and self._stale:
             self._guarded("showing", self._publish)
         if not self._jobs:
             self._guarded("keeping", self._keep_base)
+            self._guarded("resting", self.document.rest)
 
     def _do(self, job: _Job) -> None:
         self._stale = True
@@ -319,6 +360,7 @@ class Easel:
         name = job.command if isinstance(job.command, str) else job.command.__name__
         if not job.result.set_running_or_notify_cancel():
             return
+        before = time.perf_counter()
         try:
             self._watch_steps(name)
             action = getattr(self.document, name) if job.command is name else job.command
@@ -330,6 +372,8 @@ class Easel:
         except Exception as error:
             self._tell(name, error)
             job.result.set_exception(error)
+        if name == _FOLLOW:
+            self._pace.took(time.perf_counter() - before)
 
     def _paint(self, job: _Job) -> None:
         """Paint a chunk of a batch; what is left of it comes next."""
@@ -341,33 +385,16 @@ class Easel:
         self.document.feed(chunk)
         self._lag = time.perf_counter() - job.came
 
-    def _let_time_pass(self) -> None:
-        """Let a piece of time pass now, noted in its place among what is asked for."""
-        now = time.perf_counter()
-        self._owed = min(self._owed + now - self._last_wet, LONGEST_WET_S)
-        self._last_wet = now
-        if not self._keeps_up:
-            seconds, self._owed = 0.0, min(self._owed, PIECE_S)
-        elif self._owed < WET_STEP_S or self._is_dry():
-            return
-        else:
-            seconds = min(self._owed, PIECE_S)
-            self._owed -= seconds
-        job = _Job(now, (), "let_time_pass", (seconds,), {}, Future())
+    def _wait_for_the_hand(self) -> None:
+        """Let time pass for the ink while nothing is heard."""
+        is_dry = self.document.surface.flow_patience == math.inf
         with self._wake:
             if self._jobs or self._stopping or not self._wet:
-                return  # they come first; what was owed is not made up for
-            if self._scribe is not None:
-                self._scribe.put(job)
-        self._do(job)
-        self._keeps_up = job.result.exception() is not None or job.result.result()
-
-    def _is_dry(self) -> bool:
-        """Whether time changes nothing; none is owed then to ink that comes later."""
-        if self.document.surface.flow_patience < math.inf:
-            return False
-        self._owed = 0.0
-        return True
+                return
+            now = time.perf_counter()
+            passed = self._ink_clock.wait(round(1e9 * now), self._pace.most(0.0))
+            if passed and not is_dry:
+                self._enqueue(_piece(now))
 
     # -- keeping ----------------------------------------------------------------------------
 
@@ -432,6 +459,11 @@ class Easel:
         known = isinstance(error, Paint3DError)
         message = str(error) if known else f"{type(error).__name__}: {error}"
         self._events.append(Event("error" if known else "internal", doing, message, error))
+
+
+def _piece(came: float) -> _Job:
+    """A piece of time for the ink."""
+    return _Job(came, (), _FOLLOW, (PIECE_S,), {}, Future())
 
 
 class _Scribe:

@@ -31,7 +31,8 @@ __all__ = ["Recovered", "Sitting", "Unfinished", "recoverable"]
 _ABOUT, _LOCK = "about.json", "lock"
 _OPENED = 0.2  # of recovering is opening the base
 _AT_ONCE = 256  # samples between two reports of progress
-_COSTS = {"let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}  # of commands, in samples painted
+_COSTS = {"follow_time": 50.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
+"""Of commands, in samples painted."""
 
 _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 

@@ -32,6 +32,7 @@ class StrokeCommands:
     _stencil: Stencil | None
     _dipped: bool
     _refused: bool
+    _keeps_up: bool
     _come_back: Callable[[], None]
     _paintable: Callable[[], Layer]
     _note: Callable
@@ -167,6 +168,19 @@ class StrokeCommands:
     def _refuse_in_stroke(self, what: str) -> None:
         if self.in_stroke:
             raise InputError(f"{what} was asked for during a stroke; expected its end first")
+
+    def rest(self) -> None:
+        """Get ready for the next stroke while nobody paints; nothing that is painted changes."""
+        if not self.in_stroke:
+            self.surface.make_room_ahead()
+
+    def follow_time(self, seconds: float) -> bool:
+        """Let wet ink spread and dry for a while, or, while more moves than can be followed, none.
+
+        Which it is depends on the painting alone. Returns whether the ink keeps up.
+        """
+        self._keeps_up = self.let_time_pass(seconds if self._keeps_up else 0.0)
+        return self._keeps_up
 
     def let_time_pass(self, seconds: float) -> bool:
         """Let wet ink spread and dry; whether it keeps up: see `PaintedSurface.follow_flow`."""
