@@ -513,7 +513,7 @@ def _samples(path: BrushPath) -> stroke.Samples:
         position=np.ascontiguousarray(path.way, np.float64),
         velocity=velocities(path, joined),
         orientation=_one_hemisphere(path.orientation),
-        pressure=np.ascontiguousarray(pressure, np.float64),
+        pressure=np.array(pressure, np.float64),  # one that is read-only would be compiled anew
         joined=joined,
         on_surface=path.has_contact,
     )
