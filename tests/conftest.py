@@ -1,13 +1,56 @@
-"""Which examples the property tests try: the same ones every time, or new ones and more of them."""
+"""What holds for all tests: which examples the property tests try, and who compiles what."""
 
 from __future__ import annotations
 
 import os
 
+import pytest
 from hypothesis import settings
 
+from tests.compiling import compile_each_kernel_once
+
+# Begun in this order, all others after them: first one each that compiles what paints with a solid
+# tuft, with hairs, and what spreads, then what takes longest, so that no process is left with it.
+_FIRST = (
+    "unit/test_engine.py",
+    "unit/test_hair_painting.py",
+    "app/test_own_objects.py",
+    "unit/test_diffusion.py",
+    "app/test_pen_marks.py",
+    "e2e/test_painting.py",
+    "app/test_other_marks.py",
+    "devices/test_under_hidapi.py",
+    "devices/test_servo.py",
+    "e2e/test_bad_input.py",
+    "e2e/test_batch.py",
+    "e2e/test_writing.py",
+    "unit/test_bench.py",
+    "app/test_monkey.py",
+    "app/test_window.py",
+    "app/test_steering.py",
+    "unit/test_view_picture.py",
+    "app/test_document.py",
+    "unit/test_export_options.py",
+    "unit/test_load_meshes.py",
+    "app/test_one_device.py",
+    "unit/test_live_view.py",
+    "app/test_previews.py",
+    "app/test_window_jobs.py",
+    "app/test_window_files.py",
+    "app/test_busy_painting.py",
+)
 _MORE = "PAINT3D_MORE_EXAMPLES"  # set by scripts/check --long
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    compile_each_kernel_once()
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("new", print_blob=True)
 settings.load_profile("new" if os.environ.get(_MORE) else "same")
+
+
+@pytest.hookimpl(tryfirst=True)  # before a plugin that shuffles
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the files that take long first; each file's tests stay together, in their order."""
+    place = {name: k for k, name in enumerate(_FIRST)}
+    items.sort(key=lambda item: place.get("/".join(item.path.parts[-2:]), len(place)))

@@ -1,0 +1,50 @@
+"""Processes of one run compile each kernel once: who needs one that another compiles waits for it.
+
+numba does not look whether another process is at work on the same kernel, so that two that begin
+with nothing compiled would both spend two minutes on the same code.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import zlib
+from collections.abc import Iterator
+
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.dispatcher import Dispatcher
+
+from paint3d.kernels.kept_code import compiled_code
+
+__all__ = ["compile_each_kernel_once"]
+
+
+def compile_each_kernel_once() -> None:
+    """Have this process wait where another compiles the kernel that it needs.
+
+    A kernel is locked by a byte of one file. What a kernel calls is compiled, and locked, within
+    it; no kernel calls one that calls it, so nobody waits in a circle.
+    """
+    folder = compiled_code()
+    folder.mkdir(parents=True, exist_ok=True)
+    file = os.open(folder / "compiling.lock", os.O_RDWR | os.O_CREAT, 0o600)
+    whole = Dispatcher.compile
+
+    def compile_alone(kernel: Dispatcher, signature: object) -> object:
+        name = f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}"
+        if not name.startswith("paint3d."):
+            return whole(kernel, signature)
+        with global_compiler_lock, _locked(file, zlib.crc32(name.encode())):
+            return whole(kernel, signature)
+
+    Dispatcher.compile = compile_alone
+
+
+@contextlib.contextmanager
+def _locked(file: int, byte: int) -> Iterator[None]:
+    fcntl.lockf(file, fcntl.LOCK_EX, 1, byte)
+    try:
+        yield
+    finally:
+        fcntl.lockf(file, fcntl.LOCK_UN, 1, byte)
