@@ -103,7 +103,9 @@ def own_table(ink: str | None) -> str | None:
 def add_force_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--force``."""
     parser.add_argument(
-        "--force", action="store_true", help="write even over a file that is read from"
+        "--force",
+        action="store_true",
+        help="write even over a file that is read from, or that the object's file refers to",
     )
 
 
@@ -213,7 +215,9 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
 def check_overwriting(
     written: Iterable[Path | None], read: Iterable[str | Path | None], *, force: bool
 ) -> None:
-    """Refuse to write over a file that is read from, or twice into one file.
+    """Refuse to write over a file that is read from, or that a mesh which is read refers to.
+
+    Nor is one file written twice.
 
     Parameters
     ----------
@@ -226,7 +230,8 @@ def check_overwriting(
     Raises
     ------
     ExportError
-        If a file that is written is, under whatever name, one of those, or another one written.
+        If a file that is written is, under whatever name, one of those, a picture, a material
+        library or a buffer of one of them, or another one written.
     """
     files = [file for file in written if file is not None]
     for k, file in enumerate(files):
@@ -239,6 +244,20 @@ def check_overwriting(
                     f"{file} would be replaced, and {source} is read from it; "
                     "expected another name, or --force"
                 )
+            if _refers_to(source, file):
+                raise ExportError(
+                    f"{file} would be replaced, and {source} refers to it; "
+                    "expected another name, or --force"
+                )
+
+
+def _refers_to(source: str | Path, file: Path) -> bool:
+    """Whether a mesh that is read speaks of a file that would be replaced."""
+    if not file.exists() or not os.path.isfile(source):
+        return False
+    from paint3d.files.references import refers_to
+
+    return refers_to(Path(source), file)
 
 
 def _same_file(one: str | Path, other: str | Path) -> bool:

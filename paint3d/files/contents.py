@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 
 from paint3d.errors import MeshError
 
-__all__ = ["parse_json", "parse_xml", "plain_text", "read_beside", "read_contents"]
+__all__ = ["parse_json", "parse_xml", "path_beside", "plain_text", "read_beside", "read_contents"]
 
 MAX_BYTES = 1 << 30
 PIECE = 1 << 24
@@ -76,7 +76,7 @@ def read_beside(folder: Path, name: str, most: int = MAX_BYTES) -> bytes:
     shown = repr(name[:80])
     top = os.path.realpath(folder)
     try:
-        found = os.path.realpath(os.path.join(top, unquote(name).replace("\\", "/")))
+        found = path_beside(top, name)
         inside = os.path.commonpath([top, found]) == top
         there = inside and os.path.isfile(found)
     except ValueError:  # a NUL in the name
@@ -86,6 +86,17 @@ def read_beside(folder: Path, name: str, most: int = MAX_BYTES) -> bytes:
     if not there:
         raise MeshError(f"it refers to {shown}, which is missing")
     return read_contents(Path(found), most)
+
+
+def path_beside(folder: str, name: str) -> str:
+    """Where a relative path or URI leads from a folder, through links.
+
+    Raises
+    ------
+    ValueError
+        If there is a NUL in it.
+    """
+    return os.path.realpath(os.path.join(folder, unquote(name).replace("\\", "/")))
 
 
 def plain_text(data: bytes) -> bytes:

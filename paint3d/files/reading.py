@@ -26,6 +26,11 @@ __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface"]
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
 READERS |= {".glb": "gltf", ".gltf": "gltf"}
+UNREAD = {  # what other programs read, and ours does not
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
+    **dict.fromkeys((".wrl", ".vrml", ".x3d"), "VRML"),
+    **{".fbx": "FBX", ".dae": "COLLADA", ".blend": "a .blend file"},
+}
 BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -131,6 +136,8 @@ def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
     if suffix not in READERS:
         wanted = " ".join(MESH_SUFFIXES)
         shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
+        if suffix in UNREAD:
+            shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
         raise MeshError(f"{shown}; expected one of {wanted}")
     kind = READERS[suffix]
     return kind, getattr(import_module(f"paint3d.files.read_{kind}"), f"read_{kind}")

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import csv
+import gzip
 import json
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from paint3d.app.model.study_plan import make_plan, save_plan
 from paint3d.cli import main
 from paint3d.cli.batch_table import read_table
 from paint3d.files.load import load_mesh
+from paint3d.files.references import refers_to
 from paint3d.files.session import Session, save_session
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -91,6 +95,86 @@ def test_results_do_not_replace_a_table_of_inks(tmp_path, capsys) -> None:
     told = ("write", "一", "--on", "plane", "--out", tmp_path / "o.ply", "--recording", table)
     assert f"{table} is read from it" in refused(capsys, *told, "--ink", f"{table}:mine")
     assert table.read_text() == "name\n"
+
+
+def pictured(folder: Path, kind: str) -> tuple[Path, Path]:
+    """A mesh file of one square, and the picture that it refers to."""
+    (folder / "looks").mkdir()
+    picture = folder / "looks" / "a b.png"
+    Image.fromarray(np.zeros((2, 2, 3), np.uint8)).save(picture)
+    mesh = folder / f"square.{kind}"
+    if kind == "obj":
+        mesh.write_text(f"mtllib its own.mtl\nusemtl a\n{SQUARE}")
+        told = "newmtl a\nKd 1 1 1\nmap_Kd -o 0 0 0 -clamp on looks\\a b.png\n"
+        (folder / "its own.mtl").write_text(told)
+    elif kind == "ply":
+        rows = SQUARE.replace("v ", "").replace("f 1 2 3 4", "4 0 1 2 3")
+        mesh.write_text(
+            "ply\nformat ascii 1.0\ncomment TextureFile looks/a b.png\nelement vertex 4\n"
+            "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+            f"property list uchar int vertex_indices\nend_header\n{rows}"
+        )
+    else:
+        corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4")
+        (folder / "looks" / "a.bin.ply").write_bytes(corners.tobytes())
+        view = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
+        document = {
+            "asset": {"version": "2.0"},
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "accessors": [view],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "buffers": [{"byteLength": 36, "uri": "looks/a.bin.ply"}],
+            "images": [{"uri": "looks/a%20b.png"}, {"uri": "data:,"}],
+        }
+        mesh.write_text(json.dumps(document))
+    return mesh, picture
+
+
+@pytest.mark.parametrize("kind", ["obj", "ply", "gltf"])
+def test_what_the_object_refers_to_is_not_replaced(kind, strokes, tmp_path, capsys) -> None:
+    mesh, picture = pictured(tmp_path, kind)
+    before = picture.read_bytes()
+    soft = tmp_path / "soft.png"
+    soft.symlink_to(picture)
+    for out in (picture, soft, tmp_path / "looks" / ".." / "looks" / "a b.png"):
+        said = refused(capsys, "replay", strokes, "--on", mesh, "--out", out)
+        assert f"{out} would be replaced, and {mesh} refers to it" in said
+        assert "--force" in said
+        assert "refers to it" in refused(capsys, "write", "一", "--on", mesh, "--out", out)
+    assert picture.read_bytes() == before
+    if kind == "gltf":
+        buffer = tmp_path / "looks" / "a.bin.ply"
+        assert "refers to it" in refused(capsys, "write", "一", "--on", mesh, "--out", buffer)
+    other = tmp_path / "looks" / "b.png"  # in the same folder, but nobody speaks of it
+    other.write_bytes(before)
+    assert not refers_to(mesh, other)
+    assert refers_to(mesh, picture)
+
+
+def test_who_speaks_of_a_file_may_be_packed_or_damaged(tmp_path) -> None:
+    mesh, picture = pictured(tmp_path, "obj")
+    packed = tmp_path / "packed.obj.gz"
+    packed.write_bytes(gzip.compress(mesh.read_bytes()))
+    assert refers_to(packed, picture)
+    assert refers_to(packed, tmp_path / "its own.mtl")
+    for kind, content in {"gltf": b'{"images": [3]}', "obj": b"mtllib \0\n", "ply": b""}.items():
+        broken = tmp_path / f"broken.{kind}"
+        broken.write_bytes(content)
+        assert not refers_to(broken, picture)
+    assert not refers_to(tmp_path / "none.obj", picture)
+    elsewhere = tmp_path / "looks" / "in.obj"
+    elsewhere.write_text("mtllib ../its own.mtl\n")  # outside its folder: never read
+    assert not refers_to(elsewhere, tmp_path / "its own.mtl")
+
+
+def test_with_force_a_picture_is_replaced(strokes, tmp_path) -> None:
+    mesh, picture = pictured(tmp_path, "obj")
+    before = picture.read_bytes()
+    told = ["replay", strokes, "--on", mesh, "--out", picture, "--force", "--quiet"]
+    assert main.main([str(word) for word in told]) == 0
+    assert picture.read_bytes() != before
 
 
 def test_two_results_are_two_files(strokes, tmp_path, capsys) -> None:
