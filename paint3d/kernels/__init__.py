@@ -4,4 +4,7 @@ from pathlib import Path
 
 from paint3d.kernels.kept_code import compiled_code, drop_stale
 
-drop_stale(Path(__file__).parent, compiled_code())
+_TUPLES_ELSEWHERE = ("colour/glazing.py", "projection/room.py", "surface/painted_surface.py")
+
+_here = Path(__file__).parent
+drop_stale(_here, compiled_code(), [_here.parent / name for name in _TUPLES_ELSEWHERE])

@@ -6,17 +6,24 @@ would run side by side and nobody would know. So the state of all sources is kep
 compiled code, and where a file has changed, what is compiled of it and of all files that import it
 is deleted.
 
+Nor does numba look at the fields of the named tuples that kernels take: it knows them by their
+place, so that two that change places would be taken for each other. Kernels that are handed such a
+tuple need not import it. So where the fields of one have changed, in whatever file it stands, all
+that is compiled is deleted.
+
 numba keeps them beside the source or in the user's cache folder, and refuses to work where it can
 write to neither: then they are kept in a private folder among the temporary files.
 """
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import json
 import logging
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from numba import config, njit
@@ -70,7 +77,7 @@ def compiled_code() -> Path:
     return Path(_kernel.stats.cache_path)
 
 
-def drop_stale(sources: Path, compiled: Path) -> None:
+def drop_stale(sources: Path, compiled: Path, elsewhere: Sequence[Path] = ()) -> None:
     """Delete what is compiled of changed sources and of those that import them.
 
     Parameters
@@ -79,15 +86,29 @@ def drop_stale(sources: Path, compiled: Path) -> None:
         Folder of modules.
     compiled : Path
         Folder of numba's files, ``<module>.<function>-<line>.<python>.nbi`` and ``.nbc``.
+    elsewhere : sequence of Path
+        Other files with named tuples that kernels take.
     """
     files = {path.stem: path for path in sources.glob("*.py")}
-    now = {name: [path.stat().st_size, path.stat().st_mtime_ns] for name, path in files.items()}
+    files |= {f"{path.parent.name}/{path.stem}": path for path in elsewhere}
     record = compiled / _RECORD
     before = _read(record)
-    if before == now:
+    now = {name: [path.stat().st_size, path.stat().st_mtime_ns] for name, path in files.items()}
+    if {name: state[:2] for name, state in before.items()} == now:
         return
-    changed = {name for name in now.keys() | before.keys() if now.get(name) != before.get(name)}
-    stale = _with_importers(changed, files)
+    changed = {
+        name for name in now.keys() | before.keys() if now.get(name) != before.get(name, [])[:2]
+    }
+    for name, state in now.items():
+        known = name not in changed and len(before[name]) == 3
+        state.append(before[name][2] if known else _tuples(files[name]))
+    if _without_tuples(before):  # of an older version, which did not write them down
+        changed -= {name for name in changed if "/" in name}
+        stale = _with_importers(changed, files)
+    elif any(now.get(name, [{}])[-1] != before.get(name, [{}])[-1] for name in changed):
+        stale = set(files) | changed
+    else:
+        stale = _with_importers(changed, files)
     with contextlib.suppress(OSError):  # a folder that cannot be written holds nothing of ours
         compiled.mkdir(parents=True, exist_ok=True)
         for path in compiled.glob("*.nb[ic]"):
@@ -98,13 +119,30 @@ def drop_stale(sources: Path, compiled: Path) -> None:
         temporary.replace(record)
 
 
-def _read(record: Path) -> dict[str, list[int]]:
-    """The sources' sizes and times when it was written; none where it cannot be read."""
+def _read(record: Path) -> dict[str, list]:
+    """The sources' sizes, times and tuples when it was written; none where it cannot be read."""
     try:
         found = json.loads(record.read_text("utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    whole = isinstance(found, dict) and all(
+        isinstance(state, list) and len(state) in (2, 3) for state in found.values()
+    )
+    return found if whole else {}
+
+
+def _without_tuples(record: dict[str, list]) -> bool:
+    return any(len(state) == 2 for state in record.values())
+
+
+def _tuples(source: Path) -> dict[str, list[str]]:
+    """The fields of the named tuples that a source defines."""
+    return {
+        node.name: [line.target.id for line in node.body if isinstance(line, ast.AnnAssign)]
+        for node in ast.parse(source.read_text("utf-8")).body
+        if isinstance(node, ast.ClassDef)
+        and any(isinstance(base, ast.Name) and base.id == "NamedTuple" for base in node.bases)
+    }
 
 
 def _with_importers(changed: set[str], files: dict[str, Path]) -> set[str]:
