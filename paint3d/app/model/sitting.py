@@ -236,7 +236,7 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
     found = []
     with suppress(OSError):
         for own in sorted(root.iterdir()):
-            if (own / _ABOUT).is_file() and not _goes_on(own):
+            if (own / _ABOUT).is_file() and not is_locked(own / _LOCK):  # nobody goes on with it
                 found += _unfinished(own)
     return sorted(found, key=lambda one: one.time_s, reverse=True)
 
@@ -253,11 +253,6 @@ def _unfinished(folder: Path) -> list[Unfinished]:
         return [Unfinished(folder, str(about["object"]), path, written)]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
-
-
-def _goes_on(folder: Path) -> bool:
-    """Whether a living program holds the folder's lock."""
-    return is_locked(folder / _LOCK)
 
 
 def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
