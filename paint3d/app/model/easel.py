@@ -336,7 +336,7 @@ class Easel:
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
         if self._wet:
-            return PIECE_S
+            return self._ink_clock.patience(time.perf_counter_ns())
         return self._base_every_s if self._scribe is not None else None
 
     def _work(self) -> None:

@@ -69,9 +69,16 @@ class InkClock:
 
         Of pieces that are due already no more than `most` are still to come; the rest is left out.
         """
-        until = self._heard + now_ns - self._heard_at - round(LATE_S * _NS)
-        due = max(0, (until - self._at) // _PIECE_NS)
+        due = max(0, self._since(now_ns) // _PIECE_NS)
         late = max(0, due - most)
         self._at += (late + (due > 0)) * _PIECE_NS
         self.left_out += late
         return due > 0
+
+    def patience(self, now_ns: int) -> float:
+        """How long it is until `wait` has another piece, s, 0 to one piece."""
+        return min(max(0.0, 1e-9 * (_PIECE_NS - self._since(now_ns))), PIECE_S)
+
+    def _since(self, now_ns: int) -> int:
+        """How far the wall's clock is past the last piece, ns."""
+        return self._heard + now_ns - self._heard_at - round(LATE_S * _NS) - self._at
