@@ -31,20 +31,41 @@ def wait_for(condition, seconds: float = 300.0) -> None:
         live(0.02)
 
 
+def when(ready, act, what: str, seconds: float = 300.0) -> None:
+    """Act as soon as something is so, also while a dialog has a loop of its own.
+
+    When it is not so in time, what is open is closed, and the test fails in that slot.
+    """
+    until = time.perf_counter() + seconds
+
+    def look() -> None:
+        if ready():
+            act()
+        elif time.perf_counter() < until:
+            QtCore.QTimer.singleShot(30, look)
+        else:
+            while (dialog := QtWidgets.QApplication.activeModalWidget()) is not None:
+                dialog.close()
+                dialog.hide()
+            raise AssertionError(f"not within {seconds:.0f} s: {what}")
+
+    QtCore.QTimer.singleShot(30, look)
+
+
 def answer(press, kind=QtWidgets.QDialog, but=QtWidgets.QProgressDialog) -> None:
     """Let `press` deal with the dialog that opens next; it is called with it.
 
     Bars that show how far something is are left alone; see `answer_bar`.
     """
 
-    def look() -> None:
+    def waits() -> bool:
         dialog = QtWidgets.QApplication.activeModalWidget()
-        if not isinstance(dialog, kind) or isinstance(dialog, but) or not dialog.isVisible():
-            QtCore.QTimer.singleShot(30, look)
-        else:
-            press(dialog)
+        return isinstance(dialog, kind) and not isinstance(dialog, but) and dialog.isVisible()
 
-    QtCore.QTimer.singleShot(30, look)
+    def act() -> None:
+        press(QtWidgets.QApplication.activeModalWidget())
+
+    when(waits, act, f"a {kind.__name__} opens")
 
 
 def answer_bar(press) -> None:

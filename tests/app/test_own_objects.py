@@ -23,7 +23,7 @@ from paint3d.files.reading import Reading
 from paint3d.files.session import load_session
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import turn_mesh, turn_up
-from tests.app.gestures import drag, live, wait_for
+from tests.app.gestures import answer, drag, live, wait_for
 from tests.unit.test_upright import jug
 
 
@@ -44,15 +44,11 @@ def foreseen(kind: type[QtWidgets.QWidget], press) -> list:
     """Let `press` deal with the next dialog of a kind; a list that it will be in."""
     met: list = []
 
-    def look() -> None:
-        dialog = QtWidgets.QApplication.activeModalWidget()
-        if isinstance(dialog, kind) and dialog.isVisible():
-            met.append(dialog.windowTitle())
-            press(dialog)
-        else:
-            QtCore.QTimer.singleShot(30, look)
+    def deal(dialog: QtWidgets.QWidget) -> None:
+        met.append(dialog.windowTitle())
+        press(dialog)
 
-    QtCore.QTimer.singleShot(30, look)
+    answer(deal, kind, ())
     return met
 
 

@@ -23,7 +23,7 @@ from paint3d.app.window.target_dialog import TargetDialog
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
 from paint3d.files.session import load_session
-from tests.app.gestures import answer, drag, live
+from tests.app.gestures import answer, drag, live, when
 from tests.app.windows import opened, settled
 
 
@@ -103,7 +103,12 @@ def replace(dialog) -> None:
 def keep(dialog) -> None:
     """Leave the file as it is, and the dialog that asked for the name."""
     choose(dialog, "Cancel")
-    QtCore.QTimer.singleShot(50, QtWidgets.QApplication.activeModalWidget().reject)
+    open_now = QtWidgets.QApplication.activeModalWidget
+    when(
+        lambda: open_now() not in (None, dialog) and open_now().isVisible(),
+        lambda: open_now().reject(),
+        "the dialog that asked for the name is in front again",
+    )
 
 
 def accept(dialog) -> None:
