@@ -5,6 +5,7 @@ A target that is not about a file takes bytes all the same: see `Target.check`.
 
 from __future__ import annotations
 
+import contextlib
 import gzip
 import json
 import random
@@ -256,9 +257,13 @@ def _damage_mesh(data: bytes, chance: random.Random, others: Sequence[bytes]) ->
 
 def _check_mesh(suffix: str, content: bytes) -> None:
     from paint3d.files.reading import Wanted, read_surface
+    from paint3d.files.references import refers_to
 
     wanted = Wanted(from_points=False, texture=True)
-    mesh = read_surface(_file(suffix, content), wanted).mesh
+    path = _file(suffix, content)
+    (path.parent / "none.txt").touch()
+    refers_to(path, path.parent / "none.txt")  # whatever it is, this is no error
+    mesh = read_surface(path, wanted).mesh
     assert np.isfinite(mesh.vertices).all()
     assert 0 <= mesh.faces.min() <= mesh.faces.max() < mesh.n_vertices
 
@@ -350,6 +355,70 @@ def _check_journal(suffix: str, content: bytes) -> None:
     assert (np.diff(recording.time_ns) > 0).all()
 
 
+# -- command lines and tables of them -------------------------------------------------------------
+
+
+def _command_seeds() -> list[tuple[str, bytes]]:
+    lines = (
+        "replay a.jsonl --on bowl --out b.ply --at 0.5,0.25 --size 40 --spread 3 --up=-x",
+        "write 永和 --on vase --out o.glb --size 20 --layout row --around --processes 2 --hairs 40",
+        "write 一 --on plane --out o.svg --brush xiaokai --ink cinnabar --resolution .3 --unit cm",
+        "export a.p3d b.3mf --tolerance 0.5 --filaments #102030,#aabbcc --texture 512 --unlit",
+        "batch t.csv --emit make --folder . --again --quiet",
+        "study plan f --participants 6 --devices I,II --character 目 --size 30 --seed 1",
+        "devices record r.jsonl --seconds 2",
+        "bench write --json b.json",
+    )
+    return [("", line.replace(" ", "\n").encode()) for line in lines]
+
+
+def _check_command(_: str, content: bytes) -> None:
+    """Read the options, and check what is named before any work; nothing is run."""
+    from paint3d.cli.main import _make_parser
+    from paint3d.cli.painting import Wishes
+    from paint3d.cli.parsing import UsageError
+    from paint3d.errors import InputError
+
+    words = content.decode("utf-8", "surrogateescape").split("\n")
+    if {"-h", "--help", "--version"} & set(words):
+        return
+    try:
+        chosen = vars(_make_parser().parse_args(words))
+    except UsageError as cause:
+        raise InputError(" ".join(str(cause).split())) from None
+    if "resolution" in chosen:
+        Wishes(
+            brush=chosen.get("brush"),
+            ink=chosen.get("ink"),
+            material=chosen["material"],
+            resolution_mm=chosen["resolution"],
+        ).check()
+
+
+def _table_seeds() -> list[tuple[str, bytes]]:
+    rows = "text,object,output,size,brush,around,ink\n永,bowl,a.ply,20,xiaokai,yes,cinnabar\n"
+    others = 'recording;object;output;spread;force\na.jsonl;b.obj;c.glb;3;no\n"a""b";x;y.ply;;\n'
+    return [(".csv", (rows + "和,vase,b.glb,,,no,\n").encode()), (".csv", others.encode())]
+
+
+def _check_table(suffix: str, content: bytes) -> None:
+    from paint3d.cli.batch_emit import job_file
+    from paint3d.cli.batch_rows import command_parser, fingerprint, placed
+    from paint3d.cli.batch_table import read_table
+    from paint3d.cli.parsing import UsageError
+
+    rows, refused = read_table(_file(suffix, content))
+    assert all("\n" not in one.message for one in refused)
+    for row in rows:
+        fingerprint(row)
+        command, *words = placed(row, "/nowhere").arguments
+        if not {"-h", "--help"} & set(words):
+            with contextlib.suppress(UsageError):
+                command_parser(command).parse_args(words)
+    if rows:
+        job_file("make", Path("t.csv"), [row.line for row in rows])
+
+
 # -- devices --------------------------------------------------------------------------------------
 
 
@@ -376,5 +445,7 @@ TARGETS: dict[str, Target] = {
     "records": Target("the papers' record format", _record_seeds, _check_records),
     "session": Target("saved sessions", _session_seeds, _check_session, damage_archive),
     "device": Target("HID descriptors and reports", _device_seeds, _check_device),
+    "command": Target("command lines", _command_seeds, _check_command),
+    "table": Target("tables of paintings", _table_seeds, _check_table),
     "journal": Target("journals", _journal_seeds, _check_journal),
 }

@@ -1,0 +1,210 @@
+"""Kill a studio that paints, with layers, wet ink and hairs, at random moments; see what is lost.
+
+    python scripts/kill_sitting.py [TIMES [SEED]]
+
+A child process does what the studio does with a hand at the brush: samples at 1 kHz, five at once,
+a tuft of single hairs, ink that spreads meanwhile, layers, undo, and a base saved when the brush is
+lifted. It is killed (SIGKILL) after a random while. Every batch and command carries a number, and
+when it was handed over is told through shared memory. What the sitting gives back must be all that
+was handed over more than 100 ms before, and its ink must add up.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import mmap
+import os
+import random
+import signal
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.sitting import Recovered, Sitting, recoverable
+from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.presets import load_brush
+from paint3d.device.sample import DeviceSample
+
+__all__ = ["Kill", "kill_at_random"]
+
+STEP_NS, BATCH, STROKE = 1_000_000, 5, 120  # batches of a stroke
+ALLOWED_NS = 100_000_000
+EVENTS = 1 << 16
+BASES_S = 0.3  # between two at the least: in the studio they are rare
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=40))
+
+
+class Kill(NamedTuple):
+    """What became of one killed sitting."""
+
+    n_told: int  # batches and commands that were handed over
+    n_kept: int  # of these
+    lost_ns: int  # from when the first of the others was handed over
+    n_layers: int
+    n_strokes: int
+    is_wet: bool
+    from_base: bool  # a later one than the first
+
+
+class Teller:
+    """Numbers of what is handed over, and when, in memory that outlives who writes it."""
+
+    def __init__(self) -> None:
+        self._memory = mmap.mmap(-1, 8 * EVENTS)
+        self.times = np.frombuffer(self._memory, np.int64)  # [0]: how many
+
+    def tell(self) -> int:
+        """The next number; it is being handed over now."""
+        number = int(self.times[0]) + 1
+        self.times[number] = time.monotonic_ns()
+        self.times[0] = number
+        return number
+
+
+def new_document() -> Document:
+    """A plane of xuan paper and a brush of forty hairs."""
+    return Document.new("plane", 1.5, "xuan", brush=HAIRY)
+
+
+def batches(stroke: int, first_ns: int, chance: random.Random) -> list[list[DeviceSample]]:
+    """The samples of a wavy stroke across the plane, lifted at both ends."""
+    n, y = BATCH * STROKE, chance.uniform(-40, 40)
+    x = np.linspace(-50, 50, n) * (-1) ** stroke
+    ys = y + 6.0 * np.sin(x / 7.0)
+    pressed = np.where((np.arange(n) > 0) & (np.arange(n) < n - 1), 0.4, 0.0)
+    samples = [
+        DeviceSample(
+            first_ns + k * STEP_NS, np.array([x[k], ys[k], 35.0]), UPRIGHT, float(pressed[k]), 0,
+            np.zeros(3), UPRIGHT,
+        )
+        for k in range(n)
+    ]  # fmt: skip
+    return [samples[k : k + BATCH] for k in range(0, n, BATCH)]
+
+
+def sit(folder: Path, teller: Teller, seed: int) -> None:
+    """Paint for ever, keeping a sitting."""
+    document, chance = new_document(), random.Random(seed)
+    easel = Easel(document, wet=True, sitting=Sitting(document, folder), base_every_s=BASES_S)
+    between = (
+        [("add_layer",)], [("undo",), ("redo",)], [("dip", {"cinnabar": 0.4, "water": 0.6})],
+        [("dry",)], [("undo",)], [("select_layer", 0)], [],
+    )  # fmt: skip
+
+    def ask(name: str, *arguments: object) -> None:
+        number = teller.tell()
+        easel.post(name, *arguments)
+        easel.post("set_tags", event=number)
+
+    next_ns = time.monotonic_ns()
+    for stroke in itertools.count():
+        ask("begin_stroke")
+        for batch in batches(stroke, next_ns, chance):
+            next_ns += BATCH * STEP_NS
+            time.sleep(max(0.0, (next_ns - time.monotonic_ns()) * 1e-9))
+            number = teller.tell()
+            easel.feed(batch)
+            easel.post("set_tags", event=number)
+        ask("end_stroke")
+        for command in chance.choice(between):
+            ask(*command)
+        if chance.random() < 0.5:  # the hand rests: a base may be saved
+            time.sleep(chance.uniform(0.0, 0.3))
+        next_ns = time.monotonic_ns()
+
+
+def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
+    """Let a sitting go on for so long, kill it, and take up what it left."""
+    teller = Teller()
+    process = os.fork()
+    if process == 0:
+        try:
+            sit(folder, teller, seed)
+        finally:
+            os._exit(1)
+    while teller.times[0] == 0 and os.waitpid(process, os.WNOHANG) == (0, 0):
+        time.sleep(0.001)
+    time.sleep(seconds)
+    killed_ns = time.monotonic_ns()
+    os.kill(process, signal.SIGKILL)
+    os.waitpid(process, 0)
+    (unfinished,) = recoverable(folder)
+    recovered = unfinished.recover()
+    _check(recovered)
+    document, n_told = recovered.document, int(teller.times[0])
+    n_kept = int(document.tags.get("event", 0))
+    lost_ns = killed_ns - int(teller.times[n_kept + 1]) if n_kept < n_told else 0
+    return Kill(
+        n_told, n_kept, max(lost_ns, 0), len(document.layers), len(document.strokes),
+        document.surface.flow_patience < math.inf, not any(unfinished.folder.glob("base-1.*")),
+    )  # fmt: skip
+
+
+def _check(recovered: Recovered) -> None:
+    assert not recovered.refused, recovered.refused
+    ledger = recovered.document.painter.ledger()
+    loaded = ledger.pop("loaded")
+    assert abs(sum(ledger.values()) - loaded) <= 1e-4 * max(loaded, 1.0), ledger
+    assert np.isfinite(recovered.document.surface.amounts).all()
+
+
+def kill_at_random(times: int, seed: int = 1) -> list[Kill]:
+    """Kill `times` sittings; return what became of each.
+
+    Raises
+    ------
+    AssertionError
+        If one lost more than 100 ms, or came back with what does not add up.
+    """
+    chance = random.Random(seed)
+    kills = []
+    _warm_up()
+    for k in range(times):
+        with tempfile.TemporaryDirectory() as folder:
+            kill = kill_once(Path(folder), chance.uniform(0.05, 6.0), chance.randrange(1 << 30))
+        assert kill.lost_ns <= ALLOWED_NS, f"kill {k} lost {kill.lost_ns * 1e-6:.0f} ms: {kill}"
+        kills.append(kill)
+    return kills
+
+
+def _warm_up() -> None:
+    """Paint once, so that the children need not compile or load what is compiled."""
+    document = new_document()
+    document.begin_stroke()
+    for batch in batches(0, 1, random.Random(0)):
+        document.feed(batch)
+    document.end_stroke()
+    document.let_time_pass(0.05)
+    for name in ("add_layer", "dry", "undo"):
+        getattr(document, name)()
+    with tempfile.TemporaryDirectory() as folder:
+        document.save(Path(folder) / "a.p3d")
+        Document.open(Path(folder) / "a.p3d")
+
+
+def main() -> None:
+    """Kill as often as the command line says, 200 times unless told."""
+    times = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    kills = kill_at_random(times, int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    worst = max(kill.lost_ns for kill in kills)
+    sys.stdout.write(
+        f"killed {times} times: {sum(kill.n_kept for kill in kills):,} of "
+        f"{sum(kill.n_told for kill in kills):,} batches and commands kept, at most "
+        f"{worst * 1e-6:.0f} ms lost; {sum(kill.is_wet for kill in kills)} were wet, "
+        f"{sum(kill.n_layers > 1 for kill in kills)} had layers, "
+        f"{sum(kill.from_base for kill in kills)} had saved bases, up to "
+        f"{max(kill.n_strokes for kill in kills)} strokes\n"
+    )
+
+
+if __name__ == "__main__":
+    main()
