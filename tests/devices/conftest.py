@@ -42,7 +42,7 @@ def umockdev() -> None:
 def plugged(umockdev, tmp_path):
     """Run Python code (or `paint3d` arguments) with virtual devices plugged in."""
 
-    def run(devices: list[dict], code: str | list[str], timeout: float = 60.0) -> Outcome:
+    def run(devices: list[dict], code: str | list[str], timeout: float = 240.0) -> Outcome:
         scenario = tmp_path / "scenario.json"
         scenario.write_text(json.dumps(devices))
         program = ["-c", code] if isinstance(code, str) else ["-m", "paint3d", *code]

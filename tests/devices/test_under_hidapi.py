@@ -41,7 +41,7 @@ from paint3d.device.descriptor import parse_descriptor
 link = open_node(node)
 layout = find_mouse_layout(parse_descriptor(link.descriptor))
 link.write(layout.encode_light(True))
-reading, n, gone, end = MouseReading(), 0, "", time.monotonic() + 20
+reading, n, gone, end = MouseReading(), 0, "", time.monotonic() + 120
 while time.monotonic() < end and n < WANTED:
     try:
         for t, report in link.read(500):
@@ -71,11 +71,11 @@ print(json.dumps({"node": [node.path, node.backend, node.name, node.kind],
 def test_enumerate_open_descriptor_input_output(plugged, more, node) -> None:
     turn = [0.0, "send", struct.pack("<B3h", 2, 7, -8, 9).hex()]
     outcome = plugged(
-        [mouse([ramp(100, 250.0, MOVE), turn], **more)], OPEN_MOUSE.replace("WANTED", "101")
+        [mouse([ramp(25, 250.0, MOVE), turn], **more)], OPEN_MOUSE.replace("WANTED", "26")
     )
     assert outcome.said == {
         "node": node,
-        "n": 101,
+        "n": 26,  # with libusb, hidapi keeps no more than 30 for a program that is busy
         "axes": [300, 0, -50, 7, -8, 9],
         "gone": "",
     }
@@ -84,9 +84,9 @@ def test_enumerate_open_descriptor_input_output(plugged, more, node) -> None:
 
 @pytest.mark.parametrize("backend", ["hidraw", "usb"])
 def test_unplugged_while_reading(plugged, backend) -> None:
-    script = [ramp(50, 250.0, MOVE), [0.1, "unplug", None]]
+    script = [ramp(25, 250.0, MOVE), [0.1, "unplug", None]]
     outcome = plugged([mouse(script, backend=backend)], OPEN_MOUSE.replace("WANTED", "10000"))
-    assert outcome.said["n"] == 50
+    assert outcome.said["n"] == 25
     assert "SpaceNavigator has gone" in outcome.said["gone"]
     assert outcome.said["gone"].count("has gone") == 2  # reading and writing both say so
 
@@ -115,8 +115,8 @@ devices = PluggedDevices(interval_s=0.0)
 hands = TwoHands(steering=SteeringOptions(speed_mm_s=100.0), time_ns=time.monotonic_ns())
 for stylus in devices.styli():
     stylus.loop.write(b"\\x02" + bytes(8))
-samples, end = [], time.monotonic() + LASTS
-while time.monotonic() < end:
+samples, end = [], time.monotonic() + LIMIT
+while not (ENDS) and time.monotonic() < end:
     time.sleep(0.02)
     for event in devices.take_mouse():
         hands.add_deflection(event.time_ns, event.deflection)
@@ -134,10 +134,15 @@ devices.stop()
 """
 
 
+def both_until(ends: str, limit_s: float = 120.0) -> str:
+    """The program, which ends when something holds, or when it has waited so long for it."""
+    return BOTH.replace("LIMIT", str(limit_s)).replace("ENDS", ends)
+
+
 def test_both_hands_at_once(plugged) -> None:
     outcome = plugged(
         [mouse([ramp(125, 125.0, MOVE)]), stylus([ramp(1000, 1000.0, POSE)])],
-        BOTH.replace("LASTS", "2.0"),
+        both_until("len(samples) == 1000 and devices.mice()[0].loop.status.n_reports == 125"),
     )
     said = outcome.said
     assert said["status"] == [[125, 0, None], [1000, 0, None]]
@@ -152,7 +157,7 @@ def test_both_hands_at_once(plugged) -> None:
 def test_unplugged_in_the_middle_of_a_stroke_and_plugged_in_again(plugged) -> None:
     script = [ramp(300, 1000.0, POSE), [0.35, "unplug", None], [0.7, "plug", None]]
     code = (
-        BOTH.replace("LASTS", "2.2")
+        both_until("len(samples) == 300 and seen == {0, 1} and devices.styli()")
         .replace("interval_s=0.0", "interval_s=0.2")
         .replace("samples +=", "seen.add(len(devices.styli())); samples +=")
         .replace("samples, end", "seen = set(); samples, end")
@@ -168,7 +173,9 @@ def test_a_device_that_sends_garbage(plugged) -> None:
     good = struct.pack("<BiiihhhhBBH", 1, 0, 0, 30000, 16384, 0, 0, 0, 0, 0, 1).hex()
     bad = ["ff" * 25, "01", "01" + "00" * 24, "0200", good[:-2]]
     script = [[0.0, "send", report] for report in [good, *bad]]
-    said = plugged([stylus(script)], BOTH.replace("LASTS", "0.6")).said
+    said = plugged(
+        [stylus(script)], both_until("samples and devices.styli()[0].loop.status.n_refused == 5")
+    ).said
     assert said["status"] == [[1, 5, None]]
     assert len(said["x"]) == 1
 
@@ -176,7 +183,7 @@ def test_a_device_that_sends_garbage(plugged) -> None:
 def test_a_device_that_stalls(plugged) -> None:
     script = [ramp(20, 125.0, MOVE)]  # and then nothing, far from rest
     beat = stylus([ramp(900, 1000.0, POSE)])
-    code = BOTH.replace("LASTS", "1.4").replace(
+    code = both_until("len(samples) == 900").replace(
         '"late":', '"moved": [s.object_position[0] for s in samples[-400:]], "late":'
     )
     said = plugged([mouse(script), beat], code).said
@@ -189,7 +196,7 @@ def test_a_descriptor_that_is_garbage(plugged) -> None:
     broken = SPACENAVIGATOR[:40]  # enumerates as a mouse, cannot be decoded
     said = plugged(
         [device(0x046D, 0xC626, "broken", broken, [])],
-        BOTH.replace("LASTS", "0.2"),
+        both_until("False", 0.2),
     ).said
     assert said["status"] == []
     assert "never end" in said["failures"].get("/dev/hidraw0", "never ends: not listed")
@@ -205,7 +212,7 @@ def test_the_node_that_sends_is_taken(plugged) -> None:
     )
     cable = mouse([ramp(50, 100.0, ["<B3h", 1, 0, 0, 0])])
     said = plugged(
-        [receiver, cable, stylus([ramp(700, 1000.0, POSE)])], BOTH.replace("LASTS", "1.0")
+        [receiver, cable, stylus([ramp(700, 1000.0, POSE)])], both_until("len(samples) == 700")
     ).said
     assert said["object"][1] < -5.0  # the receiver's mouse pulled the object near
     assert said["object"][0] == 0.0
