@@ -317,6 +317,15 @@ def test_the_palm_beside_a_pen_does_nothing(window) -> None:
     assert changes(window, before) == set()
 
 
+def test_a_stroke_that_ends_on_a_grip_has_ended(window) -> None:
+    canvas, before, n = window.canvas, window.hand.camera, strokes(window)
+    grip = window.steering.grips.box("dolly", canvas.rect()).center()
+    pen_drag(canvas, (0.5, 0.5), (grip.x() / canvas.width(), grip.y() / canvas.height()))
+    assert not window.hand.in_stroke
+    assert strokes(window) == n + 1
+    assert changes(window, before) == set()
+
+
 def test_a_second_finger_soon_takes_the_dot_back(window) -> None:
     canvas = window.canvas
     w, h = canvas.width(), canvas.height()

@@ -230,13 +230,15 @@ class Canvas(QtWidgets.QWidget):
                 self._begin(mode, "pen", place)
                 return
         touch = touch_of_tablet(event, self._time_ns("pen", event))
-        pressed = self._pen_down or event.type() == _KIND.TabletPress
-        self._pen_down = touch.down and pressed
+        was_down = self._pen_down
+        self._pen_down = touch.down and (was_down or event.type() == _KIND.TabletPress)
         touch = replace(touch, down=self._pen_down)
-        if not touch.down and self.grip_at(place.x(), place.y()):
-            self.left.emit()
-        else:
+        if touch.down or was_down:
+            self.touched.emit(touch)  # a stroke ends on a grip, too
+        elif not self.grip_at(place.x(), place.y()):
             self.touched.emit(touch)
+        else:
+            self.left.emit()
 
     def _steer_with_pen(self, event: QtGui.QTabletEvent) -> None:
         """Steer until tip and buttons are let go of."""
