@@ -72,3 +72,17 @@ def test_an_event_that_seems_to_come_from_the_future_maps_the_clock_anew_between
     assert clock.time_ns("pen", START_MS + 109, 5 * 10**12 + late + 3, True) == handed + 309 * MS
     found = clock.time_ns("pen", START_MS + 600, 5 * 10**12 + 600 * MS, False)
     assert found == 5 * 10**12 + 600 * MS
+
+
+def test_a_stroke_of_another_device_begins_behind_the_last_and_keeps_its_pace():
+    clock, now = EventClock(), 5 * 10**12
+    for k in range(100):  # handed over faster than the hand wrote
+        pen = clock.time_ns("pen", START_MS + 10 * k, now + k, painting=k > 0)
+    found = [
+        clock.time_ns("touch", START_MS + 1000 + 10 * k, now + 200 * MS + k, painting=k > 0)
+        for k in range(20)
+    ]
+    assert found[0] > pen
+    assert steps(found) == [10 * MS] * 19
+    later = clock.time_ns("touch", START_MS + 4000, now + 3200 * MS, painting=False)
+    assert later == now + 3200 * MS

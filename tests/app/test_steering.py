@@ -326,6 +326,19 @@ def test_a_stroke_that_ends_on_a_grip_has_ended(window) -> None:
     assert changes(window, before) == set()
 
 
+def test_a_mouse_that_is_pushed_does_not_lift_a_finger(window) -> None:
+    canvas, n = window.canvas, strokes(window)
+    w, h = canvas.width(), canvas.height()
+    canvas.finger = "paint"
+    with Touching(canvas) as fingers:
+        fingers.set({1: (0.45 * w, 0.5 * h)})
+        fingers.set({1: (0.48 * w, 0.5 * h)})
+        mouse(canvas, KIND.MouseMove, 0.6 * w, 0.6 * h)
+        fingers.set({1: (0.55 * w, 0.5 * h)})
+    canvas.finger = "auto"
+    assert strokes(window) == n + 1
+
+
 def test_a_second_finger_soon_takes_the_dot_back(window) -> None:
     canvas = window.canvas
     w, h = canvas.width(), canvas.height()

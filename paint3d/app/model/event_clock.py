@@ -3,8 +3,9 @@
 A window system hands events over when the program asks for them, which is late and in bursts while
 a picture is drawn. What depends on speed and standing must not depend on that, so the time that the
 event itself carries counts. It is mapped to the monotonic clock once for each kind of device, and
-again only while nothing is painted. Where a device gives no times, or the same for all, the time of
-handing over is evened out instead, and that is told.
+again only while nothing is painted. Where the times of another device lie ahead, as after its first
+event was handed over late, a stroke begins behind them and keeps its pace. Where a device gives no
+times, or the same for all, the time of handing over is evened out instead, and that is told.
 """
 
 from __future__ import annotations
@@ -72,6 +73,8 @@ class EventClock:
             found = self._evened(known, handled_ns)
         else:
             found = self._mapped(known, stamp_ms, handled_ns, painting)
+            if not painting and self._last_ns is not None and found < self._last_ns - _MS:
+                known.offset_ns += self._last_ns + _TIE_NS - found
         known.stamp_ms, known.handled_ns = stamp_ms, handled_ns
         if self._last_ns is not None:
             found = max(found, self._last_ns + _TIE_NS)

@@ -102,7 +102,7 @@ class Canvas(QtWidgets.QWidget):
         self._fingers = Fingers()
         self._mode: str | None = None  # of the drag that steers now
         self._by = ""  # what began it: "mouse", "pen" or "finger"
-        self._pen_down = self._mouse_down = self._palm = False
+        self._pen_down = self._mouse_down = self._finger_down = self._palm = False
         self._pen_seen_s = -_PEN_LEFT_S
         self._clock = EventClock()
 
@@ -154,51 +154,54 @@ class Canvas(QtWidgets.QWidget):
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Begin to steer with Alt, another button or beside the object; else the brush lands."""
+        handled = time.perf_counter_ns()
         self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
         event.accept()
-        if self._mode is not None or self._mouse_down or self._pen_down:
+        if self._mode is not None or self._mouse_down or self._pen_down or self._finger_down:
             return  # one thing after the other
         place = event.position()
         mode = _mode_of(event) or self.mode_at(place.x(), place.y(), event.modifiers())
         if mode is not None:
             self._begin(mode, "mouse", place)
         else:
+            time_ns = self._time_ns("mouse", event, handled)
             self._mouse_down = True
-            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
+            self.touched.emit(touch_of_mouse(event, time_ns))
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         """Steer, or move the brush; what was pressed elsewhere, on a menu, does not paint."""
+        handled = time.perf_counter_ns()
         event.accept()
         self._take_focus()
         place = event.position()
         self._mouse_down = self._mouse_down and bool(event.buttons() & _BUTTON.LeftButton)
         if self._by == "mouse":
             self._go_on(place)
-        elif self._mouse_down or not (self._pen_down or self._mode):
+        elif self._mouse_down or not (self._pen_down or self._finger_down or self._mode):
             if not self._mouse_down and self.grip_at(place.x(), place.y()):
                 self.left.emit()
             else:
-                touch = touch_of_mouse(event, self._time_ns("mouse", event))
+                touch = touch_of_mouse(event, self._time_ns("mouse", event, handled))
                 self.touched.emit(replace(touch, down=self._mouse_down))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """Stop steering, or lift the brush."""
+        handled = time.perf_counter_ns()
         event.accept()
         if self._by == "mouse":
             if not event.buttons():
                 self._end(event.position())
         elif self._mouse_down and not event.buttons() & _BUTTON.LeftButton:
+            time_ns = self._time_ns("mouse", event, handled)
             self._mouse_down = False
-            self.touched.emit(touch_of_mouse(event, self._time_ns("mouse", event)))
+            self.touched.emit(touch_of_mouse(event, time_ns))
 
-    def _time_ns(self, kind: str, event: QtGui.QPointerEvent) -> int:
-        """When an event happened."""
+    def _time_ns(self, kind: str, event: QtGui.QPointerEvent, handled: int) -> int:
+        """When an event happened that was handed over at `handled`, ns."""
         known = len(self._clock.untimed)
+        painting = self._pen_down or self._mouse_down or self._finger_down
         if kind == "touch":
             painting = event.type() != _KIND.TouchBegin
-        else:
-            painting = self._pen_down or bool(event.buttons() & _BUTTON.LeftButton)
-        handled = time.perf_counter_ns()
         found = self._clock.time_ns(kind, event.timestamp(), handled, painting)
         if kind == "pen" and len(self._clock.untimed) > known:
             self.untimed.emit()
@@ -214,6 +217,7 @@ class Canvas(QtWidgets.QWidget):
 
     def tabletEvent(self, event: QtGui.QTabletEvent) -> None:
         """Paint or steer with the pen; accepted, so that no mouse events are made of it."""
+        handled = time.perf_counter_ns()
         event.accept()
         self._take_focus()
         self._pen_seen_s = time.monotonic()
@@ -229,7 +233,7 @@ class Canvas(QtWidgets.QWidget):
             if mode is not None:
                 self._begin(mode, "pen", place)
                 return
-        touch = touch_of_tablet(event, self._time_ns("pen", event))
+        touch = touch_of_tablet(event, self._time_ns("pen", event, handled))
         was_down = self._pen_down
         self._pen_down = touch.down and (was_down or event.type() == _KIND.TabletPress)
         touch = replace(touch, down=self._pen_down)
@@ -249,7 +253,7 @@ class Canvas(QtWidgets.QWidget):
 
     def _take_fingers(self, event: QtGui.QTouchEvent) -> None:
         """Hear what fingers mean, unless they belong to the hand that holds the pen."""
-        now = self._time_ns("touch", event)
+        now = self._time_ns("touch", event, time.perf_counter_ns())
         if event.type() == _KIND.TouchBegin:
             self._palm = self._pen_down or time.monotonic() - self._pen_seen_s < _PALM_S
         if self._palm:
@@ -284,9 +288,10 @@ class Canvas(QtWidgets.QWidget):
         if self._by == "finger":
             (self._go_on if meant.kind == "move" else self._end)(place)
         elif meant.kind == "cancel":
+            self._finger_down = False
             self.taken_back.emit()
         else:
-            down = meant.kind != "lift"
+            down = self._finger_down = meant.kind != "lift"
             self.touched.emit(Touch(meant.time_ns, meant.x, meant.y, down=down))
             if not down:
                 self.left.emit()  # a finger that has left points at nothing
