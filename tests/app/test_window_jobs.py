@@ -23,7 +23,7 @@ from paint3d.app.window.commands import ALWAYS, CHECKABLE
 from paint3d.app.window.film_dialog import Film
 from paint3d.app.window.jobs import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
-from tests.app.gestures import answer_bar, drag, live, wait_for
+from tests.app.gestures import answer, answer_bar, drag, live, wait_for
 from tests.app.windows import settled
 
 
@@ -233,6 +233,25 @@ def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
     assert len(empty.document.layers) == 2
     wait_for(lambda: not empty.begin_page.isVisible())
     assert recoverable() == []
+
+
+def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
+    empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
+) -> None:
+    sitting = Sitting(Document.new("plane", 4.0))
+    sitting.note({"do": "add_layer"})
+    sitting.close(keep=True)
+    monkeypatch.setattr(Unfinished, "recover", lambda *given, **named: gate.wait(30))
+    answer(lambda box: box.defaultButton().click(), QtWidgets.QMessageBox)
+    QtCore.QTimer.singleShot(300, lambda: answer_bar(cancel))
+    start._open_first(empty, None, 3.0, None)
+    gate.set()
+    monkeypatch.undo()
+    assert empty.stage.easel is None
+    wait_for(empty.begin_page.isVisible)
+    assert any(b.text().startswith("Bring back") for b in empty.begin_page.buttons)
+    for left in recoverable():
+        left.discard()
 
 
 def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(

@@ -218,7 +218,7 @@ class Opening:
         one = left[0]
         box = QtWidgets.QMessageBox(self._window)
         box.setWindowTitle("paint3d")
-        name = one.path.name if one.path else named(one.object_name)
+        name = _name_of(one)
         when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
         box.setText(say("ask.recover", name=name, time=when.toString("yyyy-MM-dd hh:mm:ss")))
         role = QtWidgets.QMessageBox.ButtonRole
@@ -238,7 +238,8 @@ class Opening:
 
         If it is stopped, it stays where it is and is offered again.
         """
-        title = say("status.opening", name=named(one.object_name))
+        self.error = None
+        title = say("status.opening", name=_name_of(one))
 
         def work(progress: Progress) -> Opened:
             return _opened(one.recover(part_of(progress, 0.0, 0.9)).document, progress, 0.9)
@@ -250,6 +251,10 @@ class Opening:
         one.discard()
         self._window.tell(say("Brought back; save it to keep it"), state="good")
         return True
+
+
+def _name_of(one: Unfinished) -> str:
+    return one.path.name if one.path else named(one.object_name)
 
 
 def _warming() -> str:

@@ -148,6 +148,8 @@ def _open_first(
     """Open what a crash left, else what was asked for; stopped, the window stays empty."""
     if window.files.offer_recovery():
         return
+    if target is None and isinstance(window.files.error, CancelledError):
+        return  # the page in the empty window offers it again
     window.files.quiet, window.files.up = True, up
     opened = window.files.open_path(target or _FIRST, resolution, material, asked=True)
     window.files.quiet, window.files.up = False, None
