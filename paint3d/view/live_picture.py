@@ -9,6 +9,7 @@ hand never waits for more than one step.
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 
 import numpy as np
@@ -27,6 +28,7 @@ _STEP_S = 0.025  # what may be spent on that at once
 _MANY = 120_000  # triangles: more are drawn coarsely while the view moves,
 _TOO_MANY = 700_000  # and of more the edges are not smoothed
 _MANY_PIECES = 60
+_RECENT = 20  # pictures
 _APART = 1.5  # boxes are drawn one by one if the one around both has more pixels than so
 
 
@@ -43,7 +45,7 @@ class LivePicture:
     Attributes
     ----------
     picture_s : float
-        What the last picture took that showed something new, s.
+        What a picture takes that shows something new, s: the mean of the last ones.
     changed : Box or None
         What the last picture shows otherwise than the one before.
     """
@@ -56,8 +58,13 @@ class LivePicture:
         self._cells = np.zeros((0, 0), np.uint8)
         self._front_is_fine = True
         self._turned = self._moved = time.perf_counter()
-        self.picture_s = 0.0
+        self._took: deque[float] = deque(maxlen=_RECENT)
         self.changed: Box | None = None
+
+    @property
+    def picture_s(self) -> float:
+        """See above; 0 before the first."""
+        return sum(self._took) / len(self._took) if self._took else 0.0
 
     def touch(self) -> None:
         """Have everything drawn anew."""
@@ -113,7 +120,7 @@ class LivePicture:
         self._front_is_fine = fine and box == self._scene.whole
         self.changed = box
         if not fine:
-            self.picture_s = time.perf_counter() - started
+            self._took.append(time.perf_counter() - started)
         return pixels
 
     def _draw_all(self) -> None:

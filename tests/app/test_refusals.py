@@ -32,5 +32,6 @@ def test_a_layer_that_takes_no_paint_says_why_and_nothing_else(window, state) ->
     drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
     settled(window)
     assert len(window.document.strokes) == 1
+    assert state not in window.told.text()  # it is no longer true
     window.post("undo")
     settled(window)

@@ -7,11 +7,13 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtTest, QtWidgets
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.held_ink import held_ink, ink_srgb
+from paint3d.app.window.brush_panel import BrushPanel
 from paint3d.app.window.commands import TOOLS
-from paint3d.app.window.wording import choose_language
+from paint3d.app.window.theme import LIGHT_THEME
+from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
 from paint3d.ink.pigments import WATER, load_pigment
 from tests.app.gestures import KIND, answer, live, mouse, wait_for
@@ -77,6 +79,60 @@ def test_ink_on_hair_lets_the_hair_through_where_it_is_thin() -> None:
 
 def test_the_title_says_what_is_painted_on(window) -> None:
     assert window.windowTitle() == "Plane, Xuan paper, 200 × 200 mm[*] – paint3d"
+
+
+@pytest.mark.parametrize(
+    ("mm", "told"),
+    [(0.4, "0.4 mm"), (12.345, "12.3 mm"), (999.7, "1000 mm"), (25400.0, "25400 mm")],
+)
+def test_large_lengths_are_told_in_plain_digits(mm, told) -> None:
+    assert say_length(mm) == told
+
+
+def test_no_more_pictures_a_second_are_told_than_are_drawn(window) -> None:
+    seen = []
+    for k in range(60):
+        mouse(window.canvas, KIND.MouseMove, 300 + k, 300)
+        live(0.02)
+        seen.append(window.state.text())
+    told = {float(text.split("·")[1].split()[0]) for text in seen if "·" in text}
+    assert told
+    assert max(told) <= 1000 / 12  # the window looks for something new every 12 ms
+
+
+def test_a_small_picture_does_not_stand_for_all(window) -> None:
+    drawn = window.stage._drawn
+    for _ in range(10):
+        drawn.touch()
+        drawn.draw()
+    whole = drawn.picture_s
+    drawn.touch_front((0, 0, 1, 1))
+    drawn.draw()
+    assert drawn.picture_s > 0.5 * whole
+
+
+def test_how_far_a_job_is_can_be_read_on_its_bar(window) -> None:
+    bar = QtWidgets.QProgressBar(window)
+    bar.resize(360, 16)
+    bar.setValue(90)
+    bar.show()
+    live(0.05)
+    shot = bar.grab().toImage()
+    bar.hide()
+    ground = shot.pixelColor(shot.width() // 5, shot.height() // 2)
+    ink = window.palette().color(QtGui.QPalette.ColorRole.WindowText)
+    assert abs(ground.lightness() - ink.lightness()) > 100
+
+
+def test_rows_of_brushes_are_as_high_before_their_strokes_are_painted(program) -> None:
+    panel = BrushPanel(LIGHT_THEME)
+    view = panel.findChild(QtWidgets.QListWidget, "brushes")
+    try:
+        before = view.sizeHintForRow(0)
+        wait_for(lambda: (panel._take_previews(), not panel.is_busy)[1])
+        assert before == view.sizeHintForRow(0) >= view.iconSize().height()
+    finally:
+        panel.close_down()
 
 
 def test_brushes_are_named_in_the_menu_and_all_can_be_chosen(window) -> None:

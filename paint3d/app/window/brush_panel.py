@@ -102,6 +102,7 @@ class BrushPanel(QtWidgets.QWidget):
                     width=spec.root_diameter_mm,
                 )
             )
+            item.setIcon(plain_icon(_blank()))  # rows are as high as they will be
             view.addItem(item)
         view.itemClicked.connect(self._item_chosen)
         view.itemActivated.connect(self._item_chosen)
@@ -210,6 +211,14 @@ def plain_icon(pixmap: QtGui.QPixmap) -> QtGui.QIcon:
     icon = QtGui.QIcon(pixmap)
     icon.addPixmap(pixmap, QtGui.QIcon.Mode.Selected)
     return icon
+
+
+def _blank() -> QtGui.QPixmap:
+    """What stands where a stroke has not been painted yet."""
+    pixmap = QtGui.QPixmap(2 * _ICON)
+    pixmap.fill(QtCore.Qt.GlobalColor.transparent)
+    pixmap.setDevicePixelRatio(2.0)
+    return pixmap
 
 
 def plain_name(brush: BrushSpec) -> str:

@@ -193,7 +193,7 @@ class Stage:
 
     @property
     def picture_s(self) -> float:
-        """What the last picture took that showed something new, s."""
+        """What a picture takes that shows something new, s; see `LivePicture`."""
         return self._drawn.picture_s
 
     @property

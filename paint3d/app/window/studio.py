@@ -120,6 +120,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying, self.both_hands = Copying(self), BothHands(self, plugged, feel)
         for asked in (self.keys.tapped, self.steering.asked):
             asked.connect(lambda name: self.actions_by_name[name].trigger())
+        self._refusal: str | None = None
+        self.hand.began.connect(self._forget_refusal)
         self.keys.alt_taken.connect(lambda: self.tell(say("hint.alt_taken"), state="bad"))
         for name, on in (("brush", True), ("dark", dark), ("grips", True), ("show_mask", True)):
             with QtCore.QSignalBlocker(self.actions_by_name[name]):
@@ -306,6 +308,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying.follow()
         for event in self.stage.easel.take_events():
             self.tell(say_error(event.message), state="bad")
+            if event.kind == "error" and event.doing != "keeping":
+                self._refusal = self.told.text()
         if time.perf_counter() < self._next_draw:
             return
         started = time.thread_time()
@@ -336,7 +340,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         text = say("has caught up") if caught_up else say(word, ms=1e3 * frame.lag_s)
         seen = ""
         if self.stage.picture_s > 0.0:  # something has been drawn
-            seen = "   ·   " + say("{fps:.0f} pictures/s", fps=1.0 / self.stage.picture_s)
+            every_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)
+            seen = "   ·   " + say("{fps:.0f} pictures/s", fps=1.0 / every_s)
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}{seen}")
 
     def tell(self, text: str, *, state: str = "off") -> None:
@@ -346,6 +351,12 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.told.setText(mark + text)
         self.told.setToolTip(text)
         self.told.setStyleSheet(f"color: {self.theme.state_colour(state)}")
+
+    def _forget_refusal(self) -> None:
+        """Leave off saying what was refused: something else is being done."""
+        if self.told.text() == self._refusal:
+            self.tell(say("hint.turn"))
+        self._refusal = None
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         """Draw the tools closer together where the window is low, so that none is lost."""

@@ -146,7 +146,7 @@ QSlider::handle:horizontal {{ background: {raised}; border: 1px solid {faint}; w
 QSlider::handle:horizontal:hover {{ border-color: {accent}; }}
 QProgressBar {{ background: {field}; border: 1px solid {line}; border-radius: 5px; height: 12px;
     text-align: center; }}
-QProgressBar::chunk {{ background: {accent}; border-radius: 4px; }}
+QProgressBar::chunk {{ background: {chosen}; border: 1px solid {accent}; border-radius: 4px; }}
 QStatusBar {{ background: {panel}; border-top: 1px solid {line}; color: {faint}; }}
 QStatusBar::item {{ border: none; }}
 QScrollBar:vertical {{ background: transparent; width: 10px; margin: 0; }}

@@ -29,7 +29,8 @@ def choose_unit(unit: str) -> None:
 
 def say_length(mm: float) -> str:
     """A length in words, in the unit that was chosen."""
-    return f"{mm / UNITS_MM[_unit[0]]:.3g} {_unit[0]}"
+    number = mm / UNITS_MM[_unit[0]]
+    return f"{number:.0f} {_unit[0]}" if number >= 100.0 else f"{number:.3g} {_unit[0]}"
 
 
 def language() -> str:
