@@ -11,14 +11,24 @@ from pathlib import Path
 
 import pytest
 
+from tests.e2e.forked import COMMANDS, LIMIT_S, run_forked
+
+MORE = "PAINT3D_MORE_EXAMPLES"  # set by scripts/check --long
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture(scope="session")
 def paint3d() -> Run:
-    """Run ``python -m paint3d`` with these arguments; keywords go into the environment."""
+    """Run ``python -m paint3d`` with these arguments; keywords go into the environment.
+
+    Most of a short command's time goes into starting Python and importing, so those that need no
+    environment of their own are forked from a process that has done so; not with ``--long``.
+    """
 
     def run(*arguments: object, cwd: Path | None = None, **environment: str):
+        words = [str(word) for word in arguments]
+        if words[:1] and words[0] in COMMANDS and not environment and MORE not in os.environ:
+            return run_forked(words, cwd)
         return subprocess.run(
             [sys.executable, "-m", "paint3d", *map(str, arguments)],
             capture_output=True,
@@ -26,7 +36,7 @@ def paint3d() -> Run:
             check=False,
             cwd=cwd,
             env={**os.environ, **environment},
-            timeout=600,
+            timeout=LIMIT_S,
         )
 
     return run
