@@ -153,6 +153,10 @@ def test_keys_and_panels_reach_the_painting(window) -> None:
 
 
 def test_history_goes_back_and_forth(window) -> None:
+    while len(window.document.strokes) < 3:
+        down = 0.3 + 0.1 * len(window.document.strokes)
+        drag(window.canvas, (0.35, down), (0.6, down))
+        settled(window)
     wait_for(lambda: window.panels.history.slider.maximum() >= 3)
     n, there = painted(window), len(window.document.strokes)
     window.panels.history.slider.setValue(1)
