@@ -48,6 +48,29 @@ def test_the_ink_in_the_brush_is_shown_before_the_pointer_came(window) -> None:
     assert disc(window).max() < 90
 
 
+def test_what_keys_change_is_shown_though_no_pointer_is_over_the_picture(window) -> None:
+    """Nothing else is drawn then: the canvas is looked at as it was painted, not painted anew."""
+    canvas, painted = window.canvas, []
+    mouse(canvas, KIND.MouseMove, 0.5 * canvas.width(), 0.5 * canvas.height())
+    settled(window)
+    QtWidgets.QApplication.sendEvent(canvas, QtCore.QEvent(KIND.Leave))
+    settled(window)
+
+    def watch(painter, area) -> None:
+        painted.append(held(window).share)
+
+    canvas.overlays.append(watch)
+    try:
+        for key, share in ((QtCore.Qt.Key.Key_R, 0.0), (QtCore.Qt.Key.Key_D, 1.0)):
+            live(0.5)
+            wait_for(lambda: window.stage.is_drawn)
+            QtTest.QTest.keyClick(canvas, key)
+            settled(window)
+            wait_for(lambda share=share: painted[-1:] == [pytest.approx(share)], 20)
+    finally:
+        canvas.overlays.remove(watch)
+
+
 def test_all_inks_of_a_mixture_are_named_and_shown_in_their_colour(window) -> None:
     window.panels.inks.dipped.emit({"indigo": 0.2, "water": 0.8}, None)
     window.panels.inks.dipped.emit("pine soot", 0.35)

@@ -58,6 +58,11 @@ class Hud:
         told = painter.fontMetrics().elidedText(told, right, round(below.width()))
         painter.drawText(below, left, told)
 
+    def refresh(self) -> None:
+        """Have it drawn again, where the picture under it is as it was."""
+        canvas, high = self._window.canvas, _HEIGHT + 2 * _MARGIN
+        canvas.update(0, canvas.height() - high, canvas.width(), high)
+
     def told(self, held: HeldInk) -> str:
         """How much of which inks the brush holds, in words."""
         share = say("ink {share:.0f} %", share=100 * held.share)

@@ -322,6 +322,8 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.canvas.show_pixels(pixels)
             spent = time.thread_time() - started
             self._next_draw = time.perf_counter() + _REST * spent
+        elif frame is not None:  # another brush or ink, while no brush is in the picture
+            self.hud.refresh()
 
     def _show_state(self, frame) -> None:
         self.actions_by_name["undo"].setEnabled(frame.can_undo)
