@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import os
 import sys
 import time
@@ -84,22 +83,19 @@ def run(options: argparse.Namespace) -> None:
     InputError
         If the table cannot be used, or, at the end, if rows have failed.
     """
-    options.table = options.table.absolute() if options.folder else options.table
-    with contextlib.chdir(options.folder or os.curdir):
-        _run(options)
-
-
-def _run(options: argparse.Namespace) -> None:
     from paint3d.cli.batch_record import FinishedRows
     from paint3d.cli.batch_table import read_table
 
     started = time.perf_counter()
+    folder = os.path.abspath(options.folder or os.curdir)
+    if not os.path.isdir(folder):
+        raise InputError(f"{options.folder}: there is no such folder; expected the files' own")
     rows, refused = read_table(options.table)
     if options.row is not None:
         rows, refused = _only(options.row, rows), _only(options.row, refused)
         if not rows and not refused:
             raise InputError(f"{options.table}: there is no row in line {options.row}")
-    finished = FinishedRows(options.table.with_name(options.table.name + ".finished"))
+    finished = FinishedRows(options.table.with_name(options.table.name + ".finished"), folder)
     left = [row for row in rows if options.again or not finished.has(row)]
     by_line = {row.line: row for row in left}
     failed = []
@@ -108,10 +104,10 @@ def _run(options: argparse.Namespace) -> None:
         _tell_failure(options.table, outcome)
     if options.emit is not None:
         _refuse(options.table, failed, len(rows) + len(refused))
-        _emit(left, options)
+        _emit(left, folder, options)
         return
     with ProgressBar("painting rows", enabled=not options.quiet) as progress:
-        for done, outcome in enumerate(_outcomes(left, finished, options), 1):
+        for done, outcome in enumerate(_outcomes(left, finished, folder, options), 1):
             if outcome.message:
                 failed.append(outcome.line)
                 _tell_failure(options.table, outcome)
@@ -141,27 +137,29 @@ def _refuse(table: Path, failed: list[int], total: int) -> None:
         raise InputError(f"{table}: {len(failed)} of {total} rows failed, in line {lines}{more}")
 
 
-def _emit(left: list[Row], options: argparse.Namespace) -> None:
+def _emit(left: list[Row], folder: str, options: argparse.Namespace) -> None:
     from paint3d.cli.batch_emit import job_file
 
     if not left:
         raise InputError(f"{options.table}: every row is finished; expected --again to do it anew")
     lines = [row.line for row in left]
-    sys.stdout.write(job_file(options.emit, options.table, lines, again=options.again))
+    sys.stdout.write(job_file(options.emit, options.table, folder, lines, again=options.again))
 
 
 def _outcomes(
-    rows: list[Row], finished: FinishedRows, options: argparse.Namespace
+    rows: list[Row], finished: FinishedRows, folder: str, options: argparse.Namespace
 ) -> Iterator[Outcome]:
     from paint3d.cli.batch_cluster import run_on_cluster
     from paint3d.cli.batch_order import longest_first
-    from paint3d.cli.batch_rows import run_row
+    from paint3d.cli.batch_rows import placed, run_row
     from paint3d.cli.batch_workers import run_here
 
     if not rows:
         return iter(())
+    if options.folder is not None:
+        rows = [placed(row, folder) for row in rows]
     if options.scheduler is not None:
-        return run_on_cluster(longest_first(rows, finished), options.scheduler)
+        return run_on_cluster(longest_first(rows, finished), options.scheduler, folder)
     from paint3d.cli.first_run import say_if_compiling
 
     say_if_compiling(quiet=options.quiet)

@@ -17,8 +17,8 @@ __all__ = ["run_on_cluster"]
 PATIENCE_S = 30
 
 
-def run_on_cluster(rows: Sequence[Row], address: str) -> Iterator[Outcome]:
-    """Run rows on a cluster; yield each outcome as it comes.
+def run_on_cluster(rows: Sequence[Row], address: str, folder: str = os.curdir) -> Iterator[Outcome]:
+    """Run rows on a cluster, files counted from a folder; yield each outcome as it comes.
 
     A row whose worker is lost, or does not see this folder, is run by another.
 
@@ -38,14 +38,14 @@ def run_on_cluster(rows: Sequence[Row], address: str) -> Iterator[Outcome]:
     except (OSError, ValueError, TypeError) as cause:
         raise InputError(f"the scheduler {address} does not answer: {cause}") from None
     with client:
-        yield from _Work(client, address).run(rows)
+        yield from _Work(client, address, os.path.abspath(folder)).run(rows)
 
 
 class _Work:
     """Rows that a cluster runs, and the workers that do not see their files."""
 
-    def __init__(self, client: Client, address: str) -> None:
-        self._client, self._address, self._folder = client, address, os.getcwd()
+    def __init__(self, client: Client, address: str, folder: str) -> None:
+        self._client, self._address, self._folder = client, address, folder
         self._rows: dict[str, Row] = {}
         self._blind: set[str] = set()
 
@@ -66,7 +66,7 @@ class _Work:
 
     def _run_together(self, rows: Sequence[Row]) -> Iterator[tuple[Row, Outcome | None]]:
         """Yield each row with how it went, None if its worker was lost."""
-        from distributed import as_completed
+        from distributed import KilledWorker, as_completed
 
         coming = as_completed([self._submit(row) for row in rows])
         for task in coming:
@@ -74,12 +74,20 @@ class _Work:
             if task.status == "error":
                 yield row, None
                 continue
+            if task.status in ("lost", "pending"):  # its worker died when it had just finished
+                self._rows[task.key] = row
+                coming.add(task)  # the scheduler has it run again
+                continue
             if task.status != "finished":
                 raise InputError(
                     f"the scheduler {self._address} no longer answers; what is finished is noted: "
                     "expected another --scheduler, or none, for the rest"
                 )
-            worker, found = task.result()
+            try:
+                worker, found = task.result()
+            except KilledWorker:  # it died before it could say how it went
+                yield row, None
+                continue
             if found is not None:
                 yield row, Outcome(*found)
                 continue

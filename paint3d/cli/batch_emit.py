@@ -17,10 +17,12 @@ KINDS = ("slurm", "openjd", "make")
 _MOST_TASKS = 1024  # of a step, as Open Job Description allows
 
 
-def job_file(kind: str, table: Path, lines: Sequence[int], *, again: bool = False) -> str:
+def job_file(
+    kind: str, table: Path, folder: str, lines: Sequence[int], *, again: bool = False
+) -> str:
     """Return a job file that paints some rows of a table.
 
-    Every job is ``paint3d batch TABLE --row N`` of this installation, in this folder.
+    Every job is ``paint3d batch TABLE --row N`` of this installation.
 
     Parameters
     ----------
@@ -28,6 +30,8 @@ def job_file(kind: str, table: Path, lines: Sequence[int], *, again: bool = Fals
         A batch script with a job array, an Open Job Description template (2023-09, JSON), or a
         makefile.
     table : Path
+    folder : str
+        From which the files of the rows are counted.
     lines : sequence of int
         The rows' lines in the table; at least one.
     again : bool
@@ -38,7 +42,7 @@ def job_file(kind: str, table: Path, lines: Sequence[int], *, again: bool = Fals
     InputError
         If a path cannot be written into such a file.
     """
-    folder, path = os.getcwd(), os.path.abspath(table)
+    folder, path = os.path.abspath(folder), os.path.abspath(table)
     for word in (folder, path, sys.executable):
         if not word.isprintable() or "{{" in word:
             raise InputError(f"{word!r} cannot be written into a job file; expected another folder")

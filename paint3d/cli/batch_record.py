@@ -20,10 +20,12 @@ class FinishedRows:
     path : Path
         Made with the first row. Lines that cannot be read, such as one cut short by a crash,
         are passed over.
+    folder : str
+        From which the files of the rows are counted.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, folder: str = os.curdir) -> None:
+        self.path, self._folder = path, os.path.abspath(folder)
         self._known: dict[str, tuple[int, int]] = {}
         self._seconds: dict[str, float] = {}
         self._cut_short = False
@@ -44,7 +46,7 @@ class FinishedRows:
 
     def has(self, row: Row) -> bool:
         """Whether the row was finished as it stands, and its output has not been touched since."""
-        return self._known.get(fingerprint(row), ()) == _state(row.output)
+        return self._known.get(fingerprint(row, self._folder), ()) == self._state(row)
 
     def seconds(self, row: Row) -> float | None:
         """How long the row's output took when it was last made; None where that is not known."""
@@ -58,10 +60,10 @@ class FinishedRows:
         ExportError
             If the file cannot be written.
         """
-        state = _state(row.output)
+        state = self._state(row)
         if state is None:
             return
-        entry = {"row": fingerprint(row), "output": row.output}
+        entry = {"row": fingerprint(row, self._folder), "output": row.output}
         entry |= {"size": state[0], "changed_ns": state[1], "seconds": round(seconds, 3)}
         try:
             with open(self.path, "a", encoding="utf-8") as file:
@@ -72,10 +74,9 @@ class FinishedRows:
         except OSError as cause:
             raise ExportError(f"{self.path}: cannot write: {cause.strerror or cause}") from None
 
-
-def _state(output: str) -> tuple[int, int] | None:
-    try:
-        found = os.stat(output)
-    except (OSError, ValueError):
-        return None
-    return found.st_size, found.st_mtime_ns
+    def _state(self, row: Row) -> tuple[int, int] | None:
+        try:
+            found = os.stat(os.path.join(self._folder, row.output))
+        except (OSError, ValueError):
+            return None
+        return found.st_size, found.st_mtime_ns

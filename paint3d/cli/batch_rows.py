@@ -45,6 +45,8 @@ def command_parser(command: str) -> Parser:
 
 def placed(row: Row, folder: str) -> Row:
     """The row with the files that it names counted from a folder, wherever it is run."""
+    from paint3d.files.load import BUILT_IN_OBJECTS
+
     command, *options, subject = row.arguments
     of_files = {
         option
@@ -57,8 +59,10 @@ def placed(row: Row, folder: str) -> Row:
         option, equals, value = word.partition("=")
         if option in of_files:
             value = os.path.join(folder, value)
-        elif option == "--on" and os.path.isfile(os.path.join(folder, value)):
-            value = os.path.join(folder, value)  # else it is a built-in object's name
+        elif option == "--on":
+            there = os.path.join(folder, value)
+            if value not in BUILT_IN_OBJECTS or os.path.isfile(there):
+                value = there
         elif option == "--ink" and value.rpartition(":")[0].lower().endswith(".csv"):
             value = os.path.join(folder, value)
         words.append(option + equals + value)
@@ -86,20 +90,22 @@ def run_row(row: Row) -> Outcome:
     return Outcome(row.line, " ".join(message.split()), seconds, find_versions()["paint3d"])
 
 
-def fingerprint(row: Row) -> str:
+def fingerprint(row: Row, folder: str | None = None) -> str:
     """Return what a row's result depends on: its words, the files it names, and the version.
 
+    Files are counted from `folder`, by default the working one.
     Files are told apart by their size and the time of their last change.
     """
+    folder = os.getcwd() if folder is None else folder
     files = []
     for word in row.arguments:
         word = word.partition("=")[2] if word.startswith("--") else word
-        path = Path(word)
+        path = Path(folder, word)
         try:
             if word not in ("", row.output) and path.exists():
                 known = path.stat()
                 files.append((word, known.st_size, known.st_mtime_ns))
         except (OSError, ValueError):
             continue  # a text is seldom a file name
-    what = [row.arguments, files, find_versions()["paint3d"], os.getcwd()]
+    what = [row.arguments, files, find_versions()["paint3d"], folder]
     return hashlib.sha256(json.dumps(what).encode()).hexdigest()

@@ -416,7 +416,7 @@ def _check_table(suffix: str, content: bytes) -> None:
             with contextlib.suppress(UsageError):
                 command_parser(command).parse_args(words)
     if rows:
-        job_file("make", Path("t.csv"), [row.line for row in rows])
+        job_file("make", Path("t.csv"), "/nowhere", [row.line for row in rows])
 
 
 # -- devices --------------------------------------------------------------------------------------

@@ -85,7 +85,7 @@ def test_an_open_job_description_has_a_task_for_every_row(table, told, capsys) -
 
 
 def test_a_step_has_no_more_tasks_than_are_allowed() -> None:
-    template = json.loads(job_file("openjd", Path("t.csv"), range(2, 3000)))
+    template = json.loads(job_file("openjd", Path("t.csv"), ".", range(2, 3000)))
     ranges = [
         step["parameterSpace"]["taskParameterDefinitions"][0]["range"] for step in template["steps"]
     ]
@@ -98,31 +98,39 @@ def test_names_that_no_job_file_can_hold_are_refused(tmp_path, monkeypatch) -> N
         (tmp_path / name).mkdir()
         monkeypatch.chdir(tmp_path / name)
         with pytest.raises(InputError, match="cannot be written into a job file"):
-            job_file("make", Path("t.csv"), [2])
+            job_file("make", Path("t.csv"), ".", [2])
 
 
 def test_a_row_is_painted_alone_and_counts_as_finished(table, tmp_path, monkeypatch, capsys):
     done = []
 
+    folder, started_in = Path.cwd(), [tmp_path]
+
     def run(options) -> None:
+        assert Path.cwd() == started_in[0]
         done.append(os.path.abspath(options.out))
         options.out.write_text("painted")
 
     monkeypatch.setattr(batch_rows.COMMANDS["write"], "run", run)
-    folder = Path.cwd()
+    (tmp_path / "b.ply").write_text("another, in the working folder")
     monkeypatch.chdir(tmp_path)
     command = ["batch", str(folder / table), "--folder", str(folder), "--row"]
     assert main.main([*command, "4"]) == 0
     assert done == [str(folder / "b.ply")]
     assert Path.cwd() == tmp_path
+    assert (tmp_path / "b.ply").read_text().startswith("another")
     assert main.main([*command, "4"]) == 0
     assert done == [str(folder / "b.ply")]
     assert main.main([*command, "4", "--again"]) == 0
     assert done == [str(folder / "b.ply")] * 2
     capsys.readouterr()
+    nowhere = [str(folder / table), "--folder", str(folder / "none")]
+    assert main.main(["batch", *nowhere]) == 2
+    assert "none: there is no such folder" in capsys.readouterr().err
     assert main.main([*command, "3"]) == 2
     assert "there is no row in line 3" in capsys.readouterr().err
     monkeypatch.chdir(folder)
+    started_in[0] = folder
     assert "--array=2,5\n" in emit(capsys, table, "--emit", "slurm")
     assert "--array=2,4-5\n" in emit(capsys, table, "--emit", "slurm", "--again")
     assert main.main(["batch", str(table)]) == 0
