@@ -114,6 +114,26 @@ def test_over_a_sharp_edge_the_handle_turns_by_and_by(sign, most):
     assert (np.abs(up[:, 1]) < 1e-9).all()
 
 
+@pytest.mark.parametrize("degrees", [90.0, 100.0])
+def test_over_a_right_angle_the_handle_turns_by_and_by_and_the_tuft_stays_behind(degrees):
+    """Laid into the other face at once, the tip came to lie under the brush, and along the edge."""
+    slope = -np.tan(np.radians(0.5 * degrees))
+    x = np.array([-20.0, 0.0, 20.0])
+    corners = [(a, b, slope * abs(a)) for b in (-20.0, 20.0) for a in x]
+    faces = [(0, 1, 3), (1, 4, 3), (1, 2, 4), (2, 5, 4)]
+    edge = ClosestPoints(TriangleMesh(np.array(corners), np.array(faces)))
+    places = [(0.5 * k - 7.75, 0.15 * k - 2.4) for k in range(32)]
+    samples = draw(Hand(edge), places, pressure=0.25)
+    up = np.array([rotate(s.orientation, np.array([0.0, 0.0, 1.0])) for s in samples])
+    turned = np.degrees(np.arccos(np.clip((up[1:] * up[:-1]).sum(axis=1), -1.0, 1.0)))
+    assert turned.max() < 0.55 * degrees
+    down = [s for s in samples if s.pressure > 0.0]
+    way = np.diff([s.contact for s in down], axis=0)
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    bend = np.array([rotate(s.orientation, np.array([1.0, 0.0, 0.0])) for s in down])
+    assert (bend[1:] * way).sum(axis=1).max() < -0.6
+
+
 @pytest.mark.parametrize("x_tilt", [-60.0, 0.0, 60.0])
 def test_a_brush_that_is_pulled_over_a_ridge_does_not_lie_down_on_the_other_side(x_tilt):
     x, slope = np.array([-20.0, 0.0, 20.0]), np.tan(np.radians(60.0))

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.pressure_curve import PressureCurve
-from paint3d.app.model.standing import any_tangent, held_over, lean_of, root_over
+from paint3d.app.model.standing import any_tangent, held_over, lean_of, root_over, turned_with
 from paint3d.arrays import as_array, as_number
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.recorded import MAX_FORCE_N
@@ -47,6 +47,7 @@ _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as
 _LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
 _UNDER = 0.07  # of the tuft's length: half a footprint, about
 _SUNK = 0.35  # of that: how far under the surface its rim is looked for
+_OTHER_SIDE = -0.5  # cosine to the normal: what faces farther away is the other side of a wall
 _RIM = np.stack([f(0.25 * math.pi * np.arange(8)) for f in (np.cos, np.sin)], axis=1)
 _LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last place is no way to it
 
@@ -380,6 +381,7 @@ class Hand:
         moved = float(np.linalg.norm(way)) >= _LEAST_SURE * self._trail(brush)
         back = any_tangent(first.normal, -way) if moved else first.rest
         self._state.tip = first.point + self._trail(brush) * back
+        self._last = first
         samples = []
         for stand in stands:
             self._drag(stand, brush)
@@ -387,9 +389,15 @@ class Hand:
         return samples
 
     def _drag(self, stand: _Stand, brush: BrushSpec) -> None:
-        """Bring the brush to its place; its tip is dragged along the surface behind it."""
-        state, trail = self._state, self._trail(brush)
-        back = state.tip - stand.point
+        """Bring the brush to its place; its tip is dragged along the surface behind it.
+
+        Over an edge the tip is turned with the surface: laid into the new plane instead, it would
+        come to lie under the brush, and point along the edge.
+        """
+        state, last, trail = self._state, self._last, self._trail(brush)
+        back = turned_with(last.normal, stand.normal, state.tip - last.point)
+        way = stand.point - last.point
+        back = back - float(np.linalg.norm(way)) * _along(stand.normal, way)
         back = back - (back @ stand.normal) * stand.normal
         distance = float(np.linalg.norm(back))
         if distance < 1e-9:
@@ -423,7 +431,7 @@ class Hand:
         ahead = any_tangent(normal, np.array([1.0, 0.0, 0.0]))
         rim = _RIM @ np.stack([ahead, np.cross(normal, ahead)]) - _SUNK * normal
         found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
-        mean = 2.0 * normal + found[found @ normal > 0.0].sum(axis=0)
+        mean = 2.0 * normal + found[found @ normal > _OTHER_SIDE].sum(axis=0)
         return mean / np.linalg.norm(mean)
 
     def _pull(self, target: NDArray, string: float) -> tuple[NDArray, NDArray]:
@@ -516,6 +524,13 @@ def _ray_of(event: PointerInput) -> tuple[NDArray, NDArray] | None:
     if event.origin is None or event.direction is None:
         return None
     return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
+
+
+def _along(normal: NDArray, way: NDArray) -> NDArray:
+    """A way's direction along a surface; zero where it leads straight up or down."""
+    across = way - (way @ normal) * normal
+    length = float(np.linalg.norm(across))
+    return across / length if length > 1e-9 else np.zeros(3)
 
 
 def _turned(vector: NDArray, axis: NDArray, angle: float) -> NDArray:

@@ -19,7 +19,7 @@ from paint3d.kernels.tuft import (
     trace_outline,
 )
 
-__all__ = ["any_tangent", "held_over", "lean_of", "root_over"]
+__all__ = ["any_tangent", "held_over", "lean_of", "root_over", "turned_with"]
 
 _MOST_LEAN = math.radians(60.0)
 _STEEPEST_TILT = 85.0  # degrees that a tablet may say
@@ -73,6 +73,22 @@ def held_over(lean: NDArray, normal: NDArray) -> NDArray:
         return lean
     aside = any_tangent(normal, lean)
     return math.cos(_MOST_LEAN) * normal + math.sin(_MOST_LEAN) * aside
+
+
+def turned_with(before: NDArray, after: NDArray, vector: NDArray) -> NDArray:
+    """A vector that is turned as one normal turns into another, the shortest way.
+
+    Parameters
+    ----------
+    before, after : (3,)
+        Unit; where they are opposite, the vector stays as it is.
+    vector : (3,)
+    """
+    both = before + after
+    share = 0.5 * float(both @ both)  # 1 + the cosine between them
+    if share < 1e-9:
+        return vector
+    return vector - float(both @ vector) / share * both + 2.0 * float(before @ vector) * after
 
 
 def root_over(
