@@ -30,6 +30,7 @@ OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
 REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
 _OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is not over the surface
 _LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
+_OTHER_SIDE = -0.5  # cosine to the foot's normal: what faces farther away is a wall's other side
 _TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a brush goes
 
 
@@ -438,7 +439,7 @@ def lean_plane(values, field, room):
     if n > 0:
         _sum_normals(
             field.sheet_pack, room.sheets, n, values, values[st.SPHERE_X], values[st.SPHERE_X + 1],
-            values[st.SPHERE_X + 2], values[st.RADIUS], field.numbers[1], room.vector,
+            values[st.SPHERE_X + 2], values[st.RADIUS], field.numbers[1], 0.0, room.vector,
         )  # fmt: skip
         _set_normal(values, room.vector)
 
@@ -473,7 +474,7 @@ def _lean_plane_under(values, extent, field, room):
     fade = max(_LEAST_FADE * cell, min(cell, extent))
     _sum_normals(
         field.sheet_pack, room.sheets, n, values, values[st.FOOT_X], values[st.FOOT_X + 1],
-        values[st.FOOT_X + 2], extent, fade, room.vector,
+        values[st.FOOT_X + 2], extent, fade, _OTHER_SIDE, room.vector,
     )  # fmt: skip
     _set_normal(values, room.vector)
 
@@ -490,10 +491,11 @@ def _set_normal(values, vector):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, total):
+def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, least, total):
     """Sum the area-weighted normals of the sheets in a ball that face as the foot's surface does.
 
-    At its border they fade in over the way `fade`, mm.
+    At its border they fade in over the way `fade`, mm. `least` is the cosine to the foot's normal,
+    times the sheet's area, that a sheet must exceed.
     """
     fx = values[st.FOOT_NORMAL_X]
     fy = values[st.FOOT_NORMAL_X + 1]
@@ -502,7 +504,7 @@ def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, total):
     for k in range(n):
         s = sheets[k]
         nx, ny, nz = pack[s, 0], pack[s, 1], pack[s, 2]
-        if nx * fx + ny * fy + nz * fz <= 0.0:
+        if nx * fx + ny * fy + nz * fz <= least * pack[s, 3]:
             continue
         dx = pack[s, 4] - cx
         dy = pack[s, 5] - cy

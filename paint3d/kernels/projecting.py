@@ -20,7 +20,8 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
     Straight-line float32 code over consecutive memory: the compiler turns it into vector
     instructions. A vertex that faces away, or lands outside the enclosing sphere, is sent far off;
     where it lands and not where it is, for a convex surface falls away from under the tip.
-    So is one that would be carried farther than the frame says, as from a ridge beside the brush.
+    So is one that would be carried farther than the frame says, as from a ridge beside the brush,
+    or lies outside its ball.
     `stretch` gets the plane's area for one of the surface there, as on a cylinder: 1 / cosine^2.
     """
     ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
@@ -30,6 +31,8 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
     sx, sy, sz = np.float32(frame[12]), np.float32(frame[13]), np.float32(frame[14])
     r2 = np.float32(frame[sw.RADIUS2])
     farthest2 = np.float32(frame[sw.CARRY2])
+    mx, my, mz = np.float32(frame[44]), np.float32(frame[45]), np.float32(frame[46])  # BALL
+    ball2 = np.float32(frame[sw.BALL2])
     least = np.float32(LEAST_FACING)
     away = np.float32(AWAY)
     one = np.float32(1.0)
@@ -53,8 +56,13 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
         ey = qy - sy
         ez = qz - sz
         reach = max(ex * ex + ey * ey + ez * ez, height * height)
+        hx = dx - mx
+        hy = dy - my
+        hz = dz - mz
+        beside = hx * hx + hy * hy + hz * hz > ball2
         x = qx * bx + qy * by + qz * bz
-        xs[k] = away if (cosine < least) | (reach > r2) | (t * t > farthest2) else x
+        refused = (cosine < least) | (reach > r2) | (t * t > farthest2) | beside
+        xs[k] = away if refused else x
         ys[k] = qx * cx + qy * cy + qz * cz
         stretch[k] = inverse * inverse
 
@@ -69,6 +77,8 @@ def take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out
     ux, uy, uz = np.float32(frame[3]), np.float32(frame[4]), np.float32(frame[5])
     r2 = np.float32(frame[sw.RADIUS2])
     farthest2 = np.float32(frame[sw.CARRY2])
+    mx, my, mz = np.float32(frame[44]), np.float32(frame[45]), np.float32(frame[46])  # BALL
+    ball2 = np.float32(frame[sw.BALL2])
     least = np.float32(LEAST_FACING)
     one = np.float32(1.0)
     n = last - first
@@ -80,10 +90,17 @@ def take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out
     refused = np.int32(0)
     for k in range(n):
         cosine = nx[k] * ux + ny[k] * uy + nz[k] * uz
-        height = (px[k] - ox) * ux + (py[k] - oy) * uy + (pz[k] - oz) * uz
+        dx = px[k] - ox
+        dy = py[k] - oy
+        dz = pz[k] - oz
+        height = dx * ux + dy * uy + dz * uz
         inverse = one / cosine
         t = height * inverse
-        bad = (cosine < least) | (height * height > r2) | (t * t > farthest2)
+        hx = dx - mx
+        hy = dy - my
+        hz = dz - mz
+        beside = hx * hx + hy * hy + hz * hz > ball2
+        bad = (cosine < least) | (height * height > r2) | (t * t > farthest2) | beside
         refused += np.int32(bad)
         ids[k] = first + k
         share[k] = inverse * inverse

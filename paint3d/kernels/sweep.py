@@ -13,9 +13,9 @@ from numba import njit
 from paint3d.kernels import stamp as st
 
 __all__ = [
-    "AFTER", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CARRY2", "CROSS", "END",
-    "END_RISE", "FRAME_SIZE", "NORMAL", "ORIGIN", "PARTS", "RADIUS2", "RISE", "RISES", "SCALE",
-    "SPHERE", "TURN_AFTER", "fill_between", "fill_frame", "sweep_bounds",
+    "AFTER", "BALL", "BALL2", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CARRY2",
+    "CROSS", "END", "END_RISE", "FRAME_SIZE", "NORMAL", "ORIGIN", "PARTS", "RADIUS2", "RISE",
+    "RISES", "SCALE", "SPHERE", "TURN_AFTER", "fill_between", "fill_frame", "sweep_bounds",
 ]  # fmt: skip
 
 _MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
@@ -26,8 +26,8 @@ _PART_WIDTH = 0.25  # of the soft edge, the shortest
 ORIGIN, NORMAL, BEND, CROSS, SPHERE = 0, 3, 6, 9, 12
 RADIUS2, BOX, BOX_BEFORE, SCALE, AFTER, BEFORE = 15, 16, 20, 24, 25, 28
 TURN_AFTER, PARTS, RISE, END_RISE, END, RISES = 31, 35, 36, 37, 38, 39
-CARRY2 = 43
-FRAME_SIZE = 44  # numbers in it
+CARRY2, BALL, BALL2 = 43, 44, 47
+FRAME_SIZE = 48  # numbers in it
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
@@ -94,6 +94,7 @@ def fill_frame(before, after, plane, scale, bounds, frame):
     if plane[st.CENTRED] > 0.0:
         half = max(_half_extent(before.values), _half_extent(after.values))
         frame[CARRY2] = (half + sticks_out) ** 2
+    _fill_ball(before, after, plane, scale, frame)
     for k in range(8):
         frame[BOX + k] = bounds[k]
     frame[SCALE] = scale
@@ -102,6 +103,51 @@ def fill_frame(before, after, plane, scale, bounds, frame):
         frame[at + 1] = values[st.HEEL]
         frame[at + 2] = values[st.TIP]
     frame[TURN_AFTER : TURN_AFTER + 4] = (0.0, 0.0, 1.0, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill_ball(before, after, plane, scale, frame):
+    """The ball that what is painted lies in, around places that the hand means.
+
+    Surface that bends away unfolds into the plane, which carries it farther from the place. What is
+    carried nearer looks another way than it should from there: the far side of a groove, a fillet
+    beyond a crease. `BALL` is counted from the plane's origin.
+    """
+    frame[BALL : BALL + 3] = 0.0
+    frame[BALL2] = np.inf
+    if plane[st.CENTRED] <= 0.0:
+        return
+    a, b = before.values, after.values
+    both = a[st.TOUCHES] > 0.0 and b[st.TOUCHES] > 0.0
+    apart2 = 0.0
+    for k in range(3):
+        middle = plane[st.FOOT_X + k]
+        if both:
+            middle = 0.5 * (a[st.FOOT_X + k] + b[st.FOOT_X + k])
+            apart2 += (a[st.FOOT_X + k] - b[st.FOOT_X + k]) ** 2
+        frame[BALL + k] = middle - plane[st.ORIGIN_X + k]
+    reach = max(_reach_from_foot(before), _reach_from_foot(after))
+    frame[BALL2] = (reach + 0.5 * np.sqrt(apart2) + 0.5 / scale) ** 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _reach_from_foot(stamp):
+    """How far an outline's farthest point lies from the place that the hand means, mm."""
+    values = stamp.values
+    if values[st.TOUCHES] <= 0.0:
+        return 0.0
+    x, y = 0.0, 0.0  # where the outline is counted from
+    for k in range(3):
+        d = values[st.ORIGIN_X + k] - values[st.FOOT_X + k]
+        x += d * values[st.BEND_X + k]
+        y += d * values[st.CROSS_X + k]
+    x, y = x + values[st.HEEL], abs(y)
+    step = (values[st.TIP] - values[st.HEEL]) / st.PROFILE_CELLS
+    farthest2 = 0.0
+    for i in range(st.PROFILE_CELLS + 1):
+        side = y + stamp.half_widths[i]
+        farthest2 = max(farthest2, (x + i * step) ** 2 + side * side)
+    return np.sqrt(farthest2)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
