@@ -15,7 +15,7 @@ from paint3d.app.window.studio import StudioWindow
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.app.event_player import DeviceEvent, EventRecording, open_for, pixel_of
 from tests.app.marks import stray
-from tests.app.trials import HALF_FOOTPRINT, blind, faults, try_strokes
+from tests.app.trials import HALF_FOOTPRINT, blind_window, faults, try_strokes
 
 LENGTH_MM = 140.0
 FARTHEST_MM = 3.0  # beyond half a footprint: what else is painted lies on another face
@@ -28,13 +28,8 @@ STEP_MS, SPEED_MM_S = 10, 80.0
 @pytest.fixture(scope="module")
 def window(program):
     """A window that draws no pictures."""
-    window = StudioWindow(program)
-    window.show()
-    with blind(window):
+    with blind_window(program) as window:
         yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
 
 
 def drawn_out(outline: Sequence[tuple[float, float]], length_mm: float = LENGTH_MM) -> TriangleMesh:

@@ -23,7 +23,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.event_player import DeviceEvent, EventRecording, open_for, settle, surface_of
 from tests.app.marks import Way, ink_per_mm, take_mark
 from tests.app.random_strokes import random_strokes
-from tests.app.trials import Trial, blind, faults, mark_now, player_of, try_strokes, ways_of
+from tests.app.trials import Trial, blind_window, faults, mark_now, player_of, try_strokes, ways_of
 
 STEP_MS = 10
 SPEED_MM_S = 80.0
@@ -33,13 +33,8 @@ BESIDE = 9.0  # mm: what is farther from a way belongs to another image
 @pytest.fixture(scope="module")
 def window(program):
     """A window that draws no pictures."""
-    window = StudioWindow(program)
-    window.show()
-    with blind(window):
+    with blind_window(program) as window:
         yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
 
 
 def stroke_along(

@@ -27,7 +27,7 @@ from tests.app.marks import (
 from tests.app.random_strokes import random_strokes
 from tests.app.trials import (
     HALF_FOOTPRINT,
-    blind,
+    blind_window,
     faults,
     mark_now,
     player_of,
@@ -42,13 +42,8 @@ REACH = 10.0  # mm, beside the way: what is farther off is measured by `stray`
 @pytest.fixture(scope="module")
 def window(program):
     """A window that draws no pictures."""
-    window = StudioWindow(program)
-    window.show()
-    with blind(window):
+    with blind_window(program) as window:
         yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
 
 
 def upright_ink(window: StudioWindow, recording: EventRecording) -> list[float]:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
+from PySide6 import QtWidgets
 
 from paint3d.app.window.studio import StudioWindow
 from tests.app.event_player import EventPlayer, EventRecording, pen_ways, settle, surface_of
@@ -25,6 +26,7 @@ __all__ = [
     "HALF_FOOTPRINT",
     "Trial",
     "blind",
+    "blind_window",
     "faults",
     "mark_now",
     "player_of",
@@ -76,6 +78,18 @@ def blind(window: StudioWindow) -> Iterator[None]:
         yield
     finally:
         del window.stage.draw
+
+
+@contextmanager
+def blind_window(program: QtWidgets.QApplication) -> Iterator[StudioWindow]:
+    """A window that draws no pictures; nothing of it is asked for when it closes."""
+    window = StudioWindow(program)
+    window.show()
+    with blind(window):
+        yield window
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
 
 
 def mark_now(window: StudioWindow) -> Mark:
