@@ -8,7 +8,7 @@ import pytest
 
 from paint3d.app.model.easel import Easel
 from paint3d.errors import InputError
-from tests.app.hands import line, paint, small_plane
+from tests.app.hands import line, paint, same_vertices, small_plane
 
 
 @pytest.fixture
@@ -118,3 +118,20 @@ def test_a_stopped_easel_takes_nothing(easel):
     easel.stop()
     with pytest.raises(RuntimeError, match="stopped"):
         easel.post("undo")
+
+
+def test_room_is_made_while_the_hand_rests_and_nothing_painted_changes():
+    surfaces = []
+    for rests in (False, True):
+        document = small_plane(0.3)
+        mesh = document.surface.paint_mesh
+        grown = 0
+        for k in range(9):
+            paint(document, (-40, 8 * k - 30), (40, 8 * k - 30))
+            before = mesh.capacity
+            if rests:
+                document.rest()
+            grown += mesh.capacity > before
+        assert (grown > 0) == rests
+        surfaces.append(document.surface)
+    same_vertices(*surfaces)
