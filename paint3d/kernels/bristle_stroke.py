@@ -39,6 +39,8 @@ from paint3d.kernels.stroke import (
     NEEDS_ROOM,
     _copy,
     _interpolate,
+    may_pass,
+    note_pose,
 )
 from paint3d.kernels.stroke import (
     SAMPLES as SAMPLE_COUNT,
@@ -247,6 +249,11 @@ def paint_with_hairs(
             continue
         if at[2] == 0:
             counters[SAMPLE_COUNT] += 1
+            if before.values[st.TOUCHES] > 0.0 and may_pass(
+                samples, i + 1, progress.noted, brush, field.numbers[0]
+            ):
+                at[0] += 1
+                continue
             pace[0], pace[1] = 0.0, 1.0
             at[2] = 1
             if before.values[st.TOUCHES] == 0.0:
@@ -300,6 +307,7 @@ def paint_with_hairs(
             pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step
             grown = _EASE if moved <= 0.0 else min(_EASE, 0.9 * most / moved)
             pace[1] = max(_SHORTEST, step * grown)
+        note_pose(samples, i + 1, progress.noted)
         at[0] += 1
         at[2] = 0
     return FINISHED

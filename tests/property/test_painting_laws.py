@@ -287,6 +287,29 @@ def test_the_rate_does_not_matter(rate, force):
     assert coarse.ledger()["wet"] == pytest.approx(fine.ledger()["wet"], rel=5e-3)
 
 
+@pytest.mark.parametrize("hairs", [0, 60])
+@pytest.mark.parametrize("rate", [1000.0, 4000.0])
+def test_noise_of_a_quick_device_gives_no_ink(rate, hairs):
+    """A pen that stands for a second, or creeps, gives what its way asks for and no more."""
+    n = int(rate)
+    rng = np.random.default_rng(3)
+
+    def creeping(step: int, noise: float) -> Recording:
+        along = np.concatenate([np.zeros(n), np.linspace(0.0, 8.0, n), np.full(n, 8.0)])[::step]
+        points = np.column_stack([along, np.zeros(len(along)), np.zeros(len(along))])
+        points[:, :2] += rng.uniform(-noise, noise, (len(along), 2))
+        return poses(
+            points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.full(len(along), 0.4), "full",
+            rate=rate / step,
+        )  # fmt: skip
+
+    noisy, clean = (
+        paint(plane(20.0), creeping(*how), resolution=0.4, hairs=hairs).surface
+        for how in ((1, 0.01), (n // 50, 0.0))
+    )
+    assert noisy.wet_ink() == pytest.approx(clean.wet_ink(), rel=0.03)
+
+
 # -- 5. no gaps -----------------------------------------------------------------------------------
 
 
