@@ -112,6 +112,7 @@ class Journal:
         self._length = 0
         self._last_ns: int | None = None
         self._has_pressure: bool | None = None
+        self._failure: ExportError | None = None
         self._closing = threading.Event()
         self._dirty = threading.Event()
         self._write(MAGIC + _block(HEADER, content))
@@ -189,25 +190,32 @@ class Journal:
                 self._dirty.clear()
                 with suppress(OSError):  # writing will tell
                     flush_file(self._file)
+        try:
+            self._write(_block(END, b""))
+            with suppress(OSError):
+                flush_file(self._file)
+        except ExportError as error:
+            self._failure = error
+        finally:
+            os.close(self._file)
+
+    def let_go(self) -> None:
+        """Have it marked as whole, brought to the disk and closed, and wait for none of it."""
+        self._closing.set()
 
     def close(self) -> None:
-        """Mark the journal as whole and close it; a second time does nothing.
+        """Mark the journal as whole, bring it to the disk and close it.
 
         Raises
         ------
         ExportError
-            If the mark cannot be written.
+            If the mark could not be written; told once.
         """
-        if self._closing.is_set():
-            return
         self._closing.set()
         self._syncing.join()
-        try:
-            self._write(_block(END, b""))
-            with suppress(OSError):
-                os.fsync(self._file)
-        finally:
-            os.close(self._file)
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
 
     def __enter__(self) -> Self:
         return self

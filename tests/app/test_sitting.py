@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -153,6 +154,31 @@ def test_a_page_is_turned_before_its_base_is_there(tmp_path):
     same_vertices(again.document.surface, document.surface)
 
 
+def test_turning_the_page_waits_for_no_disk(tmp_path, monkeypatch):
+    """What is asked for while the last page is brought to a slow disk is written down at once."""
+    document = small_plane()
+    sitting = Sitting(document, tmp_path)
+    may_go_on = threading.Event()
+    monkeypatch.setattr("paint3d.files.journal.flush_file", lambda file: may_go_on.wait(60.0))
+    monkeypatch.setattr("os.open", _refuse)  # making a file may have to wait, too
+    try:
+        sitting.note({"do": "undo"})
+        sitting.turn_page(document)
+        sitting.note({"do": "redo"})
+        _, events, _ = read_events(sitting.folder / "journal-2.p3dj")
+        assert events[-1] == {"do": "redo"}
+    finally:
+        may_go_on.set()
+        monkeypatch.undo()
+    sitting.close(keep=True)
+    _, events, loss = read_events(sitting.folder / "journal-1.p3dj")
+    assert (events[-1], bool(loss)) == ({"do": "undo"}, False)
+
+
+def _refuse(*asked: object) -> int:
+    raise AssertionError(f"opened {asked}")
+
+
 def test_what_cannot_be_kept_is_told_and_painting_goes_on(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     with pytest.raises(ExportError, match="cannot keep"):
@@ -230,7 +256,7 @@ def test_a_cut_journal_gives_all_up_to_the_cut(tmp_path, cut):
     for k in range(0, 20, 4):
         sitting.append(line((-20, 0), (20, 0))[k : k + 4])
     sitting.close(keep=True)
-    (journal,) = sitting.folder.glob("journal-*")
+    (journal,) = sitting.folder.glob("journal-1.*")
     journal.write_bytes(journal.read_bytes()[:-cut])
     recovered = recoverable(tmp_path)[0].recover()
     assert recovered.loss

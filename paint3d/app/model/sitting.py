@@ -64,6 +64,7 @@ class Sitting:
             raise ExportError(f"{root}: cannot keep what is painted here: {cause}") from None
         self._number = 0
         self._journal: Journal | None = None
+        self._next: Journal | None = None
         self.turn_page(document)
         self.save_base(document)
 
@@ -90,15 +91,15 @@ class Sitting:
         ExportError
             If it cannot be started; the old one goes on.
         """
-        fresh = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
+        self._lay_out_page()
+        fresh = self._next
         fresh.note(encode_command("set_symmetry", [document.symmetry], {}))
         fresh.note(encode_command("set_mask", [document.mask], {}))
         fresh.note(encode_command("set_tags", [], document.tags))
-        old, self._journal = self._journal, fresh
+        old, self._journal, self._next = self._journal, fresh, None
         self._number += 1
         if old is not None:
-            with suppress(ExportError):
-                old.close()
+            old.let_go()
 
     def save_base(self, document: Document) -> None:
         """Save the painting as it was when the page was turned; what is older can go.
@@ -111,12 +112,19 @@ class Sitting:
         path, modified = document.path, document.modified
         document.save(self.folder / f"base-{self._number}.p3d")
         document.path, document.modified = path, modified
+        with suppress(ExportError):  # turning the page will tell
+            self._lay_out_page()
         with suppress(OSError):
             self._describe(document)
         for old in _numbered(self.folder, "base-") | _numbered(self.folder, "journal-"):
             if old[0] < self._number:
                 with suppress(OSError):
                     old[1].unlink()
+
+    def _lay_out_page(self) -> None:
+        """Make the next journal ready: turning the page waits for no disk, nor who paints on."""
+        if self._next is None:
+            self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
 
     def _describe(self, document: Document) -> None:
         about = {
@@ -135,10 +143,11 @@ class Sitting:
 
     def close(self, keep: bool = False) -> None:
         """End it: nothing is left to recover, unless it is to be kept."""
-        if self._journal is not None:
-            with suppress(ExportError):
-                self._journal.close()
-            self._journal = None
+        for journal in (self._journal, self._next):
+            if journal is not None:
+                with suppress(ExportError):
+                    journal.close()
+        self._journal = self._next = None
         if not keep:
             shutil.rmtree(self.folder, ignore_errors=True)
         self._lock.close()
