@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.kernels.cells import build_table
+from paint3d.kernels.cracks import link_cracks
 from paint3d.kernels.field import BLOCK_VERTICES, SurfaceField
 from paint3d.kernels.pairs import fill_pairs
 from paint3d.kernels.refine import MOST_AROUND_EDGE, activate_cell, longest_edges
@@ -38,6 +39,7 @@ _PATH = 1 << 16
 _CELLS_A_STEP = 256  # refined between two reports of progress
 _MOST_PAIRS = 2**26  # of cells and the triangles in them: a gigabyte
 _PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # room that is nearly always enough
+_CRACK_MM = 0.1  # a gap that no hair gets into: paint goes over it
 _PER_VERTEX = (
     "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
     "next_in_cell",
@@ -341,9 +343,12 @@ class _Lattice:
                 cell_pairs, pair_root, pair_sheet, area, normal, centre,
             )  # fmt: skip
             pair_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cell_pairs))
+            cracks = _over_cracks(
+                base, origin, size, table, places, cell_pairs, pair_root, pair_sheet
+            )
             sheet_links, linked = _links(
                 table, places, len(base.faces), pair_cell, cell_pairs, pair_root, pair_sheet,
-                n_sheets,
+                n_sheets, cracks,
             )  # fmt: skip
             order, starts, vertex_sheets = _sort_vertices(
                 base, origin, size, places, table, cell_pairs, pair_root, pair_sheet
@@ -425,8 +430,12 @@ def _links(
     pair_root: NDArray,
     pair_sheet: NDArray,
     n_sheets: int,
+    others: NDArray,
 ) -> tuple[NDArray, NDArray]:
-    """The sheets' graph as runs (S + 1,) and neighbours, each link once in either direction."""
+    """The sheets' graph as runs (S + 1,) and neighbours, each link once in either direction.
+
+    `others` (M, 2) are links besides those of triangles in two cells.
+    """
     pair_order = np.argsort(pair_root, kind="stable")
     root_pairs = np.concatenate([[0], np.cumsum(np.bincount(pair_root, minlength=n_roots))])
     arguments = (
@@ -439,7 +448,7 @@ def _links(
         room = max(room, n)
         links = np.empty((room, 2), np.int32)
         n = link_sheets(*arguments, links)
-    links = links[:n].astype(np.int64)
+    links = np.concatenate([links[:n], others]).astype(np.int64)
     codes = np.concatenate(
         [links[:, 0] * n_sheets + links[:, 1], links[:, 1] * n_sheets + links[:, 0]]
     )
@@ -447,6 +456,32 @@ def _links(
     codes = codes[np.diff(codes, prepend=-1) != 0]
     runs = np.searchsorted(codes, np.arange(n_sheets + 1, dtype=np.int64) * n_sheets)
     return runs.astype(np.int64), (codes % n_sheets).astype(np.int32)
+
+
+def _over_cracks(
+    base: BaseSurface,
+    origin: NDArray,
+    size: float,
+    table: NDArray,
+    places: NDArray,
+    cell_pairs: NDArray,
+    pair_root: NDArray,
+    pair_sheet: NDArray,
+) -> NDArray:
+    """(n, 2) int32: sheets that end beside one another, at most a hair's breadth away."""
+    room = n = 0
+    links = np.empty((0, 2), np.int32)
+    if not (base.radial == np.arange(len(base.radial), dtype=np.int32)).any():
+        return links
+    while True:
+        n = link_cracks(
+            base.points, base.faces, base.radial, origin, size, table, places, cell_pairs,
+            pair_root, pair_sheet, _CRACK_MM, links,
+        )  # fmt: skip
+        if n <= room:
+            return np.unique(links[:n], axis=0)
+        room = n
+        links = np.empty((room, 2), np.int32)
 
 
 def _sort_vertices(
