@@ -134,6 +134,23 @@ def test_over_a_right_angle_the_handle_turns_by_and_by_and_the_tuft_stays_behind
     assert (bend[1:] * way).sum(axis=1).max() < -0.6
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.5, 1.0, 1.5])
+def test_a_fast_hand_turns_the_handle_over_an_edge_by_and_by_too(phase):
+    """From one event to the next it turned by half, and between them lay down on the surface."""
+    x = np.array([-20.0, 0.0, 20.0])
+    corners = [(a, b, -abs(a)) for b in (-20.0, 20.0) for a in x]
+    faces = [(0, 1, 3), (1, 4, 3), (1, 2, 4), (2, 5, 4)]
+    edge = ClosestPoints(TriangleMesh(np.array(corners), np.array(faces)))
+    samples = draw(Hand(edge), [(2.0 * k - 8.0 + phase, 0.0) for k in range(9)], pressure=0.25)
+    up = np.array([rotate(s.orientation, np.array([0.0, 0.0, 1.0])) for s in samples])
+    turned = np.degrees(np.arccos(np.clip((up[1:] * up[:-1]).sum(axis=1), -1.0, 1.0)))
+    assert turned.max() < 30.0  # of 90 degrees altogether; it was 39 to 45
+    assert (np.diff([s.time_ns for s in samples]) > 0).all()
+    down = places([s for s in samples if s.pressure > 0.0])
+    np.testing.assert_allclose(down[:, 2], -np.abs(down[:, 0]), atol=1e-9)
+    assert {s.pressure for s in samples[:-1]} == {0.0, 0.25}
+
+
 @pytest.mark.parametrize("x_tilt", [-60.0, 0.0, 60.0])
 def test_a_brush_that_is_pulled_over_a_ridge_does_not_lie_down_on_the_other_side(x_tilt):
     x, slope = np.array([-20.0, 0.0, 20.0]), np.tan(np.radians(60.0))
@@ -268,7 +285,8 @@ def test_the_brush_stays_down_over_a_round_body(sphere):
     samples = list(hand.begin(events[0], BRUSH))
     for event in events[1:]:
         samples += hand.move(event, BRUSH)
-    assert [s.pressure > 0.0 for s in samples] == [False, True, True, True, True, True]
+    assert [s.pressure > 0.0 for s in samples] == [False] + [True] * (len(samples) - 1)
+    assert len(samples) >= 6
 
 
 def test_the_tuft_trails_behind(plane):

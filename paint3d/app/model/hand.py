@@ -49,6 +49,7 @@ _UNDER = 0.07  # of the tuft's length: half a footprint, about
 _SUNK = 0.35  # of that: how far under the surface its rim is looked for
 _OTHER_SIDE = -0.5  # cosine to the normal: what faces farther away is the other side of a wall
 _RIM = np.stack([f(0.25 * math.pi * np.arange(8)) for f in (np.cos, np.sin)], axis=1)
+_TURNS = math.radians(12.0)  # a surface that turns by more between two places is looked at there
 _LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last place is no way to it
 
 
@@ -238,11 +239,15 @@ class Hand:
             state.beside = True
         elif state.beside or self._is_apart(found[0], event):
             return self._step_over(event, brush)
+        before = state.sent_ns
         stand = self._follow(event, brush, pulled=True, pressed=True)
         if stand is None:
             return []
         state.sent_ns = event.time_ns
-        return self._put_down(stand, brush)
+        samples = []
+        for between in self._over_fold(stand, event, brush, before):
+            samples += self._put_down(between, brush)
+        return samples + self._put_down(stand, brush)
 
     def end(
         self, time_ns: int, brush: BrushSpec, event: PointerInput | None = None
@@ -305,6 +310,38 @@ class Hand:
             behind = int(gaps[0] >= gaps[1])
             rays[behind], places[behind] = middle, hit.points[0]
         return True
+
+    def _over_fold(
+        self, stand: _Stand, event: PointerInput, brush: BrushSpec, before_ns: int
+    ) -> list[_Stand]:
+        """Places between the last and this, where the surface turns between them.
+
+        Between two samples the handle turns evenly, but the surface at once: over a fold the brush
+        would lie down on it for a moment, and its footprint be twice as long.
+        """
+        last = self._waiting[-1] if self._waiting else self._last
+        cosine = float(np.clip(last.normal @ stand.normal, -1.0, 1.0))
+        n = min(math.ceil(math.acos(cosine) / _TURNS), (stand.time_ns - before_ns) // _STEP_NS)
+        way = stand.point - last.point
+        stands = []
+        for k in range(1, n):
+            share = k / n
+            point, normal = self._on_surface(last.point + share * way)
+            normal = self._normal_under(point, normal, brush)
+            lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+            stands.append(
+                replace(
+                    stand,
+                    time_ns=before_ns + round(share * (stand.time_ns - before_ns)),
+                    target=last.target + share * (stand.target - last.target),
+                    point=point,
+                    normal=normal,
+                    lean=lean,
+                    rest=self._rest(lean, normal, event),
+                    pressure=last.pressure + share * (stand.pressure - last.pressure),
+                )
+            )
+        return stands
 
     def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """Up where the brush is, and down where the pointer is now."""
