@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from paint3d.ink.pigments import WATER
 from paint3d.mesh.closest import ClosestPoints
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.app.cuts import Cuts, cut_across
 
 __all__ = [
     "Mark",
@@ -37,6 +38,8 @@ __all__ = [
 INKED = 0.25  # share of a piece that is covered: less is the fringe of a neighbour
 CUTS = 4  # a face is measured in so many steps along each edge
 STEP_MM = 0.25
+LONGEST_CUT_MM = 10.0
+REACH_MM = 3.5  # of a footprint that leans by 50 degrees, with its soft edge
 IN_THE_AIR_MM = 0.5  # a step of a way that lies farther off the surface leads through the air
 
 
@@ -81,7 +84,11 @@ class Way:
     step_mm : float
     surface : ClosestPoints, optional
         Where the pen's ray leaps to what lies behind, the way leads through the air: those steps
-        are left out, for nothing can be painted there. By default all lie on the surface.
+        are left out, for nothing can be painted there. And the middle of a mark is looked for
+        along it. By default all steps lie on the surface, and it is flat.
+    leap_mm : float
+        Between points farther apart the way leads through the air, too: past an edge that hides
+        what lies between, however near to the surface.
 
     Attributes
     ----------
@@ -91,6 +98,8 @@ class Way:
         How far it went until there, mm.
     on_surface : (K,) bool
         Whether each step lies on the surface.
+    surface : ClosestPoints or None
+        As given.
     """
 
     def __init__(
@@ -99,6 +108,7 @@ class Way:
         normals: ArrayLike = (0.0, 0.0, 1.0),
         step_mm: float = STEP_MM,
         surface: ClosestPoints | None = None,
+        leap_mm: float = np.inf,
     ) -> None:
         given = np.asarray(points, float)
         up = np.broadcast_to(np.asarray(normals, float), given.shape)
@@ -115,9 +125,12 @@ class Way:
         self.sides = _unit(np.cross(up, self.tangents))
         self.tree = cKDTree(self.points)
         self.on_surface = np.ones(len(self.at), bool)
+        self.surface = surface
         if surface is not None:
             off = np.linalg.norm(surface.find(self.points).points - self.points, axis=1)
             self.on_surface = off <= IN_THE_AIR_MM
+        for k in np.flatnonzero(np.diff(behind) > leap_mm):
+            self.on_surface[(self.at > behind[k]) & (self.at < behind[k + 1])] = False
 
     @property
     def length_mm(self) -> float:
@@ -153,7 +166,7 @@ class Stations(NamedTuple):
         Covered area over the station's length, mm.
     middle : (S,) float64
         Middle between its two sides, mm to the left; nan where there is nothing, or where the way
-        leads through the air.
+        leads through the air. On a surface the sides are looked for along cuts across the way.
     ink : (S,) float64
         Ink over the station's length, coats x mm.
     """
@@ -214,17 +227,46 @@ def stations(mark: Mark, way: Way, step_mm: float = 1.0, reach_mm: float = np.in
     k = np.minimum(np.searchsorted(edges, along, side="right") - 1, n - 1)
     length = edges[1] - edges[0]
     ink = np.bincount(k, (mark.areas * mark.ink)[inside], n) / length
-    middle = np.full(n, np.nan)
-    dark = mark.cover[inside] > INKED
-    for station in np.unique(k[dark]):
-        at = aside[dark & (k == station)]
-        middle[station] = 0.5 * (at.min() + at.max())
     of_step = np.minimum(np.searchsorted(edges, way.at, side="right") - 1, n - 1)
+    if way.surface is None:
+        dark = mark.cover[inside] > INKED
+        middle = _middles(k[dark], aside[dark], n)
+    else:
+        cuts = inked_cuts(mark, way, min(reach_mm, LONGEST_CUT_MM))
+        middle = _middles(of_step[cuts.step], cuts.aside, n)
     in_the_air = np.bincount(of_step, ~way.on_surface, n) > 0.5 * np.bincount(of_step, minlength=n)
     middle[in_the_air] = np.nan
     return Stations(
         0.5 * (edges[1:] + edges[:-1]), np.bincount(k, covered, n) / length, middle, ink
     )
+
+
+def inked_cuts(mark: Mark, way: Way, reach_mm: float) -> Cuts:
+    """The places on cuts across a way on a surface, to both sides, that are inked.
+
+    A cut may lead to where the pen was at another time: what lies farther from its own step than
+    a footprint reaches, but not from every other, was painted then.
+    """
+    ups = np.cross(way.tangents, way.sides)
+    cuts = cut_across(way.surface, way.points, ups, way.on_surface, reach_mm)
+    if not len(mark.points) or not len(cuts.step):
+        return cuts.where(np.zeros(len(cuts.step), bool))
+    away, piece = cKDTree(mark.points).query(cuts.points)
+    inked = (away <= np.sqrt(2.0 * mark.areas[piece])) & (mark.cover[piece] > INKED)
+    cuts = cuts.where(inked)  # pieces are about as far apart as that root
+    own = np.abs(cuts.aside) <= REACH_MM
+    return cuts.where(own | (way.tree.query(cuts.points)[0] > REACH_MM))
+
+
+def _middles(station: NDArray, aside: NDArray, n: int) -> NDArray:
+    """Middle between the sides of what is inked at each of n stations; nan for nothing."""
+    left, right = np.full(n, -np.inf), np.full(n, np.inf)
+    np.maximum.at(left, station, aside)
+    np.minimum.at(right, station, aside)
+    with np.errstate(invalid="ignore"):
+        middle = 0.5 * (left + right)
+    middle[~np.isfinite(left)] = np.nan
+    return middle
 
 
 def off_the_way(found: Stations, percent: float = 100.0, ends_mm: float = 0.0) -> float:

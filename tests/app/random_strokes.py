@@ -20,7 +20,7 @@ STEP_MS = 10
 SPEED_MM_S = 80.0
 FACING = 0.3  # least cosine between the ray and the surface's normal: no stroke around an edge
 MOST_STEP = 3.0  # of a ray's hits, over a pixel's size there: more is a leap to what lies behind
-TRIES = 400
+TRIES = 4000
 
 
 def random_strokes(

@@ -162,3 +162,89 @@ def test_where_the_way_leads_through_the_air_nothing_is_asked() -> None:
     middle = stations(mark, way).middle
     assert np.isnan(middle[22:48]).all()
     assert np.abs(middle[np.isfinite(middle)]).max() < 0.1
+
+
+def test_where_a_ray_leaps_past_an_edge_nothing_is_asked_though_the_surface_is_near() -> None:
+    surface, laid = fold(0.0)
+    line = [(x, 0.0) for x in (*np.arange(-20.0, 0.1, 0.5), *np.arange(6.0, 20.1, 0.5))]
+    way = way_over(surface, laid, line)
+    assert way.in_the_air_mm == 0.0
+    places = laid(*np.array(line).T)
+    way = Way(places, surface.find(places).normals, surface=surface, leap_mm=3.0)
+    assert way.in_the_air_mm == pytest.approx(6.0, abs=0.6)
+    whole = band(laid, -2.4, 2.4)
+    bare = whole.where((whole.points[:, 0] < 0.0) | (whole.points[:, 0] > 6.0))
+    assert inked_share(bare, way, 2.4) == 1.0
+    assert np.isnan(stations(bare, way).middle[21:25]).all()
+    assert inked_share(whole.where(whole.points[:, 0] < 0.0), way, 2.4) < 0.7
+
+
+def fold(turn_degrees: float, slant_degrees: float = 50.0):
+    """A sheet with a fold across it, aslant to x, and how places of the flat sheet come to lie."""
+    slant, turn = np.radians(slant_degrees), np.radians(turn_degrees)
+    along = np.array([np.cos(slant), np.sin(slant), 0.0])
+    over = np.array([np.sin(slant), -np.cos(slant), 0.0])  # to the half that is folded up
+    up = np.cos(turn) * over + np.sin(turn) * np.array([0.0, 0.0, 1.0])
+
+    def laid(x, y):
+        far = x * over[0] + y * over[1]
+        on = x * along[0] + y * along[1]
+        flat, raised = np.minimum(far, 0.0), np.maximum(far, 0.0)
+        return on[:, None] * along + flat[:, None] * over + raised[:, None] * up
+
+    sides = (-60.0 * over, 0.0 * over, 60.0 * up)
+    corners = [k * 60.0 * along + side for side in sides for k in (-1.0, 1.0)]
+    faces = np.array([(0, 3, 1), (0, 2, 3), (2, 5, 3), (2, 4, 5)])
+    return ClosestPoints(TriangleMesh(np.array(corners), faces)), laid
+
+
+def band(laid, low: float, high: float) -> Mark:
+    """A mark from y = low to high along x, folded with its sheet."""
+    x, y = np.meshgrid(np.arange(-22.0, 22.0, SPACING), np.arange(low, high, SPACING) + 0.05)
+    points = laid(x.ravel(), y.ravel())
+    one = np.ones(len(points))
+    return Mark(points, SPACING**2 * one, one, one)
+
+
+def way_over(surface, laid, line) -> Way:
+    places = laid(*np.array(line, float).T)
+    return Way(places, surface.find(places).normals, surface=surface)
+
+
+@pytest.mark.parametrize("slant", [12.0, 50.0])
+@pytest.mark.parametrize("turn", [-90.0, -60.0, 0.0, 60.0, 90.0, 110.0])
+def test_a_mark_over_a_fold_that_is_crossed_aslant_is_measured_along_it(turn, slant) -> None:
+    """By what is nearest in space such a mark is 1.1 mm off its own middle, and jumps 1.6."""
+    surface, laid = fold(turn, slant)
+    way = way_over(surface, laid, [(x, 0.0) for x in np.arange(-20.0, 20.1, 0.5)])
+    inner = stations(band(laid, -2.4, 2.4), way)
+    assert off_the_way(inner, ends_mm=1.0) < 0.5
+    assert largest_jump(inner) < 0.6
+    beside = stations(band(laid, -0.9, 3.9), way)
+    assert off_the_way(beside, 50.0, ends_mm=1.0) == pytest.approx(1.5, abs=0.2)
+    half = stations(band(laid, 0.0, 2.4), way)
+    assert off_the_way(half, 50.0, ends_mm=1.0) == pytest.approx(1.2, abs=0.2)
+    wings = band(laid, -2.4, 2.4)
+    wing = band(laid, 2.4, 6.0).where(np.abs(band(laid, 2.4, 6.0).points[:, 0] - 8.0) < 3.0)
+    both = Mark(*(np.concatenate(pair) for pair in zip(wings, wing, strict=True)))
+    assert off_the_way(stations(both, way), ends_mm=1.0) > 1.0
+    assert largest_jump(stations(both, way)) > 0.8
+
+
+def test_a_mark_of_a_way_that_comes_back_beside_itself_is_in_the_middle_of_both() -> None:
+    surface, laid = fold(0.0)
+    there = [(x, 0.0) for x in np.arange(-20.0, 10.1, 0.5)]
+    back = [(x, 0.3) for x in np.arange(10.0, -10.1, -0.5)]
+    whole = band(laid, -2.4, 2.7)
+    mark = whole.where(whole.points[:, 0] < 12.4)
+    found = stations(mark, way_over(surface, laid, there + back))
+    assert off_the_way(found, 95.0, ends_mm=1.0) < 0.4
+
+
+def test_a_bare_side_is_found_on_a_surface_too() -> None:
+    surface, laid = fold(90.0)
+    way = way_over(surface, laid, [(x, 0.0) for x in np.arange(-20.0, 20.1, 0.5)])
+    whole = band(laid, -2.4, 2.4)
+    cut = whole.where((whole.points[:, 2] <= 0.0) | (way.place(whole.points)[1] < 0.0))
+    assert off_the_way(stations(cut, way), ends_mm=1.0) > 1.0
+    assert off_the_way(stations(whole.where(whole.areas < 0.0), way)) == np.inf

@@ -34,6 +34,7 @@ __all__ = [
     "ways_of",
 ]
 
+LEAP_MM = 3.0  # between two pixels' rays: a brush is lifted there
 HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 
 
@@ -102,7 +103,7 @@ def ways_of(window: StudioWindow, recording: EventRecording) -> list[Way]:
     """Where the pen goes on the object in each stroke, in the view of now."""
     surface = surface_of(window)
     return [
-        Way(way, surface.find(way).normals, surface=surface)
+        Way(way, surface.find(way).normals, surface=surface, leap_mm=LEAP_MM)
         for way in _finite(pen_ways(window, recording))
     ]
 
