@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from paint3d.app.model import easel as easels
 from paint3d.app.model.easel import Easel
-from paint3d.app.model.ink_clock import PIECE_S, InkClock
+from paint3d.app.model.ink_clock import LATE_S, PIECE_S, InkClock
 from paint3d.app.model.sitting import Sitting, recoverable
 from tests.app.hands import line, paint, same_vertices, small_plane
 
@@ -41,12 +41,37 @@ def wet_plane():
     return document
 
 
+class Wall:
+    """The clock on the wall, which goes on when it is told to."""
+
+    def __init__(self, monkeypatch):
+        self.now = 1000.0
+        names = {name: getattr(time, name) for name in ("monotonic", "thread_time", "sleep")}
+        clock = SimpleNamespace(
+            perf_counter=lambda: self.now, perf_counter_ns=lambda: round(1e9 * self.now), **names
+        )
+        monkeypatch.setattr(easels, "time", clock)
+
+
 @pytest.fixture
-def clockwork():
+def wall(monkeypatch):
+    return Wall(monkeypatch)
+
+
+@pytest.fixture
+def quick_wall(monkeypatch, wall):
+    """Beside a machine that is as fast as need be."""
+    monkeypatch.setattr(easels.Pace, "most", lambda pace, behind_s: 1000)
+    return wall
+
+
+@pytest.fixture
+def clockwork(wall):
     document = wet_plane()
     clockwork = Clockwork(document)
     clockwork.held.clear()
     clockwork.easel = Easel(document, wet=True)
+    wall.now += LATE_S + 1.1 * PIECE_S
     assert clockwork.entered.wait(60)
     yield clockwork
     clockwork.held.set()
@@ -60,11 +85,11 @@ def wait_for(condition):
         time.sleep(0.005)
 
 
-def test_whatever_is_asked_for_overtakes_the_ink(clockwork):
+def test_whatever_is_asked_for_overtakes_the_ink(clockwork, wall):
     easel, done = clockwork.easel, clockwork.done
     for _ in range(3):
         easel.post(lambda document: done.append("asked"))
-    time.sleep(0.2)  # as long as six pieces of time
+    wall.now += 6 * PIECE_S
     assert easel.queue_length == 3  # no time waits behind what was asked for
     last = easel.post(lambda document: done.append("last"))
     clockwork.held.set()
@@ -72,13 +97,13 @@ def test_whatever_is_asked_for_overtakes_the_ink(clockwork):
     assert done[1:5] == ["asked", "asked", "asked", "last"]
 
 
-def test_no_ink_moves_once_it_is_switched_off(clockwork):
+def test_no_ink_moves_once_it_is_switched_off(clockwork, wall):
     easel = clockwork.easel
     easel.wet = False
     clockwork.held.set()
     for _ in range(3):
         easel.post(lambda document: None).result(timeout=60)
-        time.sleep(0.05)
+        wall.now += 2 * PIECE_S
     assert len(clockwork.done) == 1  # the piece that was being done
 
 
@@ -106,25 +131,14 @@ def test_while_ink_cannot_be_followed_no_time_passes_for_it(monkeypatch):
     assert asked == [0.05, 0.05, 0.0, 0.0, 0.0, 0.05]  # work goes on, time does not
 
 
-def test_time_is_left_out_where_a_piece_takes_long(clockwork):
-    time.sleep(0.5)
+def test_time_is_left_out_where_a_piece_takes_long(clockwork, wall):
+    wall.now += 10 * PIECE_S
     clockwork.held.set()
-    clockwork.easel.post(lambda document: None).result(timeout=60)
+    wait_for(lambda: clockwork.easel._ink_clock.left_out > 0)
+    for _ in range(3):
+        clockwork.easel.post(lambda document: None).result(timeout=60)
     with clockwork.easel.paused():
         assert len(clockwork.done) <= 4  # of the ten that went by
-
-
-class Wall:
-    """The clock on the wall, which goes on when it is told to."""
-
-    def __init__(self, monkeypatch):
-        self.now = 1000.0
-        names = {name: getattr(time, name) for name in ("monotonic", "thread_time", "sleep")}
-        clock = SimpleNamespace(
-            perf_counter=lambda: self.now, perf_counter_ns=lambda: round(1e9 * self.now), **names
-        )
-        monkeypatch.setattr(easels, "time", clock)
-        monkeypatch.setattr(easels.Pace, "most", lambda pace, behind_s: 1000)  # as fast as need be
 
 
 def strokes(pause_s=0.62):
@@ -161,12 +175,11 @@ def handed_over(wall, late_s, waits=False):
     return document.surface
 
 
-def test_the_ink_has_the_hands_own_time_however_late_it_is_told(monkeypatch):
-    wall = Wall(monkeypatch)
-    first = handed_over(wall, late_s=0.0, waits=True)
+def test_the_ink_has_the_hands_own_time_however_late_it_is_told(quick_wall):
+    first = handed_over(quick_wall, late_s=0.0, waits=True)
     assert first.flow.water > 0.0
     for late_s in (0.0, 0.03, 0.2, 10.0):
-        other = handed_over(wall, late_s)
+        other = handed_over(quick_wall, late_s)
         same_vertices(first, other)
         assert other.flow.water == first.flow.water
 
@@ -225,25 +238,27 @@ def test_nothing_is_written_down_where_all_is_dry(tmp_path):
     assert noted == []
 
 
-def wet_sitting(folder, base_every_s=1e9):
-    """Strokes that run into one another while the clock goes on."""
+@pytest.fixture
+def wet_sitting(quick_wall, tmp_path):
+    """Strokes that run into one another, while time goes on; left to be recovered."""
     document = small_plane(1.0, material="xuan")
-    easel = Easel(document, wet=True, sitting=Sitting(document, folder), base_every_s=base_every_s)
+    easel = Easel(document, wet=True, sitting=Sitting(document, tmp_path), base_every_s=1e9)
     for k in range(4):
         easel.post("begin_stroke")
         for sample in line((-20, 6 * k), (20, 6 * k - 10), n=40):
+            quick_wall.now += 0.002
             easel.feed([sample])
-            time.sleep(0.002)
         easel.post("end_stroke")
-    easel.post("undo")
-    wait_for(lambda: easel.queue_length == 0)
-    time.sleep(0.2)
+    easel.post("undo").result(timeout=60)
+    done = document.surface.flow.steps
+    quick_wall.now += LATE_S + 4.1 * PIECE_S
+    wait_for(lambda: document.surface.flow.steps > done)
     easel.stop(keep=True)
     return document
 
 
-def test_a_wet_sitting_comes_back_to_the_bit(tmp_path):
-    document = wet_sitting(tmp_path)
+def test_a_wet_sitting_comes_back_to_the_bit(wet_sitting, tmp_path):
+    document = wet_sitting
     shares = []
     recovered = recoverable(tmp_path)[0].recover(shares.append)
     same_vertices(recovered.document.surface, document.surface)
@@ -255,8 +270,7 @@ def test_a_wet_sitting_comes_back_to_the_bit(tmp_path):
     assert len(shares) > 10
 
 
-def test_recovery_can_be_stopped_and_done_later(tmp_path):
-    document = wet_sitting(tmp_path)
+def test_recovery_can_be_stopped_and_done_later(wet_sitting, tmp_path):
     (unfinished,) = recoverable(tmp_path)
     before = {file.name: file.read_bytes() for file in unfinished.folder.iterdir()}
     shares = []
@@ -270,13 +284,16 @@ def test_recovery_can_be_stopped_and_done_later(tmp_path):
         unfinished.recover(progress=stop)
     assert 0.5 < shares[-1] < 0.7
     assert {file.name: file.read_bytes() for file in unfinished.folder.iterdir()} == before
-    same_vertices(recoverable(tmp_path)[0].recover().document.surface, document.surface)
+    same_vertices(recoverable(tmp_path)[0].recover().document.surface, wet_sitting.surface)
 
 
-def test_a_new_base_is_saved_before_recovering_takes_long(tmp_path, monkeypatch):
+@pytest.fixture
+def little_is_dear(monkeypatch):
     monkeypatch.setattr(easels, "_DEAR_S", 0.02)
-    document = wet_sitting(tmp_path)
+
+
+def test_a_new_base_is_saved_before_recovering_takes_long(little_is_dear, wet_sitting, tmp_path):
     (unfinished,) = recoverable(tmp_path)
     (base,) = unfinished.folder.glob("base-*")
     assert int(base.stem.split("-")[1]) > 1
-    same_vertices(unfinished.recover().document.surface, document.surface)
+    same_vertices(unfinished.recover().document.surface, wet_sitting.surface)
