@@ -49,6 +49,13 @@ def empty(program):
     window.close()
 
 
+def leave_a_sitting() -> None:
+    """Leave a painting with a second layer behind, as a crash does."""
+    sitting = Sitting(Document.new("plane", 4.0))
+    sitting.note({"do": "add_layer"})
+    sitting.close(keep=True)
+
+
 @pytest.fixture
 def window(empty):
     """A window with a sheet in it."""
@@ -209,9 +216,7 @@ def test_meanwhile_the_window_takes_no_clicks_and_keys(window, gate: threading.E
 def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
     empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
 ) -> None:
-    sitting = Sitting(Document.new("plane", 4.0))
-    sitting.note({"do": "add_layer"})
-    sitting.close(keep=True)
+    leave_a_sitting()
     assert len(recoverable()) == 1
     whole = Unfinished.recover
 
@@ -238,9 +243,7 @@ def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
 def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
     empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
 ) -> None:
-    sitting = Sitting(Document.new("plane", 4.0))
-    sitting.note({"do": "add_layer"})
-    sitting.close(keep=True)
+    leave_a_sitting()
     monkeypatch.setattr(Unfinished, "recover", lambda *given, **named: gate.wait(30))
     answer(lambda box: box.defaultButton().click(), QtWidgets.QMessageBox)
     QtCore.QTimer.singleShot(300, lambda: answer_bar(cancel))
