@@ -2,7 +2,8 @@
 
 On a busy machine a good file may take ten times as long as alone. What counts is the time that
 the process computes, and the time in which it does not even want to: asleep, or blocked by a disk.
-Waiting for a core counts as neither.
+Waiting for a core counts as neither, nor does time in which nobody looked: whoever is stopped by
+Ctrl+Z, or starved, was mostly not alone in it.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 __all__ = ["Watch"]
 
 NANOSECOND = 1e-9
+LONGEST_LOOK_S = 0.5  # of the clock, that one look accounts for
 
 
 class Watch:
@@ -31,7 +33,8 @@ class Watch:
     computed : float
         Seconds of a core that it used, as far as was looked.
     idle : float
-        Seconds of the clock in which none of its threads used or waited for a core.
+        Seconds of the clock in which none of its threads used or waited for a core; of the time
+        since the last look no more than half a second.
     """
 
     def __init__(self, process_id: int) -> None:
@@ -49,7 +52,8 @@ class Watch:
             self.computed += used - before[0]
             wanting = max(wanting, used - before[0] + queued - before[1])
         # a thread's waiting is told when it ends: the next look may take back what this one adds
-        self.idle = max(0.0, self.idle + now - self._looked - wanting)
+        passed = min(now - self._looked, LONGEST_LOOK_S)
+        self.idle = max(0.0, self.idle + passed - wanting)
         self._before, self._looked = times, now
 
     def _times(self) -> dict[str, tuple[float, float]]:

@@ -8,7 +8,9 @@ import os
 import struct
 import subprocess
 import sys
+import time
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from paint3d.errors import MeshError, UnknownNameError
-from paint3d.files import isolation
+from paint3d.files import isolation, patience
 from paint3d.files.export import export
 from paint3d.files.handover import receive, send
 from paint3d.files.load import load_mesh
@@ -483,6 +485,24 @@ def test_what_a_file_costs_is_not_what_the_clock_says(tmp_path, monkeypatch):
         monkeypatch, "import time; time.sleep(1.5)\nfrom paint3d.files.child import main; main()"
     )
     assert isolation.read_apart(path, Wanted(), seconds=1).mesh.n_faces == 1
+
+
+def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch):
+    """As by Ctrl+Z: both stood still for an hour, and go on."""
+    path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
+    in_child(
+        monkeypatch, "import time; time.sleep(0.3)\nfrom paint3d.files.child import main; main()"
+    )
+    stops = iter([0.0, 0.0, 3600.0])
+    stopped, now = [0.0], time.monotonic
+
+    def clock() -> float:
+        stopped[0] += next(stops, 0.0)
+        return now() + stopped[0]
+
+    monkeypatch.setattr(patience, "time", SimpleNamespace(monotonic=clock))
+    assert isolation.read_apart(path, Wanted(), idle_seconds=60).mesh.n_faces == 1
+    assert stopped == [3600.0]
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="needs processes kept to a core")
