@@ -1,6 +1,6 @@
-"""The program in processes that are forked from one which has imported what it needs.
+"""The program in processes that are forked from one which has imported what it needs, and painted.
 
-Starting Python and importing is most of what a short command costs.
+Starting Python, importing and loading kernels is most of what a short command costs.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 __all__ = ["COMMANDS", "LIMIT_S", "run_forked"]
 
 COMMANDS = {"replay", "export", "inks", "report"}  # commands that start no processes themselves
-_PRELOADED = [__name__, "paint3d.cli.main", "paint3d.stroke.engine", "paint3d.files.export"]
+_PRELOADED = [__name__, "paint3d.cli.main", "paint3d.files.export", "tests.e2e.warm"]
 LIMIT_S = 600.0
 
 
