@@ -52,7 +52,7 @@ with opened(make_program(), sys.argv[1]) as window:
 """
 
 
-@pytest.mark.parametrize("name", ["plane", "sphere"])
+@pytest.mark.parametrize("name", [pytest.param("plane", marks=pytest.mark.long), "sphere"])
 def test_no_kernel_is_made_ready_in_the_windows_thread(name: str, screen: str, places) -> None:
     assert screen
     assert places

@@ -27,6 +27,7 @@ from tests.app.trials import Trial, blind_window, faults, mark_now, player_of, t
 
 STEP_MS = 10
 SPEED_MM_S = 80.0
+BY_HAND = [("bowl", "in"), pytest.param("vase", "out", marks=pytest.mark.long)]
 BESIDE = 9.0  # mm: what is farther from a way belongs to another image
 
 
@@ -89,8 +90,11 @@ def apart(ways: list[Way]) -> float:
 
 @pytest.mark.parametrize(
     ("name", "actions"),
-    [("vase", ("mirror",)), ("bowl", ("radial",)), ("sphere", ("mirror", "radial"))],
-    ids=["vase mirrored", "bowl turned", "sphere both"],
+    [
+        pytest.param("vase", ("mirror",), id="vase mirrored"),
+        pytest.param("bowl", ("radial",), id="bowl turned"),
+        pytest.param("sphere", ("mirror", "radial"), id="sphere both", marks=pytest.mark.long),
+    ],
 )
 def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, actions) -> None:
     open_for(window, {"object": name, "material": "porcelain"}, 1.0)
@@ -123,7 +127,13 @@ def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, a
     assert told == []
 
 
-@pytest.mark.parametrize("tilt", [(0.0, 0.0), (35.0, 35.0)], ids=["upright", "45"])
+@pytest.mark.parametrize(
+    "tilt",
+    [
+        pytest.param((0.0, 0.0), id="upright", marks=pytest.mark.long),
+        pytest.param((35.0, 35.0), id="45"),
+    ],
+)
 def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> None:
     open_for(window, {"object": "vase", "material": "porcelain", "view": "front"}, 0.6)
     assert window.copying.lay_out("二十", 36.0, False)
@@ -159,7 +169,7 @@ def wait_for_the_palm() -> None:
     time.sleep(0.25)
 
 
-@pytest.mark.parametrize(("name", "side"), [("bowl", "in"), ("vase", "out")])
+@pytest.mark.parametrize(("name", "side"), BY_HAND)
 def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: str) -> None:
     monkeypatch.setattr(window.canvas, "finger", "paint")  # by itself it turns once a pen was seen
     told = []
@@ -190,7 +200,7 @@ def test_a_finger_that_follows_a_pen_at_once_presses_as_after_a_pause(window, mo
     assert max(sample.pressure for sample in by_touch) > 0.15
 
 
-@pytest.mark.parametrize(("name", "side"), [("bowl", "in"), ("vase", "out")])
+@pytest.mark.parametrize(("name", "side"), BY_HAND)
 def test_a_mouse_paints_under_its_point(window, name: str, side: str) -> None:
     told = []
     for stroke in lines_on(window, name, side, 3):
@@ -219,8 +229,17 @@ PAD_LINES = {
 }
 
 
-@pytest.mark.parametrize("name", ["bowl", "vase", "sphere"])
-@pytest.mark.parametrize("pressure", [0.25, 0.5])
+@pytest.mark.parametrize(
+    ("pressure", "name"),
+    [
+        (0.25, "bowl"),
+        pytest.param(0.25, "vase", marks=pytest.mark.long),
+        (0.25, "sphere"),
+        (0.5, "bowl"),
+        (0.5, "vase"),
+        (0.5, "sphere"),
+    ],
+)
 def test_a_pad_is_laid_down_as_it_was_drawn(name: str, pressure: float) -> None:
     mesh = load_mesh(name)
     surface, told = ClosestPoints(mesh), []

@@ -52,7 +52,15 @@ def upright_ink(window: StudioWindow, recording: EventRecording) -> list[float]:
     return [ink_per_mm(trial.mark, trial.way) for trial in try_strokes(window, upright)]
 
 
-@pytest.mark.parametrize("row", [1, 2, 3, 4], ids=["15", "30", "45", "60"])
+@pytest.mark.parametrize(
+    "row",
+    [
+        pytest.param(1, id="15", marks=pytest.mark.long),
+        pytest.param(2, id="30", marks=pytest.mark.long),
+        pytest.param(3, id="45"),
+        pytest.param(4, id="60"),
+    ],
+)
 def test_a_pen_that_leans_paints_under_its_point(window, row: int) -> None:
     chart = EventRecording.load("tilt_chart")
     open_for(window, chart.header)
@@ -73,7 +81,13 @@ def test_a_pen_that_is_turned_about_its_axis_paints_under_its_point(window) -> N
     assert told == []
 
 
-@pytest.mark.parametrize("tilt", [(0.0, 0.0), (35.0, 35.0)], ids=["upright", "45"])
+@pytest.mark.parametrize(
+    "tilt",
+    [
+        pytest.param((0.0, 0.0), id="upright", marks=pytest.mark.long),
+        pytest.param((35.0, 35.0), id="45"),
+    ],
+)
 def test_lines_inside_the_bowl_are_whole(window, tilt: tuple[float, float]) -> None:
     lines = EventRecording.load("bowl_lines")
     open_for(window, lines.header)
@@ -86,7 +100,7 @@ def test_lines_inside_the_bowl_are_whole(window, tilt: tuple[float, float]) -> N
     ("name", "side"),
     [
         ("bowl", "in"),
-        ("bowl", "out"),
+        pytest.param("bowl", "out", marks=pytest.mark.long),
         pytest.param("vase", "out", marks=pytest.mark.long),
         pytest.param("sphere", "any", marks=pytest.mark.long),
         pytest.param("plate", "any", marks=pytest.mark.long),
