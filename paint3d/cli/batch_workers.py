@@ -67,9 +67,10 @@ class _Worker:
             context = _context()
             self.connection, theirs = context.Pipe()
             process = context.Process(target=_serve, args=(theirs,), daemon=False)
-            process.start()
-            self._process = process
-            theirs.close()
+            with holding_interrupts():  # what is half asked for would fail, and tell so
+                process.start()
+                self._process = process
+                theirs.close()
         self.row = row
         with suppress(OSError):  # it has died: `outcome` will find out
             self.connection.send(tuple(row))

@@ -23,6 +23,21 @@ if __name__ == "__main__":
         print(cluster.scheduler_address, flush=True)
         sys.stdin.read()
 """
+INTERRUPTED = """
+import os, signal, sys
+from multiprocessing import forkserver
+from paint3d.cli.main import main
+
+ask = forkserver.connect_to_new_process
+
+def ask_and_be_interrupted(*given):
+    asked = ask(*given)
+    os.kill(os.getpid(), signal.SIGINT)
+    return asked
+
+forkserver.connect_to_new_process = ask_and_be_interrupted
+sys.exit(main(sys.argv[1:]))
+"""
 
 
 @pytest.fixture
@@ -101,21 +116,45 @@ def test_an_interrupted_batch_goes_on(paint3d, write_table, tmp_path: Path) -> N
     assert all((tmp_path / name).exists() for _, _, name in ROWS)
 
 
-@pytest.mark.parametrize("later_s", [0.04, 0.09, 0.3])  # Python starts, then it imports
-def test_a_batch_is_interrupted_while_its_processes_start(write_table, later_s: float) -> None:
+def is_loading(process: int, library: str) -> bool:
+    """Whether a process has come as far as loading a library; also where it has ended."""
+    try:
+        return library in Path(f"/proc/{process}/maps").read_text()
+    except OSError:
+        return True
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="needs /proc")
+@pytest.mark.parametrize("library", ["", "_multiarray_umath", "llvmlite"])  # started, importing
+def test_a_batch_is_interrupted_while_its_processes_start(write_table, library: str) -> None:
     command = [sys.executable, "-m", "paint3d", "batch", write_table(*ROWS), "--processes", "2"]
     running = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
-    while children.exists() and len(children.read_text().split()) < 2 and running.poll() is None:
+    started: list[int] = []
+    while len(started) < 2 and running.poll() is None:
+        started = [int(number) for number in children.read_text().split()]
         time.sleep(0.01)
-    time.sleep(later_s)
+    assert len(started) == 2  # what looks after memory, and what all others are forked from
+    while not is_loading(started[1], library):
+        time.sleep(0.001)
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does: all of them get it
     _, errors = running.communicate(timeout=60)
     assert running.returncode == 130
     assert errors == "paint3d: error: interrupted\n"
+
+
+def test_an_interrupt_while_a_process_is_asked_for_is_told_by_one_alone(write_table) -> None:
+    """It would get half of what it is to do, and tell so."""
+    command = [sys.executable, "-c", INTERRUPTED, "batch", write_table(*ROWS), "--processes", "1"]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=300,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    assert done.stderr == "paint3d: error: interrupted\n"
+    assert done.returncode == 130
 
 
 def test_a_cluster_paints_the_same_bytes(paint3d, write_table, tmp_path: Path) -> None:
