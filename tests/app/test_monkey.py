@@ -25,7 +25,10 @@ def work(tmp_path: Path, places: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("start", [None, "plane"], ids=["empty", "plane"])
+@pytest.mark.parametrize(
+    "start",
+    [pytest.param(None, id="empty", marks=pytest.mark.long), pytest.param("plane", id="plane")],
+)
 def test_nothing_that_is_done_at_random_breaks_it(program, work: Path, start: str | None) -> None:
     monkey = Monkey(program, work, seed=11, start=start)
     faults = [fault for fault in monkey.run(ACTIONS) if fault.kind not in BY_THE_CLOCK]

@@ -25,7 +25,7 @@ from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 TINY = 0.002
-LONG = ("bristles", "kernel", "memory", "studio")
+LONG = ("bristles", "haptics", "kernel", "memory", "studio")
 PEER = Path(__file__).parents[1] / "benchmarks" / "peer_dabs.py"
 
 
