@@ -97,6 +97,19 @@ def test_whatever_is_asked_for_overtakes_the_ink(clockwork, wall):
     assert done[1:5] == ["asked", "asked", "asked", "last"]
 
 
+def test_ink_that_moves_by_itself_is_nothing_that_was_asked_for(clockwork):
+    """A hand that rests is never told that painting is behind."""
+    easel = clockwork.easel
+    easel.take_frame()
+    with easel._wake:
+        for _ in range(3):
+            easel._enqueue(easels._piece(time.perf_counter()))
+    clockwork.held.set()
+    frames = []
+    wait_for(lambda: frames.append(easel.take_frame()) or frames[-1] is not None)
+    assert frames[-1].queue_length == 0
+
+
 def test_no_ink_moves_once_it_is_switched_off(clockwork, wall):
     easel = clockwork.easel
     easel.wet = False

@@ -433,6 +433,8 @@ class Easel:
         growth = self._watch.take()
         sample = self._hovering
         self._number += 1
+        with self._wake:
+            asked = sum(job.command != _FOLLOW for job in self._jobs)
         frame = Frame(
             self._number,
             ids,
@@ -440,7 +442,7 @@ class Easel:
             document.surface.n_vertices,
             growth,
             None if sample is None else view_brush(document, sample),
-            len(self._jobs),
+            asked,
             self._lag,
             document.can_undo,
             document.can_redo,

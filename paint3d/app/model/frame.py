@@ -96,7 +96,7 @@ class Frame:
     brush : BrushView or None
         None before the first sample.
     queue_length : int
-        Batches of samples and commands that wait.
+        Batches of samples and commands that wait; time for the ink is none of them.
     lag_s : float
         How long what was painted last had waited, s.
     can_undo, can_redo : bool
