@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtTest, QtWidgets
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.navigation import picture_axes, roll_of
 from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, wait_for
@@ -396,6 +396,23 @@ def test_alt_that_moves_the_window_is_told(window) -> None:
     QtTest.QTest.keyPress(window.canvas, KEY.Key_Alt, ALT)
     window.move(window.x() + 7, window.y() + 5)
     live(0.1)
+    QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
+    assert "Space" in window.told.text()
+
+
+def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
+    window, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As openbox does: the window has no focus until it stands, and nobody hears of Alt."""
+    window.tell("")
+    QtTest.QTest.keyPress(window.canvas, KEY.Key_Alt, ALT)
+    held = staticmethod(lambda: ALT)
+    monkeypatch.setattr(QtGui.QGuiApplication, "queryKeyboardModifiers", held)
+    for kind in (QtCore.QEvent.Type.WindowDeactivate, QtCore.QEvent.Type.WindowActivate):
+        QtWidgets.QApplication.sendEvent(window, QtCore.QEvent(kind))
+    window.move(window.x() + 7, window.y() + 5)
+    live(0.1)
+    monkeypatch.undo()
     QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
     assert "Space" in window.told.text()
 

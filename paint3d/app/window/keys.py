@@ -99,7 +99,7 @@ class HeldKeys(QtCore.QObject):
             self._alt = False
             self._keys.clear()
             self._hand.held.clear()
-        elif kind == _KIND.Move and self._alt:
+        elif kind == _KIND.Move and (self._alt or _is_alt_down()):
             self.alt_taken.emit()
 
     def _is_over_canvas(self) -> bool:
@@ -135,3 +135,9 @@ class HeldKeys(QtCore.QObject):
         if keys in self._taps and not self._hand.adjusted:
             self.tapped.emit(self._taps[keys])
         return True
+
+
+def _is_alt_down() -> bool:
+    """Whether Alt is held also by what the system says: a window that is moved has no focus."""
+    held = QtGui.QGuiApplication.queryKeyboardModifiers()
+    return bool(held & QtCore.Qt.KeyboardModifier.AltModifier)
