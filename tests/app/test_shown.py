@@ -9,6 +9,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model.brush_size import resized
 from paint3d.app.model.held_ink import held_ink, ink_srgb
 from paint3d.app.window.brush_panel import BrushPanel
 from paint3d.app.window.commands import TOOLS
@@ -145,6 +146,21 @@ def test_how_far_a_job_is_can_be_read_on_its_bar(window) -> None:
     ground = shot.pixelColor(shot.width() // 5, shot.height() // 2)
     ink = window.palette().color(QtGui.QPalette.ColorRole.WindowText)
     assert abs(ground.lightness() - ink.lightness()) > 100
+
+
+def test_the_picture_stays_where_it_is_while_the_brush_changes_its_size(window) -> None:
+    before = window.document.painter.brush
+    window.resize(1280, 800)
+    live(0.1)
+    widths = set()
+    for length in (35.0, 45.2, 88.9, 120.0, 5.25):
+        window.post("set_brush", resized(before, length))
+        settled(window)
+        live(0.1)
+        widths.add(window.canvas.width())
+    window.post("set_brush", before)
+    settled(window)
+    assert len(widths) == 1
 
 
 def test_rows_of_brushes_are_as_high_before_their_strokes_are_painted(program) -> None:

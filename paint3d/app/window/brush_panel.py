@@ -62,7 +62,7 @@ class BrushPanel(QtWidgets.QWidget):
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self._size.setRange(0, 1000)
         self._told = QtWidgets.QLabel()
-        self._told.setMinimumWidth(58)
+        self._keep_room()
         self._told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Tuft")))
@@ -127,6 +127,12 @@ class BrushPanel(QtWidgets.QWidget):
             length = load_brush(self._name(row)).length_mm
             self._list.item(row).setText(f"{say(self._name(row))}\n{say_length(length)}")
         self._told.setText(say_length(self._wanted))
+        self._keep_room()
+
+    def _keep_room(self) -> None:
+        """Leave room for any length, so that the panel never grows, nor the picture moves."""
+        texts = [say_length(mm) for mm in (_SHORTEST_MM, 45.25, 88.88, _LONGEST_MM)]
+        self._told.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
 
     def set_ink(self, ink: object) -> None:
         """Paint the previews in this ink: a name, or parts by name."""
