@@ -188,7 +188,6 @@ def test_folders_follow_the_environment(monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("english", "chinese"),
     [
-        ("the layer '1' is locked; expected another one", "图层“1”已锁定，请换一个图层"),
         ("/a/b.p3d: cannot write: No space left on device", "/a/b.p3d：无法写入：磁盘已满"),
         ("/a/b.ply: no such file; expected a mesh file", "/a/b.ply：没有这个文件"),
         ("another ink was asked for during a stroke; expected its end first", "请先写完这一笔"),
@@ -201,11 +200,9 @@ def test_errors_are_said_in_chinese(english, chinese):
 
 def test_errors_that_are_raised_are_among_the_patterns(tmp_path):
     document = Document.new("plane", 4.0)
-    document.set_locked(0)
     noise = tmp_path / "random.glb"
     noise.write_bytes(bytes([0x81, 0x17, 0x99] * 400))
     for action in (
-        document.begin_stroke,
         lambda: document.save(tmp_path / "no" / "a.p3d"),
         lambda: document.export(tmp_path / "a.xyz"),
         lambda: document.export(tmp_path / "no" / "a.ply"),

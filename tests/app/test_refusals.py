@@ -6,8 +6,24 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+from paint3d.app.model.document import Document
+from paint3d.app.window.wording import choose_language, say_error
+from paint3d.errors import InputError
 from tests.app.gestures import drag, live, wait_for
 from tests.app.windows import opened, settled
+
+
+def test_a_layer_is_refused_in_the_language_that_is_spoken() -> None:
+    document = Document.new("plane", 4.0)
+    document.rename_layer(0, 'it\'s the "sky"')
+    document.set_locked(0)
+    with pytest.raises(InputError) as locked:
+        document.begin_stroke()
+    choose_language("zh")
+    try:
+        assert say_error(locked.value) == '“it\'s the "sky"”已锁定：请解锁，或换一个图层'
+    finally:
+        choose_language("en")
 
 
 @pytest.fixture(scope="module")
@@ -26,6 +42,7 @@ def test_a_layer_that_takes_no_paint_says_why_and_nothing_else(window, state) ->
     settled(window)
     wait_for(lambda: state in window.told.text())
     live(0.2)
+    assert window.told.text().startswith(f"■  “Layer 1” is {state}; ")  # as the panel calls it
     assert "stroke" not in window.told.text()
     assert not len(window.document.strokes)
     window.post(*back)

@@ -23,8 +23,6 @@ _REASONS = {
 }
 
 PATTERNS: tuple[tuple[str, str], ...] = (
-    (r"the layer '(?P<a>.*)' is locked; expected another one", "图层“{a}”已锁定，请换一个图层"),
-    (r"the layer '(?P<a>.*)' is hidden; expected another one", "图层“{a}”已隐藏，请换一个图层"),
     (r"(?P<a>.*) was asked for during a stroke; expected its end first", "请先写完这一笔"),
     (r"stroke (?P<a>\d+) of the history; expected (?P<b>\d+) to (?P<c>\d+)",
      "历史中没有第 {a} 笔，应在 {b} 到 {c} 之间"),

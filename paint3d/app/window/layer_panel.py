@@ -8,7 +8,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.icons import make_icon
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_layer
 
 __all__ = ["LayerPanel"]
 
@@ -96,8 +96,7 @@ class LayerPanel(QtWidgets.QWidget):
             "Unlock" if layer.locked else "Lock",
             lambda: self.asked.emit("set_locked", place, not layer.locked),
         )
-        name = QtWidgets.QLineEdit(say("layer.name", number=layer.name)
-                                   if layer.name.isdigit() else layer.name)  # fmt: skip
+        name = QtWidgets.QLineEdit(say_layer(layer.name))
         name.setFrame(False)
         name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
         name.setReadOnly(True)

@@ -6,12 +6,25 @@ which is its key, and in Chinese beside it (`chinese`).
 
 from __future__ import annotations
 
+import ast
+import re
+
 from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
 from paint3d.files.load import UNITS_MM
 
-__all__ = ["choose_language", "choose_unit", "language", "say", "say_error", "say_length"]
+__all__ = [
+    "choose_language",
+    "choose_unit",
+    "language",
+    "say",
+    "say_error",
+    "say_layer",
+    "say_length",
+]
+
+_UNPAINTABLE = re.compile("the layer (.*) is (locked|hidden); expected another one")
 
 _texts = [Texts("en")]
 _unit = ["mm"]
@@ -46,6 +59,14 @@ def say(text: str, **values: object) -> str:
     return words.format(**values) if values else words
 
 
+def say_layer(name: str) -> str:
+    """What a layer is called: one that nobody named has only a number."""
+    return say("layer.name", number=name) if name.isdigit() else name
+
+
 def say_error(error: BaseException | str) -> str:
     """What went wrong, in the language that is spoken."""
+    layer = _UNPAINTABLE.fullmatch(str(error))
+    if layer is not None:
+        return say(f"layer.is_{layer[2]}", name=say_layer(ast.literal_eval(layer[1])))
     return in_chinese(str(error)) if language() == "zh" else str(error)
