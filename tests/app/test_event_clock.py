@@ -74,6 +74,16 @@ def test_an_event_that_seems_to_come_from_the_future_maps_the_clock_anew_between
     assert found == 5 * 10**12 + 600 * MS
 
 
+@given(late=st.integers(0, 4000), wraps=st.integers(0, 3), rest=st.integers(0, MS - 1))
+def test_a_clock_that_is_the_programs_own_is_taken_as_it_is(late, wraps, rest):
+    """However late the first event is handed over, the next stroke keeps its distance."""
+    clock, now = EventClock(), START_MS + wraps * (1 << 32)
+    for k, wait in enumerate((late, 0, late, 0)):
+        handed = (now + 1000 * k + wait) * MS + rest
+        found = clock.time_ns("pen", START_MS + 1000 * k, handed, False)
+        assert found == (now + 1000 * k) * MS
+
+
 def test_a_stroke_of_another_device_begins_behind_the_last_and_keeps_its_pace():
     clock, now = EventClock(), 5 * 10**12
     for k in range(100):  # handed over faster than the hand wrote

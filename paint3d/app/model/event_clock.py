@@ -2,10 +2,12 @@
 
 A window system hands events over when the program asks for them, which is late and in bursts while
 a picture is drawn. What depends on speed and standing must not depend on that, so the time that the
-event itself carries counts. It is mapped to the monotonic clock once for each kind of device, and
-again only while nothing is painted. Where the times of another device lie ahead, as after its first
-event was handed over late, a stroke begins behind them and keeps its pace. Where a device gives no
-times, or the same for all, the time of handing over is evened out instead, and that is told.
+event itself carries counts. Where that is the monotonic clock's, as with X11 and Wayland on Linux,
+it is taken as it is, however late the first event was handed over. Other clocks are mapped to the
+monotonic one once for each kind of device, and again only while nothing is painted. Where the times
+of another device lie ahead, as after its first event was handed over late, a stroke begins behind
+them and keeps its pace. Where a device gives no times, or the same for all, the time of handing
+over is evened out instead, and that is told.
 """
 
 from __future__ import annotations
@@ -18,6 +20,8 @@ _MS = 1_000_000
 _TIE_NS = 125_000  # between events of one millisecond
 _LOST_NS = 60_000 * _MS  # nobody waits so long for a picture: the clocks have parted
 _AHEAD_NS = 20 * _MS  # an event cannot come before it happened; so much is rounding
+_NEAR_MS = 5_000  # that an event's own time lies before its handing over, if both are of one clock
+_WRAP_MS = 1 << 32  # X11 counts so far, and begins again
 _STUCK = 16  # events of one time stamp: more come from no device that tells the time
 _FIRST_PERIOD_NS = 8 * _MS
 _PERIODS_NS = 1 * _MS, 40 * _MS  # of devices, least and most
@@ -66,7 +70,7 @@ class EventClock:
         """
         known = self._kinds.get(kind)
         if known is None:
-            known = self._kinds[kind] = _Kind(handled_ns - stamp_ms * _MS, stamp_ms - 1)
+            known = self._kinds[kind] = _Kind(_offset_ns(stamp_ms, handled_ns), stamp_ms - 1)
             known.handled_ns = handled_ns - _FIRST_PERIOD_NS
         self._judge(kind, known, stamp_ms)
         if known.untimed:
@@ -96,8 +100,8 @@ class EventClock:
         back = stamp_ms < known.stamp_ms
         later = self._last_ns is None or handled_ns > self._last_ns  # no stroke is squeezed by it
         if back or (astray and later and not painting):
-            known.offset_ns = handled_ns - stamp_ms * _MS
-            return handled_ns
+            known.offset_ns = _offset_ns(stamp_ms, handled_ns)
+            return known.offset_ns + stamp_ms * _MS
         return found
 
     def _evened(self, known: _Kind, handled_ns: int) -> int:
@@ -109,3 +113,11 @@ class EventClock:
             return handled_ns
         expected = self._last_ns + known.period_ns
         return round(expected + _PULL * (handled_ns - expected))
+
+
+def _offset_ns(stamp_ms: int, handled_ns: int) -> int:
+    """What makes an event's own time one of the monotonic clock, ns."""
+    late_ms = (handled_ns // _MS - stamp_ms) % _WRAP_MS
+    if late_ms < _NEAR_MS:
+        return (handled_ns // _MS - late_ms - stamp_ms) * _MS
+    return handled_ns - stamp_ms * _MS

@@ -1,0 +1,69 @@
+"""Ink that spreads while events come into the window: alike however they are handed over."""
+
+from __future__ import annotations
+
+import time
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from paint3d.app.model import easel as easels
+from paint3d.app.window import canvas as canvases
+from tests.app.event_player import PAUSE_MS, EventRecording, hand_over, open_for, process, settle
+from tests.app.hands import same_vertices
+from tests.app.trials import blind_window, player_of
+
+WAYS = (("pictures", 5.0), ("pictures", 120.0), ("one by one", 0.0), ("burst", 0.0))
+
+
+class Wall:
+    """A clock for window and painting that goes on when it is told to, on every machine alike."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.ms = 10_000_000
+        names = {name: getattr(time, name) for name in ("monotonic", "thread_time", "sleep")}
+        clock = SimpleNamespace(
+            perf_counter=lambda: 1e-3 * self.ms, perf_counter_ns=lambda: 1_000_000 * self.ms,
+            **names,
+        )  # fmt: skip
+        for module in (easels, canvases):
+            monkeypatch.setattr(module, "time", clock)
+        monkeypatch.setattr(easels.Pace, "most", lambda pace, behind_s: 1000)  # it is followed
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window that draws no pictures."""
+    with blind_window(program) as window:
+        yield window
+
+
+def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -> None:
+    """Hand events over when their picture ends, by the clock on the wall."""
+    player, begin_ms = player_of(window), wall.ms + PAUSE_MS
+    player._aspect = recording.header.get("aspect")
+    for batch in hand_over(recording.events, how, 12, pace):
+        wall.ms = begin_ms + batch[-1].time_ms
+        for event in batch:
+            player.send(event, begin_ms)
+        process()
+    settle(window)
+
+
+@pytest.mark.parametrize("name", ["mouse_lines", pytest.param("bamboo", marks=pytest.mark.long)])
+def test_wet_ink_does_not_depend_on_how_events_are_handed_over(window, monkeypatch, name) -> None:
+    recording, wall = EventRecording.load(name), Wall(monkeypatch)
+    if name != "bamboo":
+        recording = recording.part(0, 3)
+    first = None
+    for how, pace in WAYS:
+        open_for(window, {**recording.header, "material": "xuan", "wet": True}, 1.2)
+        play(window, recording, wall, how, pace)
+        surface = window.document.surface
+        assert surface.flow.water > 0.0
+        if first is None:
+            first = surface
+        same_vertices(first, surface)
+        assert surface.flow.water == first.flow.water, (how, pace)
