@@ -56,6 +56,14 @@ def test_a_mask_is_hatched_and_only_while_it_is_there(window) -> None:
     assert np.abs(picture(window) - before).max() <= 2
 
 
+def test_a_mask_that_is_gone_is_told(window) -> None:
+    window.actions_by_name["mask"].trigger()
+    window.actions_by_name["clear_mask"].trigger()
+    settled(window)
+    assert window.document.mask == Mask()
+    assert window.told.text() == "Paint is taken everywhere"
+
+
 def test_a_stroke_over_the_stencil_leaves_the_hatching(window) -> None:
     window.post("set_mask", right_half(window))
     before = picture(window)

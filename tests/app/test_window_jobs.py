@@ -257,6 +257,48 @@ def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
         left.discard()
 
 
+def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
+    def later(box: QtWidgets.QMessageBox) -> None:
+        next(button for button in box.buttons() if button.text() == "Later").click()
+
+    sitting = Sitting(Document.new("plane", 4.0))
+    sitting.note({"do": "add_layer"})
+    sitting.close(keep=True)
+    answer(later, QtWidgets.QMessageBox)
+    start._open_first(empty, "sphere", 8.0, None)
+    assert empty.document.surface.source.name == "sphere"
+    assert "File, Bring back" in empty.told.text()
+    menu = empty.menus["file"]
+    menu.aboutToShow.emit()
+    (back,) = empty.unsaved_menu.actions()
+    assert empty.unsaved_menu.isEnabled()
+    assert back.text().startswith("Plane")
+    empty.post("add_layer")
+    empty.stage.easel.post(lambda document: None).result(60)
+    boxes: list[str] = []
+
+    def stay(box: QtWidgets.QMessageBox) -> None:  # what is open is asked about, too
+        boxes.append(box.text())
+        box.escapeButton().click()
+
+    def go_on(box: QtWidgets.QMessageBox) -> None:
+        answer(stay, QtWidgets.QMessageBox)
+        box.defaultButton().click()
+
+    answer(go_on, QtWidgets.QMessageBox)
+    back.trigger()
+    assert len(boxes) == 1
+    assert empty.document.surface.source.name == "sphere"
+    with empty.stage.easel.paused() as document:
+        document.modified = False
+    answer(lambda box: box.defaultButton().click(), QtWidgets.QMessageBox)
+    back.trigger()
+    assert empty.document.surface.source.name == "plane"
+    menu.aboutToShow.emit()
+    assert not empty.unsaved_menu.isEnabled()
+    assert recoverable() == []
+
+
 def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
 ) -> None:

@@ -211,16 +211,19 @@ class Opening:
     # -- what a crash left ------------------------------------------------------------------
 
     def offer_recovery(self) -> bool:
-        """Ask about a painting that was never saved; True if it was brought back."""
+        """Ask about a painting that was never saved, the newest; True if it was brought back."""
         left = recoverable()
-        if not left:
-            return False
-        one = left[0]
+        return bool(left) and self._is_wanted_back(left[0]) and self.recover(left[0])
+
+    def bring_back(self, one: Unfinished) -> bool:
+        """Ask about a painting that was never saved, and what becomes of the one that is open."""
+        return self._is_wanted_back(one) and self.may_leave() and self.recover(one)
+
+    def _is_wanted_back(self, one: Unfinished) -> bool:
+        """Whether to go on with it; if not, it is deleted or stays for later."""
         box = QtWidgets.QMessageBox(self._window)
         box.setWindowTitle("paint3d")
-        name = _name_of(one)
-        when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
-        box.setText(say("ask.recover", name=name, time=when.toString("yyyy-MM-dd hh:mm:ss")))
+        box.setText(say("ask.recover", name=_name_of(one), time=_time_of(one)))
         role = QtWidgets.QMessageBox.ButtonRole
         back = box.addButton(say("button.recover"), role.AcceptRole)
         away = box.addButton(say("button.delete"), role.DestructiveRole)
@@ -229,9 +232,22 @@ class Opening:
         box.exec()
         if box.clickedButton() is away:
             one.discard()
-        if box.clickedButton() is not back:
-            return False
-        return self.recover(one)
+        return box.clickedButton() is back
+
+    def tell_unsaved(self) -> None:
+        """Say where what was put off can be found, if there is any."""
+        if recoverable():
+            where = f"{say('menu.file')}, {say('Bring back what was not saved')}"
+            self._window.tell(say("What was not saved stays in the menu: {where}", where=where))
+
+    def show_unsaved(self) -> None:
+        """Fill the menu of paintings that can be brought back, as they are left by now."""
+        menu = self._window.unsaved_menu
+        menu.clear()
+        for one in recoverable():
+            text = f"{_name_of(one)}  ({_time_of(one)})"
+            menu.addAction(text, lambda one=one: self.bring_back(one))
+        menu.setEnabled(bool(menu.actions()))
 
     def recover(self, one: Unfinished) -> bool:
         """Bring a painting back; what it was kept in is deleted once it is kept anew.
@@ -255,6 +271,11 @@ class Opening:
 
 def _name_of(one: Unfinished) -> str:
     return one.path.name if one.path else named(one.object_name)
+
+
+def _time_of(one: Unfinished) -> str:
+    when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
+    return when.toString("yyyy-MM-dd hh:mm:ss")
 
 
 def _warming() -> str:

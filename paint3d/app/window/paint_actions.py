@@ -151,7 +151,7 @@ class PaintActions:
         mask = self._document.mask
         regions = (*mask.regions, RegionPick(face))
         self._post("set_mask", Mask(mask.angle, regions, mask.inverted))
-        self._window.tell(say("Paint is taken in {n} regions", n=len(mask.regions) + 1))
+        self._window.tell(say("Regions that take paint: {n}", n=len(regions)))
 
     def _look_up(self, what: Callable[[PaintMesh, NDArray], int]) -> int | None:
         """Something of the object under the pointer; None beside it, or while painting is busy."""
@@ -168,6 +168,7 @@ class PaintActions:
         """Take paint everywhere."""
         self._window.actions_by_name["mask"].setChecked(False)
         self._post("set_mask", Mask())
+        self._window.tell(say("Paint is taken everywhere"))
 
     def do_refine(self) -> None:
         """Refine the whole surface now."""

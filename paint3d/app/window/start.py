@@ -154,5 +154,7 @@ def _open_first(
     opened = window.files.open_path(target or _FIRST, resolution, material, asked=True)
     window.files.quiet, window.files.up = False, None
     error = window.files.error
+    if opened:
+        window.files.tell_unsaved()
     if not opened and error is not None and not isinstance(error, CancelledError):
         raise error

@@ -164,6 +164,8 @@ class StudioWindow(QtWidgets.QMainWindow):
                 menu.addAction(self._make_action(action, do))
                 if action == "open":
                     self.recent_menu = menu.addMenu(say("menu.recent"))
+                    self.unsaved_menu = menu.addMenu(say("Bring back what was not saved"))
+                    menu.aboutToShow.connect(self.files.show_unsaved)
         bar = QtWidgets.QToolBar(say("Tools"))
         bar.setObjectName("tools")
         bar.setMovable(False)
