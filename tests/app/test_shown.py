@@ -326,3 +326,21 @@ def test_errors_are_told_in_the_language_of_the_window(window) -> None:
         window.post("end_stroke")
         window.post("set_locked", 0, False)
         settled(window)
+
+
+def test_title_and_picture_change_together(program, monkeypatch) -> None:
+    with opened(program, "plane", 3.0) as window:
+        pictures: list[np.ndarray] = []
+        tell = window.setWindowTitle
+
+        def told(title: str) -> None:
+            pictures.append(window.canvas._pixels.astype(int))
+            tell(title)
+
+        before = window.canvas._pixels.astype(int)
+        monkeypatch.setattr(window, "setWindowTitle", told)
+        window.stage.easel.post(lambda document: setattr(document, "modified", False)).result(60)
+        assert window.files.open_path("sphere", 6.0, "porcelain", asked=True)
+        wait_for(lambda: window.stage.is_drawn)
+        after = window.canvas._pixels.astype(int)
+        assert np.abs(pictures[0] - before).mean() > 4.0 * np.abs(pictures[0] - after).mean()

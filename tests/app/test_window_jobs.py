@@ -187,6 +187,19 @@ def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
     assert still_paints(window)
 
 
+def test_the_bar_is_seen_before_the_window_itself_works_for_long(window) -> None:
+    seen: list[bool] = []
+
+    def here() -> None:
+        bar = QtWidgets.QApplication.activeModalWidget()
+        seen.append(bar is not None and bar.windowHandle().isExposed())
+        ended.set()
+
+    ended = threading.Event()
+    assert run_beside(window, "work", lambda progress: ended.wait(30), here).result()
+    assert seen[0]
+
+
 def test_meanwhile_the_window_takes_no_clicks_and_keys(window, gate: threading.Event) -> None:
     strokes = len(window.document.strokes)
     begun: list[str] = []

@@ -13,7 +13,7 @@ from paint3d.app.window.wording import say
 
 __all__ = ["Progress", "is_waiting", "result_of", "run_beside"]
 
-_SOON_MS = 350  # work that is done by then shows no bar
+_SOON_MS = 350  # work that is done by then shows no bar, unless the window itself works, too
 _LOOK_MS = 40
 _GRACE_S = 0.6  # that work has to stop in; then it is left to itself, and what it makes is dropped
 _SHORT_S = 1.0  # what work takes of which nothing is known, about
@@ -122,7 +122,8 @@ def run_beside(
     work : callable
         Called with a `Progress`, which raises CancelledError once it is to stop.
     here : callable, optional
-        Called again and again in the window's own thread while the work goes on.
+        Called again and again in the window's own thread while the work goes on, once the bar is
+        seen.
 
     Returns
     -------
@@ -178,6 +179,7 @@ class _Bar(QtCore.QObject):
         self._window, self._progress, self._future, self._here = parent, progress, future, here
         self._error: BaseException | None = None
         self._stopped_at: float | None = None
+        self._began = time.monotonic()
         self._loop = QtCore.QEventLoop()
         self._dialog = dialog = QtWidgets.QProgressDialog(
             title, say("button.cancel"), 0, _STEPS, parent
@@ -199,7 +201,7 @@ class _Bar(QtCore.QObject):
         program = QtWidgets.QApplication.instance()
         program.sendEvent(self._window, QtCore.QEvent(QtCore.QEvent.Type.WindowBlocked))
         program.installEventFilter(self)
-        soon.start()
+        soon.start(_SOON_MS if self._here is None else 0)
         look.start()
         self._loop.exec()
         soon.stop()
@@ -224,8 +226,13 @@ class _Bar(QtCore.QObject):
         left = self._progress.is_stopped and time.monotonic() - self._stopped_at > _GRACE_S
         if self._future.done() or left:
             self._loop.quit()
-        elif self._here is not None and self._stopped_at is None:
+        elif self._here is not None and self._stopped_at is None and self._is_seen():
             self._do_here()
+
+    def _is_seen(self) -> bool:
+        """Whether the bar is on the screen, or a while has gone by in which it should have been."""
+        seen = self._dialog.isVisible() and self._dialog.windowHandle().isExposed()
+        return seen or time.monotonic() - self._began > 1e-3 * _SOON_MS
 
     def _do_here(self) -> None:
         try:

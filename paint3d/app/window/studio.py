@@ -272,7 +272,15 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.hand.open(opened.surface)
         self.both_hands.open(document)
         self.panels.open()
+        self._draw_first()
         self.show_title()
+
+    def _draw_first(self) -> None:
+        """Have the picture there with the title; that of millions of triangles takes a while."""
+        pixels = self.stage.draw()
+        if pixels is not None:
+            self.canvas.show_pixels(pixels)
+            self.canvas.repaint()
 
     def _show_open(self, is_open: bool) -> None:
         """Let what needs a painting be asked for, or not; what was lit for another one goes out."""
