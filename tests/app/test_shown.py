@@ -13,7 +13,8 @@ from paint3d.app.model.brush_size import resized
 from paint3d.app.model.held_ink import held_ink, ink_srgb
 from paint3d.app.window.brush_panel import BrushPanel
 from paint3d.app.window.commands import TOOLS
-from paint3d.app.window.theme import LIGHT_THEME
+from paint3d.app.window.hud import PLATE_ALPHA
+from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
 from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
 from paint3d.ink.pigments import WATER, load_pigment
@@ -344,3 +345,33 @@ def test_title_and_picture_change_together(program, monkeypatch) -> None:
         wait_for(lambda: window.stage.is_drawn)
         after = window.canvas._pixels.astype(int)
         assert np.abs(pictures[0] - before).mean() > 4.0 * np.abs(pictures[0] - after).mean()
+
+
+def luminance(colour: np.ndarray) -> float:
+    """Relative luminance of sRGB codes (3,), as WCAG 2 has it."""
+    c = np.asarray(colour, float) / 255.0
+    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    return float(linear @ (0.2126, 0.7152, 0.0722))
+
+
+@pytest.mark.parametrize("theme", [LIGHT_THEME, DARK_THEME], ids=["light", "dark"])
+def test_all_that_is_said_can_be_read(theme) -> None:
+    """4.5 to 1, also on the plate over paper in the dark and over ink in the light."""
+
+    def codes(name: str) -> np.ndarray:
+        return np.array(QtGui.QColor(getattr(theme, name)).getRgb()[:3])
+
+    share = PLATE_ALPHA / 255
+    grounds = {name: codes(name) for name in ("window", "panel", "raised", "field")}
+    for under in ("paper", "ink"):
+        seen = {"paper": (235, 232, 225), "ink": (40, 40, 40)}[under]
+        grounds[f"plate on {under}"] = share * codes("panel") + (1 - share) * np.array(seen)
+    faint = []
+    for text in ("text", "faint", "good", "slow", "bad"):
+        for name, ground in grounds.items():
+            if name.startswith("plate") and text not in ("text", "faint"):
+                continue
+            low, high = sorted((luminance(codes(text)), luminance(ground)))
+            if (high + 0.05) / (low + 0.05) < 4.5:
+                faint.append(f"{text} on {name}: {(high + 0.05) / (low + 0.05):.2f}")
+    assert faint == []

@@ -14,7 +14,10 @@ from paint3d.app.window.wording import say, say_length
 if TYPE_CHECKING:
     from paint3d.app.window.studio import StudioWindow
 
-__all__ = ["Hud"]
+__all__ = ["PLATE_ALPHA", "Hud"]
+
+PLATE_ALPHA = 242
+"""How dense the plate is, of 255: its words can be read over paper and over ink."""
 
 _PORCELAIN = "#f3f0ea"
 _MARGIN, _HEIGHT, _LEAST_WIDTH = 14, 46, 236
@@ -43,7 +46,7 @@ class Hud:
             area.left() + _MARGIN, area.bottom() - _MARGIN - _HEIGHT, width, _HEIGHT
         )
         back = QtGui.QColor(theme.panel)
-        back.setAlpha(222)
+        back.setAlpha(PLATE_ALPHA)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1))
         painter.setBrush(back)
         painter.drawRoundedRect(plate, 10, 10)

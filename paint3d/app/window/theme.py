@@ -45,8 +45,8 @@ class Theme:
 
 LIGHT_THEME = Theme(
     name="light", window="#e9e6e0", panel="#f4f2ee", raised="#ffffff", field="#ffffff",
-    line="#d3cec5", text="#2a2825", faint="#77716a", accent="#a8352a", on_accent="#ffffff",
-    chosen="#efe0d8", good="#1f6f8b", slow="#a86a00", bad="#a8352a",
+    line="#d3cec5", text="#2a2825", faint="#69635d", accent="#a8352a", on_accent="#ffffff",
+    chosen="#efe0d8", good="#1f6f8b", slow="#8c5800", bad="#a8352a",
 )  # fmt: skip
 DARK_THEME = Theme(
     name="dark", window="#1f1e1d", panel="#292826", raised="#343230", field="#1b1a19",
