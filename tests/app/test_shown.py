@@ -164,6 +164,18 @@ def test_the_picture_stays_where_it_is_while_the_brush_changes_its_size(window) 
     assert len(widths) == 1
 
 
+def test_the_picture_stays_where_it_is_while_numbers_grow(window) -> None:
+    window.resize(1280, 800)
+    live(0.1)
+    width, panels = window.canvas.width(), window.panels
+    panels.history.count.setText("Strokes: 12345, 98765.4 s")
+    panels.surface.size.setText("0.4 mm  ·  12,345,678 vertices")
+    live(0.1)
+    assert window.canvas.width() == width
+    needed = panels.history.count.fontMetrics().horizontalAdvance(panels.history.count.text())
+    assert panels.docks["history"].width() > needed  # it is there to be read
+
+
 def test_rows_of_brushes_are_as_high_before_their_strokes_are_painted(program) -> None:
     panel = BrushPanel(LIGHT_THEME)
     view = panel.findChild(QtWidgets.QListWidget, "brushes")

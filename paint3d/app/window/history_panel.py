@@ -54,6 +54,8 @@ class HistoryPanel(QtWidgets.QWidget):
         self.slider.valueChanged.connect(self._go)
         self.count = QtWidgets.QLabel()
         self.count.setObjectName("faint")
+        policy = QtWidgets.QSizePolicy.Policy  # numbers grow, and the picture is not to move
+        self.count.setSizePolicy(policy.Ignored, policy.Preferred)
         self.pace = QtWidgets.QComboBox()
         for text, speed in _SPEEDS:
             self.pace.addItem(text, speed)
@@ -67,8 +69,9 @@ class HistoryPanel(QtWidgets.QWidget):
         layout.setContentsMargins(8, 6, 8, 8)
         layout.addWidget(self.list, 1)
         layout.addWidget(self.slider)
+        layout.addWidget(self.count)
         row = QtWidgets.QHBoxLayout()
-        row.addWidget(self.count, 1)
+        row.addStretch(1)
         row.addWidget(self.pace)
         row.addWidget(self.play)
         row.addWidget(export)
