@@ -27,9 +27,17 @@ def window(program):
         yield window
 
 
+@pytest.fixture(scope="module")
+def at_first(window) -> tuple:
+    """The view and the brush in hand when it was opened."""
+    return window.hand.camera, window.document.painter.brush
+
+
 @pytest.fixture(autouse=True)
-def first_view(window):
+def first_view(window, at_first):
+    window.hand.look(at_first[0])
     window.hand.show_all()
+    window.post("set_brush", at_first[1])
     window.canvas._pen_seen_s = -1e9  # no pen was ever here
     window.canvas.setFocus()
     live(0.05)
@@ -349,6 +357,26 @@ def test_a_second_finger_soon_takes_the_dot_back(window) -> None:
         fingers.set({1: (0.48 * w, 0.5 * h), 2: (0.6 * w, 0.5 * h)})
         fingers.set({1: (0.48 * w, 0.6 * h), 2: (0.6 * w, 0.6 * h)})
     assert strokes(window) == n
+
+
+@pytest.mark.parametrize("what", ["finger", "pen"])
+def test_the_stroke_after_one_that_was_taken_back_is_whole(window, what) -> None:
+    canvas = window.canvas
+    size = np.array([canvas.width(), canvas.height()])
+    a, b, n = np.array([0.45, 0.5]) * size, np.array([0.55, 0.5]) * size, strokes(window)
+    with Touching(canvas) as fingers:
+        fingers.set({1: a})
+        fingers.set({1: a + by(0, 9)})
+        fingers.set({1: a + by(0, 9), 2: b})
+        fingers.set({1: a + by(0, 60), 2: b + by(0, 60)})
+    assert strokes(window) == n
+    window.hand.show_all()
+    if what == "finger":
+        with Touching(canvas) as fingers:
+            fingers.drag({1: (a, b)})
+    else:
+        pen_drag(canvas, (0.45, 0.5), (0.55, 0.5))
+    assert strokes(window) == n + 1
 
 
 @pytest.mark.parametrize(

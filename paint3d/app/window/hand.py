@@ -57,7 +57,7 @@ class CanvasHand(QtCore.QObject):
         self._spent = False  # a stroke was taken back whose pen is still down
         self._notches = 0.0
         canvas.touched.connect(self.touch)
-        canvas.taken_back.connect(self.cancel)
+        canvas.taken_back.connect(self._take_back)
         canvas.resized.connect(self._resized)
         canvas.left.connect(self._leave)
 
@@ -230,6 +230,11 @@ class CanvasHand(QtCore.QObject):
             self.hand.end(self._place.time_ns, self._stage.easel.brush)
             self._stage.easel.post("cancel_stroke")
             self.ended.emit()
+
+    def _take_back(self) -> None:
+        """Take back what a finger began that now does something else: the next paints again."""
+        self.cancel()
+        self._spent = False
 
     def _leave(self) -> None:
         if not self.in_stroke and self._stage.easel is not None:
