@@ -69,6 +69,31 @@ def window(program):
         yield window
 
 
+@pytest.fixture(scope="module")
+def at_first(window) -> tuple:
+    """The brush and the ink in hand when it was opened."""
+    return window.document.painter.brush, window.document.inks[0]
+
+
+@pytest.fixture
+def sheet(window, at_first):
+    """Nothing painted, and brush and ink as at first, whatever the tests before did."""
+    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    window.post("set_brush", at_first[0])
+    window.post("dip", at_first[1])
+    wait_for(lambda: window.stage.is_lit)
+    settled(window)
+    return window
+
+
+@pytest.fixture
+def painted_once(sheet):
+    """A sheet with one stroke."""
+    drag(sheet.canvas, (0.35, 0.45), (0.6, 0.45))
+    settled(sheet)
+    return sheet
+
+
 def choose(window, name: str) -> None:
     """Choose from a menu what can be chosen, or soon can."""
     action = window.actions_by_name[name]
@@ -88,7 +113,8 @@ def picture(window) -> np.ndarray:
     return window.stage.picture(fine=False)[..., :3].astype(int)
 
 
-def test_a_mouse_paints_and_the_picture_shows_it(window) -> None:
+def test_a_mouse_paints_and_the_picture_shows_it(sheet) -> None:
+    window = sheet
     before = picture(window)
     drag(window.canvas, (0.35, 0.45), (0.6, 0.45))
     settled(window)
@@ -105,7 +131,8 @@ def test_a_mouse_paints_and_the_picture_shows_it(window) -> None:
     assert painted(window) == n
 
 
-def test_a_pens_pressure_widens_the_stroke(window) -> None:
+def test_a_pens_pressure_widens_the_stroke(sheet) -> None:
+    window = sheet
     counts = []
     for row, pressure in ((0.4, 0.15), (0.6, 0.8)):
         before = painted(window)
@@ -133,7 +160,8 @@ def test_alt_or_another_button_turns_instead_of_painting(window) -> None:
     assert np.allclose(window.hand.camera.position, camera.position)
 
 
-def test_keys_and_panels_reach_the_painting(window) -> None:
+def test_keys_and_panels_reach_the_painting(sheet) -> None:
+    window = sheet
     length = window.document.painter.brush.length_mm
     choose(window, "larger")
     assert window.document.painter.brush.length_mm > length
@@ -185,7 +213,8 @@ def test_a_copybook_is_painted_over_and_judged(window) -> None:
     window.hand.look(back)
 
 
-def test_a_recording_is_replayed_at_the_speed_that_is_asked_for(window) -> None:
+def test_a_recording_is_replayed_at_the_speed_that_is_asked_for(painted_once) -> None:
+    window = painted_once
     stroke = window.document.strokes[0]
     there, n = len(window.document.strokes), len(stroke.samples)
     window.player.play(stroke.samples, 1e-3)
@@ -237,7 +266,8 @@ class Felt(Plugged):
 
 
 @pytest.mark.parametrize("haptic", [False, True])
-def test_a_stylus_paints_through_the_desk(window, haptic: bool) -> None:
+def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
+    window = painted_once
     now = time.monotonic_ns()
     upright = np.array([1.0, 0.0, 0.0, 0.0])
     readings = [
