@@ -208,8 +208,11 @@ class Monkey(QtCore.QObject):
                     self._answer(dialog)
                 except Exception:
                     self._fault("traceback", traceback.format_exc())
-        elif not self._starting and self._depth < DEEPEST and self._rng.random() < 0.05:
+        elif self._may_act_within() and self._rng.random() < 0.05:
             self._act()
+
+    def _may_act_within(self) -> bool:
+        return not self._starting and self._depth < DEEPEST and self.window.isVisible()
 
     # -- what it does -----------------------------------------------------------------------
 
@@ -254,8 +257,6 @@ class Monkey(QtCore.QObject):
         action = self.window.actions_by_name[name]
         self.done.append(f"{self.number}: menu {name}{'' if action.isEnabled() else ' (off)'}")
         action.trigger()
-        if name == "quit" and not self.window.isVisible():
-            self._new_window()
         return name
 
     def key(self, rng: Generator) -> str:
@@ -561,8 +562,10 @@ class Monkey(QtCore.QObject):
         self.faults.append(Fault(self.number, kind, text))
 
     def _check(self) -> None:
-        """After an action nothing is held, and the window comes round."""
+        """After an action nothing is held, and the window comes round; there is one."""
         self._process()
+        if not self.window.isVisible():  # by whatever way it was left
+            self._new_window()
         if self.window.hand.in_stroke and not self._is_blocked():
             self._fault("state", "a stroke goes on though nothing touches")
             self.window.hand.lift()
