@@ -110,19 +110,6 @@ def test_far_beside_the_surface_or_above_it_unpressed_nothing_happens(pressed):
     assert not painter.surface.coverage.any()
 
 
-@pytest.mark.parametrize("hairs", [0, 50])
-def test_who_presses_paints_from_any_height(hairs):
-    recording = stroke(LANDING)
-    painted = []
-    for height in (0.0, 200.0):
-        away = recording.position + np.array([0.0, 0.0, height])
-        painter = Painter(surface(), hairs=hairs)
-        painter.replay(dataclasses.replace(recording, position=away))
-        painted.append(painter.surface.coverage)
-    assert painted[0].any()
-    np.testing.assert_allclose(painted[0], painted[1], atol=2e-3)
-
-
 def test_beside_the_surface_ink_runs_off_or_stays():
     painter = Painter(surface(half=10.0))
     painter.replay(stroke(np.full(30, 0.4), start=9.0))

@@ -59,6 +59,19 @@ def balance(painter):
     return abs(there / ledger["loaded"] - 1.0)
 
 
+@pytest.mark.parametrize("hairs", [50, 0])
+def test_who_presses_paints_from_any_height(hairs):
+    """Where the hand says how hard it presses, the position says only where."""
+    recording = stroke()
+    painted = []
+    for height in (0.0, 200.0):
+        away = recording.position + np.array([0.0, 0.0, height])
+        painter = paint(dataclasses.replace(recording, position=away), hairs=hairs)
+        painted.append(painter.surface.coverage)
+    assert painted[0].any()
+    np.testing.assert_allclose(painted[0], painted[1], atol=2e-3)
+
+
 def bytes_of(painter):
     surface = painter.surface
     arrays = (surface.amounts, surface.coverage, surface.srgb, surface.paint_mesh.vertices)
