@@ -1,4 +1,4 @@
-"""What lies on the table: dishes of ink, the copybook, devices."""
+"""What lies on the table: the copybook, devices."""
 
 import numpy as np
 import pytest
@@ -6,59 +6,18 @@ import pytest
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.devices import DeviceDesk, StrokeCutter
 from paint3d.app.model.document import Document
-from paint3d.app.model.inks import Dish, Dishes
-from paint3d.app.model.player import Player
-from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.space_mouse import MouseEvent
 from paint3d.device.stylus_reading import StylusReading
-from paint3d.errors import InputError, UnknownNameError
+from paint3d.errors import InputError
 from paint3d.mesh.solids import make_plane
 from paint3d.pose.two_hands import TwoHands
 from paint3d.stroke.glyph_sources import open_glyphs
 from paint3d.stroke.writing import Pen, write_text
-from tests.app.hands import UPRIGHT, line, sample, small_plane
+from tests.app.hands import UPRIGHT, line, sample
 
 MS = 1_000_000
-
-
-def test_inks_are_stirred_and_dipped_into():
-    dishes = Dishes.of("pine soot", "cinnabar")
-    dishes.pour(0, "water", 3.0)
-    assert dishes.mixture(0) == {"pine soot": 0.25, "water": 0.75}
-    dishes.pour_dish(1, 0)
-    assert dishes.mixture(1) == pytest.approx({"cinnabar": 0.2, "pine soot": 0.2, "water": 0.6})
-    document = small_plane()
-    document.dip(dishes.mixture(1))
-    column = [pigment.name for pigment in document.surface.pigments].index("cinnabar")
-    held = document.surface.ink.load[column]
-    assert held == pytest.approx(0.2 * document.painter.tuft.load)
-    dishes.empty(0)
-    with pytest.raises(InputError, match="empty"):
-        dishes.mixture(0)
-    assert Dishes.from_json(dishes.to_json()).to_json() == dishes.to_json()
-    dishes.remove(0)
-    assert dishes.add() == 1
-    assert len(dishes) == 2
-
-
-def test_thinned_ink_looks_lighter_in_the_dish():
-    dark = Dish({"pine soot": 1.0}).srgb()
-    light = Dish({"松烟墨": 1.0, "water": 9.0}).srgb()
-    assert max(dark) < 60 < min(light)
-    assert min(Dish().srgb()) > 200
-    assert Dish({"water": 1.0}).srgb() == Dish().srgb()
-
-
-def test_what_is_no_dish_is_told():
-    for bad in (lambda: Dish({"pine soot": 0.0}), lambda: Dishes()[0], lambda: Dishes.from_json(3)):
-        with pytest.raises(InputError, match="expected"):
-            bad()
-    with pytest.raises(UnknownNameError, match="cinnabar"):
-        Dish({"cinabar": 1.0})
-    with pytest.raises(InputError, match="64"):
-        Dishes([Dish()] * 65)
 
 
 @pytest.fixture(scope="module")
@@ -240,20 +199,3 @@ def test_a_stream_is_cut_into_strokes():
     assert [p if isinstance(p, str) else len(p) for p in lifted.cut(heights)] == [
         "begin_stroke", 4, "end_stroke"
     ]  # fmt: skip
-
-
-def test_a_recording_plays_at_any_speed():
-    recording = recording_of(line((0, 0), (10, 0), n=21), {})  # 100 ms
-    player = Player(recording, 0.5, now_s=7.0)
-    assert len(player.take(7.0)) == 1
-    assert len(player.take(7.1001)) == 10
-    player.paused = True
-    assert player.take(9.0) == []
-    player.paused = False
-    assert player.set_speed(10.0, 9.0) == []
-    rest = player.take(9.0052)
-    assert len(rest) == 10
-    assert player.is_over
-    assert player.position_s == pytest.approx(player.duration_s)
-    with pytest.raises(InputError, match="speed"):
-        Player(recording, 0.0)

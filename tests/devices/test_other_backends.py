@@ -1,4 +1,4 @@
-"""Backends that call us and backends that are asked, against stand-ins; pointers and tablets."""
+"""Backends that call us and backends that are asked, against stand-ins."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
@@ -25,9 +23,7 @@ from paint3d.device.haptic_stylus import decode_force, encode_pose
 from paint3d.device.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
 from paint3d.device.inverse3_port import Inverse3Port
 from paint3d.device.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
-from paint3d.device.pointer import PointerEvent, PointerSettings, PointerState, point
-from paint3d.device.stylus_reading import BARREL, DIP, ERASER
-from paint3d.device.tablet import TabletEvent, tablet_reading
+from paint3d.device.stylus_reading import BARREL, DIP
 from paint3d.errors import DeviceError
 from paint3d.frames import rotate
 
@@ -269,68 +265,3 @@ def test_an_inverse3_service_that_goes_or_was_never_there() -> None:
 def test_a_force_beyond_the_inverse3_is_never_sent() -> None:
     with pytest.raises(DeviceError, match="at most"):
         run_inverse3(Loop(5, (INVERSE3_LIMIT + 0.1, 0.0, 0.0)))
-
-
-# -- mouse and keyboard, tablets --------------------------------------------------------------
-
-
-def follow(events, **more):
-    state, readings = PointerState(**more), []
-    for event in events:
-        state, reading = point(PointerSettings(), state, event)
-        readings.append(reading)
-    return state, readings
-
-
-@settings(deadline=None, max_examples=30)
-@given(st.integers(5, 200), st.floats(0.1, 2.0))
-def test_keys_press_in_time_not_in_events(n, seconds) -> None:
-    times = np.linspace(0, seconds * 1e9, n).astype(int)
-    events = [PointerEvent(int(t), 0, 0, harder=t > 0) for t in times]
-    state, _ = follow(events, force=1.0)
-    assert state.force == pytest.approx(min(7.9, 1.0 + 3.0 * seconds), abs=1e-6)
-
-
-def test_force_stays_within_the_device_of_the_papers() -> None:
-    up = [PointerEvent(i * 10**9, 0, 0, harder=True) for i in range(9)]
-    assert follow(up)[0].force == 7.9
-    assert follow([PointerEvent(0, 0, 0, wheel=-99.0)])[0].force == 0.0
-    assert follow([PointerEvent(0, 0, 0, wheel=2.0)], force=1.0)[0].force == 1.5
-
-
-def test_the_tuft_trails_behind_the_pointer() -> None:
-    events = [PointerEvent(i * MS, 0.5 * i, 0.2 * i, down=True) for i in range(100)]
-    _, readings = follow(events, force=3.95)
-    bend = rotate(readings[-1].orientation, np.array([1.0, 0, 0]))
-    way = np.array([0.5, 0.2, 0]) / np.hypot(0.5, 0.2)
-    assert bend @ way < -0.999  # zhongfeng: the tip in the middle, behind the brush
-    assert readings[-1].pressure == pytest.approx(0.5)
-    assert follow([PointerEvent(0, 1, 2)])[1][0].pressure == 0.0
-
-
-def test_a_modifier_sets_the_bend_and_holds_the_brush() -> None:
-    events = [PointerEvent(0, 0, 0), PointerEvent(MS, 0, 9.0, bending=True)]
-    _, readings = follow(events)
-    assert readings[1].position.tolist() == [0, 0, 0]
-    assert np.allclose(rotate(readings[1].orientation, np.array([1.0, 0, 0])), [0, 1, 0])
-    with pytest.raises(DeviceError, match="pointer event"):
-        follow([PointerEvent(0, math.nan, 0)])
-
-
-def test_a_tablet_event_is_a_reading() -> None:
-    said = tablet_reading(
-        TabletEvent(5, 100, 150, 0.5, x_tilt=30, second=True, eraser=True), 0.25, 200
-    )
-    assert np.allclose(said.position, [25.0, 12.5, 0.0])
-    assert (said.pressure, said.buttons, said.time_ns) == (0.5, DIP | ERASER, 5)
-    assert rotate(said.orientation, np.array([0, 0, 1.0]))[0] == pytest.approx(0.5)
-    near = tablet_reading(TabletEvent(0, 0, 0, y_tilt=20), 1.0, 1.0)
-    assert rotate(near.orientation, np.array([0, 0, 1.0]))[1] < 0.0  # leans towards the user
-    right = tablet_reading(TabletEvent(0, 0, 0, rotation=90), 1.0, 1.0)
-    assert np.allclose(rotate(right.orientation, np.array([1.0, 0, 0])), [0, 1, 0], atol=1e-12)
-
-
-@pytest.mark.parametrize("wrong", [{"pressure": 1.2}, {"x": math.inf}, {"x_tilt": math.nan}])
-def test_tablet_events_that_cannot_be_are_refused(wrong) -> None:
-    with pytest.raises(DeviceError, match="tablet event"):
-        tablet_reading(TabletEvent(**{"time_ns": 0, "x": 0.0, "y": 0.0, **wrong}), 1.0, 100.0)
