@@ -41,33 +41,21 @@ def test_every_sample_is_painted_as_without_a_thread(easel):
     with easel.paused() as document:
         np.testing.assert_array_equal(document.surface.amounts, alone.surface.amounts)
         shown = document.surface.srgb
-    seen = np.full((frames[-1].n_vertices, 3), alone.surface.codes[0], np.uint8)
-    for frame in frames:
-        if frame.growth is not None:
-            seen[frame.growth.first_vertex :][: len(frame.growth.srgb)] = frame.growth.srgb
-        seen[frame.vertex_ids] = frame.srgb
-    np.testing.assert_array_equal(seen, shown)
+    bare = small_plane().surface
+    told = np.concatenate([frame.vertex_ids for frame in frames])
+    painted = np.flatnonzero((shown != bare.srgb[0]).any(axis=1))
+    assert len(painted) > 20
+    assert set(painted.tolist()) <= set(told.tolist())
 
 
-def test_growth_tells_all_triangles(easel):
-    with easel.paused() as document:
-        mesh = document.surface.paint_mesh
-        faces = {root: [tuple(face)] for root, face in enumerate(mesh.base_faces.tolist())}
-    easel.post("begin_stroke")
-    easel.feed(line((-30, 0), (30, 0), n=100))
-    easel.post("end_stroke")
-    for frame in frames_until_still(easel):
-        if frame.growth is None:
-            continue
-        for root in frame.growth.roots.tolist():
-            faces[root] = []
-        for face, root in zip(
-            frame.growth.faces.tolist(), frame.growth.face_roots.tolist(), strict=True
-        ):
-            faces[root].append(tuple(face))
-    with easel.paused() as document:
-        leaves = {tuple(face) for face in document.surface.paint_mesh.leaf_faces().tolist()}
-    assert {face for group in faces.values() for face in group} == leaves
+def test_a_frame_tells_that_triangles_came(easel):
+    easel.feed([])
+    assert not any(frame.has_grown for frame in frames_until_still(easel))
+    for k in range(2):  # the second time the same place is painted, and nothing comes
+        easel.post("begin_stroke")
+        easel.feed(line((-30, 0), (30, 0), n=100, t0=1 + k * 10_000_000_000))
+        easel.post("end_stroke")
+        assert any(frame.has_grown for frame in frames_until_still(easel)) == (k == 0)
 
 
 def test_a_fault_is_an_event_and_painting_goes_on(easel):

@@ -26,7 +26,7 @@ from queue import SimpleQueue
 from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame, GrowthWatch, view_brush
+from paint3d.app.model.frame import Frame, view_brush
 from paint3d.app.model.ink_clock import PIECE_S, InkClock
 from paint3d.app.model.sitting import Sitting
 from paint3d.brush.spec import BrushSpec
@@ -139,12 +139,11 @@ class Easel:
         self._wanting = 0
         self._slot: Frame | None = None
         self._events: deque[Event] = deque()
-        self._watch = GrowthWatch(document.surface)
+        self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
         self._hovering: DeviceSample | None = None
         self.newest: DeviceSample | None = None
         self._stopping = self._working = self._nudged = False
         self._stale = True
-        self._number = 0
         self._lag = 0.0
         self._ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
         self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
@@ -430,17 +429,15 @@ class Easel:
         document = self.document
         self._stale = False
         ids = document.refresh()
-        growth = self._watch.take()
+        counts = document.surface.paint_mesh.arrays.counts.copy()
+        has_grown = bool((counts != self._counts).any())
+        self._counts = counts
         sample = self._hovering
-        self._number += 1
         with self._wake:
             asked = sum(job.command != _FOLLOW for job in self._jobs)
         frame = Frame(
-            self._number,
             ids,
-            document.surface.codes[ids],
-            document.surface.n_vertices,
-            growth,
+            has_grown,
             None if sample is None else view_brush(document, sample),
             asked,
             self._lag,

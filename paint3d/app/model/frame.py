@@ -12,40 +12,8 @@ from paint3d.app.model.held_ink import ink_srgb
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
 from paint3d.projection.contact import Contact
-from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["BrushView", "Frame", "Growth", "GrowthWatch", "view_brush"]
-
-
-@dataclass(frozen=True, eq=False)
-class Growth:
-    """Vertices and triangles that refinement added.
-
-    Attributes
-    ----------
-    first_vertex : int
-        Number of the first vertex that is new.
-    vertices, normals : (N, 3) float32
-        Of the new ones, mm.
-    srgb : (N, 3) uint8
-    roots : (R,) int32
-        Faces of `PaintMesh.base_faces` that are divided otherwise than before.
-    faces : (F, 3) int32
-        All triangles that those consist of now.
-    face_roots : (F,) int32
-        The root of each.
-    cells : (C,) int32
-        Cells that were refined.
-    """
-
-    first_vertex: int
-    vertices: NDArray
-    normals: NDArray
-    srgb: NDArray
-    roots: NDArray
-    faces: NDArray
-    face_roots: NDArray
-    cells: NDArray
+__all__ = ["BrushView", "Frame", "view_brush"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,15 +52,10 @@ class Frame:
 
     Attributes
     ----------
-    number : int
-        Counts from 1.
     vertex_ids : (N,) int32
         Vertices whose colours changed.
-    srgb : (N, 3) uint8
-        Their colours: a copy.
-    n_vertices : int
-    growth : Growth or None
-        Vertices and triangles that came; None where none did.
+    has_grown : bool
+        Whether refinement added vertices or triangles.
     brush : BrushView or None
         None before the first sample.
     queue_length : int
@@ -103,53 +66,14 @@ class Frame:
     n_strokes : int
     """
 
-    number: int
     vertex_ids: NDArray
-    srgb: NDArray
-    n_vertices: int
-    growth: Growth | None
+    has_grown: bool
     brush: BrushView | None
     queue_length: int
     lag_s: float
     can_undo: bool
     can_redo: bool
     n_strokes: int
-
-
-class GrowthWatch:
-    """Tells what refinement added to a surface since it was last asked."""
-
-    def __init__(self, surface: PaintedSurface) -> None:
-        self._surface = surface
-        fields = surface.paint_mesh.arrays
-        self._counts = fields.counts.copy()
-        self._done = fields.done.copy()
-
-    def take(self) -> Growth | None:
-        """What is new, or None."""
-        mesh = self._surface.paint_mesh
-        fields = mesh.arrays
-        (first, first_node), (n, nodes) = self._counts, fields.counts.copy()
-        if n == first and nodes == first_node:
-            return None
-        cells = np.flatnonzero(fields.done != self._done).astype(np.int32)
-        roots = np.unique(fields.node_root[first_node:nodes])
-        divided = np.zeros(len(mesh.base_faces), bool)
-        divided[roots] = True
-        of = fields.node_root[:nodes]
-        leaves = np.flatnonzero(divided[of] & (fields.child[:nodes] < 0))
-        self._counts, self._done = np.array([n, nodes]), fields.done.copy()
-        new = slice(int(first), int(n))
-        return Growth(
-            int(first),
-            np.stack([getattr(fields, a)[new] for a in ("px", "py", "pz")], axis=1),
-            np.stack([getattr(fields, a)[new] for a in ("nx", "ny", "nz")], axis=1),
-            self._surface.codes[new].copy(),
-            roots,
-            fields.node_vertices[leaves],
-            of[leaves],
-            cells,
-        )
 
 
 def view_brush(document: Document, sample: DeviceSample) -> BrushView:

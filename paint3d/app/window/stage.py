@@ -171,7 +171,7 @@ class Stage:
                 self._take()
             return None
         self._pending.append(frame.vertex_ids)
-        if self._pending[1:] or len(frame.vertex_ids) or frame.growth is not None:
+        if self._pending[1:] or len(frame.vertex_ids) or frame.has_grown:
             self._take()
         else:
             self._pending.clear()
