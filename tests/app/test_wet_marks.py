@@ -9,6 +9,8 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+from PySide6 import QtTest
+
 from paint3d.app.model import easel as easels
 from paint3d.app.window import canvas as canvases
 from tests.app.event_player import PAUSE_MS, EventRecording, hand_over, open_for, process, settle
@@ -42,6 +44,8 @@ def window(program):
 
 def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -> None:
     """Hand events over when their picture ends, by the clock on the wall."""
+    window.activateWindow()  # a bar had the keys until now
+    assert QtTest.QTest.qWaitForWindowActive(window, 60_000)
     player, begin_ms = player_of(window), wall.ms + PAUSE_MS
     player._aspect = recording.header.get("aspect")
     for batch in hand_over(recording.events, how, 12, pace):
