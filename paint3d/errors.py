@@ -7,6 +7,7 @@
     |   |-- SessionError         a saved session, or a journal
     |   |-- PigmentError         a pigment, ink or material table
     |   |-- BrushError           a brush preset or parameter
+    |   |-- LayerError           a layer that takes no paint as it is
     |   `-- UnknownNameError     a name that is not among the known ones
     |-- DeviceError              a device, its reports or its driver
     |   `-- PermissionNeededError   it is plugged in and may not be opened: which node, and the rule
@@ -25,6 +26,7 @@ __all__ = [
     "DeviceError",
     "ExportError",
     "InputError",
+    "LayerError",
     "MeshError",
     "Paint3DError",
     "PermissionNeededError",
@@ -61,6 +63,14 @@ class PigmentError(InputError):
 
 class BrushError(InputError):
     """A brush parameter outside the range in which the model holds."""
+
+
+class LayerError(InputError):
+    """A layer that takes no paint; `layer` is its name, `state` "locked" or "hidden"."""
+
+    def __init__(self, layer: str, state: str) -> None:
+        super().__init__(f"the layer {layer!r} is {state}; expected another one")
+        self.layer, self.state = layer, state
 
 
 class UnknownNameError(InputError):

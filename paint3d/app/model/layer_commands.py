@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import count
 
-from paint3d.errors import InputError
+from paint3d.errors import InputError, LayerError
 from paint3d.stroke.engine import Painter
 from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
@@ -124,5 +124,5 @@ class LayerCommands:
         layer = self.layers[self.active_layer]
         for state, why in ((layer.locked, "locked"), (not layer.visible, "hidden")):
             if state:
-                raise InputError(f"the layer {layer.name!r} is {why}; expected another one")
+                raise LayerError(layer.name, why)
         return layer

@@ -317,8 +317,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.player.tick()
         self.copying.follow()
         for event in self.stage.easel.take_events():
-            self.tell(say_error(event.message), state="bad")
-            if event.kind == "error" and event.doing != "keeping":
+            refused = event.kind == "error"
+            self.tell(say_error(event.error if refused else event.message), state="bad")
+            if refused and event.doing != "keeping":
                 self._refusal = self.told.text()
         if time.perf_counter() < self._next_draw:
             return

@@ -6,12 +6,10 @@ which is its key, and in Chinese beside it (`chinese`).
 
 from __future__ import annotations
 
-import ast
-import re
-
 from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
+from paint3d.errors import LayerError
 from paint3d.files.load import UNITS_MM
 
 __all__ = [
@@ -23,8 +21,6 @@ __all__ = [
     "say_layer",
     "say_length",
 ]
-
-_UNPAINTABLE = re.compile("the layer (.*) is (locked|hidden); expected another one")
 
 _texts = [Texts("en")]
 _unit = ["mm"]
@@ -66,7 +62,6 @@ def say_layer(name: str) -> str:
 
 def say_error(error: BaseException | str) -> str:
     """What went wrong, in the language that is spoken."""
-    layer = _UNPAINTABLE.fullmatch(str(error))
-    if layer is not None:
-        return say(f"layer.is_{layer[2]}", name=say_layer(ast.literal_eval(layer[1])))
+    if isinstance(error, LayerError):
+        return say(f"layer.is_{error.state}", name=say_layer(error.layer))
     return in_chinese(str(error)) if language() == "zh" else str(error)
