@@ -433,20 +433,18 @@ class Easel:
         has_grown = bool((counts != self._counts).any())
         self._counts = counts
         sample = self._hovering
+        brush = None if sample is None else view_brush(document, sample)
         with self._wake:
-            asked = sum(job.command != _FOLLOW for job in self._jobs)
-        frame = Frame(
-            ids,
-            has_grown,
-            None if sample is None else view_brush(document, sample),
-            asked,
-            self._lag,
-            document.can_undo,
-            document.can_redo,
-            len(document.strokes),
-        )
-        with self._wake:
-            self._slot = frame
+            self._slot = Frame(
+                ids,
+                has_grown,
+                brush,
+                sum(job.command != _FOLLOW for job in self._jobs),
+                self._lag,
+                document.can_undo,
+                document.can_redo,
+                len(document.strokes),
+            )
 
     def _guarded(self, doing: str, action: Callable[[], None]) -> None:
         try:
