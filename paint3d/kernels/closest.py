@@ -12,7 +12,7 @@ from numba import njit
 
 from paint3d.kernels.contact import _box_distance2
 
-__all__ = ["FACES_PER_LEAF", "find_closest", "find_hits"]
+__all__ = ["FACES_PER_LEAF", "closest_on", "find_closest", "find_hits"]
 
 FACES_PER_LEAF = 2
 _STACK = 64
@@ -33,7 +33,7 @@ def _on_edge(ux, uy, uz, px, py, pz):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _closest_on(points, a, b, c, x, y, z):
+def closest_on(points, a, b, c, x, y, z):
     """Weights v, w of the corners b, c at the point of triangle abc nearest to (x, y, z).
 
     Returns v, w and the squared distance. Where the foot of the perpendicular lies within the
@@ -135,7 +135,7 @@ def _search(tree, x, y, z, nodes, away):
             a = tree.triangles[k, 0]
             b = tree.triangles[k, 1]
             c = tree.triangles[k, 2]
-            tv, tw, d2 = _closest_on(tree.points, a, b, c, x, y, z)
+            tv, tw, d2 = closest_on(tree.points, a, b, c, x, y, z)
             if d2 < best or found < 0 or (d2 == best and tree.order[k] < tree.order[found]):
                 best = d2
                 found = k

@@ -469,8 +469,8 @@ def _over_cracks(
     pair_sheet: NDArray,
 ) -> NDArray:
     """(n, 2) int32: sheets that end beside one another, at most a hair's breadth away."""
-    room = n = 0
-    links = np.empty((0, 2), np.int32)
+    room = 0
+    links = np.empty((room, 2), np.int32)
     if not (base.radial == np.arange(len(base.radial), dtype=np.int32)).any():
         return links
     while True:
