@@ -12,11 +12,12 @@ import gc
 import os
 import zlib
 from collections.abc import Iterator
+from pathlib import Path
 
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 
-from paint3d.kernels.kept_code import compiled_code
+from paint3d.core import compile_cache
 
 __all__ = ["compile_each_kernel_once"]
 
@@ -27,7 +28,7 @@ def compile_each_kernel_once() -> None:
     A kernel is locked by a byte of one file. What a kernel calls is compiled, and locked, within
     it; no kernel calls one that calls it, so nobody waits in a circle.
     """
-    folder = compiled_code()
+    folder = compile_cache.compiled_folder(Path(compile_cache.__file__).parent)
     folder.mkdir(parents=True, exist_ok=True)
     file = os.open(folder / "compiling.lock", os.O_RDWR | os.O_CREAT, 0o600)
     whole = Dispatcher.compile

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.kernels import stamp as st
+from paint3d.kernels.room import make_room
 from paint3d.kernels.standing import deposit_standing, place_standing
-from paint3d.projection.room import make_room
 from paint3d.stroke.engine import Painter
 
 __all__ = ["StandingStamps"]

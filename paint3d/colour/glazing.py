@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,22 +17,12 @@ from paint3d.colour.layers import SAUNDERSON
 from paint3d.colour.spectra import N_BANDS, rgb_weights
 from paint3d.colour.vertex_colours import srgb_codes
 from paint3d.ink.pigments import Pigment
-from paint3d.kernels.glazing import dry_vertices, glazed_colours
+from paint3d.kernels.glazing import Ground, dry_vertices, glazed_colours
 
-__all__ = ["GlazeModel", "Ground", "make_ground", "spectrum_from_linear_rgb", "srgb_primaries"]
+__all__ = ["GlazeModel", "make_ground", "spectrum_from_linear_rgb", "srgb_primaries"]
 
 _TABLE = Path(__file__).parent / "data" / "srgb_spectra.csv"
 _NO_RGB = np.empty((0, 3), np.float32)
-
-
-class Ground(NamedTuple):
-    """What lies below the wet paint (cap: room for vertices, D: dried vertices)."""
-
-    slots: NDArray  # (cap,) int32, row of each vertex in `spectra`, -1 for none; or (0,)
-    spectra: NDArray  # (D, 31) uint16, reflectance as measured, in steps of 1/65535
-    linear_rgb: NDArray  # (cap, 3) float32, colour that the mesh came with; or (0, 3)
-    primaries: NDArray  # (31, 3) float32, spectra of red, green and blue
-    material: NDArray  # (31,) float32
 
 
 @lru_cache(maxsize=1)

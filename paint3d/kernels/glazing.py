@@ -8,15 +8,28 @@ elementwise, so a vertex gets the same bits whatever its place in the list.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from paint3d.kernels.reflectance import BLOCK, fill_layers, mix_paints, shine
 
-__all__ = ["SPECTRUM_STEPS", "add_between", "dry_vertices", "glazed_colours"]
+__all__ = ["SPECTRUM_STEPS", "Ground", "add_between", "dry_vertices", "glazed_colours"]
 
 SPECTRUM_STEPS = 65535
 """Steps of a reflectance from 0 to 1 as it is kept: 8e-6 is a hundredth of an sRGB code."""
+
+
+class Ground(NamedTuple):
+    """What lies below the wet paint (cap: room for vertices, D: dried vertices)."""
+
+    slots: NDArray  # (cap,) int32, row of each vertex in `spectra`, -1 for none; or (0,)
+    spectra: NDArray  # (D, 31) uint16, reflectance as measured, in steps of 1/65535
+    linear_rgb: NDArray  # (cap, 3) float32, colour that the mesh came with; or (0, 3)
+    primaries: NDArray  # (31, 3) float32, spectra of red, green and blue
+    material: NDArray  # (31,) float32
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -16,9 +16,9 @@ from paint3d.errors import InputError
 from paint3d.kernels import stamp as st
 from paint3d.kernels.contact import ContactTree
 from paint3d.kernels.placement import REACH, place_stamp
+from paint3d.kernels.room import make_room
 from paint3d.kernels.tuft import Tuft
 from paint3d.mesh.paint_mesh import PaintMesh
-from paint3d.projection.room import make_room
 
 __all__ = ["Contact", "find_contact"]
 

@@ -29,11 +29,11 @@ from paint3d.kernels.bristle_stroke import paint_with_hairs
 from paint3d.kernels.candidates import VISITED
 from paint3d.kernels.deposit import PAINTED
 from paint3d.kernels.pickup import CAPACITY, PICKUP, REACH
+from paint3d.kernels.room import Room, grow_room, make_room
 from paint3d.kernels.tuft_load import level_stations
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
-from paint3d.projection.room import Room, grow_room, make_room
 from paint3d.stroke.hair_tuft import HairTuft
 from paint3d.stroke.laying import DIP, LaidPad
 from paint3d.stroke.recording import Recording

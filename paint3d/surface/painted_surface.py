@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.arrays import as_number
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.colour.glazing import GlazeModel, Ground, make_ground
+from paint3d.colour.glazing import GlazeModel, make_ground
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.errors import InputError
 from paint3d.ink.materials import Material, load_material
 from paint3d.ink.pigments import WATER, Pigment
+from paint3d.kernels.glazing import Ground
+from paint3d.kernels.ink_field import InkField
 from paint3d.mesh.contact_index import build_contact_tree
 from paint3d.mesh.flow_graph import FlowGraph
 from paint3d.mesh.paint_mesh import PaintMesh
@@ -31,27 +33,13 @@ if TYPE_CHECKING:
     from paint3d.surface.flow import Flow
     from paint3d.surface.layer_stack import LayerStack
 
-__all__ = ["EXPORT_TOLERANCE", "MOST_NODES_AT_ONCE", "InkField", "PaintedSurface"]
+__all__ = ["EXPORT_TOLERANCE", "MOST_NODES_AT_ONCE", "PaintedSurface"]
 
 MOST_NODES_AT_ONCE = 60_000  # of `PaintedSurface.follow_flow`: about 25 ms
 
 EXPORT_TOLERANCE = 1.0  # dE00
 
 _FINEST, _COARSEST = 0.005, 1e6  # mm
-
-
-class InkField(NamedTuple):
-    """What kernels need to leave ink on vertices (cap: room for vertices, P: pigments)."""
-
-    amounts: NDArray  # (cap, P) float32, full coats x share of the vertex's area that is covered
-    coverage: NDArray  # (cap,) float32, share of the vertex's area under paint, 0 to 1
-    dirty: NDArray  # (cap,) uint8, 1 where the colour is out of date
-    dirty_ids: NDArray  # (cap,) int32, those vertices
-    n_dirty: NDArray  # (1,) int64, how many
-    load: NDArray  # (P,) float64, ink in the brush, coats x mm2
-    off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
-    stations: NDArray  # (N, P) float64, the load along the tuft, tip first; N = 1: alike all over
-    habit: NDArray  # (4,) float64, see `kernels.pickup`
 
 
 class PaintedSurface:

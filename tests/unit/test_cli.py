@@ -15,9 +15,9 @@ import pytest
 from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, first_run, main, options, progress, replay, report, versions
+from paint3d.core import compile_cache
 from paint3d.errors import ExportError, MeshError
 from paint3d.ink.materials import material_names
-from paint3d.kernels import kept_code
 
 SUFFIXES = (".ply", ".p3d.txt")
 
@@ -178,19 +178,17 @@ def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:
     assert pipe.getvalue() == terminal.getvalue() == ""
 
 
-def test_it_is_said_once_that_loops_are_compiled(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("compiled", [False, True])
+def test_it_is_said_that_loops_are_compiled_where_they_are_not(
+    compiled: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(kept_code, "compiled_code", lambda: tmp_path)
-    assert not first_run.is_compiled()
+    monkeypatch.setattr(compile_cache, "is_compiled", lambda kernel: compiled)
     first_run.say_if_compiling(quiet=True)
     assert capsys.readouterr().err == ""
     first_run.say_if_compiling(quiet=False)
-    assert capsys.readouterr().err.startswith("compiling the brush (once, about ")
-    version = f"py{sys.version_info.major}{sys.version_info.minor}"
-    (tmp_path / f"{first_run._LAST_COMPILED}.f-1.{version}.nbi").write_bytes(b"")
-    first_run.say_if_compiling(quiet=False)
-    assert capsys.readouterr().err == ""
+    said = capsys.readouterr().err
+    assert said.startswith("compiling the brush (once, about ") is not compiled
+    assert bool(said) is not compiled
 
 
 def test_versions_name_what_decides_the_result() -> None:

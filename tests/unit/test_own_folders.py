@@ -22,8 +22,9 @@ from paint3d.own_folders import private_folder
 
 NOWHERE = "/proc"  # nothing can be made there, not even by root
 KEPT = (
-    "from paint3d.kernels import kept_code as k; k._kernel(); "
-    "print(k.compiled_code(), sum(k._kernel.stats.cache_hits.values()))"
+    "from paint3d.kernels.turning import turn; import numpy as np; "
+    "turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0); "
+    "print(turn.stats.cache_path, sum(turn.stats.cache_hits.values()))"
 )
 
 
@@ -52,7 +53,8 @@ def installed(tmp_path: Path) -> Path:
         site / "paint3d",
         ignore=shutil.ignore_patterns("__pycache__"),
     )
-    (site / "paint3d" / "kernels" / "__pycache__").write_text("a file, in which nothing can lie")
+    for folder in ("core", "kernels"):
+        (site / "paint3d" / folder / "__pycache__").write_text("a file, in which nothing can lie")
     return site
 
 
@@ -75,7 +77,7 @@ def test_kernels_are_kept_without_a_home(home: dict, temporary: Path, installed:
     kept = Path(folder)
     assert hits == "0"
     assert kept.parent == own / "numba"
-    assert list(kept.glob("kept_code._kernel-*.nbi"))
+    assert list(kept.glob("turning.turn-*.nbi"))
     assert stat.S_IMODE(own.stat().st_mode) == 0o700
     assert done.stderr.count("\n") == 1
     assert "NUMBA_CACHE_DIR names another folder" in done.stderr

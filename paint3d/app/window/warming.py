@@ -9,9 +9,9 @@ import numpy as np
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.hand import Hand, PointerInput
+from paint3d.core.compile_cache import is_compiled
 from paint3d.kernels.drape import drape_points
 from paint3d.kernels.facing import cone_of
-from paint3d.kernels.kept_code import compiled_code
 from paint3d.kernels.shine import add_shine
 from paint3d.kernels.stroke import paint_samples
 from paint3d.mesh.closest import ClosestPoints
@@ -28,7 +28,7 @@ _one_at_a_time = threading.Lock()
 
 def is_first_start() -> bool:
     """Whether the kernels have never been compiled here, so that it takes a minute."""
-    return not any(compiled_code().glob(f"stroke.{paint_samples.__name__}-*.nbi"))
+    return not is_compiled(paint_samples)
 
 
 def warm_up(progress: Callable[[], None] = lambda: None) -> None:

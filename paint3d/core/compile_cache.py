@@ -8,8 +8,8 @@ is deleted.
 
 Nor does numba look at the fields of the named tuples that kernels take: it knows them by their
 place, so that two that change places would be taken for each other. Kernels that are handed such a
-tuple need not import it. So where the fields of one have changed, in whatever file it stands, all
-that is compiled is deleted.
+tuple need not import it; but it stands in a folder of kernels, and where the fields of one there
+have changed, all that is compiled is deleted.
 
 numba keeps them beside the source or in the user's cache folder, and refuses to work where it can
 write to neither: then they are kept in a private folder among the temporary files.
@@ -23,17 +23,22 @@ import json
 import logging
 import os
 import re
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 
 from numba import config, njit
+from numba.core.dispatcher import Dispatcher
 
 from paint3d.own_folders import can_write, find_home, private_folder
 
-__all__ = ["compiled_code", "drop_stale"]
+__all__ = ["compiled_folder", "drop_stale", "is_compiled"]
 
+_FOLDERS = ("core", "kernels")  # of the package: where kernels are, and tuples that they take
 _RECORD = "sources.json"
-_IMPORT = re.compile(r"^from paint3d\.kernels(?:\.(\w+))? import (\([^)]*\)|.*)$", re.MULTILINE)
+_IMPORT = re.compile(r"^from paint3d(?:\.([\w.]+))? import (\([^)]*\)|.*)$", re.MULTILINE)
+_PACKAGE = Path(__file__).parents[1]
 
 
 log = logging.getLogger("paint3d")
@@ -67,31 +72,43 @@ if not _finds_a_folder():
     _give_a_folder()
 
 
-@njit(cache=True)
-def _kernel():
+def _nothing():
     """Nothing; numba tells where it would keep it."""
 
 
-def compiled_code() -> Path:
-    """The folder in which numba keeps the compiled kernels."""
-    return Path(_kernel.stats.cache_path)
+def compiled_folder(sources: Path) -> Path:
+    """The folder in which numba keeps what is compiled of the modules in another."""
+    there = _nothing.__code__.replace(co_filename=os.fspath(sources / "__init__.py"))
+    return Path(njit(cache=True)(FunctionType(there, {}, "nothing")).stats.cache_path)
 
 
-def drop_stale(sources: Path, compiled: Path, elsewhere: Sequence[Path] = ()) -> None:
+def is_compiled(kernel: Dispatcher) -> bool:
+    """Whether code of a kernel is kept for this version of Python."""
+    name = f"{kernel.py_func.__module__.rpartition('.')[2]}.{kernel.py_func.__qualname__}"
+    version = f"py{sys.version_info.major}{sys.version_info.minor}"
+    return any(Path(kernel.stats.cache_path).glob(f"{name}-*.{version}*.nbi"))
+
+
+def drop_stale(
+    package: Path = _PACKAGE, compiled: Callable[[Path], Path] = compiled_folder
+) -> None:
     """Delete what is compiled of changed sources and of those that import them.
 
     Parameters
     ----------
-    sources : Path
-        Folder of modules.
-    compiled : Path
-        Folder of numba's files, ``<module>.<function>-<line>.<python>.nbi`` and ``.nbc``.
-    elsewhere : sequence of Path
-        Other files with named tuples that kernels take.
+    package : Path
+        Its folders that hold kernels are looked at.
+    compiled : callable
+        From a folder of sources to that of numba's files,
+        ``<module>.<function>-<line>.<python>.nbi`` and ``.nbc``.
     """
-    files = {path.stem: path for path in sources.glob("*.py")}
-    files |= {f"{path.parent.name}/{path.stem}": path for path in elsewhere}
-    record = compiled / _RECORD
+    files = {
+        path.relative_to(package).with_suffix("").as_posix(): path
+        for pattern in _FOLDERS
+        for folder in package.glob(pattern)
+        for path in folder.glob("*.py")
+    }
+    record = compiled(package / _FOLDERS[0]) / _RECORD
     before = _read(record)
     now = {name: [path.stat().st_size, path.stat().st_mtime_ns] for name, path in files.items()}
     if {name: state[:2] for name, state in before.items()} == now:
@@ -100,23 +117,27 @@ def drop_stale(sources: Path, compiled: Path, elsewhere: Sequence[Path] = ()) ->
         name for name in now.keys() | before.keys() if now.get(name) != before.get(name, [])[:2]
     }
     for name, state in now.items():
-        known = name not in changed and len(before[name]) == 3
-        state.append(before[name][2] if known else _tuples(files[name]))
-    if _without_tuples(before):  # of an older version, which did not write them down
-        changed -= {name for name in changed if "/" in name}
-        stale = _with_importers(changed, files)
-    elif any(now.get(name, [{}])[-1] != before.get(name, [{}])[-1] for name in changed):
+        state.append(_tuples(files[name]) if name in changed else before[name][2])
+    if any(now.get(name, [{}])[-1] != before.get(name, [{}])[-1] for name in changed):
         stale = set(files) | changed
     else:
         stale = _with_importers(changed, files)
     with contextlib.suppress(OSError):  # a folder that cannot be written holds nothing of ours
-        compiled.mkdir(parents=True, exist_ok=True)
-        for path in compiled.glob("*.nb[ic]"):
-            if path.name.partition(".")[0] in stale:
-                path.unlink(missing_ok=True)
+        _delete(stale, package, compiled)
+        record.parent.mkdir(parents=True, exist_ok=True)
         temporary = record.with_suffix(f".{os.getpid()}")
         temporary.write_text(json.dumps(now), "utf-8")
         temporary.replace(record)
+
+
+def _delete(stale: set[str], package: Path, compiled: Callable[[Path], Path]) -> None:
+    """Delete what is compiled of the modules that are named."""
+    for folder in {name.rpartition("/")[0] for name in stale}:
+        if not (package / folder).is_dir():
+            continue  # gone, and its compiled code with it or out of reach
+        for path in compiled(package / folder).glob("*.nb[ic]"):
+            if f"{folder}/{path.name.partition('.')[0]}" in stale:
+                path.unlink(missing_ok=True)
 
 
 def _read(record: Path) -> dict[str, list]:
@@ -126,13 +147,9 @@ def _read(record: Path) -> dict[str, list]:
     except (OSError, ValueError):
         return {}
     whole = isinstance(found, dict) and all(
-        isinstance(state, list) and len(state) in (2, 3) for state in found.values()
+        isinstance(state, list) and len(state) == 3 for state in found.values()
     )
     return found if whole else {}
-
-
-def _without_tuples(record: dict[str, list]) -> bool:
-    return any(len(state) == 2 for state in record.values())
 
 
 def _tuples(source: Path) -> dict[str, list[str]]:
@@ -157,9 +174,10 @@ def _with_importers(changed: set[str], files: dict[str, Path]) -> set[str]:
 
 
 def _imported(source: str) -> set[str]:
-    """Names of the kernels' modules that a source imports."""
+    """What a source imports of the package: modules, and names that may be modules."""
     found = set()
     for module, names in _IMPORT.findall(source):
-        found |= {module} if module else {word.split()[0] for word in names.strip("()").split(",")
-                                          if word.strip()}  # fmt: skip
+        folder = module.replace(".", "/")
+        words = [word.split()[0] for word in names.strip("()").split(",") if word.strip()]
+        found |= {folder, *(f"{folder}/{word}" for word in words)}
     return found
