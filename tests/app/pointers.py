@@ -1,13 +1,67 @@
-"""Pens with buttons, and fingers, for tests: real Qt events to a window's canvas."""
+"""Pens with buttons, and fingers, for tests: real Qt events to a window's canvas.
+
+Their times are the hand's, not those at which a busy machine gets to them: see `HAND`.
+"""
 
 from __future__ import annotations
+
+import time
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.window.canvas import Canvas
 from tests.app.gestures import BUTTON, KIND, NO_KEY, PEN, live
 
 _SCREEN: list = []
+_TOUCHES = (KIND.TouchBegin, KIND.TouchUpdate, KIND.TouchEnd, KIND.TouchCancel)
+
+
+class HandsTime(QtCore.QObject):
+    """When the hand does what it does, by the devices' clock, as if the machine always kept up.
+
+    Attributes
+    ----------
+    now_ms : int
+        Of the next event. It never lies ahead of the computer's own monotonic clock for long.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.now_ms = 0
+
+    def begin(self) -> None:
+        """Begin something new, now by the computer's clock."""
+        self.now_ms = max(self.now_ms, time.monotonic_ns() // 1_000_000)
+
+    def pass_by(self, seconds: float) -> None:
+        """Let that much time pass for the hand; at least a millisecond."""
+        self.now_ms += max(1, round(1000 * seconds))
+
+    def commit(self, sequence) -> None:
+        """Send touches, which reach the program through Qt's window, with this time."""
+        program = QtWidgets.QApplication.instance()
+        program.installEventFilter(self)
+        try:
+            sequence.commit()
+        finally:
+            program.removeEventFilter(self)
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Give touches on the picture their times."""
+        if event.type() not in _TOUCHES or not isinstance(watched, Canvas):
+            return False
+        if event.type() != KIND.TouchBegin:
+            event.setTimestamp(self.now_ms)
+            return False
+        copy = event.clone()  # Qt loses hold of a finger whose first event was changed
+        copy.setTimestamp(self.now_ms)
+        taken = watched.event(copy)
+        event.setAccepted(copy.isAccepted())
+        return taken
+
+
+HAND = HandsTime()
 
 
 def pen(canvas, kind, x, y, *, pressure=0.4, button=BUTTON.LeftButton, buttons=None, keys=NO_KEY):
@@ -19,8 +73,10 @@ def pen(canvas, kind, x, y, *, pressure=0.4, button=BUTTON.LeftButton, buttons=N
         kind, PEN, place, canvas.mapToGlobal(place), pressure, 0.0, 0.0, 0.0, 0.0, 0.0, keys,
         button, buttons,
     )  # fmt: skip
+    event.setTimestamp(HAND.now_ms)
     QtWidgets.QApplication.sendEvent(canvas, event)
     live(0.008)
+    HAND.pass_by(0.008)
 
 
 def pen_drag(canvas, start, end, *, held=BUTTON.NoButton, pressure=0.4, keys=NO_KEY, n=8):
@@ -29,6 +85,7 @@ def pen_drag(canvas, start, end, *, held=BUTTON.NoButton, pressure=0.4, keys=NO_
     path = np.linspace(np.array(start) * size, np.array(end) * size, n)
     tip = BUTTON.LeftButton if pressure > 0.0 else BUTTON.NoButton
     first = BUTTON.LeftButton if pressure > 0.0 else held
+    HAND.begin()
     options = {"pressure": pressure, "keys": keys}
     pen(canvas, KIND.TabletPress, *path[0], button=first, buttons=held | tip, **options)
     for place in path:
@@ -47,6 +104,7 @@ class Touching:
         self._canvas, self._down = canvas, {}
 
     def __enter__(self) -> Touching:
+        HAND.begin()
         return self
 
     def set(self, places, wait=0.012) -> None:
@@ -61,9 +119,10 @@ class Touching:
                 sequence.move(number, place, self._canvas)
             else:
                 sequence.press(number, place, self._canvas)
-        sequence.commit()
+        HAND.commit(sequence)
         self._down = dict(places)
         live(wait)
+        HAND.pass_by(wait)
 
     def drag(self, ways, n=8) -> None:
         """Drag fingers from where to where, and lift them."""

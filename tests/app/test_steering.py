@@ -12,9 +12,10 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model.event_clock import EventClock
 from paint3d.app.model.navigation import picture_axes, roll_of
 from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, wait_for
-from tests.app.pointers import Touching, pen, pen_drag, tap
+from tests.app.pointers import HAND, Touching, pen, pen_drag, tap
 from tests.app.windows import faults, opened, settled
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
@@ -38,7 +39,7 @@ def first_view(window, at_first):
     window.hand.look(at_first[0])
     window.hand.show_all()
     window.post("set_brush", at_first[1])
-    window.canvas._pen_seen_s = -1e9  # no pen was ever here
+    window.canvas._pen_seen_ns = None  # no pen was ever here
     window.canvas.setFocus()
     live(0.05)
     yield
@@ -323,6 +324,22 @@ def test_the_palm_beside_a_pen_does_nothing(window) -> None:
         pen(canvas, KIND.TabletRelease, 0.55 * w, 0.5 * h, pressure=0.0)
     assert strokes(window) == n + 1
     assert changes(window, before) == set()
+
+
+@pytest.mark.parametrize(("rest_s", "busy_s", "what"), [(0.05, 0.3, set()), (0.3, 0.0, {"orbit"})])
+def test_a_palm_is_known_by_the_hands_time_however_late_it_is_told(
+    window, monkeypatch: pytest.MonkeyPatch, rest_s, busy_s, what
+) -> None:
+    monkeypatch.setattr(window.canvas, "_clock", EventClock())  # of a second ago
+    before, n = window.hand.camera, strokes(window)
+    with Touching(window.canvas) as fingers:
+        HAND.now_ms -= 1000
+        pen(window.canvas, KIND.TabletMove, 300.0, 200.0, pressure=0.0)
+        live(busy_s)
+        HAND.pass_by(rest_s)
+        fingers.drag({1: ((300.0, 200.0), (340.0, 240.0))})
+    assert changes(window, before) == what
+    assert strokes(window) == n
 
 
 def test_a_stroke_that_ends_on_a_grip_has_ended(window) -> None:

@@ -20,8 +20,9 @@ __all__ = ["WRITING", "Canvas", "Drag"]
 WRITING = (QtWidgets.QLineEdit, QtWidgets.QAbstractSpinBox, QtWidgets.QPlainTextEdit)
 """Widgets that want every key for themselves."""
 
-_PEN_LEFT_S = 600.0  # for so long after a pen was seen, a finger alone does not paint
-_PALM_S = 0.2  # for so long after a pen was seen, what touches is the hand that holds it
+_S = 1_000_000_000  # ns; as by the events' own times, however late they are handed over:
+_PEN_LEFT_NS = 600 * _S  # for so long after a pen was seen, a finger alone does not paint
+_PALM_NS = _S // 5  # for so long after a pen was seen, what touches is the hand that holds it
 _KIND, _BUTTON, _KEY = QtCore.QEvent.Type, QtCore.Qt.MouseButton, QtCore.Qt.KeyboardModifier
 _TOUCHES = (_KIND.TouchBegin, _KIND.TouchUpdate, _KIND.TouchEnd, _KIND.TouchCancel)
 _RELEASED = QtGui.QEventPoint.State.Released
@@ -103,7 +104,7 @@ class Canvas(QtWidgets.QWidget):
         self._mode: str | None = None  # of the drag that steers now
         self._by = ""  # what began it: "mouse", "pen" or "finger"
         self._pen_down = self._mouse_down = self._finger_down = self._palm = False
-        self._pen_seen_s = -_PEN_LEFT_S
+        self._pen_seen_ns: int | None = None
         self._clock = EventClock()
 
     @property
@@ -220,7 +221,7 @@ class Canvas(QtWidgets.QWidget):
         handled = time.perf_counter_ns()
         event.accept()
         self._take_focus()
-        self._pen_seen_s = time.monotonic()
+        time_ns = self._pen_seen_ns = self._time_ns("pen", event, handled)
         place = event.position()
         if self._by == "pen":
             self._steer_with_pen(event)
@@ -233,7 +234,7 @@ class Canvas(QtWidgets.QWidget):
             if mode is not None:
                 self._begin(mode, "pen", place)
                 return
-        touch = touch_of_tablet(event, self._time_ns("pen", event, handled))
+        touch = touch_of_tablet(event, time_ns)
         was_down = self._pen_down
         self._pen_down = touch.down and (was_down or event.type() == _KIND.TabletPress)
         touch = replace(touch, down=self._pen_down)
@@ -255,7 +256,7 @@ class Canvas(QtWidgets.QWidget):
         """Hear what fingers mean, unless they belong to the hand that holds the pen."""
         now = self._time_ns("touch", event, time.perf_counter_ns())
         if event.type() == _KIND.TouchBegin:
-            self._palm = self._pen_down or time.monotonic() - self._pen_seen_s < _PALM_S
+            self._palm = self._pen_down or self._saw_pen(now, _PALM_NS)
         if self._palm:
             return
         if event.type() == _KIND.TouchCancel:
@@ -280,7 +281,7 @@ class Canvas(QtWidgets.QWidget):
         if meant.kind == "press":
             self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
             mode = self.mode_at(meant.x, meant.y, _KEY.NoModifier)
-            if mode is None and not self._finger_paints():
+            if mode is None and not self._finger_paints(meant.time_ns):
                 mode = "orbit"
             if mode is not None:
                 self._begin(mode, "finger", place)
@@ -296,10 +297,14 @@ class Canvas(QtWidgets.QWidget):
             if not down:
                 self.left.emit()  # a finger that has left points at nothing
 
-    def _finger_paints(self) -> bool:
+    def _finger_paints(self, time_ns: int) -> bool:
         if self.finger != "auto":
             return self.finger == "paint"
-        return time.monotonic() - self._pen_seen_s > _PEN_LEFT_S
+        return not self._saw_pen(time_ns, _PEN_LEFT_NS)
+
+    def _saw_pen(self, time_ns: int, within_ns: int) -> bool:
+        """Whether a pen was here so shortly before."""
+        return self._pen_seen_ns is not None and time_ns - self._pen_seen_ns < within_ns
 
     def _take_native(self, event: QtGui.QNativeGestureEvent) -> bool:
         """Fingers on a touch pad: pinch and roll."""
