@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 from pathlib import Path
@@ -328,11 +329,16 @@ def _plug_in(log=None) -> PluggedDevices:
 
 
 def _rounds(seconds: float | None, pause_s: float):
-    """Once every `pause_s`, for so long or until Ctrl-C."""
+    """Once every `pause_s`, for so long or until Ctrl-C, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
+    over: list[int] = []
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # else it is ignored, as by what a shell runs behind
+        signal.signal(signal.SIGINT, lambda number, _: over.append(number))
     try:
-        while end is None or time.monotonic() < end:
+        while not over and (end is None or time.monotonic() < end):
             time.sleep(pause_s)
             yield
-    except KeyboardInterrupt:
-        return
+    finally:
+        if before is signal.default_int_handler:
+            signal.signal(signal.SIGINT, before)

@@ -40,11 +40,19 @@ def umockdev() -> None:
 
 @pytest.fixture
 def plugged(umockdev, tmp_path):
-    """Run Python code (or `paint3d` arguments) with virtual devices plugged in."""
+    """Run Python code (or `paint3d` arguments) with virtual devices plugged in.
 
-    def run(devices: list[dict], code: str | list[str], timeout: float = 240.0) -> Outcome:
+    With `interrupt`, Ctrl-C ends it once everything that the devices sent has been read.
+    """
+
+    def run(
+        devices: list[dict],
+        code: str | list[str],
+        timeout: float = 240.0,
+        interrupt: bool = False,
+    ) -> Outcome:
         scenario = tmp_path / "scenario.json"
-        scenario.write_text(json.dumps(devices))
+        scenario.write_text(json.dumps({"devices": devices, "interrupt": interrupt}))
         program = ["-c", code] if isinstance(code, str) else ["-m", "paint3d", *code]
         done = subprocess.run(
             [SYSTEM_PYTHON, str(HOST), str(scenario), sys.executable, "-W", "error", *program],

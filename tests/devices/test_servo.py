@@ -37,7 +37,7 @@ SETTINGS = HapticSettings.for_brush(BRUSH, rise_s=0.1)
 SPRING = BRUSH.spring
 LIFTED, PRESSED = [0, 0, 60.0], [0, 0, 29.0]
 UPRIGHT = [1, 0, 0, 0]
-LIMIT_S = 60.0  # for what comes at once where the machine is not busy
+LIMIT_S = 120.0  # for what comes at once where the machine is not busy
 # 6 mm deep, N: where this machine is late too often, the servo makes it softer, to .3 of it
 SOFTEST, HARDEST = 0.95 * 0.3 * 6.0 * SPRING, 1.05 * 6.0 * SPRING
 TICK_NS = 1_000_000
@@ -264,14 +264,19 @@ def test_garbage_is_counted_and_does_not_stop_it(tree, device) -> None:
         assert feedback.status().state == "running"
 
 
+def until_it_ends(feedback: ForceFeedback) -> None:
+    until = time.monotonic() + LIMIT_S
+    while feedback.is_running():
+        assert time.monotonic() < until, feedback.status()
+        time.sleep(0.01)
+
+
 def test_a_device_that_goes_is_reported(tree, device) -> None:
     with ForceFeedback(SocketForcePort(device.plug), tree, SETTINGS) as feedback:
         keep_alive(feedback, device, 20)
         device.plug.close()
         device.cable.close()
-        end = time.monotonic() + 5.0
-        while feedback.is_running() and time.monotonic() < end:
-            time.sleep(0.01)
+        until_it_ends(feedback)
         status = feedback.status()
     assert status.state == "failed"
     assert "has gone" in status.fault
@@ -335,7 +340,8 @@ def test_the_program_is_killed_and_the_force_is_zero(device, tmp_path, number) -
     assert not is_alive(servo)
 
 
-def is_alive(pid: int, patience: float = 2.0) -> bool:
+def is_alive(pid: int, patience: float = LIMIT_S) -> bool:
+    """Whether a process lives on for so long."""
     end = time.monotonic() + patience
     while time.monotonic() < end:
         try:
@@ -356,22 +362,21 @@ def test_an_unplugged_virtual_stylus(tree) -> None:
         ForceFeedback(SocketForcePort(stylus.plug), tree, SETTINGS) as feedback,
     ):
         stylus.start()
-        for _ in range(60):
+        felt = stylus.felt()
+        while stylus.is_playing() and np.isfinite(felt.round_trip_us).sum() < 600:
             feedback.publish()
             time.sleep(0.01)
-        felt = stylus.felt()
+            felt = stylus.felt()
         stylus.unplug()
-        end = time.monotonic() + 5.0
-        while feedback.is_running() and time.monotonic() < end:
-            time.sleep(0.01)
+        until_it_ends(feedback)
         assert "has gone" in feedback.status().fault
         readings = feedback.take()
     answered = np.isfinite(felt.round_trip_us)
     assert answered.sum() > 200
     assert 0.25 * 6.0 * SPRING < np.nanmax(felt.force[:, 2]) <= 6.0 * SPRING + 1e-3
     assert (np.linalg.norm(felt.force[answered], axis=1) <= 7.9).all()
-    sent = int(np.count_nonzero(felt.sent_ns))
-    assert sent <= len(readings) <= sent + 60  # what was on its way at the last look
+    assert np.count_nonzero(felt.sent_ns) <= len(readings)  # more went after that look
+    assert (np.diff([reading.time_ns for reading in readings]) > 0).all()
 
 
 # -- shared memory ----------------------------------------------------------------------------
@@ -394,8 +399,9 @@ def test_a_snapshot_is_never_torn() -> None:
     row, seen = np.zeros(32), set()
     assert not board.read_snapshot(row)
     writer.start()
-    end = time.monotonic() + 30.0
-    while len(seen) < 100 and time.monotonic() < end:
+    until = time.monotonic() + LIMIT_S
+    while len(seen) < 100:
+        assert time.monotonic() < until, seen
         if board.read_snapshot(row):
             assert (row[1:24] == row[1]).all()
             assert row[:1].view(np.int64)[0] == row[1]
@@ -403,7 +409,6 @@ def test_a_snapshot_is_never_torn() -> None:
     stop.set()
     writer.join()
     board.close()
-    assert len(seen) == 100
 
 
 def test_the_ring_says_what_it_lost() -> None:

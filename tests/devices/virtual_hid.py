@@ -3,8 +3,9 @@
     /usr/bin/python3 virtual_hid.py SCENARIO.json PROGRAM ARGUMENT...
 
 The scenario names devices and what they do; the program runs with the devices plugged in, and what
-it sent to them is printed as JSON. hidraw nodes are packet FIFOs (one read, one report, as the
-kernel has it: umockdev's own terminal merges reports); libusb devices answer usbdevfs ioctls.
+it sent to them is printed as JSON. It may be interrupted once it has read all. hidraw nodes are
+packet FIFOs (one read, one report, as the kernel has it: umockdev's own terminal merges reports);
+libusb devices answer usbdevfs ioctls.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import errno
 import fcntl
 import json
 import os
+import signal
 import struct
 import subprocess
 import sys
@@ -202,17 +204,15 @@ class Host:
 
     def settle(self, device: Device) -> None:
         """Wait until all that was sent has been read: what is unread goes with the device."""
-        for _ in range(2000):
-            if device.only_usb:
-                unread = len(self.usb[device.number].queue)
-            else:
-                unread = (
-                    fcntl.ioctl(self.fifos[device.number], termios.FIONREAD, b"\0" * 4) != b"\0" * 4
-                )
-            if not unread:
-                break
+        while self.is_unread(device):
             time.sleep(0.005)
-        time.sleep(0.02)
+        time.sleep(0.2)  # who has taken the last report may not have looked at it
+
+    def is_unread(self, device: Device) -> bool:
+        if device.only_usb:
+            return bool(self.usb[device.number].queue)
+        none = b"\0" * 4
+        return fcntl.ioctl(self.fifos[device.number], termios.FIONREAD, none) != none
 
     def unplug(self, device: Device) -> None:
         self.settle(device)
@@ -238,8 +238,8 @@ class Host:
 
     def play(self, device: Device) -> None:
         """Run a device's script: [at seconds, what, argument] in the order of time."""
-        if device.starts != "now":
-            device.started.wait(30)
+        if device.script and device.starts != "now":
+            device.started.wait()
         start = time.monotonic()
         for at, what, argument in device.script:
             wait = start + at - time.monotonic()
@@ -432,17 +432,34 @@ class UsbNode:
 
 def main() -> int:
     with open(sys.argv[1], encoding="utf-8") as file:
-        devices = [Device(i, spec) for i, spec in enumerate(json.load(file))]
-    host = Host(devices)
+        scenario = json.load(file)
+    devices = [Device(i, spec) for i, spec in enumerate(scenario["devices"])]
+    host, players = Host(devices), []
     for device in devices:
         if not device.script or device.script[0][1] != "plug":
             host.plug(device)
-        threading.Thread(target=host.play, args=(device,), daemon=True).start()
+        players.append(threading.Thread(target=host.play, args=(device,), daemon=True))
+        players[-1].start()
     for folder, _, names in os.walk(os.path.join(host.root, "ioctl")):
         for name in [".", *names]:  # the program may give up its rights
             os.chmod(os.path.join(folder, name), 0o777)
     environment = dict(os.environ, LD_PRELOAD="libumockdev-preload.so.0", UMOCKDEV_DIR=host.root)
-    code = subprocess.call(sys.argv[2:], env=environment)
+    program = subprocess.Popen(
+        sys.argv[2:], env=environment,
+        # a shell's background jobs, as tests may be, ignore what they are to obey here
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+
+    def interrupt() -> None:
+        for player in players:
+            player.join()
+        for device in devices:
+            host.settle(device)
+        program.send_signal(signal.SIGINT)
+
+    if scenario["interrupt"]:
+        threading.Thread(target=interrupt, daemon=True).start()
+    code = program.wait()
     print("HOST " + json.dumps([device.written for device in devices]), flush=True)
     os._exit(code)  # the handlers' threads need not be waited for
 

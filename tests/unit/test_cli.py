@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import json
+import signal
 import sys
 import threading
 import time
@@ -14,7 +15,7 @@ import pytest
 
 from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
-from paint3d.cli import bench, first_run, main, options, progress, replay, report, versions
+from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
 from paint3d.core import compile_cache
 from paint3d.errors import ExportError, MeshError
 from paint3d.ink.materials import material_names
@@ -167,6 +168,20 @@ def test_a_bar_moves_while_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> N
     assert not any(thread.name == "progress" for thread in threading.enumerate())
     assert stream.getvalue().endswith("\r\x1b[K")
     assert "\n" not in stream.getvalue()
+
+
+def test_ctrl_c_ends_what_goes_on_until_then_and_cuts_no_round_short() -> None:
+    """As in the middle of reading what a hand has drawn, which was lost."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    whole = []
+    try:
+        for _ in devices._rounds(None, 0.0):
+            signal.raise_signal(signal.SIGINT)
+            whole.append(len(whole))
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert whole == [0]
 
 
 def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:
