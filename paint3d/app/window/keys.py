@@ -80,6 +80,8 @@ class HeldKeys(QtCore.QObject):
             return False
         if event.key() == _KEY.Key_Alt:
             self._alt = kind != _KIND.KeyRelease
+        if kind != _KIND.KeyRelease and QtWidgets.QApplication.activePopupWidget() is not None:
+            return _leave_to_the_menu(kind, event)
         if isinstance(QtWidgets.QApplication.focusWidget(), WRITING):
             return False
         if kind == _KIND.KeyRelease:
@@ -135,6 +137,14 @@ class HeldKeys(QtCore.QObject):
         if keys in self._taps and not self._hand.adjusted:
             self.tapped.emit(self._taps[keys])
         return True
+
+
+def _leave_to_the_menu(kind: QtCore.QEvent.Type, event: QtGui.QKeyEvent) -> bool:
+    """Let an open menu have a key: its arrows turn the view where they are taken for shortcuts."""
+    if kind != _KIND.ShortcutOverride:
+        return False
+    event.accept()
+    return True
 
 
 def _is_alt_down() -> bool:
