@@ -310,11 +310,20 @@ def _misses(mesh: _Mesh, faces: NDArray, looks: Sequence[Look], pixels: NDArray)
         for some, weights, seen in _looked_at(
             mesh, faces[open_ones], looks, pixels[open_ones], steps
         ):
-            straight = np.tensordot(weights, seen[:3], 1)
             rows = open_ones[some]
+            straight = np.tensordot(weights, _corner_codes(mesh, faces[rows], looks), 1)
             worst = np.abs(straight - seen).max(axis=0)
             missed[rows] = np.maximum(missed[rows], np.maximum.reduce(worst.T))
     return missed
+
+
+def _corner_codes(mesh: _Mesh, faces: NDArray, looks: Sequence[Look]) -> NDArray:
+    """(3, N, 3) float32: the codes that the corners of faces (N,) of one look get.
+
+    Between pixels they are mixed: on a border of the picture with those of the opposite one.
+    """
+    linear = looks[mesh.look[faces[0]]].at(mesh.uv[faces].reshape(-1, 2))
+    return srgb_from_linear(linear).reshape(-1, 3, 3).swapaxes(0, 1).astype(np.float32)
 
 
 def _looked_at(

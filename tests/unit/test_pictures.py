@@ -66,6 +66,14 @@ def test_a_coarse_mesh_is_refined_until_its_picture_shows() -> None:
     assert areas.sum() == pytest.approx(6400.0)
 
 
+def test_opposite_borders_of_a_picture_do_not_run_into_each_other() -> None:
+    rows = np.linspace(0, 250, 64).astype("u1")
+    mesh = shown(np.broadcast_to(rows[:, None, None], (64, 64, 3)))
+    places = np.random.default_rng(5).uniform(2, 78, (200, 2))
+    wanted = np.interp(80 - places[:, 1], 80 * (np.arange(64) + 0.5) / 64, rows)
+    assert np.abs(seen_at(mesh, places)[:, 0] - wanted).max() < 12
+
+
 def test_halved_triangles_leave_no_cracks() -> None:
     mesh = shown(disc(64))
     _, ids = np.unique(mesh.vertices, axis=0, return_inverse=True)
