@@ -76,6 +76,8 @@ class GltfPaint:
                 self.dropped.add("its colours and pictures")
             return -1, {}
         self.dropped |= {what for key, what in LEFT_OUT.items() if key in surface}
+        if any(part > 0.0 for part in surface.get("emissiveFactor", ())):
+            self.dropped.add(LEFT_OUT["emissiveTexture"])
         if "metallicRoughnessTexture" in colours:
             self.dropped.add("metal and gloss from a picture")
         if surface.get("alphaMode", "OPAQUE") != "OPAQUE":

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import plain_text, read_beside
-from paint3d.files.raw_mesh import left_out
 from paint3d.files.textures import REPEAT, Look, linear_from_srgb, open_picture
 
 __all__ = ["ObjLooks", "names_materials", "obj_looks"]
@@ -50,12 +49,19 @@ class Material:
 
 @dataclass(frozen=True)
 class ObjLooks:
-    """What an OBJ file says of its colours; see `RawMesh` for looks, look_of and uv."""
+    """What an OBJ file says of its colours; see `RawMesh` for looks, look_of, uv and notes.
+
+    Attributes
+    ----------
+    dropped : frozenset of str
+        What its materials say and paint3d does not take.
+    """
 
     looks: tuple[Look, ...]
     look_of: NDArray[np.int64]
     uv: NDArray[np.float64]
     notes: tuple[str, ...]
+    dropped: frozenset[str]
 
 
 def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
@@ -80,16 +86,16 @@ def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) ->
             _read_library(_name(line[7:]), folder, materials, notes, dropped)
     names = {name: k for k, name in enumerate(materials)}
     look_of, places = _by_face(lines, names, int(sizes.sum()))
-    notes += left_out(dropped)
+    told = tuple(dict.fromkeys(notes)), frozenset(dropped)
     if not (look_of >= 0).any():
-        return ObjLooks((), look_of, np.empty((0, 2)), tuple(dict.fromkeys(notes)))
+        return ObjLooks((), look_of, np.empty((0, 2)), *told)
     written = [line[3:].split()[:2] for line in lines if line[:3] == b"vt "]
     table = [[*map(float, words), 0.0, 0.0][:2] for words in written]
     known = np.array([*table, [np.nan, np.nan]], np.float64)
     known = known * (1.0, -1.0) + (0.0, 1.0)  # OBJ counts from the lower left
     uv = known[np.where(places < len(table), places, -1)]
     looks = tuple(material.look() for material in materials.values())
-    return ObjLooks(looks, look_of, uv, tuple(dict.fromkeys(notes)))
+    return ObjLooks(looks, look_of, uv, *told)
 
 
 def names_materials(lines: Sequence[bytes]) -> bool:

@@ -18,6 +18,8 @@ from paint3d.files.textures import srgb_from_linear
 __all__ = ["read_gltf"]
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
+THIN = {0: "points"} | dict.fromkeys((1, 2, 3), "lines")  # modes of what has no surface
+LIGHTS = "KHR_lights_punctual"
 
 
 def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
@@ -55,9 +57,15 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
 
 def _dropped(file: GltfFile) -> set[str]:
     """What a document says besides its meshes and materials."""
-    dropped = {kind for kind in ("animations", "skins") if file.document.get(kind)}
-    primitives = (p for m in file.document.get("meshes", []) for p in m.get("primitives", []))
-    return dropped | ({"morph targets"} if any("targets" in p for p in primitives) else set())
+    dropped = {kind for kind in ("animations", "skins", "cameras") if file.document.get(kind)}
+    if LIGHTS in file.document.get("extensions", {}):
+        dropped.add("lights")
+    for mesh in file.document.get("meshes", []):
+        for primitive in mesh.get("primitives", []):
+            dropped |= {"morph targets"} if "targets" in primitive else set()
+            mode = primitive.get("mode", TRIANGLES)
+            dropped |= {THIN[mode]} if mode in THIN else set()
+    return dropped
 
 
 def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict]]:

@@ -23,12 +23,13 @@ NO_POINTS = {
     b"curv": "curves, which are not read",
     b"surf": "free-form surfaces, which are not read",
 }
+PASSED_OVER = {b"l": "lines", b"p": "points", b"curv": "curves", b"surf": "free-form surfaces"}
 ATTRIBUTES = re.compile(rb"/\S*")
 ODD_EXPONENT = re.compile(rb"(?<=\d)([+-])[eE](?=\d)")
 
 
 def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
-    """Read an OBJ file; groups, lines and points are passed over.
+    """Read an OBJ file; lines, points, curves and free-form surfaces are passed over, and noted.
 
     Relative (negative) indices count back from the vertices read so far, as the format says.
     Vertices without a colour, among others with one, are white.
@@ -63,15 +64,17 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     else:
         corners = corners - 1
     announced = "" if len(sizes) else _announced(lines)
+    dropped = _passed_over(lines)
     if not texture:
-        notes += left_out(("its colours and pictures",) if names_materials(lines) else ())
+        dropped |= {"its colours and pictures"} if names_materials(lines) else set()
+        notes += left_out(dropped)
         return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
     found = obj_looks(lines, sizes, folder)
+    told = found.notes + left_out(dropped | found.dropped)
     if not found.looks:
-        notes += found.notes
-        return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
+        return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes + told)
     return RawMesh(
-        vertices, corners, sizes, notes=found.notes,
+        vertices, corners, sizes, notes=told,
         looks=found.looks, look_of=found.look_of, uv=found.uv,
     )  # fmt: skip
 
@@ -102,6 +105,12 @@ def _vertices(
     if not np.isin(widths, list(COLOUR_COLUMN)).any():
         return vertices, None, ()
     return vertices, *colour_codes(rgb)
+
+
+def _passed_over(lines: Sequence[bytes]) -> set[str]:
+    """What there is besides faces, and is not read."""
+    kinds = {line.partition(b" ")[0] for line in lines}
+    return {what for kind, what in PASSED_OVER.items() if kind in kinds}
 
 
 def _announced(lines: Sequence[bytes]) -> str:

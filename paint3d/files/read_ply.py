@@ -45,13 +45,15 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     corners, sizes = _polygons(tables)
     colours, notes = _colours(vertex)
     notes += tuple(f"its header's line {line[:60]!r} is passed over" for line in tables.unknown)
+    dropped = ["lines"] if any(e.name == "edge" and e.count for e in tables.elements) else []
     if texture and len(sizes):
         found = ply_looks(tables, corners, sizes, folder)
         notes += found.notes
     else:
         found = PlyLooks()
-        dropped = ["its pictures"] if picture_names(tables) else []
-        notes += left_out([*dropped, *(["colours of faces"] * has_face_colours(tables))])
+        dropped += ["its pictures"] if picture_names(tables) else []
+        dropped += ["colours of faces"] if has_face_colours(tables) else []
+    notes += left_out(dropped)
     return RawMesh(
         vertices,
         corners,

@@ -13,10 +13,12 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
+from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.object_dialog import ObjectDialog, told
 from paint3d.app.window.start import _open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from paint3d.files import colours_3mf, gltf_materials, obj_materials, read_gltf, read_obj
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.reading import Reading
@@ -305,11 +307,60 @@ def test_the_command_line_says_which_way_is_up(window, tmp_path: Path, monkeypat
     assert (window.files.quiet, window.files.up) == (False, None)
 
 
-def test_notes_are_told_in_chinese() -> None:
+def test_what_is_left_out_is_said_in_the_windows_language(window, tmp_path: Path) -> None:
+    path = tmp_path / "odd.obj"
+    path.write_text("mtllib gone.mtl\nusemtl m\nv 0 0 0\nv 80 0 0\nv 0 80 0\nf 1 2 3\nl 1 2\n")
+    seen, focused = [], []
+
+    def look(dialog: ObjectDialog) -> None:
+        seen.append(dialog.notes.text().split("\n"))
+        focused.append(dialog.focusWidget().text())
+        dialog.reject()
+
+    for code in ("zh", "en"):
+        choose_language(code)
+        try:
+            asked = foreseen(ObjectDialog, look)
+            window.files.open_path(str(path))
+        finally:
+            choose_language("en")
+        assert asked
+    assert seen == [
+        ["未采用材质：找不到 'gone.mtl'", "未采用：线条"],
+        ["Materials are left out: it refers to 'gone.mtl', which is missing", "Left out: lines"],
+    ]
+    assert focused == ["打开", "Open"]  # Enter opens, and no quarter turn looks chosen beside it
+
+
+@pytest.mark.parametrize(
+    ("note", "chinese"),
+    [
+        ("left out: animations, transparency", "未采用：动画、透明"),
+        ("left out: its vertex colours, none of which is a number",
+         "未采用：顶点颜色（全都不是数）"),
+        ("left out 1,203 faces that name a vertex twice", "去掉了 1,203 个重复用同一顶点的面"),
+        ("3 of 1,200 vertex colours are no numbers: made white", "3 处顶点颜色不是数，已改为白色"),
+        ("it is a point cloud: built 4,000 triangles through 2,100 points",
+         "这是点云：由 2,100 个点构成 4,000 个三角形"),
+        ("a texture is left out: the mesh has no TEXCOORD_0",
+         "未采用一张贴图：网格没有 TEXCOORD_0"),
+    ],
+)  # fmt: skip
+def test_notes_are_told_in_chinese(note: str, chinese: str) -> None:
     choose_language("zh")
     try:
-        assert told("left out: animations, transparency") == "未采用：动画、透明"
+        assert told(note) == chinese
     finally:
         choose_language("en")
+
+
+def test_notes_are_told_in_english() -> None:
     assert told("left out: animations") == "Left out: animations"
-    assert told("left out 3 faces") == "left out 3 faces"
+    assert told("left out 3 faces") == "Left out 3 faces"
+
+
+def test_all_that_readers_leave_out_has_chinese_words() -> None:
+    lists = (gltf_materials.LEFT_OUT, obj_materials.LEFT_OUT, colours_3mf.LEFT_OUT,
+             read_obj.PASSED_OVER, read_gltf.THIN)  # fmt: skip
+    words = {word for one in lists for word in one.values()}
+    assert words <= set(CHINESE)

@@ -215,6 +215,37 @@ def test_what_a_gltf_says_besides_is_told(tmp_path: Path) -> None:
     assert read(tmp_path, gltf()).notes == ()
 
 
+def test_what_has_no_surface_in_a_gltf_is_told(tmp_path: Path) -> None:
+    document = gltf(
+        cameras=[{"type": "perspective"}],
+        extensions={"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
+    )
+    document["materials"][0]["emissiveFactor"] = [0.0, 0.2, 0.0]
+    document["meshes"][0]["primitives"] += [
+        {"attributes": {"POSITION": 0}, "mode": mode} for mode in (0, 3)
+    ]
+    reading = read(tmp_path, document)
+    assert reading.notes == ("left out: cameras, light of its own, lights, lines, points",)
+    assert reading.mesh.n_faces >= 2
+    document["materials"][0]["emissiveFactor"] = [0.0, 0.0, 0.0]
+    assert "light of its own" not in read(tmp_path, document).notes[0]
+
+
+@pytest.mark.parametrize("texture", [False, True])
+def test_lines_and_points_of_an_obj_are_told(tmp_path: Path, texture: bool) -> None:
+    path = tmp_path / "a.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\np 3\n")
+    assert read_surface(path, Wanted(texture=texture)).notes == ("left out: lines, points",)
+
+
+def test_edges_of_a_ply_are_told(tmp_path: Path) -> None:
+    text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    text += "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+    text += "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+    (tmp_path / "a.ply").write_text(text + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0 1\n")
+    assert read_surface(tmp_path / "a.ply").notes == ("left out: lines",)
+
+
 def test_pictures_that_are_not_read_are_told(tmp_path: Path) -> None:
     text = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 3\n"
     text += "property float x\nproperty float y\nproperty float z\nelement face 1\n"

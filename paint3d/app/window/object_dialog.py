@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.note_texts import note_in_chinese
 from paint3d.app.model.own_object import (
     ObjectChoice,
     first_choice,
     longest_side,
     sensible_resolution,
 )
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import language, say
 from paint3d.files.load import UNITS_MM
 from paint3d.files.reading import Reading
 from paint3d.ink.materials import material_names
@@ -127,7 +128,9 @@ class ObjectDialog(QtWidgets.QDialog):
         right.addLayout(self._form(start, not is_open))
         right.addWidget(self._notes(reading))
         right.addStretch(1)
-        right.addWidget(self._agree(accept))
+        agree = self._agree(accept)
+        right.addWidget(agree)
+        agree.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setFocus()
 
     def _heading(self, is_open: bool) -> QtWidgets.QLabel:
         guess = self._guess
@@ -296,8 +299,11 @@ def _tidied(turn: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def told(note: str) -> str:
     """A reader's note in the language that is spoken."""
+    chinese = note_in_chinese(note) if language() == "zh" else None
+    if chinese is not None:
+        return chinese
     begin, found, rest = note.partition("left out: ")
     if begin or not found:
-        return note
+        return note[:1].upper() + note[1:]
     what = say(", ").join(say(word) for word in rest.split(", "))
     return say("Left out: {what}", what=what)
