@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.cells import flood_patch
@@ -12,6 +11,7 @@ from paint3d.kernels.projecting import AWAY, project_run
 from paint3d.kernels.reach import INSIDE, MIXED, find_cells, find_runs
 from paint3d.kernels.refine import activate_cell
 from paint3d.kernels.sweep import BEFORE, fill_between, fill_frame, sweep_bounds
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["CURSOR_SIZE", "VISITED", "find_candidates", "next_block"]
 
@@ -22,7 +22,7 @@ _RUN, _IN_RUN, _CELL, _IN_CELL = range(4)
 CURSOR_SIZE = 4
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _find_cells(before, after, plane, field, room):
     """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
     values = plane.values
@@ -49,7 +49,7 @@ def _find_cells(before, after, plane, field, room):
     return cells
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def find_candidates(before, after, alone, field, margin, scale, room):
     """Fill the sweep's frame, and find runs of base vertices and cells that it may reach.
 
@@ -89,7 +89,7 @@ def find_candidates(before, after, alone, field, margin, scale, room):
     return n_runs, cells
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def next_block(
     n_runs, n_cells, without_inside, runs, cells, head, next_in_cell, cell_sheets, vertex_sheet,
     px, py, pz, nx, ny, nz, stamps, tick, frame, cursor, ids, packed, rows,
@@ -153,7 +153,7 @@ def next_block(
     return end
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _list_from_cells(
     n_cells, filled, cells, head, next_in_cell, cell_sheets, vertex_sheet, stamps, tick, cursor, ids
 ):
@@ -181,7 +181,7 @@ def _list_from_cells(
     return filled
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _fetch(n, ids, px, py, pz, nx, ny, nz, x, y, z, u, v, w):
     """Places and normals of scattered vertices, side by side."""
     for k in range(n):

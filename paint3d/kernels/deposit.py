@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from paint3d.kernels import stamp as st
 from paint3d.kernels.gathering import gather
 from paint3d.kernels.pickup import PICKUP, contact_level, take_up_ink, thin_contact
 from paint3d.kernels.transfer import ink_released, landing_share, leave_ink, weighed_area
 from paint3d.kernels.tuft_load import leave_from_stations
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["PAINTED", "sweep_deposit"]
 
 PAINTED = 3  # counter: vertices that ink was left on
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def sweep_deposit(before, after, tuft, field, ink, counters, room):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
@@ -63,7 +62,8 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
             room.part[p] = part * landing / weighed if weighed > 0.0 else 0.0
             ink.load[p] -= part * released
     if ink.habit[PICKUP] > 0.0 and ink.stations.shape[0] <= 1:
-        ink.load[:] += room.taken
+        for p in range(ink.load.shape[0]):
+            ink.load[p] += room.taken[p]
     leave_ink(
         room.found, room.share, room.cover, found, room.part,
         ink.amounts, ink.coverage, ink.dirty, ink.dirty_ids, ink.n_dirty,

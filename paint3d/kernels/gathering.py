@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from paint3d.kernels.candidates import VISITED, find_candidates, next_block
 from paint3d.kernels.projecting import take_run
 from paint3d.kernels.reach import INSIDE
+from paint3d.kernels.uncounted import uncounted
 from paint3d.kernels.weighing import weigh_block
 
 __all__ = ["gather"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def gather(before, after, field, margin, scale, counters, room):
     """Find and weigh every vertex that the sweep covers; -1 where the mesh needs room to grow."""
     n_runs, n_cells = find_candidates(before, after, False, field, margin, scale, room)

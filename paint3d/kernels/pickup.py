@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.grain import grain_at
 from paint3d.kernels.stamp import outline_motion
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["CAPACITY", "GRAIN", "PICKUP", "REACH", "contact_level", "mean_pressure", "take_up_ink",
            "thin_contact"]  # fmt: skip
@@ -24,7 +24,7 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def mean_pressure(before, after):
     """Mean pressure on the way between two stamps, 0 to 1."""
     pressure = 0.0
@@ -34,7 +34,7 @@ def mean_pressure(before, after):
     return pressure
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def contact_level(before, after, ink):
     """How deep into the grain the wet tuft reaches: 1 everywhere, 0 nowhere.
 
@@ -49,7 +49,7 @@ def contact_level(before, after, ink):
     return min(1.0, total / (ink.habit[CAPACITY] * begins))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def thin_contact(level, found, share, cover, n, field):
     """Take vertices in the hollows of the grain out of contact, smoothly; return how many stay.
 
@@ -70,7 +70,7 @@ def thin_contact(level, found, share, cover, n, field):
     return kept
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def take_up_ink(before, after, released, found, share, n, areas, unit, ink, taken):
     """Let the brush take wet ink from the vertices that it passes; fill `taken` (P,), coats x mm2.
 

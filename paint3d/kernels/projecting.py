@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import sweep as sw
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["AWAY", "LEAST_FACING", "project_run", "take_run"]
 
@@ -13,7 +13,7 @@ LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vert
 AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
     """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
@@ -67,7 +67,7 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
         stretch[k] = inverse * inverse
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out_cover, found):
     """All vertices of a run that lands well inside the outline, but those facing away.
 

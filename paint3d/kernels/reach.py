@@ -8,12 +8,12 @@ loop, as vertices are.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels import sweep as sw
 from paint3d.kernels.field import BLOCK_VERTICES
 from paint3d.kernels.projecting import LEAST_FACING
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["DISC_ROWS", "EDGE", "INSIDE", "MIXED", "find_cells", "find_runs"]
 
@@ -25,7 +25,7 @@ _END_ZONE = 0.0625  # of its length: how far an outline's end reaches
 _COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
     """Where each disc lies to one stamp: OUTSIDE, on its EDGE, or INSIDE.
 
@@ -85,7 +85,7 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
         fates[k] = np.uint8(0) if outside else (np.uint8(2) if inside else np.uint8(1))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _judge_sweep(n, discs, frame, before, widths_before, after, widths, where):
     """Where each disc lies to a sweep: INSIDE both outlines, OUTSIDE both, or on an EDGE.
 
@@ -109,7 +109,7 @@ def _judge_sweep(n, discs, frame, before, widths_before, after, widths, where):
         now[k] = max(least, min(most, np.uint8(1)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def find_cells(
     sheet_place, pack, origin, size, frame, before, widths_before, after, widths,
     sheets, n_sheets, cell_ticks, tick, discs, where, cells, slopes,
@@ -166,7 +166,7 @@ def find_cells(
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def find_runs(
     cells, slopes, n_cells, base_start, cell_blocks, balls, cell_sheets, frame, before,
     widths_before, after, widths, discs, where, blocks, runs,
@@ -215,7 +215,7 @@ def find_runs(
     return n_runs
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _add_run(runs, n, first, end, fate):
     """Append a run, or lengthen the last by it; return how many there are."""
     if n > 0 and runs[n - 1, 1] == first and runs[n - 1, 2] == fate:

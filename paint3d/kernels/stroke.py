@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from paint3d.kernels import stamp as st
@@ -21,6 +20,7 @@ from paint3d.kernels.drag import drag_length
 from paint3d.kernels.input_curves import drive
 from paint3d.kernels.placement import place_stamp
 from paint3d.kernels.stamp import Stamp, outline_motion
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = [
     "FINISHED",
@@ -73,15 +73,17 @@ def make_progress() -> Progress:
     return Progress(np.zeros(3, np.int64), st.make_stamp(), st.make_stamp(), np.zeros(8))
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def note_pose(samples, i, noted):
     """Remember sample i as the one where the last stamp stands."""
-    noted[:3] = samples.position[i]
-    noted[3:7] = samples.orientation[i]
+    for axis in range(3):
+        noted[axis] = samples.position[i, axis]
+    for k in range(4):
+        noted[3 + k] = samples.orientation[i, k]
     noted[7] = samples.pressure[i]
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def may_pass(samples, i, noted, tuft, resolution):
     """Whether the stroke need not stop at sample i, so near lies it to the one that was noted.
 
@@ -103,7 +105,7 @@ def may_pass(samples, i, noted, tuft, resolution):
     return way < _FINEST_STEP * resolution
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def _interpolate(samples, i, fraction, pose):
     """Pose (9,) of `place_stamp` between samples i and i + 1."""
     h = samples.time[i + 1] - samples.time[i]
@@ -132,7 +134,7 @@ def _interpolate(samples, i, fraction, pose):
     pose[8] = 1.0 if samples.on_surface[i] else 0.0
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def _pressure(samples, i, t):
     """Pressure between two samples; landing and leaving keep the slope of the touching side.
 
@@ -153,7 +155,7 @@ def _pressure(samples, i, t):
     return (1.0 - t) * p + t * q
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def _bow(samples, i, pose):
     """How far the path leaves its chord half-way between samples i and i + 1 (mm)."""
     _interpolate(samples, i, 0.5, pose)
@@ -164,7 +166,7 @@ def _bow(samples, i, pose):
     return np.sqrt(d2)
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def _sweeps(before, after, bow, dragged, tuft, resolution):
     """How many sweeps the way between two stamps is cut into."""
     a = before.values
@@ -183,7 +185,7 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
     return min(_MOST_STEPS, max(1, int(np.ceil(n))))
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def _foot_motion(a, b):
     d2 = 0.0
     for axis in range(st.FOOT_X, st.FOOT_X + 3):
@@ -191,14 +193,18 @@ def _foot_motion(a, b):
     return np.sqrt(d2)
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def _copy(source, target):
-    target.values[:] = source.values
-    target.half_widths[:] = source.half_widths
-    target.lines[:] = source.lines
+    for k in range(st.N_VALUES):
+        target.values[k] = source.values[k]
+    for k in range(st.PROFILE_CELLS + 2):
+        target.half_widths[k] = source.half_widths[k]
+    for k in range(st.PROFILE_CELLS):
+        for part in range(4):
+            target.lines[k, part] = source.lines[k, part]
 
 
-@njit(cache=True, nogil=True)
+@uncounted()
 def paint_samples(
     samples, last, dragged, brush, curves, tree, field, ink, progress, counters, pose, room
 ):

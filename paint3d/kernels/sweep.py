@@ -8,9 +8,9 @@ how finely the way between them is followed for vertices near the edge.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import stamp as st
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = [
     "AFTER", "BALL", "BALL2", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CARRY2",
@@ -31,7 +31,7 @@ FRAME_SIZE = 48  # numbers in it
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def sweep_bounds(before, after, plane, margin, bounds):
     """Rectangle (x0, x1, y0, y1) in the plane of the stamp `plane` that holds both outlines.
 
@@ -78,7 +78,7 @@ def sweep_bounds(before, after, plane, margin, bounds):
     bounds[3] = y1 + margin
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def fill_frame(before, after, plane, scale, bounds, frame):
     """Gather the numbers of a sweep from its stamps; `plane` holds the plane's values."""
     for k in range(3):
@@ -102,10 +102,11 @@ def fill_frame(before, after, plane, scale, bounds, frame):
         frame[at] = values[st.TOUCHES]
         frame[at + 1] = values[st.HEEL]
         frame[at + 2] = values[st.TIP]
-    frame[TURN_AFTER : TURN_AFTER + 4] = (0.0, 0.0, 1.0, 0.0)
+    frame[TURN_AFTER : TURN_AFTER + 4] = 0.0
+    frame[TURN_AFTER + 2] = 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _fill_ball(before, after, plane, scale, frame):
     """The ball that what is painted lies in, around places that the hand means.
 
@@ -130,7 +131,7 @@ def _fill_ball(before, after, plane, scale, frame):
     frame[BALL2] = (reach + 0.5 * np.sqrt(apart2) + 0.5 / scale) ** 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _reach_from_foot(stamp):
     """How far an outline's farthest point lies from the place that the hand means, mm."""
     values = stamp.values
@@ -150,7 +151,7 @@ def _reach_from_foot(stamp):
     return np.sqrt(farthest2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _half_extent(values):
     """Half the longer side of a footprint, mm; 0 where there is none."""
     if values[st.TOUCHES] <= 0.0:
@@ -158,7 +159,7 @@ def _half_extent(values):
     return max(0.5 * (values[st.TIP] - values[st.HEEL]), values[st.WIDEST])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def fill_between(before, after, frame, between):
     """Where the outline stands between two stamps that touch: rows of turn (4), heel and tip.
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.stamp import ink_way
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["ink_released", "landing_share", "leave_ink", "weighed_area"]
 
 _AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def ink_released(before, after, tuft, ink):
     """Ink that leaves the brush on the way between two stamps: R (1 - exp(-eta' pe ds)).
 
@@ -33,7 +33,7 @@ def ink_released(before, after, tuft, ink):
     return total, total * (1.0 - np.exp(-tuft.transfer_per_mm * pressure / n * way))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def landing_share(area, width, weighed_area, found):
     """Share of the released ink that meets surface; the rest runs off its edge.
 
@@ -48,7 +48,7 @@ def landing_share(area, width, weighed_area, found):
     return min(1.0, weighed_area / area / (1.0 - slack))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def weighed_area(area_units, unit, ids, share, n):
     """Area that the found vertices stand for, weighed, mm2.
 
@@ -61,7 +61,7 @@ def weighed_area(area_units, unit, ids, share, n):
     return total / _AREA_STEPS
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def leave_ink(ids, share, cover, n, part, amounts, coverage, dirty, dirty_ids, n_dirty):
     """Add every vertex's share of each pigment, and note whose colour is out of date."""
     count = n_dirty[0]

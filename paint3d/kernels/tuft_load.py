@@ -8,10 +8,10 @@ its footprint, so a vertex at a distance s behind the tip is painted by what is 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels.pickup import REACH
+from paint3d.kernels.uncounted import counted, uncounted
 
 __all__ = ["leave_from_stations", "level_stations"]
 
@@ -19,7 +19,7 @@ _MOST_PASSES = 1000
 _SHARE = 0.45  # of a station, the most that flows out of it on one side in one pass
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _behind_tip(values, field, v):
     """Distance (mm) of a vertex behind the tip of a stamp, along the bend."""
     dx = field.px[v] - values[st.ORIGIN_X]
@@ -29,7 +29,7 @@ def _behind_tip(values, field, v):
     return values[st.TIP] - reach
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _station(before, after, field, v, reach, last):
     """Place of a vertex on the tuft, in stations from the tip: middle of the first is 0."""
     a, b = before.values, after.values
@@ -42,7 +42,7 @@ def _station(before, after, field, v, reach, last):
     return min(max(behind / reach - 0.5, 0.0), np.float64(last))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@counted(error_model="numpy")
 def leave_from_stations(
     before, after, released, landing, weighed, found, share, n, areas, unit, field, ink, taken
 ):
@@ -97,7 +97,7 @@ def leave_from_stations(
         ink.load[p] = stations[:, p].sum()
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@counted(error_model="numpy")
 def level_stations(stations):
     """Let liquid run along the tuft until all stations (N, P) are filled alike."""
     count, n_pigments = stations.shape

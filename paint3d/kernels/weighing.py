@@ -13,10 +13,10 @@ in the outline's profile and the packing of what is left over are done vertex by
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from paint3d.kernels import stamp as st
 from paint3d.kernels import sweep as sw
+from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["WORK_ROWS", "weigh_block", "weigh_standing"]
 
@@ -31,13 +31,13 @@ _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _covered(edge):
     """Share of the unit box on the inner side of an edge at a signed distance (box widths)."""
     return min(_ONE, max(_ZERO, _HALF + edge))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _mean_covered(a, b):
     """Mean of `_covered` while the edge's distance goes evenly from a to b: both antiderivatives.
 
@@ -52,7 +52,7 @@ def _mean_covered(a, b):
     return _covered(_HALF * (a + b)) if still else mean
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond):
     """Where vertices of the plane lie on a stamp's profile: place (cells), side and beyond (mm).
 
@@ -73,7 +73,7 @@ def _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond):
         sides[k] = abs(c * v - s * u)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _stamp_edges(n, places, sides, beyond, lines, scale, inner, far):
     """Signed distances (box widths) to the near and to the far side of one stamp's outline."""
     factor = np.float32(scale)
@@ -85,7 +85,7 @@ def _stamp_edges(n, places, sides, beyond, lines, scale, inner, far):
         far[k] = ((width + sides[k]) * steepness - beyond[k]) * factor
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _way_edges(n, places, sides, beyond, lines_before, lines, back, scale, inner, far):
     """`_stamp_edges` for the outline a share `back` of the way before the stamp `lines`."""
     then = np.float32(back)
@@ -101,7 +101,7 @@ def _way_edges(n, places, sides, beyond, lines_before, lines, back, scale, inner
         far[k] = ((width + sides[k]) * steepness - beyond[k]) * factor
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _pack(n, near, ids, rows, chosen_ids, chosen):
     """Copy the columns `near` of the first rows, and their ids, to the front of others."""
     for i in range(n):
@@ -113,7 +113,7 @@ def _pack(n, near, ids, rows, chosen_ids, chosen):
             target[i] = source[near[i]]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _follow(n, frame, lines, lines_before, between, rows, work, share, cover):
     """Mean share covered, and the greatest, of vertices that the edge passes on a curve."""
     xs, ys, a, b = rows[0], rows[1], rows[3], rows[4]
@@ -139,7 +139,7 @@ def _follow(n, frame, lines, lines_before, between, rows, work, share, cover):
         share[k] = (share[k] + _mean_covered(last[k], b[k])) * each
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _drop_far(n, frame, lines, lines_before, between, rows, work, near):
     """List which of these the outline can reach on its way, by where it is half the way."""
     inner, far, places, sides, beyond = work[0], work[1], work[2], work[3], work[4]
@@ -156,7 +156,7 @@ def _drop_far(n, frame, lines, lines_before, between, rows, work, near):
     return kept
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _append(n, ids, rows, share, cover, out_ids, out_share, out_cover, found):
     """Append the vertices with a share to the outputs."""
     stretch = rows[2]
@@ -168,7 +168,7 @@ def _append(n, ids, rows, share, cover, out_ids, out_share, out_cover, found):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def _stamp_cover(n, rows, cover):
     """Greatest share covered at the two stamps: whole where the middle of the box ever was."""
     a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
@@ -178,7 +178,7 @@ def _stamp_cover(n, rows, cover):
         cover[k] = _ONE if max(a[k], b[k]) >= _HALF else max(now, then)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def weigh_block(
     n, ids, rows, frame, lines, lines_before, between, packed_ids, packed, work, near,
     kinds, eights, out_ids, out_share, out_cover, found,
@@ -224,11 +224,13 @@ def weigh_block(
         _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond)
         _stamp_edges(n, places, sides, beyond, lines_before, scale, a, far_a)
     if now <= 0.0:
-        b[:n] = a[:n]
-        far_b[:n] = far_a[:n]
+        for k in range(n):
+            b[k] = a[k]
+            far_b[k] = far_a[k]
     elif then <= 0.0:
-        a[:n] = b[:n]
-        far_a[:n] = far_b[:n]
+        for k in range(n):
+            a[k] = b[k]
+            far_a[k] = far_b[k]
     curved = frame[sw.PARTS] > 1.0
     least = np.float32(-0.5 - frame[sw.RISE])
     least_at_end = np.float32(-0.5 - frame[sw.END_RISE])
@@ -282,7 +284,7 @@ def weigh_block(
     return _append(left, packed_ids, packed, share, cover, out_ids, out_share, out_cover, found)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@uncounted(error_model="numpy")
 def weigh_standing(n, ids, rows, frame, lines, packed_ids, packed, work, near):
     """Share covered where the way ends, of the vertices of a block; those with one are packed.
 
