@@ -30,6 +30,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,7 @@ from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.stroke.number_table import NumberTable
 from paint3d.stroke.pad import DEFAULT_LEAN, Lifts, orientations_from_angles, spread_ties
+from paint3d.stroke.text_lines import TextLines
 
 __all__ = ["read_csv", "read_plain_table", "write_csv"]
 
@@ -62,15 +64,12 @@ _TOO_FAST_MS = 0.05
 """A pad read more often than every 0.05 ms does not exist: such steps are seconds."""
 
 
-def read_csv(
-    lines: Iterator[tuple[int, str]], name: str, *, scale: float, y_down: bool
-) -> Recording:
+def read_csv(lines: TextLines, name: str, *, scale: float, y_down: bool) -> Recording:
     """The recording in a table with named columns.
 
     Parameters
     ----------
-    lines : iterator of (int, str)
-        Line numbers from 1, and the lines.
+    lines : TextLines
     name : str
         For messages.
     scale : float
@@ -97,13 +96,11 @@ def read_csv(
             f"among them one of {', '.join(_TIMES)}"
         )
     table = NumberTable(names, name, _EXACT, _CONTACT)
-    table.read(filled, delimiter, lambda row: [c.strip().strip('"') for c in row.split(delimiter)])
+    table.read(lines, delimiter, partial(_cells, delimiter=delimiter))
     return _assemble(table, header, scale, y_down)
 
 
-def read_plain_table(
-    lines: Iterator[tuple[int, str]], name: str, *, scale: float, y_down: bool
-) -> Recording:
+def read_plain_table(lines: TextLines, name: str, *, scale: float, y_down: bool) -> Recording:
     """The pad recording in lines of ``time x y pressure``: s, units of `scale`, and 0 to 1.
 
     Raises
@@ -112,9 +109,19 @@ def read_plain_table(
         ``name:line: what is X; expected Y``.
     """
     table = NumberTable(["time", "x", "y", "pressure"], name)
-    told = ((number, text) for number, text in lines if text.strip() and text[0] != "#")
-    table.read(told, None, str.split)
+    table.read(lines, None, _words, "#")
     return _assemble(table, {}, scale, y_down)
+
+
+def _cells(line: str, delimiter: str) -> list[str] | None:
+    """The cells of a line; None where it is blank."""
+    row = line.strip()
+    return [cell.strip().strip('"') for cell in row.split(delimiter)] if row else None
+
+
+def _words(line: str) -> list[str] | None:
+    """The cells of a line that white space stands between; None where it is blank or a comment."""
+    return None if line.startswith("#") else line.split() or None
 
 
 def _header(text: str, where: str) -> dict:

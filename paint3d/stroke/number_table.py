@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import math
-import warnings
-from collections.abc import Callable, Iterable, Iterator
-from itertools import islice
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import RecordingError
+from paint3d.kernels.number_rows import read_rows
+from paint3d.stroke.text_lines import TextLines
 
 __all__ = ["NumberTable"]
 
-_BLOCK = 1 << 16  # rows that are read at once
-_JOINED = 64  # blocks: an array so large goes back to the system when it is let go
+_JOINED = 1 << 22  # rows: an array so large goes back to the system when it is let go
 _LARGEST = 2.0**62
 
 
 class NumberTable:
     """A table of numbers in named columns.
 
-    Blocks of rows that are plain numbers are read as a whole; others row by row, so that the one
+    Blocks of rows that are plain numbers are read by a kernel; others row by row, so that the one
     that is wrong is named.
 
     Parameters
@@ -41,9 +40,8 @@ class NumberTable:
         self, names: list[str], name: str, exact: Iterable[str] = (), may_lack: Iterable[str] = ()
     ) -> None:
         self.names, self.name = names, name
-        self._exact, self._may_lack = set(exact), set(may_lack)
-        kinds = [np.int64 if column in self._exact else np.float64 for column in names]
-        self._row = np.dtype([(f"c{k}", kind) for k, kind in enumerate(kinds)])
+        self._exact = np.array([column in set(exact) for column in names])
+        self._may_lack = np.array([column in set(may_lack) for column in names])
         self._lines: list[range | NDArray] = []
         self._columns: dict[str, list[NDArray]] = {column: [] for column in names}
 
@@ -52,54 +50,77 @@ class NumberTable:
 
     def read(
         self,
-        rows: Iterator[tuple[int, str]],
+        lines: TextLines,
         delimiter: str | None,
-        split: Callable[[str], list[str]],
+        split: Callable[[str], list[str] | None],
+        comment: str | None = None,
     ) -> None:
-        """Add all rows: numbers of lines, and texts that `split` cuts into cells.
+        """Add all rows.
 
-        `delimiter` stands between plain cells, None for white space.
+        Parameters
+        ----------
+        lines : TextLines
+        delimiter : str, optional
+            What stands between plain cells; None for white space.
+        split : callable
+            Cuts a line into cells; None for a line that is passed over.
+        comment : str, optional
+            Plain lines that begin with it are passed over.
 
         Raises
         ------
         RecordingError
             ``name:line: what is X; expected Y``.
         """
-        while block := list(islice(rows, _BLOCK)):
-            lines, texts = zip(*block, strict=True)
-            found = self._plain(texts, delimiter)
-            if found is None:
-                cells = [self._numbers(line, split(text)) for line, text in block]
-                found = np.array(cells, self._row)
-            self._lines.append(_told_briefly(lines))
+        plain = (ord(delimiter) if delimiter else 0, ord(comment) if comment else -1)
+        while True:
+            first, data = lines.block()
+            if not data:
+                break
+            shortest = 2 * len(self.names) - int(np.count_nonzero(self._may_lack))  # row, bytes
+            room = 1 + min(data.count(b"\n"), len(data) // max(1, shortest))
+            values, at = np.empty((len(self.names), room)), np.empty(room, np.int32)
+            whole = values.view(np.int64)
+            text = np.frombuffer(data, np.uint8)
+            n = read_rows(text, *plain, self._exact, self._may_lack, values, whole, at)
+            if n < 0:
+                n = self._read_singly(lines.cut(first, data), split, first, values, at)
+            self._lines.append(_told_briefly(first, at[:n]))
             for k, column in enumerate(self.names):
-                _append(self._columns[column], found[f"c{k}"].copy())
+                found = whole if self._exact[k] else values
+                _append(self._columns[column], found[k, :n].copy())
 
-    def _plain(self, texts: tuple[str, ...], delimiter: str | None) -> NDArray | None:
-        """Rows of plain numbers, all at once; None where one may be anything else."""
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")  # such as for an integer written 1.0
-                found = np.loadtxt(texts, self._row, comments=None, delimiter=delimiter, ndmin=1)
-        except (ValueError, OverflowError, Warning):
-            return None
-        if len(found) != len(texts):
-            return None
-        for k in range(len(self.names)):
-            if not (np.abs(found[f"c{k}"]) < _LARGEST).all():
-                return None
-        return found
+    def _read_singly(
+        self,
+        lines: Iterable[tuple[int, str]],
+        split: Callable[[str], list[str] | None],
+        first: int,
+        values: NDArray,
+        at: NDArray,
+    ) -> int:
+        """Fill a block's numbers and lines row by row, so that the one that is wrong is named."""
+        whole = values.view(np.int64)
+        n = 0
+        for line, text in lines:
+            cells = split(text)
+            if cells is None:
+                continue
+            for k, number in enumerate(self._numbers(line, cells)):
+                (whole if self._exact[k] else values)[k, n] = number
+            at[n] = line - first
+            n += 1
+        return n
 
     def _numbers(self, line: int, cells: list[str]) -> tuple[float, ...]:
         if len(cells) != len(self.names):
             raise RecordingError(
                 f"{self.name}:{line}: there are {len(cells)} columns; expected {len(self.names)}"
             )
-        return tuple(self._number(line, *named) for named in zip(self.names, cells, strict=True))
+        return tuple(self._number(line, k, cell) for k, cell in enumerate(cells))
 
-    def _number(self, line: int, name: str, cell: str) -> float:
-        exact = name in self._exact
-        if not cell and name in self._may_lack:
+    def _number(self, line: int, column: int, cell: str) -> float:
+        name, exact = self.names[column], self._exact[column]
+        if not cell and self._may_lack[column]:
             return math.nan
         try:
             value = int(cell) if exact else float(cell)
@@ -151,15 +172,17 @@ class NumberTable:
         return values
 
 
-def _told_briefly(lines: tuple[int, ...]) -> range | NDArray:
-    """Numbers of lines; most follow one another."""
-    told = range(lines[0], lines[-1] + 1)
-    return told if len(told) == len(lines) else np.array(lines, np.int32)
+def _told_briefly(first: int, lines: NDArray) -> range | NDArray:
+    """Numbers of lines, from those counted in a block that begins with line `first`."""
+    if len(lines) == 0 or lines[-1] - lines[0] == len(lines) - 1:  # they rise: all in between
+        start = first + int(lines[0]) if len(lines) else first
+        return range(start, start + len(lines))
+    return lines + np.int32(first)
 
 
 def _append(blocks: list[NDArray], block: NDArray) -> None:
-    """Add a block, and join full ones that have become many."""
+    """Add a block, and join small ones that have become many."""
     blocks.append(block)
-    small = [one for one in blocks[-_JOINED:] if len(one) == _BLOCK]
-    if len(small) == _JOINED:
-        blocks[-_JOINED:] = [np.concatenate(small)]
+    n_large = sum(len(one) >= _JOINED for one in blocks)  # these stand first
+    if sum(map(len, blocks[n_large:])) >= _JOINED:
+        blocks[n_large:] = [np.concatenate(blocks[n_large:])]

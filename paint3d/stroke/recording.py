@@ -13,7 +13,7 @@ import io
 import os
 import tempfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
@@ -24,13 +24,11 @@ from paint3d.stroke.formats_inkml import read_inkml, write_inkml
 from paint3d.stroke.formats_jsonl import read_jsonl, write_jsonl
 from paint3d.stroke.formats_table import read_csv, read_plain_table, write_csv
 from paint3d.stroke.pad import MM_PER_PIXEL
+from paint3d.stroke.text_lines import TextLines
 
 __all__ = ["Recording", "load_recording", "save_recording"]
 
 _GZIP_MAGIC = b"\x1f\x8b"
-_MAX_LINE = 1 << 16
-_MAX_BYTES = 1 << 29
-_TELL_EVERY = 1 << 14  # lines
 _MAX_XML_BYTES = 1 << 26
 _WRITERS = {
     ".jsonl": write_jsonl,
@@ -91,7 +89,7 @@ def _read(
 ) -> Recording:
     if start.startswith(b"<"):
         return read_inkml(_whole(stream, name), name, scale=scale, y_down=y_down)
-    lines = _lines(stream, name, told)
+    lines = TextLines(stream, name, told)
     suffixes = [s.lower() for s in path.suffixes]
     if start.startswith(b"{") or ".jsonl" in suffixes or ".json" in suffixes or not start:
         return read_jsonl(lines, name)
@@ -117,30 +115,6 @@ def _share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[]
         return None
     size = max(1, os.fstat(raw.fileno()).st_size)
     return lambda: progress(min(1.0, raw.tell() / size))
-
-
-def _lines(
-    stream: BinaryIO, name: str, told: Callable[[], None] | None = None
-) -> Iterator[tuple[int, str]]:
-    number = n_bytes = 0
-    while line := stream.readline(_MAX_LINE + 1):
-        number += 1
-        if told is not None and number % _TELL_EVERY == 0:
-            told()
-        n_bytes += len(line)
-        if len(line) > _MAX_LINE:
-            raise RecordingError(f"{name}:{number}: the line is longer than {_MAX_LINE} bytes")
-        if n_bytes > _MAX_BYTES:
-            raise RecordingError(
-                f"{name}:{number}: the file is longer than {_MAX_BYTES} bytes once decompressed"
-            )
-        try:
-            text = line.decode("utf-8-sig" if number == 1 else "utf-8")
-        except UnicodeDecodeError as cause:
-            raise RecordingError(
-                f"{name}:{number}: byte {cause.start} is not UTF-8; expected UTF-8 text"
-            ) from None
-        yield number, text
 
 
 def _whole(stream: BinaryIO, name: str) -> bytes:

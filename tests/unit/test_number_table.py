@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import random
+import struct
 import tracemalloc
 from pathlib import Path
 
@@ -10,25 +12,30 @@ import numpy as np
 import pytest
 
 from paint3d.errors import RecordingError
-from paint3d.stroke import number_table
+from paint3d.kernels.number_rows import read_rows
+from paint3d.stroke import number_table, text_lines
 from paint3d.stroke.number_table import NumberTable
 from paint3d.stroke.recording import load_recording
+from paint3d.stroke.text_lines import TextLines
 
 
 def read(lines: list[str], delimiter: str | None = ",") -> NumberTable:
     table = NumberTable(["time_ns", "x", "z"], "a.csv", {"time_ns"}, {"z"})
 
-    def split(row: str) -> list[str]:
-        return [cell.strip().strip('"') for cell in row.split(delimiter)]
+    def split(line: str) -> list[str] | None:
+        row = line.strip()
+        return [cell.strip().strip('"') for cell in row.split(delimiter)] if row else None
 
-    table.read(iter(enumerate(lines, 2)), delimiter, split)
+    text = TextLines(io.BytesIO("\n".join(["the names", *lines]).encode()), "a.csv")
+    next(text)
+    table.read(text, delimiter, split)
     return table
 
 
 @pytest.fixture
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(number_table, "_BLOCK", 3)
-    monkeypatch.setattr(number_table, "_JOINED", 2)
+    monkeypatch.setattr(text_lines, "_BLOCK", 40)
+    monkeypatch.setattr(number_table, "_JOINED", 7)
 
 
 @pytest.mark.usefixtures("small_blocks")
@@ -75,6 +82,105 @@ def test_the_line_that_is_wrong_is_named(row: str, words: str) -> None:
         read([*lines, row, *lines])
     assert str(caught.value).startswith("a.csv:9: ")
     assert words in str(caught.value)
+
+
+def plain(text: str, n_columns: int = 1, delimiter: str = ",") -> list[list[float]] | None:
+    """The rows that the kernel reads in a text, or None where it leaves it to others."""
+    values = np.empty((n_columns, text.count("\n") + 1))
+    lines = np.empty(values.shape[1], np.int32)
+    none = np.zeros(n_columns, bool)
+    data = np.frombuffer(text.encode(), np.uint8)
+    code = ord(delimiter) if delimiter else 0
+    n = read_rows(data, code, -1, none, none, values, values.view(np.int64), lines)
+    return None if n < 0 else values[:, :n].T.tolist()
+
+
+def some_numbers(n: int) -> list[str]:
+    """Decimals of all kinds, and some half-way between two floats, or a trifle beside that."""
+    rng = random.Random(11)
+    found = []
+    while len(found) < n:
+        value = abs(struct.unpack("<d", rng.randbytes(8))[0])
+        if not 1e-9 < value < 1e15:
+            value = 10.0 ** rng.uniform(-8.0, 15.0)
+        found += [repr(value), f"{value:.{rng.randrange(12)}f}", f"{value:.{rng.randrange(17)}e}"]
+        whole = rng.randrange(2**53, 2**54) | 1  # an odd one lies between two
+        for trifle in (-1, 0, 1):
+            found.append(f"{whole * 10 + trifle}e-1")
+            found.append(f"{whole * 5**3 * 10 ** (19 - len(str(whole * 125))) + trifle}e-22")
+    return [text for text in found if len(text.split("e")[0].replace(".", "").lstrip("0")) <= 19]
+
+
+def test_the_kernel_reads_the_nearest_float_of_every_decimal() -> None:
+    texts = some_numbers(30_000)
+    expected = [float(text) for text in texts]
+    one_by_one = plain("\n".join(texts))
+    assert one_by_one is not None
+    wrong = [
+        text
+        for text, (read,), right in zip(texts, one_by_one, expected, strict=True)
+        if read != right
+    ]
+    assert not wrong, wrong[:5]
+    assert any(len(text) > 18 for text in texts)
+
+
+@pytest.mark.parametrize("text", ["-0.0", "+.5", "5.", "-7e2", "1E-3", "00012.500", "0e9"])
+def test_the_kernel_reads_signs_points_and_exponents(text: str) -> None:
+    ((read,),) = plain(f"  {text} \r\n")
+    assert struct.pack("<d", read) == struct.pack("<d", float(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        ".",
+        "-",
+        "e5",
+        "1e",
+        "1e+",
+        "1 2",
+        "1,2",
+        "nan",
+        "0x1",
+        "1_0",
+        "1e-30",
+        "4.7e18",
+        "\x00",
+        "12345678901234567890",
+        "1e1000",
+        "1.e5x",
+        "--1",
+        "²",
+        '"1"',
+        "1" + " " * 70_000,
+    ],
+)
+def test_the_kernel_leaves_what_is_not_plain_to_others(text: str) -> None:
+    assert plain(f"1\n{text}\n2") == ([[1.0], [2.0]] if not text else None)
+
+
+def test_the_kernel_keeps_to_the_columns() -> None:
+    assert plain("1,2\n\n 3 ,\t4\r\n", 2) == [[1.0, 2.0], [3.0, 4.0]]
+    assert plain("1\t 2 \n3  4", 2, "") == [[1.0, 2.0], [3.0, 4.0]]
+    assert plain("1\t 2\n3\t4", 2, "\t") == [[1.0, 2.0], [3.0, 4.0]]
+    for text in ("1\n2", "1,2,3", "1,2,", ",1", "1;2", "1.5.2,1"):
+        assert plain(text, 2) is None, text
+    assert plain("1.5.2", 2, "") is None
+
+
+def test_a_row_of_no_numbers_takes_no_room_for_its_columns() -> None:
+    names = [f"c{k}" for k in range(9_000)]
+    table = NumberTable(names, "a.csv")
+    text = TextLines(io.BytesIO(b"\n" * 2_000_000 + b"1"), "a.csv")
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordingError, match=r"a\.csv:2000001: there are 1 columns"):
+            table.read(text, ",", lambda line: line.split(",") if line.strip() else None)
+        assert tracemalloc.get_traced_memory()[1] < 100e6
+    finally:
+        tracemalloc.stop()
 
 
 def test_a_large_pad_takes_little_more_than_its_numbers(tmp_path: Path) -> None:
