@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import RectBivariateSpline
 
 from paint3d.arrays import as_array, as_number
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.spline_map import SplineMap
 
 __all__ = ["SurfaceChart", "SurfaceFrame", "frame_at", "make_chart"]
 
@@ -104,8 +104,7 @@ class SurfaceChart:
         self.frame = frame
         self.half_width = float(xs[-1])
         self.half_height = float(ys[-1])
-        self._points = [RectBivariateSpline(xs, ys, points[..., k]) for k in range(3)]
-        self._normals = [RectBivariateSpline(xs, ys, normals[..., k]) for k in range(3)]
+        self._points, self._normals = SplineMap(xs, ys, points), SplineMap(xs, ys, normals)
 
     def points(self, xy: ArrayLike) -> NDArray:
         """Points (N, 3) of the surface at chart coordinates (N, 2), mm.
@@ -115,11 +114,11 @@ class SurfaceChart:
         InputError
             If a coordinate lies outside the chart.
         """
-        return _evaluate(self._points, self._checked(xy))
+        return self._points(self._checked(xy))
 
     def normals(self, xy: ArrayLike) -> NDArray:
         """Outward unit normals (N, 3)."""
-        return _normalised(_evaluate(self._normals, self._checked(xy)))
+        return _normalised(self._normals(self._checked(xy)))
 
     def tangents(self, xy: ArrayLike) -> NDArray:
         """Frames (N, 3, 3) whose columns are the directions of x and y and the normal.
@@ -128,9 +127,9 @@ class SurfaceChart:
         that neither is favoured where the map shears.
         """
         checked = self._checked(xy)
-        normals = _normalised(_evaluate(self._normals, checked))
-        along_x = _in_plane(_evaluate(self._points, checked, dx=1), normals)
-        along_y = _in_plane(_evaluate(self._points, checked, dy=1), normals)
+        normals = _normalised(self._normals(checked))
+        along_x = _in_plane(self._points(checked, dx=1), normals)
+        along_y = _in_plane(self._points(checked, dy=1), normals)
         middle = _normalised(along_x + along_y)
         across = np.cross(normals, middle)
         root = math.sqrt(0.5)
@@ -159,14 +158,14 @@ class SurfaceChart:
         xy = grid[nearest[near]]
         for _ in range(4):
             inside = np.clip(xy, -reach, reach)
-            off = wanted[near] - _evaluate(self._points, inside)
-            along = [_evaluate(self._points, inside, dx=1), _evaluate(self._points, inside, dy=1)]
+            off = wanted[near] - self._points(inside)
+            along = [self._points(inside, dx=1), self._points(inside, dy=1)]
             slope = np.stack(along, axis=-1)
             gram = np.einsum("nki,nkj->nij", slope, slope)
             step = np.linalg.solve(gram, np.einsum("nki,nk->ni", slope, off)[..., None])[..., 0]
             xy = inside + step
         inside = np.clip(xy, -reach, reach)
-        left = np.linalg.norm(wanted[near] - _evaluate(self._points, inside), axis=1)
+        left = np.linalg.norm(wanted[near] - self._points(inside), axis=1)
         out = np.full((len(wanted), 2), np.nan)
         kept = (left <= most_off) & (np.abs(xy) <= reach * (1.0 + 1e-9)).all(axis=1)
         out[near[kept]] = inside[kept]
@@ -286,10 +285,6 @@ def _carried(heading: NDArray, before: NDArray, after: NDArray) -> NDArray:
     """
     share = np.sum(heading * after, axis=1) / (1.0 + np.sum(before * after, axis=1))
     return _in_plane(heading - share[:, None] * (before + after), after)
-
-
-def _evaluate(splines: list[RectBivariateSpline], xy: NDArray, dx: int = 0, dy: int = 0) -> NDArray:
-    return np.stack([s.ev(xy[:, 0], xy[:, 1], dx=dx, dy=dy) for s in splines], axis=-1)
 
 
 def _normalised(vectors: NDArray) -> NDArray:

@@ -1,0 +1,79 @@
+"""Several spline functions over one rectangle, evaluated together.
+
+The weights of the coefficients around a place depend on the knots alone, so that functions with the
+same knots share them. De Boor's recursion, as FITPACK has it, to the last bit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+__all__ = ["evaluate_splines"]
+
+_MOST = 4  # one more than the highest degree
+
+
+@njit(cache=True, nogil=True)
+def _find_interval(knots, degree, x):
+    """Place of the knot that begins the interval of x; its ends belong to the first and last."""
+    low, high = degree, len(knots) - degree - 2
+    while low < high:
+        middle = (low + high + 1) // 2
+        if knots[middle] <= x:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@njit(cache=True, nogil=True)
+def _fill_weights(knots, degree, at, x, before, weights):
+    """Values at x of the B-splines that do not vanish in the interval that begins at knot `at`."""
+    weights[0] = 1.0
+    for j in range(1, degree + 1):
+        for i in range(j):
+            before[i] = weights[i]
+        weights[0] = 0.0
+        for i in range(j):
+            right, left = knots[at + 1 + i], knots[at + 1 + i - j]
+            share = before[i] / (right - left)
+            weights[i] += share * (right - x)
+            weights[i + 1] = share * (x - left)
+
+
+@njit(cache=True, nogil=True)
+def evaluate_splines(x_knots, y_knots, degrees, coefficients, xy, out):
+    """Evaluate tensor products of B-splines at places of their rectangle.
+
+    Parameters
+    ----------
+    x_knots : (A + k + 1,), y_knots : (B + m + 1,) float64
+        Not falling; the ends stand degree + 1 times.
+    degrees : (int, int)
+        k and m, at most 3.
+    coefficients : (A, B, F) float64
+        Of F functions.
+    xy : (N, 2) float64
+        What lies beyond the rectangle is taken at its rim.
+    out : (N, F) float64
+        Filled.
+    """
+    k, m = degrees
+    before, along, across = np.empty(_MOST), np.empty(_MOST), np.empty(_MOST)
+    low_x, high_x = x_knots[k], x_knots[len(x_knots) - k - 1]
+    low_y, high_y = y_knots[m], y_knots[len(y_knots) - m - 1]
+    n_functions = coefficients.shape[2]
+    for n in range(len(xy)):
+        x = min(max(xy[n, 0], low_x), high_x)
+        y = min(max(xy[n, 1], low_y), high_y)
+        column, row = _find_interval(x_knots, k, x), _find_interval(y_knots, m, y)
+        _fill_weights(x_knots, k, column, x, before, along)
+        _fill_weights(y_knots, m, row, y, before, across)
+        for f in range(n_functions):
+            out[n, f] = 0.0
+        for i in range(k + 1):
+            for j in range(m + 1):
+                for f in range(n_functions):
+                    part = coefficients[column - k + i, row - m + j, f]
+                    out[n, f] += part * along[i] * across[j]
