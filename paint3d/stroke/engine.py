@@ -11,6 +11,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +35,7 @@ from paint3d.kernels.tuft_load import level_stations
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
+from paint3d.stroke.ahead import ahead
 from paint3d.stroke.hair_tuft import HairTuft
 from paint3d.stroke.laying import DIP, LaidPad
 from paint3d.stroke.recording import Recording
@@ -305,7 +307,8 @@ class Painter:
         Parameters
         ----------
         recording : Recording or LaidPad
-            However long: 65,536 samples at a time are made ready for painting.
+            However long: 65,536 samples at a time are made ready for painting, the next ones while
+            these are painted.
         progress : callable, optional
             Called with the fraction done, a few times a second or after every frame.
         frame_rate : float, optional
@@ -320,9 +323,10 @@ class Painter:
         self.finish()
         n, first, before = len(recording), 0, 0.0
         origin, at = int(recording.time_ns[0]), self._progress.at
+        ready = ahead(partial(self._prepare, recording, *span, origin) for span in _spans(n))
         while True:
             last = min(n, first + _PART)
-            samples, dips = self._prepare(recording.part(first, last), origin)
+            samples, dips = next(ready)
             known = last - first - 1 - (_LOOKAHEAD if last < n else 0)
             for stop, is_frame in _stops(samples.time, int(at[0]), known, frame_rate):
                 self._paint(samples, stop, dips)
@@ -344,9 +348,12 @@ class Painter:
         self._n_samples += n
         self._begin()
 
-    def _prepare(self, part: Recording, origin_ns: int) -> tuple[stroke.Samples, NDArray]:
+    def _prepare(
+        self, recording: Recording | LaidPad, first: int, last: int, origin_ns: int
+    ) -> tuple[stroke.Samples, NDArray]:
         """Samples ready for interpolation, their time counted from `origin_ns`, and their dips."""
         started = time.perf_counter()
+        part = recording.part(first, last)
         path = brush_poses(part)
         path = dataclasses.replace(path, time_s=(part.time_ns - origin_ns) * 1e-9)
         prepared = _samples(path), _dips(path.buttons)
@@ -475,6 +482,18 @@ class Painter:
             "seconds": dict(self.seconds),
             "ink_ledger": self.ledger(),
         }
+
+
+def _spans(n: int) -> Iterator[tuple[int, int]]:
+    """First samples and ends of the parts of a recording that are made ready at once.
+
+    They overlap: an interval waits for the samples beyond it, and needs those before it again.
+    """
+    first = 0
+    while first + _PART < n:
+        yield first, first + _PART
+        first += _PART - 1 - 2 * _LOOKAHEAD
+    yield first, n
 
 
 def _dips(buttons: NDArray) -> NDArray:
