@@ -140,8 +140,7 @@ def _assemble(table: NumberTable, header: dict, scale: float, y_down: bool) -> R
     up = 1.0 if table.column("y_mm") or not y_down else -1.0
     for axis in "xyz":
         _check_place(table, axis)
-    found = table.column(*_STROKES)
-    changes = np.array([], np.int64) if found is None else _changes(found[1])
+    changes = _changes(table)
     time_ns, notes = _times(table, np.concatenate([[0], changes]))
     table.let_go(*_TIMES, *_STROKES)
     if notes:
@@ -173,8 +172,12 @@ def _assemble(table: NumberTable, header: dict, scale: float, y_down: bool) -> R
         raise RecordingError(f"{table.name}: {cause}") from None
 
 
-def _changes(stroke: NDArray) -> NDArray:
+def _changes(table: NumberTable) -> NDArray:
     """First samples of all strokes but the first."""
+    found = table.column(*_STROKES)
+    if found is None:
+        return np.array([], np.int64)
+    stroke = found[1]
     return np.flatnonzero(stroke[1:] != stroke[:-1]) + 1
 
 
@@ -297,17 +300,14 @@ def _times(table: NumberTable, starts: NDArray) -> tuple[NDArray, list[str]]:
 
 def _rounded(values: NDArray, unit: float, starts: NDArray) -> tuple[NDArray, list[str]]:
     """ns from the first stamp; strokes that start in ms but go on in s are put right."""
-    first = np.repeat(values[starts], np.diff(np.append(starts, len(values))))
-    total = values - first
+    counts = np.diff(np.append(starts, len(values)))
+    total = values - np.repeat(values[starts], counts)
     notes = []
     in_seconds = unit == 1e6 and _starts_in_ms(values, starts, total)
     if in_seconds:
         notes.append("time stamps count in ms between strokes but in s within them")
     total *= 1e9 if in_seconds else unit
-    first -= values[0]
-    first *= unit
-    total += first
-    del first
+    total += np.repeat((values[starts] - values[0]) * unit, counts)
     if len(total) and total[-1] >= 2.0**62:
         raise RecordingError("the times span over 146 years; expected a recording")
     return np.round(total, out=total).astype(np.int64), notes
@@ -317,7 +317,7 @@ def _starts_in_ms(values: NDArray, starts: NDArray, since: NDArray) -> bool:
     """Whether strokes start at times in ms, but count s `since` then."""
     steps = np.diff(since)
     steps = steps[steps > 0]
-    if len(steps) < 2 or np.median(steps) >= _TOO_FAST_MS:
+    if len(steps) < 2 or np.median(steps, overwrite_input=True) >= _TOO_FAST_MS:
         return False
     ends = np.append(starts[1:], len(values)) - 1
     begin = (values[starts] - values[0]) * 1e6

@@ -14,7 +14,8 @@ from paint3d.stroke.text_lines import TextLines
 
 __all__ = ["NumberTable"]
 
-_JOINED = 1 << 22  # rows: an array so large goes back to the system when it is let go
+_FEWEST = 1 << 16  # rows that a column has room for
+_MOST = 1 << 22  # rows in one piece: so much memory goes back to the system when it is let go
 _LARGEST = 2.0**62
 
 
@@ -43,7 +44,10 @@ class NumberTable:
         self._exact = np.array([column in set(exact) for column in names])
         self._may_lack = np.array([column in set(may_lack) for column in names])
         self._lines: list[range | NDArray] = []
-        self._columns: dict[str, list[NDArray]] = {column: [] for column in names}
+        self._columns = {
+            column: _Column(np.int64 if exact else np.float64)
+            for column, exact in zip(names, self._exact, strict=True)
+        }
 
     def __len__(self) -> int:
         return sum(map(len, self._lines))
@@ -73,13 +77,15 @@ class NumberTable:
             ``name:line: what is X; expected Y``.
         """
         plain = (ord(delimiter) if delimiter else 0, ord(comment) if comment else -1)
+        values, at = np.empty((len(self.names), 0)), np.empty(0, np.int32)
         while True:
             first, data = lines.block()
             if not data:
                 break
             shortest = 2 * len(self.names) - int(np.count_nonzero(self._may_lack))  # row, bytes
             room = 1 + min(data.count(b"\n"), len(data) // max(1, shortest))
-            values, at = np.empty((len(self.names), room)), np.empty(room, np.int32)
+            if room > len(at):
+                values, at = np.empty((len(self.names), room)), np.empty(room, np.int32)
             whole = values.view(np.int64)
             text = np.frombuffer(data, np.uint8)
             n = read_rows(text, *plain, self._exact, self._may_lack, values, whole, at)
@@ -87,8 +93,7 @@ class NumberTable:
                 n = self._read_singly(lines.cut(first, data), split, first, values, at)
             self._lines.append(_told_briefly(first, at[:n]))
             for k, column in enumerate(self.names):
-                found = whole if self._exact[k] else values
-                _append(self._columns[column], found[k, :n].copy())
+                self._columns[column].add((whole if self._exact[k] else values)[k, :n])
 
     def _read_singly(
         self,
@@ -145,9 +150,7 @@ class NumberTable:
         """The first of the named columns that is there, and its values."""
         for name in names:
             if name in self._columns:
-                if len(self._columns[name]) != 1:
-                    self._columns[name] = [np.concatenate(self._columns[name])]
-                return name, self._columns[name][0]
+                return name, self._columns[name].values()
         return None
 
     def let_go(self, *names: str) -> None:
@@ -180,9 +183,33 @@ def _told_briefly(first: int, lines: NDArray) -> range | NDArray:
     return lines + np.int32(first)
 
 
-def _append(blocks: list[NDArray], block: NDArray) -> None:
-    """Add a block, and join small ones that have become many."""
-    blocks.append(block)
-    n_large = sum(len(one) >= _JOINED for one in blocks)  # these stand first
-    if sum(map(len, blocks[n_large:])) >= _JOINED:
-        blocks[n_large:] = [np.concatenate(blocks[n_large:])]
+class _Column:
+    """Numbers that grow, in pieces: an array that grew as a whole would be there twice."""
+
+    def __init__(self, kind: type) -> None:
+        self._kind = kind
+        self._pieces: list[NDArray] = []
+        self._n_last = 0  # in the last piece
+
+    def add(self, block: NDArray) -> None:
+        while len(block):
+            if not self._pieces or self._n_last == len(self._pieces[-1]):
+                room = 2 * len(self._pieces[-1]) if self._pieces else _FEWEST
+                self._pieces.append(np.empty(min(room, _MOST), self._kind))
+                self._n_last = 0
+            piece = self._pieces[-1]
+            n = min(len(block), len(piece) - self._n_last)
+            piece[self._n_last : self._n_last + n] = block[:n]
+            self._n_last += n
+            block = block[n:]
+
+    def values(self) -> NDArray:
+        """All of them in one array."""
+        last = self._pieces[-1:]
+        if last and self._n_last < len(last[0]):
+            last = [last[0][: self._n_last]]
+        if len(self._pieces) != 1 or last[0] is not self._pieces[0]:
+            whole = [*self._pieces[:-1], *last]
+            self._pieces = [np.concatenate(whole) if whole else np.empty(0, self._kind)]
+            self._n_last = len(self._pieces[0])
+        return self._pieces[0]
