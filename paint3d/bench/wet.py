@@ -17,9 +17,10 @@ import numpy as np
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Pace
-from paint3d.app.model.ink_clock import PIECE_S, InkClock
+from paint3d.app.model.ink_clock import InkClock
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
+from paint3d.stroke.ink_time import PIECE_S
 
 __all__ = ["measure"]
 

@@ -37,6 +37,7 @@ from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
 from paint3d.stroke.ahead import ahead
 from paint3d.stroke.hair_tuft import HairTuft
+from paint3d.stroke.ink_time import LOOKAHEAD
 from paint3d.stroke.laying import DIP, LaidPad
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -47,7 +48,6 @@ _PART = 1 << 16  # samples of a recording that are made ready at once
 _CHUNK = 2000  # samples between two calls of `progress`
 _STATIONS = 12  # pieces of a tuft that is loaded differently along its length
 _WET_RATE = 30.0  # Hz
-_LOOKAHEAD = 2  # samples that must be known beyond an interval before it is painted
 
 
 class Painter:
@@ -327,7 +327,7 @@ class Painter:
         while True:
             last = min(n, first + _PART)
             samples, dips = next(ready)
-            known = last - first - 1 - (_LOOKAHEAD if last < n else 0)
+            known = last - first - 1 - (LOOKAHEAD if last < n else 0)
             for stop, is_frame in _stops(samples.time, int(at[0]), known, frame_rate):
                 self._paint(samples, stop, dips)
                 is_end = first + stop == n - 1
@@ -341,8 +341,8 @@ class Painter:
                     progress((first + stop + 1) / n)
             if last == n:
                 break
-            first += known - _LOOKAHEAD
-            at[0] = _LOOKAHEAD
+            first += known - LOOKAHEAD
+            at[0] = LOOKAHEAD
         if wet:
             self.surface.diffuse(0.0)  # what waits for its step takes it
         self._n_samples += n
@@ -366,7 +366,11 @@ class Painter:
             samples = list(samples)
             self._origin_ns = samples[0].time_ns if samples else 0
         self._held.extend(samples)
-        self._paint_held(len(self._held) - 1 - _LOOKAHEAD)
+        self._paint_held(len(self._held) - 1 - LOOKAHEAD)
+
+    def lift(self) -> None:
+        """Paint what still waits though the stroke goes on: its next sample is not joined to it."""
+        self._paint_held(len(self._held) - 1)
 
     def finish(self) -> None:
         """Paint what still waits, and lift the brush."""
@@ -395,7 +399,7 @@ class Painter:
         path = dataclasses.replace(path, time_s=since * 1e-9)
         self.seconds["poses"] += time.perf_counter() - started
         self._paint(_samples(path), last, _dips(path.buttons))
-        done = max(0, int(self._progress.at[0]) - _LOOKAHEAD)
+        done = max(0, int(self._progress.at[0]) - LOOKAHEAD)
         self._n_samples += done
         self._held = self._held[done:]
         self._progress.at[0] -= done

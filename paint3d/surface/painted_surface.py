@@ -60,6 +60,11 @@ class PaintedSurface:
     ------
     MeshError, InputError
         If the mesh is unusable or the resolution is not a length of 0.005 mm to 1 km.
+
+    Attributes
+    ----------
+    keeps_up : bool
+        Whether what moves on it could be followed when `follow_time` was called last.
     """
 
     def __init__(
@@ -87,6 +92,7 @@ class PaintedSurface:
         self._flow: Flow | None = None
         self._still: Flow | None = None  # one that was dropped: its graph may serve again
         self._fresh: list[NDArray] = []
+        self.keeps_up = True
         self._changed: list[NDArray] | None = None
         self._allocate(0)
         if mesh.colours is not None:
@@ -326,6 +332,14 @@ class PaintedSurface:
         if step is not None:
             step = as_number(step, "step (s)", 1e-6)
         self.flow.advance(seconds, step, self._take_fresh())
+
+    def follow_time(self, seconds: float) -> bool:
+        """Let time pass beside a hand, or, while more moves than can be followed, none.
+
+        Which it is depends on the painting alone. Returns what `keeps_up` is now.
+        """
+        self.keeps_up = self.follow_flow(seconds if self.keeps_up else 0.0)
+        return self.keeps_up
 
     def follow_flow(self, seconds: float, most_nodes: int | None = MOST_NODES_AT_ONCE) -> bool:
         """Let time pass beside a hand: what moves little is left until it is worth a step.

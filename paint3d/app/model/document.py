@@ -109,7 +109,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self._stencil: Stencil | None = None
         self._images: list[ImagePainter] = []
         self._refused = False
-        self._keeps_up = self.settings.pop("behind", False) is not True
+        surface.keeps_up = self.settings.pop("behind", False) is not True
         self._pending: list[NDArray] = []
 
     def _take_history(self, saved: Session | None) -> str:
@@ -233,7 +233,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         settings["hairs"] = hair_words(self.painter)
         settings["dipped"] = weights_of(self.painter.dipped)
         settings["fresh"] = self._dipped
-        if not self._keeps_up:
+        if not self.surface.keeps_up:
             settings["behind"] = True
         settings["inks"] = [weights_of(ink) for ink in self.inks]
         history, gone = saved_history(self.surface, self._undo, self._log.current, MOST_BYTES)

@@ -27,19 +27,22 @@ from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, view_brush
-from paint3d.app.model.ink_clock import PIECE_S, InkClock
+from paint3d.app.model.ink_clock import InkClock
 from paint3d.app.model.sitting import Sitting
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
+from paint3d.stroke.ink_time import PIECE_S, is_lifted_between
 
 __all__ = ["Easel", "Event", "Pace"]
 
 _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
 _MOST_WORK_S = 0.13  # for the time that passes at once
 _MOST_BEHIND_S = 0.15  # that painting is where time still passes, if it takes long to follow
+_SHORTEST_S = 1e-4  # that a piece of time is thought to take
 _NEWS = 0.15  # share of the last piece of time in what one is thought to take
 _FOLLOW = "follow_time"
+_ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
 _BASE_EVERY_S = 120.0
 _DEAR_S = 3.0  # of work since the last base, after which the next is due: what recovering costs
@@ -94,7 +97,7 @@ class Pace:
         """Pieces that may pass at once for a hand that painting is so far behind."""
         if behind_s > _MOST_BEHIND_S and self._piece_s > 0.7 * PIECE_S:
             return 0
-        return 1 + int(_MOST_WORK_S / max(self._piece_s, 1e-6))
+        return 1 + int(_MOST_WORK_S / max(self._piece_s, _SHORTEST_S))
 
 
 class Easel:
@@ -141,6 +144,7 @@ class Easel:
         self._events: deque[Event] = deque()
         self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
         self._hovering: DeviceSample | None = None
+        self._fed: DeviceSample | None = None  # last of the stroke that goes on, where ink spreads
         self.newest: DeviceSample | None = None
         self._stopping = self._working = self._nudged = False
         self._stale = True
@@ -170,7 +174,12 @@ class Easel:
         if command in BRUSH_COMMANDS:
             self._brushes.append(brush_after(self.brush, command, arguments))
             result.add_done_callback(lambda _: self._brushes.popleft())
-        self._put(_Job(time.perf_counter(), (), command, arguments, options, result))
+        with self._wake:
+            self._refuse_stopped()
+            self._enqueue(_Job(time.perf_counter(), (), command, arguments, options, result))
+            if command in _ENDS:
+                self._fed = None
+            self._wake.notify()
         return result
 
     @property
@@ -220,7 +229,7 @@ class Easel:
     @wet.setter
     def wet(self, on: bool) -> None:
         with self._wake:
-            self._wet = bool(on)
+            self._wet, self._fed = bool(on), None
             self._ink_clock = InkClock(time.perf_counter_ns())
             self._nudged = True
             self._wake.notify()
@@ -283,12 +292,6 @@ class Easel:
 
     # -- in the thread ----------------------------------------------------------------------
 
-    def _put(self, job: _Job) -> None:
-        with self._wake:
-            self._refuse_stopped()
-            self._enqueue(job)
-            self._wake.notify()
-
     def _refuse_stopped(self) -> None:
         if self._stopping:
             raise RuntimeError("the easel was stopped")
@@ -303,8 +306,11 @@ class Easel:
             if pieces and first < k:
                 yield _Job(now, tuple(samples[first:k]))
                 first = k
+            if pieces and self._fed is not None and is_lifted_between(self._fed, sample):
+                yield _asked(now, "lift")
             for _ in range(pieces):
                 yield _piece(now)
+            self._fed = sample
         yield _Job(now, tuple(samples[first:]))
 
     def _enqueue(self, job: _Job) -> None:
@@ -460,7 +466,11 @@ class Easel:
 
 def _piece(came: float) -> _Job:
     """A piece of time for the ink."""
-    return _Job(came, (), _FOLLOW, (PIECE_S,), {}, Future())
+    return _asked(came, _FOLLOW, PIECE_S)
+
+
+def _asked(came: float, command: str, *arguments: object) -> _Job:
+    return _Job(came, (), command, arguments, {}, Future())
 
 
 class _Scribe:

@@ -48,6 +48,10 @@ class ImagePainter:
         moved = transformed(samples, self._image)
         self._as_twin(lambda: (self._twin.advance(moved), then()))
 
+    def lift(self, then: Callable[[], None] = lambda: None) -> None:
+        """Paint what still waits, though the stroke goes on, and do something as in `advance`."""
+        self._as_twin(lambda: (self._twin.lift(), then()))
+
     def finish(self, then: Callable[[], None] = lambda: None) -> None:
         """Paint what still waits, do something, and wash the brush out."""
         self._as_twin(lambda: (self._twin.finish(), then()))

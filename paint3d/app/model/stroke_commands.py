@@ -32,7 +32,6 @@ class StrokeCommands:
     _stencil: Stencil | None
     _dipped: bool
     _refused: bool
-    _keeps_up: bool
     _come_back: Callable[[], None]
     _paintable: Callable[[], Layer]
     _note: Callable
@@ -90,6 +89,14 @@ class StrokeCommands:
             for image in self._images:
                 image.advance(batch, self._wipe_stencil)
         self.modified = True
+
+    def lift(self) -> None:
+        """Paint what still waits of a stroke that goes on elsewhere: the pen is up meanwhile."""
+        if self.in_stroke:
+            self.painter.lift()
+            self._wipe_stencil()
+            for image in self._images:
+                image.lift(self._wipe_stencil)
 
     def end_stroke(self) -> None:
         """Paint what still waits, and lift the brush."""
@@ -175,19 +182,21 @@ class StrokeCommands:
             self.surface.make_room_ahead()
 
     def follow_time(self, seconds: float) -> bool:
-        """Let wet ink spread and dry for a while, or, while more moves than can be followed, none.
-
-        Which it is depends on the painting alone. Returns whether the ink keeps up.
-        """
-        self._keeps_up = self.let_time_pass(seconds if self._keeps_up else 0.0)
-        return self._keeps_up
+        """Let wet ink spread and dry, if it keeps up; see `PaintedSurface.follow_time`."""
+        keeps_up = self.surface.follow_time(seconds)
+        self._seal_what_ran()
+        return keeps_up
 
     def let_time_pass(self, seconds: float) -> bool:
         """Let wet ink spread and dry; whether it keeps up: see `PaintedSurface.follow_flow`."""
         keeps_up = self.surface.follow_flow(seconds)
-        if self._stencil is not None and self.in_stroke:
-            self._undo.seal()  # what runs by itself is not the stencil's
+        self._seal_what_ran()
         return keeps_up
+
+    def _seal_what_ran(self) -> None:
+        """What runs by itself is not the stencil's."""
+        if self._stencil is not None and self.in_stroke:
+            self._undo.seal()
 
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""

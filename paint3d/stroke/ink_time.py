@@ -1,0 +1,31 @@
+"""The time that passes for ink that spreads while a hand paints: in equal pieces.
+
+A piece ends whenever the hand's own clock has come to a multiple of its length, and passes before
+the first sample that was made then or later. What a pen that was lifted has left is painted before;
+where it goes on, the two samples that wait for others still wait. So what the ink meets follows
+from the samples alone, and is the same while they are made, handed over late, and replayed.
+"""
+
+from __future__ import annotations
+
+from paint3d.device.sample import DeviceSample
+from paint3d.pose.brush_pose import object_poses
+from paint3d.pose.interpolation import joined_samples
+
+__all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "is_lifted_between", "pieces_until"]
+
+PIECE_S = 0.05
+"""Of time that passes at once."""
+PIECE_NS = 50_000_000
+LOOKAHEAD = 2
+"""Samples that must be known beyond an interval before it is painted."""
+
+
+def pieces_until(time_ns: int) -> int:
+    """How many pieces have ended at a time, counted from the clock's zero."""
+    return time_ns // PIECE_NS
+
+
+def is_lifted_between(before: DeviceSample, sample: DeviceSample) -> bool:
+    """Whether the pen did not come on the surface from one sample to the next."""
+    return not joined_samples(object_poses([before, sample]))[1]
