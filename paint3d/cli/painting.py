@@ -147,9 +147,8 @@ def paint(
         timed(seconds, "paint"),
         ProgressBar("painting", enabled=not wishes.quiet) as progress,
     ):
-        painter.replay(recording, progress=progress, wet=wishes.spread_s is not None)
-        if wishes.spread_s is not None:
-            surface.diffuse(wishes.spread_s)
+        rest_s = wishes.spread_s
+        painter.replay(recording, progress, wet=rest_s is not None, rest_s=rest_s or 0.0)
         counts = painter.report()
     settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}
     if painter.hairs is not None:

@@ -37,7 +37,7 @@ from paint3d.pose.interpolation import joined_samples, velocities
 from paint3d.projection.contact import Contact, find_contact
 from paint3d.stroke.ahead import ahead
 from paint3d.stroke.hair_tuft import HairTuft
-from paint3d.stroke.ink_time import LOOKAHEAD
+from paint3d.stroke.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
 from paint3d.stroke.laying import DIP, LaidPad
 from paint3d.stroke.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -47,7 +47,6 @@ __all__ = ["Painter"]
 _PART = 1 << 16  # samples of a recording that are made ready at once
 _CHUNK = 2000  # samples between two calls of `progress`
 _STATIONS = 12  # pieces of a tuft that is loaded differently along its length
-_WET_RATE = 30.0  # Hz
 
 
 class Painter:
@@ -301,6 +300,7 @@ class Painter:
         progress: Callable[[float], None] | None = None,
         frame_rate: float | None = None,
         wet: bool = False,
+        rest_s: float = 0.0,
     ) -> None:
         """Paint a whole recording.
 
@@ -310,53 +310,81 @@ class Painter:
             However long: 65,536 samples at a time are made ready for painting, the next ones while
             these are painted.
         progress : callable, optional
-            Called with the fraction done, a few times a second or after every frame.
+            Called with the fraction done, a few times a second, after every frame and piece of
+            time.
         frame_rate : float, optional
             Bring the colours up to date this often, Hz of the recording's own time, as a live
             view would; the painting is the same without.
         wet : bool
-            Let the ink spread and dry meanwhile, in the recording's own time, by frames of
-            1/30 s or as `frame_rate` says (`PaintedSurface.follow_flow`). Otherwise no time passes.
+            Let the ink spread and dry meanwhile, in the recording's own time, as in the studio
+            (`stroke.ink_time`). Otherwise no time passes.
+        rest_s : float
+            Of the ink's time after the last sample, s, if it is wet.
+
+        Raises
+        ------
+        InputError
+            If the rest is not a finite number of at least 0.
         """
-        if wet and frame_rate is None:
-            frame_rate = _WET_RATE
+        rest_s = as_number(rest_s, "rest (s)", 0.0)
         self.finish()
-        n, first, before = len(recording), 0, 0.0
+        n, first, passed = len(recording), 0, 0
         origin, at = int(recording.time_ns[0]), self._progress.at
         ready = ahead(partial(self._prepare, recording, *span, origin) for span in _spans(n))
         while True:
             last = min(n, first + _PART)
-            samples, dips = next(ready)
+            times_ns, samples, dips = next(ready)
             known = last - first - 1 - (LOOKAHEAD if last < n else 0)
+            pauses = Pauses(times_ns, samples.joined, passed - first)
             for stop, is_frame in _stops(samples.time, int(at[0]), known, frame_rate):
+                for pause, pieces in pauses.until(stop) if wet else ():
+                    self._paint(samples, pause, dips)
+                    self._let_pass(pieces, progress, max(0, first + pause + 1) / n)
                 self._paint(samples, stop, dips)
                 is_end = first + stop == n - 1
                 if frame_rate is not None and (is_frame or is_end):
-                    if wet:
-                        now = float(samples.time[stop])
-                        self.surface.follow_flow(now - before, None)
-                        before = now
                     self._refresh()
                 if progress is not None:
                     progress((first + stop + 1) / n)
             if last == n:
                 break
+            passed = first + pauses.passed
             first += known - LOOKAHEAD
             at[0] = LOOKAHEAD
         if wet:
-            self.surface.diffuse(0.0)  # what waits for its step takes it
+            self._rest(int(recording.time_ns[-1]), rest_s, progress)
         self._n_samples += n
         self._begin()
 
+    def _let_pass(
+        self, pieces: int, progress: Callable[[float], None] | None, share: float
+    ) -> bool:
+        """Let pieces of time pass for the ink; whether it is dry, so that nothing more changes."""
+        for _ in range(pieces):
+            self.surface.follow_time(PIECE_S)
+            if progress is not None:
+                progress(share)
+            if self.surface.flow.is_dry:
+                return True
+        return False
+
+    def _rest(self, last_ns: int, seconds: float, progress: Callable[[float], None] | None) -> None:
+        """Let the ink have so much time after the last sample, however long it takes to follow."""
+        left = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
+        is_dry = False
+        while left and not is_dry:
+            left -= self.surface.keeps_up  # else no time passes
+            is_dry = self._let_pass(1, progress, 1.0)
+
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int, origin_ns: int
-    ) -> tuple[stroke.Samples, NDArray]:
-        """Samples ready for interpolation, their time counted from `origin_ns`, and their dips."""
+    ) -> tuple[NDArray, stroke.Samples, NDArray]:
+        """A part's times, its samples with time counted from `origin_ns`, and their dips."""
         started = time.perf_counter()
         part = recording.part(first, last)
         path = brush_poses(part)
         path = dataclasses.replace(path, time_s=(part.time_ns - origin_ns) * 1e-9)
-        prepared = _samples(path), _dips(path.buttons)
+        prepared = part.time_ns, _samples(path), _dips(path.buttons)
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
@@ -496,7 +524,7 @@ def _spans(n: int) -> Iterator[tuple[int, int]]:
     first = 0
     while first + _PART < n:
         yield first, first + _PART
-        first += _PART - 1 - 2 * _LOOKAHEAD
+        first += _PART - 1 - 2 * LOOKAHEAD
     yield first, n
 
 

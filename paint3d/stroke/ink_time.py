@@ -8,11 +8,16 @@ from the samples alone, and is the same while they are made, handed over late, a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
 from paint3d.pose.interpolation import joined_samples
 
-__all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "is_lifted_between", "pieces_until"]
+__all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "Pauses", "is_lifted_between", "pieces_until"]
 
 PIECE_S = 0.05
 """Of time that passes at once."""
@@ -29,3 +34,38 @@ def pieces_until(time_ns: int) -> int:
 def is_lifted_between(before: DeviceSample, sample: DeviceSample) -> bool:
     """Whether the pen did not come on the surface from one sample to the next."""
     return not joined_samples(object_poses([before, sample]))[1]
+
+
+class Pauses:
+    """Where the painting of samples stops for the ink.
+
+    Parameters
+    ----------
+    time_ns : (N,) int64
+    joined : (N,) bool
+        See `joined_samples`.
+    first : int
+        Before the samples up to this one all pieces have passed.
+
+    Attributes
+    ----------
+    passed : int
+        Before the samples up to this one they have by now.
+    """
+
+    def __init__(self, time_ns: NDArray, joined: NDArray, first: int) -> None:
+        due = np.diff(time_ns // PIECE_NS)
+        self._before = np.flatnonzero(due) + 1
+        self._before = self._before[self._before > first]
+        painted = self._before - np.where(joined[self._before], 1 + LOOKAHEAD, 1)
+        self._stops = np.maximum.accumulate(painted)
+        self._pieces = due[self._before - 1]
+        self._next = 0
+        self.passed = first
+
+    def until(self, stop: int) -> Iterator[tuple[int, int]]:
+        """Samples that are painted up to, none after `stop`, and the pieces that pass then."""
+        last = int(np.searchsorted(self._stops, stop, side="right"))
+        for k in range(self._next, last):
+            self._next, self.passed = k + 1, int(self._before[k])
+            yield int(self._stops[k]), int(self._pieces[k])

@@ -105,6 +105,11 @@ class Flow:
         return int(np.count_nonzero(self._patch.water > 0.0))
 
     @property
+    def is_dry(self) -> bool:
+        """Whether no water is left, nor ink that `follow` has not taken up."""
+        return not (self._patch.is_wet() or len(self.waiting))
+
+    @property
     def patience(self) -> float:
         """Time that may pass before anything has to move, s; infinite where nothing is wet."""
         patch = self._patch
@@ -156,7 +161,7 @@ class Flow:
         while len(wet := patch.wet_blocks()) and patch.owed[wet].any():
             self._step(wet[patch.owed[wet] > 0.0])
 
-    def follow(self, seconds: float, fresh: NDArray, most_nodes: int | None) -> bool:
+    def follow(self, seconds: float, fresh: NDArray, most_nodes: int) -> bool:
         """Let time pass, and let what is due move, as far as there is time for it.
 
         Water that moves little is left where it is until its step is due, and of what is due no
@@ -172,11 +177,10 @@ class Flow:
         """
         patch = self._patch
         self._ease = _EASE
-        most_blocks = _OPENED if most_nodes is not None else patch.graph.n_blocks
-        now, self.waiting = patch.open_some(fresh, most_blocks)
+        now, self.waiting = patch.open_some(fresh, _OPENED)
         self._waited = self._waited + seconds if len(self.waiting) else 0.0
         self._take_up(now)
-        if not patch.open_wet(most_blocks):
+        if not patch.open_wet(_OPENED):
             patch.owed += seconds
             patch.hand_back()
             return False
@@ -184,8 +188,7 @@ class Flow:
         for _ in range(pieces):
             patch.owed += seconds / pieces
             wet = patch.wet_blocks()
-            due = self._due(wet, patch.pace[wet])
-            self._step(due if most_nodes is None else self._most_urgent(due, most_nodes))
+            self._step(self._most_urgent(self._due(wet, patch.pace[wet]), most_nodes))
         patch.hand_back()
         wet = patch.wet_blocks()
         is_late = patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])

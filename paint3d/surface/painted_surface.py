@@ -341,7 +341,7 @@ class PaintedSurface:
         self.keeps_up = self.follow_flow(seconds if self.keeps_up else 0.0)
         return self.keeps_up
 
-    def follow_flow(self, seconds: float, most_nodes: int | None = MOST_NODES_AT_ONCE) -> bool:
+    def follow_flow(self, seconds: float, most_nodes: int = MOST_NODES_AT_ONCE) -> bool:
         """Let time pass beside a hand: what moves little is left until it is worth a step.
 
         The outcome is that of `diffuse` as far as can be seen, for much less work; one call does
@@ -350,8 +350,8 @@ class PaintedSurface:
         Parameters
         ----------
         seconds : float
-        most_nodes : int or None
-            Vertices that may be moved in this call, a few thousand at least; None: all that is due.
+        most_nodes : int
+            Vertices that may be moved in this call, a few thousand at least.
 
         Returns
         -------

@@ -16,7 +16,10 @@ from paint3d.app.model import easel as easels
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.ink_clock import LATE_S, InkClock
 from paint3d.app.model.sitting import Sitting, recoverable
+from paint3d.stroke import engine
+from paint3d.stroke.engine import Painter
 from paint3d.stroke.ink_time import PIECE_NS, PIECE_S
+from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.hands import line, paint, same_vertices, small_plane
 
 
@@ -209,6 +212,15 @@ def same_ink(one, other):
 def test_the_ink_has_the_hands_own_time_however_late_it_is_told(quick_wall, painted_in_time):
     for late_s in (0.0, 0.03, 0.2, 20.0):
         same_ink(painted_in_time.surface, handed_over(quick_wall, late_s).surface)
+
+
+@pytest.mark.parametrize("part", [engine._PART, 7, 40])
+def test_its_recording_gives_the_ink_the_same_time(monkeypatch, painted_in_time, part):
+    monkeypatch.setattr(engine, "_PART", part)
+    recording, source = painted_in_time.recording(), painted_in_time.surface.source
+    surface = PaintedSurface(source, 1.0, "xuan")
+    Painter(surface).replay(recording, wet=True)
+    same_ink(painted_in_time.surface, surface)
 
 
 @given(
