@@ -9,6 +9,7 @@ from paint3d.app.model.document import Document
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.session import load_session, save_session
 from paint3d.ink.pigments import load_pigment
+from paint3d.stroke.ink_time import PIECE_NS
 from tests.app.hands import line, paint, same_vertices, sample, small_plane
 
 
@@ -127,6 +128,23 @@ def test_strokes_become_a_recording_that_paints_the_same():
     again.painter.replay(recording)
     np.testing.assert_allclose(again.surface.amounts, document.surface.amounts, atol=1e-5)
     assert again.painter.ledger() == pytest.approx(document.painter.ledger(), rel=1e-6, abs=1e-3)
+
+
+def test_strokes_keep_their_times_in_a_recording_unless_a_clock_began_anew():
+    document = small_plane()
+    starts = [5_003_000_000, 5_160_000_000, 20_000_000, 150_000_000]  # strokes take 95 ms
+    for k, t0 in enumerate(starts):
+        paint(document, (-20, 6 * k), (20, 6 * k), t0=t0)
+    paint(document, (-20, 30), (20, 30), t0=5_400_000_000)
+    times = document.recording().time_ns
+    first = np.flatnonzero(np.diff(times, prepend=0) > 5_000_000)
+    begun = times[first]
+    begun[0] += 1_000_000  # its dip comes before it
+    np.testing.assert_array_equal(begun[:2], starts[:2])
+    moved = begun[2:] - [*starts[2:], 5_400_000_000]
+    assert moved[0] == moved[1] > 5_000_000_000  # of one clock
+    assert moved[2] == moved[0]
+    assert not (moved % PIECE_NS).any()
 
 
 def test_saving_needs_a_name_and_keeps_everything(tmp_path):

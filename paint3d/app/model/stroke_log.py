@@ -17,11 +17,12 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError, SessionError
 from paint3d.ink.pigments import Pigment
 from paint3d.pose.brush_pose import contacts_of
+from paint3d.stroke.ink_time import PIECE_NS
 from paint3d.stroke.laying import DIP
 
 __all__ = ["Stroke", "StrokeLog", "recording_of", "strokes_of", "weights_of"]
 
-_PAUSE_NS = 200_000_000  # between two strokes that are joined to one recording
+_PAUSE_NS = 200_000_000  # before a stroke whose clock is not that of those before it
 _LANDING_NS = 1_000_000
 
 
@@ -155,34 +156,48 @@ class StrokeLog:
         self.strokes = [*self._before, *strokes]
 
     def recording(self, object_name: str, first: int = 0) -> Recording | None:
-        """Strokes from number `first` on, one after the other; dips are on their lifted samples."""
+        """Strokes from number `first` on, one after the other; dips are on their lifted samples.
+
+        They keep their times, and so the ink what passes between them.
+        """
         strokes = self.strokes[first:]
         if not strokes:
             return None
         samples: list[DeviceSample] = []
+        shift = 0
         for stroke in strokes:
-            samples += _after(samples, stroke)
+            own = _whole(stroke)
+            if samples:
+                shift = _shift(samples[-1].time_ns, own[0].time_ns, shift)
+            samples += [_with(s, time_ns=s.time_ns + shift) for s in own] if shift else own
         return recording_of(samples, {**strokes[0].header(), "object": object_name})
 
 
-def _after(before: Sequence[DeviceSample], stroke: Stroke) -> list[DeviceSample]:
-    """A stroke's samples, later than those before, dipped and with lifted ends."""
-    first = stroke.samples[0].time_ns
-    shift = 0
-    if before:
-        shift = max(0, before[-1].time_ns + _PAUSE_NS - first)
-    moved = [_with(s, time_ns=s.time_ns + shift) for s in stroke.samples]
-    if moved[0].pressure is None:
-        return moved
-    first, last = moved[0], moved[-1]
+def _whole(stroke: Stroke) -> list[DeviceSample]:
+    """A stroke's samples, dipped and with lifted ends."""
+    samples = list(stroke.samples)
+    first, last = samples[0], samples[-1]
+    if first.pressure is None:
+        return samples
     if first.pressure > 0.0:
-        moved.insert(0, _with(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
+        samples.insert(0, _with(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
     if last.pressure > 0.0:
-        moved.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
+        samples.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
     if stroke.dipped:
-        dip = _with(moved[0], time_ns=moved[0].time_ns - _LANDING_NS, buttons=DIP)
-        moved.insert(0, dip)
-    return moved
+        dip = _with(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP)
+        samples.insert(0, dip)
+    return samples
+
+
+def _shift(end_ns: int, begin_ns: int, shift: int) -> int:
+    """What is added to a stroke's times, ns: as to those before it, if then it begins after them.
+
+    Else its clock is another one. It is moved by whole pieces of the ink's time, so that these end
+    in it where they did.
+    """
+    if begin_ns + shift > end_ns:
+        return shift
+    return -((begin_ns - end_ns - _PAUSE_NS) // PIECE_NS) * PIECE_NS
 
 
 def _with(sample: DeviceSample, **changes: object) -> DeviceSample:

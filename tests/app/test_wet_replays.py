@@ -1,0 +1,111 @@
+"""The recording that the window saves of wet ink, replayed: the same painting to the bit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from paint3d.app.model.ink_clock import LATE_S
+from paint3d.cli.main import main
+from paint3d.files.session import load_session
+from paint3d.stroke.engine import Painter
+from paint3d.stroke.recording import load_recording
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.app.event_player import EventRecording, open_for, settle
+from tests.app.hands import same_vertices
+from tests.app.test_wet_marks import Wall, play
+from tests.app.trials import blind_window
+
+RESOLUTION = 1.2
+RESTS_MS = (90, 4730, 620)  # between strokes: they come soon, late, and as they mostly do
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window that draws no pictures."""
+    with blind_window(program) as window:
+        yield window
+
+
+@pytest.fixture
+def wall(monkeypatch):
+    return Wall(monkeypatch)
+
+
+def lines() -> EventRecording:
+    """Four lines by a mouse, and what passes between them."""
+    recording = EventRecording.load("mouse_lines")
+    events, end_ms = [], 0
+    for stroke, rest_ms in zip(recording.strokes(), (50, *RESTS_MS), strict=False):
+        later_ms = end_ms + rest_ms - stroke[0].time_ms
+        events += [replace(event, time_ms=event.time_ms + later_ms) for event in stroke]
+        end_ms = events[-1].time_ms
+    return EventRecording(recording.header, tuple(events))
+
+
+def save_recording(window, monkeypatch, path: Path) -> None:
+    """As the menu does, once it is known where."""
+    monkeypatch.setattr(window.files, "ask_target", lambda *asked: path)
+    window.actions_by_name["save_recording"].trigger()
+    assert path.exists()
+
+
+def same_ink(one: PaintedSurface, other: PaintedSurface) -> None:
+    """Check that two surfaces hold the same, the water in them too."""
+    same_vertices(one, other)
+    assert one.flow.water == other.flow.water > 0.0
+    for kept in ("owed", "pace", "soaked", "pigment"):
+        first, second = (np.sort(s.keep_flow()[kept], axis=0) for s in (one, other))
+        np.testing.assert_array_equal(first, second)
+
+
+def replayed(recording: Path, rest_s: float) -> PaintedSurface:
+    """By the command line."""
+    out = recording.with_suffix(".p3d")
+    words = ["replay", recording, "--on", "plane", "--material", "xuan", "--resolution", RESOLUTION]
+    words += ["--spread", rest_s, "--out", out, "--force", "--quiet"]
+    assert main([str(word) for word in words]) == 0
+    return load_session(out).surface
+
+
+def rest(window, wall: Wall, seconds: float) -> None:
+    """Let time pass on the wall while nobody paints, and what it is worth to the ink."""
+    wall.ms += round(1000.0 * (seconds + LATE_S))
+    easel = window.stage.easel
+    while easel._ink_clock.patience(wall.ms * 1_000_000) == 0.0:
+        settle(window)
+    settle(window)
+
+
+@pytest.mark.parametrize(
+    ("how", "pace", "rest_s"), [("pictures", 20.0, 0.0), ("at once", 0.0, 7.31)]
+)
+def test_the_wet_recording_paints_the_same_to_the_bit(
+    window, wall, monkeypatch, tmp_path, how, pace, rest_s
+) -> None:
+    events, file = lines(), tmp_path / "lines.jsonl"
+    open_for(window, {**events.header, "material": "xuan", "wet": True}, RESOLUTION)
+    play(window, events, wall, how, pace)
+    save_recording(window, monkeypatch, file)
+    rests = np.sort(np.diff(load_recording(file).time_ns))[-3:]
+    np.testing.assert_allclose(1e-6 * rests, sorted(RESTS_MS), atol=5.0)
+    if rest_s:
+        rest(window, wall, rest_s)
+    same_ink(window.document.surface, replayed(file, rest_s))
+
+
+@pytest.mark.long
+def test_so_does_thinned_ink_by_a_pen(window, wall, monkeypatch, tmp_path) -> None:
+    """A recording does not say how far ink is thinned: the brush is dipped as it was."""
+    events, file = EventRecording.load("bamboo").part(0, 16), tmp_path / "bamboo.jsonl"
+    open_for(window, {**events.header, "material": "xuan", "wet": True}, RESOLUTION)
+    play(window, events, wall, "pictures", 60.0)
+    save_recording(window, monkeypatch, file)
+    surface = PaintedSurface(window.document.surface.source, RESOLUTION, "xuan")
+    Painter(surface, "full", events.header["ink"]).replay(load_recording(file), wet=True)
+    same_ink(window.document.surface, surface)
