@@ -36,7 +36,7 @@ HOMES = {
     "pyvista": {"view"},
     "vtk": {"view"},
     "vtkmodules": {"view"},
-    "numba": {"kernels"},
+    "numba": {"core"},
     "xatlas": {"files"},
     "PySide6": {"app"},
 }

@@ -1,5 +1,1 @@
-"""The hot loops, compiled by numba and kept for the next start."""
-
-from paint3d.core.compile_cache import drop_stale
-
-drop_stale()
+"""The hot loops: compiled by numba when they are first called, and kept for the next start."""

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["fill_triangles"]
 
 _ON_EDGE = 1e-9  # of a triangle: texels on an edge belong to both sides, so that none is missed
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_triangles(places, faces, colours, image, filled):
     """Colour the texels whose middle lies in a triangle.
 

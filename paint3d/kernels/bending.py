@@ -18,7 +18,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["solve_bending", "tabulate_bending"]
 
@@ -27,7 +28,7 @@ _LONGEST_TURN = 0.3  # rad, the most that one step may turn a segment
 _TOLERANCE = 1e-11
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _solve_tridiagonal(diagonal, off, right_a, right_b, ratio, first, m):
     """Solve rows first..m-1 for two right sides at once, in place (Thomas)."""
     for j in range(first, m):
@@ -45,7 +46,7 @@ def _solve_tridiagonal(diagonal, off, right_a, right_b, ratio, first, m):
         right_b[j] -= ratio[j] * right_b[j + 1]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, angles):
     """Angles of least bending energy with the root at a height, from a guess.
 
@@ -116,7 +117,7 @@ def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, an
     return math.nan
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def tabulate_bending(segment_lengths, joint_stiffness, tilts, fractions, out_angles):
     """Solve the bending over a grid, each tilt followed from the straight tuft downwards.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["grade_paces", "group_blocks"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _top(head, b):
     while head[b] != b:
         head[b] = head[head[b]]
@@ -16,7 +17,7 @@ def _top(head, b):
     return b
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def group_blocks(blocks, first, last, beside, head, group):
     """Number the groups of some blocks, such that no block lies next to two of them.
 
@@ -62,7 +63,7 @@ def group_blocks(blocks, first, last, beside, head, group):
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def grade_paces(wet, first, last, beside, most, pace):
     """Let no pace (B,) f32 be more than `most` times that of a neighbour, among wet blocks (K,)."""
     lowered = True

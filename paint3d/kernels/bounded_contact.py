@@ -8,8 +8,8 @@ of tree nodes, starts from the last foot, and gives the best found when the budg
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.contact import (
     LEAF_SIZE,
     _box_distance2,
@@ -28,7 +28,7 @@ _WARM = 0.15  # of the reach: a root that has moved farther is looked for afresh
 _POOR = 0.1  # of the distance: a residual above it is no foot
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def nearest_within(tree, x, y, z, ux, uy, uz, reach, guess, work, out):
     """The point nearest to (x, y, z) on triangles facing (ux, uy, uz), within reach and budget.
 
@@ -106,7 +106,7 @@ def nearest_within(tree, x, y, z, ux, uy, uz, reach, guess, work, out):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def find_foot_within(tree, x, y, z, ux, uy, uz, reach, warm, work, out):
     """The foot whose interpolated normal passes through (x, y, z); see `contact.find_foot`.
 
@@ -136,7 +136,7 @@ def find_foot_within(tree, x, y, z, ux, uy, uz, reach, warm, work, out):
     return triangle
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _settle(tree, x, y, z, ux, uy, uz, triangle, gain, work, out):
     """Secant steps along the tangential residual, from the foot in `out`; returns its triangle."""
     trial = np.empty(6)
@@ -174,7 +174,7 @@ def _settle(tree, x, y, z, ux, uy, uz, triangle, gain, work, out):
     return triangle
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def mean_normal(tree, foot, ux, uy, uz, bx, by, bz, patch, guess, near, work, normal):
     """The mean normal of the surface around the foot, a disc of radius `patch`.
 

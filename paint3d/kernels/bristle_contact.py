@@ -7,8 +7,8 @@ array (places below), as in `kernels.bristle_tuft`.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.bristle_landing import end_where_they_land
 from paint3d.kernels.bristle_tuft import BLOCK, CURVED, PATCH, SAMPLES
 
@@ -30,10 +30,10 @@ CONTACT_SIZE = 2 * SAMPLES * BLOCK  # scratch of `find_contacts`
 _Y, _Z = BLOCK, 2 * BLOCK
 _ZERO, _ONE, _TWO = np.float32([0.0, 1.0, 2.0])
 _STEEP = np.float32(1e-4)  # mm
-_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+_elementwise = kernel(error_model="numpy", fastmath={"contract"})
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def add_up(row, size):
     """Sum of the first `size` numbers, which are used up.
 
@@ -150,7 +150,7 @@ def _find_ends(near, row, begins, ends):
         ends[j] = end if count > _ZERO else -_ONE
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _any_near(near, clear):
     """Whether any point of a block is near the surface."""
     count = np.int32(0)
@@ -159,7 +159,7 @@ def _any_near(near, clear):
     return count > 0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _count(row):
     """How many hairs of a block touch, and how far up any of them does, in thirds of a piece."""
     touching, deepest = np.int32(0), np.int32(-1)
@@ -170,7 +170,7 @@ def _count(row):
     return touching, deepest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def find_contacts(
     bristles, bend, landing, turned, slopes, points, scratch, findings, depths
 ):  # fmt: skip

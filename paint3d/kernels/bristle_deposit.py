@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
 from paint3d.kernels.bristle_lookup import gather_under_hairs
@@ -20,7 +20,7 @@ _LEVELS_EVERY = 2.0  # mm of way
 _AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _leave(imprint, landing, found, share, cover, n, area_units, unit, lanes, weights, ink):
     """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
     n_pigments = landing.shape[0]
@@ -52,7 +52,7 @@ def _leave(imprint, landing, found, share, cover, n, area_units, unit, lanes, we
     ink.n_dirty[0] = count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, room):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
@@ -110,7 +110,7 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _thin(level, found, share, cover, lanes, n, field):
     """`thin_contact`, with the lanes of the vertices that stay."""
     kept = 0

@@ -14,10 +14,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from paint3d.arrays import zeros_on_lines
+from paint3d.core.kernel import kernel
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_contact import BEGIN, END, GIVES, LAID, THICK, add_up
 from paint3d.kernels.bristle_outline import BINS, CELLS, OUTER, draw_outline, index_stations
@@ -40,7 +40,7 @@ _EDGE = LANES // 2  # lanes that films may spread over, at the most
 _ADDS, _COVERS, _SUM_X, _SUM_N, _PARTS = (place * BLOCK for place in range(5))
 _ROWS = 5
 _ZERO, _QUARTER, _HALF, _ONE = np.float32([0.0, 0.25, 0.5, 1.0])
-_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+_elementwise = kernel(error_model="numpy", fastmath={"contract"})
 
 
 class Imprint(NamedTuple):
@@ -78,7 +78,7 @@ def make_imprint(n_pigments: int) -> Imprint:
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _widest(points, count, widths, margin, last):
     """Half the tuft's width at the stations, by its outermost hairs, with a margin."""
     pieces = min(last // SUB + 2, SAMPLES - 1)
@@ -136,7 +136,7 @@ def _sum_places(share, near, far, rows):
         rows[_SUM_N + j] += _ONE if here else _ZERO
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _add_to_lanes(n, lanes, rows, ink, cover):
     """Add what a block leaves to its lanes, hair after hair."""
     for j in range(n):
@@ -145,7 +145,7 @@ def _add_to_lanes(n, lanes, rows, ink, cover):
         cover[lane] += rows[_COVERS + j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _lay_hairs(hairs, count, last):
     """Lay all hairs into the map's stations."""
     imprint, points, findings, depths = hairs.imprint, hairs.points, hairs.findings, hairs.depths
@@ -172,7 +172,7 @@ def _lay_hairs(hairs, count, last):
         places[s] = sum_x / there if there > _FEW * most else np.nan
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def draw_imprint(stamp, bristles, hairs, load, wet, dot, resolution, reach, half_width):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
@@ -209,7 +209,7 @@ def draw_imprint(stamp, bristles, hairs, load, wet, dot, resolution, reach, half
     index_stations(imprint, last, stamp.values[st.TIP], stamp.values[st.HEEL])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _spread(running, half, row):
     """Mean of a row's lanes over `half` lanes to either side; `running` (.) are its sums."""
     half = min(half, _EDGE - 2.0)
@@ -224,7 +224,7 @@ def _spread(running, half, row):
         row[v] = np.float32(total * per_width)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _run_up(running, ink, cover):
     """Running sums of a station's lanes; beyond them they stay as they are."""
     a, b = 0.0, 0.0
@@ -259,7 +259,7 @@ def _level(even, scale, ink, cover, out):
         out[v, 1] = covered
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _finish_map(imprint, last, wet, dot):
     """Give hairs their width, let what is close flow together, and bring the ink to mean 1."""
     ink, cover, sums = imprint.laid[0], imprint.laid[1], imprint.rows[: 2 * LANES]
@@ -281,7 +281,7 @@ def _finish_map(imprint, last, wet, dot):
         imprint.map[last + 1] = imprint.map[last]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _lay_mix(hairs, load):
     """What hairs of more than one pigment leave in their first lane, pigment by pigment."""
     imprint, points = hairs.imprint, hairs.points
@@ -300,7 +300,7 @@ def _lay_mix(hairs, load):
             imprint.mix[lane, p] += np.float32(wish * load[i, p])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _fill_mix(mix):
     """Make shares of amounts; a lane without ink takes those of the nearest before it."""
     n_pigments = mix.shape[1]

@@ -10,8 +10,8 @@ hair.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.bristle_contact import (
     BEGIN,
     DOT,
@@ -42,10 +42,10 @@ _LEAST_WISH = np.float32(0.5)  # of a hair that touches in one point only
 _SHORTEST = np.float32(0.25)  # stations that any contact covers at the least
 _ZERO, _HALF, _ONE, _TWO = np.float32([0.0, 0.5, 1.0, 2.0])
 _APPETITE, _OWN, _NOW, _SOON = (READY + place * BLOCK for place in range(4))
-_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+_elementwise = kernel(error_model="numpy", fastmath={"contract"})
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def know_hairs(bristles, turned, roll, way_done, known, findings):
     """How readily the hairs at their places give: only where the bend or the stage is another.
 
@@ -77,7 +77,7 @@ def know_hairs(bristles, turned, roll, way_done, known, findings):
             row[_SOON + j] = bristles.thirst[(place * (stage + 8) * 31) % cells]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _hold(load, first, n, row):
     """Ink in each hair of a block, of all pigments."""
     if load.shape[1] == 1:
@@ -119,7 +119,7 @@ def _wish(per_room, fraction, hair_mm, film_mm, per_piece, row, sums):
         sums[2 * BLOCK + j] += here * dot
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def ask_hairs(bristles, load, capacity, way_done, per_piece, findings, sums):
     """What the hairs are ready to give, as against one another.
 
@@ -179,7 +179,7 @@ def _give_by_law(rate, doublings, row):
             row[GIVES + j] = u * (_TWO - u)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def settle_gifts(count, wanted, rate, findings, sums):
     """Turn wishes into the share of its ink that each hair gives over a way; returns the sum.
 
@@ -210,7 +210,7 @@ def settle_gifts(count, wanted, rate, findings, sums):
     return add_up(sums, BLOCK)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def sum_hairs(load, out):
     """Ink in all hairs: `out` (P,) of `load` (B, P); in one order of adding, halves to halves."""
     count, n_pigments = load.shape
@@ -230,7 +230,7 @@ def sum_hairs(load, out):
         out[p] = add_up(sums, BLOCK)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def take_from_hairs(load, findings, scale, sums, released):
     """Take `scale` of what each hair is ready to give; `released` (P,) gets the sums.
 
@@ -264,7 +264,7 @@ def take_from_hairs(load, findings, scale, sums, released):
         released[p] = add_up(sums, BLOCK)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def give_to_hairs(load, findings, taken):
     """Share `taken` (P,) evenly among the hairs that touch."""
     count = load.shape[0]
@@ -277,7 +277,7 @@ def give_to_hairs(load, findings, taken):
                 load[i, p] += taken[p] / touching
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def level_hairs(bristles, turned, load, capacity, way, bins):
     """Let hairs beside one another share their ink, the freer the wetter they are.
 

@@ -8,8 +8,8 @@ the last one, carried along.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_outline import hold_outline
 
@@ -29,7 +29,7 @@ _MOST_WAY = 0.5  # of the vertex spacing
 _MOST_BEND = 1.0 / 16.0  # of the vertex spacing
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def note_cause(values, tuft, patch, dryness, parted, set_x, set_y, kept):
     """Note what the hairs of a stamp would be bent by, in mm at the tuft's border."""
     radius = values[st.RADIUS]
@@ -46,7 +46,7 @@ def note_cause(values, tuft, patch, dryness, parted, set_x, set_y, kept):
     now[12], now[13] = set_x, set_y
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def may_keep(before, values, way_done, resolution, kept):
     """Whether the hairs may stay as they were bent last.
 
@@ -73,7 +73,7 @@ def may_keep(before, values, way_done, resolution, kept):
     return change <= _MOST_BEND * resolution
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _step(before, values):
     """Way of the foot point from the stamp before, mm."""
     d2 = 0.0
@@ -82,7 +82,7 @@ def _step(before, values):
     return np.sqrt(d2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def keep_bend(before, values, way_done, touching, kept):
     """Note that the hairs were bent by the stamp's cause, and how many touch."""
     kept[TOUCHING] = touching
@@ -91,7 +91,7 @@ def keep_bend(before, values, way_done, touching, kept):
     kept[_CAUSE:_NOW] = kept[_NOW:_OUTLINE]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def keep_outline(stamp, kept, lines):
     """Note the outline that was drawn."""
     values, out = stamp.values, kept[_OUTLINE:]
@@ -102,7 +102,7 @@ def keep_outline(stamp, kept, lines):
     kept[DRAWN] = 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def carry_outline(stamp, kept, lines):
     """Give a stamp the outline that was drawn last."""
     values, out = stamp.values, kept[_OUTLINE:]

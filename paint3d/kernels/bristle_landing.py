@@ -9,8 +9,8 @@ has it, within 0.2 mm; and so do the hairs.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels import bristle_tuft as bt
 from paint3d.kernels.bristle_tuft import ARCS, BLOCK, SAMPLES
 
@@ -28,10 +28,10 @@ _MOST = np.float32(1.5)  # pieces beyond the last point that touches
 _Y = BLOCK
 _ZERO, _ONE, _TWO, _FOUR = np.float32([0.0, 1.0, 2.0, 4.0])
 _SHORT = np.float32(1e-4)  # mm
-_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+_elementwise = kernel(error_model="numpy", fastmath={"contract"})
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _cubic(share, low, rise_low, high, rise_high):
     """Hermite's cubic between two points, from what they are and how they rise."""
     rest = 1.0 - share
@@ -39,14 +39,14 @@ def _cubic(share, low, rise_low, high, rise_high):
     return ends + share * rest * (rest * rise_low - share * rise_high)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _at(bend, k, t):
     """A number of the shared curve (x of a point, or SAMPLES on its z) at a height of the three."""
     at = bt.CURVE + 3 * k
     return bend[at] + t * (bend[at + 1] + t * bend[at + 2])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _ground(bend, x):
     """Height of the surface under the bend: hairs follow it where it falls away from their belly,
     and meet it where it rises."""
@@ -54,7 +54,7 @@ def _ground(bend, x):
     return max(bend[bt.GROUND], rise)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _land(bend, x, z, thin, sine, cosine, found, first, out):
     """One step up the curve: those sides that leave the surface in it have landed there."""
     rim = _RIM * bend[bt.PART + 2]
@@ -75,7 +75,7 @@ def _land(bend, x, z, thin, sine, cosine, found, first, out):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def find_landings(tuft, bend, out):
     """Where along the bend hairs of the tuft's length come down, for the first and last of the
     three heights; over a plane they stand at the last one.
@@ -200,7 +200,7 @@ def _hold(landing, known, tip, next_, third, places, begins, ends):
         ends[j] = place if end >= ahead else -_ONE
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def end_where_they_land(bend, landing, known, points, highest, scratch, begins, ends):
     """Let the hairs of a block cease to touch where their smooth curves leave the surface.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.bristle_imprint import LANES, STATIONS
 from paint3d.kernels.bristle_outline import CELLS, PER_CELL, TIP
 from paint3d.kernels.candidates import VISITED, find_candidates, next_block
@@ -18,7 +18,7 @@ _FAINTEST = np.float32(2e-3)  # share covered below which a vertex is left alone
 _LAST_CELL = np.float32(CELLS - 1e-3)
 _LAST_LANE = np.float32(LANES - 1.001)
 _ZERO, _HALF, _ONE = np.float32([0.0, 0.5, 1.0])
-_elementwise = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+_elementwise = kernel(error_model="numpy", fastmath={"contract"})
 
 
 @_elementwise
@@ -69,7 +69,7 @@ def _read_map(n, map_, places, parts, inks, covers):
         covers[k] = parts[2, k] * (one + t * (other - one))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _keep(n, places, inks, covers, ids, share, cover, out_ids, out_share, out_cover, out_lanes):
     """Weigh vertices by what they found, and close up over those that found nothing."""
     kept = np.uint32(0)
@@ -83,7 +83,7 @@ def _keep(n, places, inks, covers, ids, share, cover, out_ids, out_share, out_co
     return np.int64(kept)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def gather_under_hairs(imprint, stamp, field, margin, scale, counters, room, lanes):
     """Find the vertices that hairs lie over, and weigh them by what lies there.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_contact import BEGIN, DOT, END
 from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
@@ -31,7 +31,7 @@ _SHORTEST = 1e-3  # mm, from the foremost to the hindmost of them
 _Y = BLOCK
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _place_on(points, i, at):
     """Where a hair lies at a place between its points: along the bend and to the side, mm."""
     g, j = i // BLOCK, i % BLOCK
@@ -41,7 +41,7 @@ def _place_on(points, i, at):
     return x, abs((1.0 - t) * points[g, k, _Y + j] + t * points[g, k + 1, _Y + j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _find_ends(points, findings, first, count, step):
     """From where to where along the bend every `step`-th hair from the `first` on touches, mm."""
     low, high = np.inf, -np.inf
@@ -55,7 +55,7 @@ def _find_ends(points, findings, first, count, step):
     return low, high
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _draw_piece(x0, y0, x1, y1, low, per_bin, reaches):
     """Let the outline hold a straight piece of hair."""
     if x0 > x1:
@@ -68,7 +68,7 @@ def _draw_piece(x0, y0, x1, y1, low, per_bin, reaches):
         reaches[b] = max(reaches[b], y0 + (at - begin) * rise)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _draw_hairs(points, findings, first, count, step, pieces, low, per_bin, reaches):
     """Let the outline hold the first pieces that touch of every `step`-th hair from the `first` on,
     with their films."""
@@ -86,7 +86,7 @@ def _draw_hairs(points, findings, first, count, step, pieces, low, per_bin, reac
             x0, y0 = x1, y1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def hold_outline(values):
     """Let the stamp's enclosing sphere hold its outline."""
     for along in (values[st.TIP], values[st.HEEL]):
@@ -94,7 +94,7 @@ def hold_outline(values):
             st.hold_point(values, along, across)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_width):
     """Let the stamp's outline be that of the touching hairs: what those at the tuft's rim enclose.
 
@@ -140,7 +140,7 @@ def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_wi
     hold_outline(stamp.values)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def index_stations(imprint, last, tip, heel):
     """Tabulate which station lies where along the bend, by where the hairs' stations are.
 

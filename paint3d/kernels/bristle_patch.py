@@ -8,8 +8,8 @@ the foot point, each by its area.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels import stamp as st
 
 __all__ = ["PATCH_SIZE", "fit_patch"]
@@ -22,7 +22,7 @@ _MOST_SHEETS = 48  # that are asked, more or less
 _FOOT = 0.05  # of the patch's weight that the foot point itself gets
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _add_place(sums, x, y, z, slope_x, slope_y, weight):
     """Add a point of the surface and its slopes (in units of the patch's radius) to the sums.
 
@@ -61,7 +61,7 @@ def _add_place(sums, x, y, z, slope_x, slope_y, weight):
     sums[26] += wy * slope_y
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _make_system(sums, normal, right):
     """Normal equations of heights, and of slopes with `_SLOPES` of their weight."""
     powers = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
@@ -92,7 +92,7 @@ def _make_system(sums, normal, right):
     right[5] += _SLOPES * 2.0 * sums[26]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _solve(normal, right, out):
     """Cholesky's method, in place."""
     for i in range(PATCH_SIZE):
@@ -112,7 +112,7 @@ def _solve(normal, right, out):
         out[i] = total / normal[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _turn(values, x, y, z, nx, ny, nz):
     """A point and a normal in the stamp's axes: along the bend, to its side, up."""
     dx = np.float64(x) - values[st.ORIGIN_X]
@@ -126,7 +126,7 @@ def _turn(values, x, y, z, nx, ny, nz):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def fit_patch(values, field, room, work, out):
     """Fit the patch under a stamp that has just been placed.
 

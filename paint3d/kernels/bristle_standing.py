@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from paint3d.core.kernel import kernel
 from paint3d.kernels.bristle_deposit import sweep_hairs
 from paint3d.kernels.bristle_tuft import bend_hairs, fill_bend
 from paint3d.kernels.deposit import sweep_deposit
@@ -11,7 +10,7 @@ from paint3d.kernels.deposit import sweep_deposit
 __all__ = ["bend_often", "deposit_hairs_often", "deposit_often"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bend_often(times, bristles, tuft, descent, tilt, pe, patch, turned, bend, block, points):
     """Bend all hairs `times` times, each from its table; arguments as in `kernels.bristle_tuft`."""
     for _ in range(times):
@@ -19,14 +18,14 @@ def bend_often(times, bristles, tuft, descent, tilt, pe, patch, turned, bend, bl
         bend_hairs(bristles.rests, turned, bend, block, points)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def deposit_often(times, before, after, tuft, field, ink, counters, room):
     """Leave a solid tuft's footprint `times` times; arguments as in `kernels.deposit`."""
     for _ in range(times):
         sweep_deposit(before, after, tuft, field, ink, counters, room)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def deposit_hairs_often(times, before, after, bristles, hairs, field, ink, counters, room):
     """Leave an imprint of hairs that is drawn `times` times; as in `kernels.bristle_deposit`."""
     for _ in range(times):

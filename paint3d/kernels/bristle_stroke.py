@@ -9,8 +9,8 @@ halved and taken again.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels import stamp as st
 from paint3d.kernels.bristle_contact import find_contacts
 from paint3d.kernels.bristle_deposit import sweep_hairs
@@ -60,7 +60,7 @@ _LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in 
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _wetness(ink):
     total = 0.0
     for p in range(ink.load.shape[0]):
@@ -68,7 +68,7 @@ def _wetness(ink):
     return total / ink.habit[CAPACITY] if ink.habit[CAPACITY] > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _find_roll(pose, values):
     """Direction of the bend in the handle's axes, laid into the plane."""
     w, x, y, z = pose[3], pose[4], pose[5], pose[6]
@@ -83,7 +83,7 @@ def _find_roll(pose, values):
     return c / norm, -s / norm
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _find_slopes(tuft, points, slopes):
     """Slope of the tuft at its points, from its first hair: half of the pieces above and below."""
     for k in range(SAMPLES):
@@ -92,7 +92,7 @@ def _find_slopes(tuft, points, slopes):
         slopes[k] = rise / (tuft.length * (ARCS[high] - ARCS[low]))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _meet(stamp, tuft, bristles, hairs):
     """Find where the hairs touch; a stamp where none does no longer touches."""
     _find_slopes(tuft, hairs.points, hairs.slopes)
@@ -106,7 +106,7 @@ def _meet(stamp, tuft, bristles, hairs):
     return touching
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
     """Bend the hairs under a stamp that touches and find where they do; return how many.
 
@@ -141,7 +141,7 @@ def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
     return touching
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _draw(stamp, touching, bristles, hairs, field, ink, room):
     """What the hairs would give, and the imprint; returns how much they wish to."""
     count = hairs.load.shape[0]
@@ -161,7 +161,7 @@ def _draw(stamp, touching, bristles, hairs, field, ink, room):
     return wanted
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _remember(before, after, tuft, bristles, hairs, ink):
     """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
     values = after.values
@@ -182,7 +182,7 @@ def _remember(before, after, tuft, bristles, hairs, ink):
     memory[SET_Y] += share * (hairs.roll[1] * stays - memory[SET_Y])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _track(stamp, hairs, rows):
     """Where the outer hairs' points are in space, and which are on the surface or near it."""
     values, points = stamp.values, hairs.points
@@ -201,7 +201,7 @@ def _track(stamp, hairs, rows):
             rows[n, k, 3] = 1.0 if z < _NEAR else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _fastest(before, after, track):
     """How far the fastest hair moved on the surface between two stamps, mm."""
     if before.values[st.TOUCHES] <= 0.0 or after.values[st.TOUCHES] <= 0.0:
@@ -217,7 +217,7 @@ def _fastest(before, after, track):
     return np.sqrt(most)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def paint_with_hairs(
     samples, last, dragged, brush, curves, bristles, tree, field, ink, progress, counters, pose,
     room, hairs,

@@ -17,10 +17,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from paint3d.arrays import zeros_on_lines
+from paint3d.core.kernel import kernel
 
 __all__ = [
     "ARCS", "BEND_SIZE", "BLOCK", "FLAT", "SAMPLES", "Bristles", "bend_hairs", "fill_bend",
@@ -48,9 +48,7 @@ _ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
 # And loops are kept short, with a row of scratch between them: a long chain of steps that wait for
 # one another fills the processor's window, and a hair's whole piece in one loop takes half as long
 # again.
-_elementwise = njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "afn"}
-)
+_elementwise = kernel(error_model="numpy", fastmath={"contract", "arcp", "afn"})
 
 # Rows of a block, one after another in one array: places that the compiler knows to be apart, so
 # that it can use vector instructions without asking.
@@ -155,7 +153,7 @@ def _find_even(row):
         row[_FLAT + j] = _ONE - cap if b > _ZERO else cap - _ONE
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def turn_hairs(bristles, cosine, sine, out):
     """Places (a, b) of the hairs for a bend turned in the handle, and their pulls to clumps.
 
@@ -197,7 +195,7 @@ def turn_hairs(bristles, cosine, sine, out):
             row[_FLAT + j] -= row[BESIDE + j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _row(table, i, v, column, k):
     """One number of the table at a tilt (row i, share v of the next) and a column."""
     j = min(int(column), table.shape[1] - 2)
@@ -206,7 +204,7 @@ def _row(table, i, v, column, k):
     return low + v * ((1.0 - u) * table[i + 1, j, k] + u * table[i + 1, j + 1, k])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _patch_at(patch, x, y):
     return (
         patch[0] + patch[1] * x + patch[2] * y + patch[3] * x * x + patch[4] * x * y
@@ -214,7 +212,7 @@ def _patch_at(patch, x, y):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, set_y, bend):
     """Everything that the hairs of one imprint share.
 
@@ -335,7 +333,7 @@ def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, 
     _widen(length, tuft.taper, bend)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _find_lags(bend):
     """How far the lowest hairs lag behind the spine at its points: their way is longer than it.
 
@@ -357,7 +355,7 @@ def _find_lags(bend):
         bend[WIDER + k] = lag
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _widen(length, taper, bend):
     """How much wider the tuft is where its lowest hairs' last points lie, from how far these lag.
 
@@ -377,7 +375,7 @@ def _widen(length, taper, bend):
         bend[WIDER + k] = side - bend[SIDE + k] if share > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _find_reach(length, lowest, bend):
     """How many points of the tuft's outermost hairs may come down to the plane.
 
@@ -614,7 +612,7 @@ def _raise_patch(bend, rest, w, above, here):
         here[_Z + j] = z if z > ground else ground
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def bend_hairs(rests, turned, bend, block, out):
     """Bend all hairs and lay them on the surface.
 

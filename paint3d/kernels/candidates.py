@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.cells import flood_patch
 from paint3d.kernels.placement import start_sheet
@@ -11,7 +12,6 @@ from paint3d.kernels.projecting import AWAY, project_run
 from paint3d.kernels.reach import INSIDE, MIXED, find_cells, find_runs
 from paint3d.kernels.refine import activate_cell
 from paint3d.kernels.sweep import BEFORE, fill_between, fill_frame, sweep_bounds
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["CURSOR_SIZE", "VISITED", "find_candidates", "next_block"]
 

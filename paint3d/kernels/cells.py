@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.kernels.uncounted import uncounted
+from paint3d.core.kernel import uncounted
 
 __all__ = ["build_table", "find_cell", "find_pair", "flood_patch", "lookup", "sheet_of"]
 
 
-@uncounted()
+@uncounted
 def _hash(i, j, k):
     h = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15)
     h ^= np.uint64(j) * np.uint64(0xC2B2AE3D27D4EB4F)
@@ -23,7 +23,7 @@ def _hash(i, j, k):
     return h
 
 
-@uncounted()
+@uncounted
 def build_table(places, table):
     """Fill the hash table (a power of two long, -1 everywhere) with the cells' places (C, 3)."""
     mask = np.uint64(table.shape[0] - 1)
@@ -34,7 +34,7 @@ def build_table(places, table):
         table[slot] = c
 
 
-@uncounted()
+@uncounted
 def lookup(table, places, i, j, k):
     """The cell at a lattice place, or -1."""
     mask = np.uint64(table.shape[0] - 1)
@@ -47,7 +47,7 @@ def lookup(table, places, i, j, k):
     return -1
 
 
-@uncounted()
+@uncounted
 def find_cell(field, x, y, z):
     """The cell that holds a point (mm), or -1 where no surface is near."""
     size = field.numbers[1]
@@ -57,14 +57,14 @@ def find_cell(field, x, y, z):
     return lookup(field.table, field.cell_place, i, j, k)
 
 
-@uncounted()
+@uncounted
 def sheet_of(field, cell, root):
     """The sheet that base triangle `root` belongs to in `cell`, or -1 if it does not meet it."""
     pair = find_pair(field.cell_pairs, field.pair_root, cell, root)
     return field.pair_sheet[pair] if pair >= 0 else -1
 
 
-@uncounted()
+@uncounted
 def find_pair(cell_pairs, pair_root, cell, root):
     """Index of the pair (cell, root), by bisection, or -1."""
     low = cell_pairs[cell]
@@ -80,7 +80,7 @@ def find_pair(cell_pairs, pair_root, cell, root):
     return -1
 
 
-@uncounted()
+@uncounted
 def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
     """Sheets reached from `start` through sheets whose cells meet the ball.
 
@@ -109,7 +109,7 @@ def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
     )  # fmt: skip
 
 
-@uncounted()
+@uncounted
 def _flood(links, linked, places, origin, size, start, x, y, z, radius, stamps, tick, sheets):
     r2 = (radius / size) ** 2
     px = (x - origin[0]) / size

@@ -8,8 +8,8 @@ the question alone.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.contact import _box_distance2
 
 __all__ = ["FACES_PER_LEAF", "closest_on", "find_closest", "find_hits"]
@@ -22,7 +22,7 @@ _CLOSE = 1.0 + 1e-12  # what rounding may add to a box's squared distance
 _SLACK = 1e-12  # of a distance along a ray: what rounding may take from a box
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _on_edge(ux, uy, uz, px, py, pz):
     """How far along the edge u (0 to 1) the point nearest to p lies; 0 where it has no length."""
     along = ux * px + uy * py + uz * pz
@@ -32,7 +32,7 @@ def _on_edge(ux, uy, uz, px, py, pz):
     return 1.0 if along >= length2 else along / length2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def closest_on(points, a, b, c, x, y, z):
     """Weights v, w of the corners b, c at the point of triangle abc nearest to (x, y, z).
 
@@ -92,7 +92,7 @@ def closest_on(points, a, b, c, x, y, z):
     return v, w, best
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _search(tree, x, y, z, nodes, away):
     """The leaf place of the triangle nearest to (x, y, z), and the weights of its b and c.
 
@@ -144,7 +144,7 @@ def _search(tree, x, y, z, nodes, away):
     return found, v, w
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def find_closest(tree, queries, points, faces, weights, normals):
     """Find the nearest point of the surface to each of N points.
 
@@ -194,7 +194,7 @@ def find_closest(tree, queries, points, faces, weights, normals):
     return cancelled
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _enters(boxes, node, ray, best):
     """Whether a ray meets a box before `best`, in lengths of its direction."""
     near = 0.0
@@ -216,7 +216,7 @@ def _enters(boxes, node, ray, best):
     return near <= far
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _crosses(points, a, b, c, ray):
     """Where a ray meets triangle abc, in lengths of its direction; inf where it does not.
 
@@ -249,7 +249,7 @@ def _crosses(points, a, b, c, ray):
     return t if t >= 0.0 else np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def find_hits(tree, rays, distances, faces):
     """Find where each of N rays first meets the surface, from whichever side.
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from numba import njit
 from numpy.typing import NDArray
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["Members", "cluster_vertices", "coarse_triangles", "list_members", "mean_of", "renumber"]
 
@@ -25,12 +26,12 @@ class Members(NamedTuple):
     vertices: NDArray  # (V,) int32
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _side(x):
     return 2 if x > _SIDE else (0 if x < -_SIDE else 1)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def cluster_vertices(field, n, low, cells, size, table, keys, cluster):
     """Give vertices 0 to n - 1 their clusters, numbered as they are met.
 
@@ -74,7 +75,7 @@ def cluster_vertices(field, n, low, cells, size, table, keys, cluster):
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def list_members(cluster, starts, vertices):
     """Sort vertices by cluster (V,) into `vertices` (V,); `starts` (C + 1,) is all 0 before."""
     for c in cluster:
@@ -89,7 +90,7 @@ def list_members(cluster, starts, vertices):
     starts[-1] = cluster.shape[0]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def coarse_triangles(faces, order, ends, cluster, out, out_ends):
     """Triangles between clusters, run by run.
 
@@ -124,7 +125,7 @@ def coarse_triangles(faces, order, ends, cluster, out, out_ends):
     return n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def renumber(triangles, numbers, ids):
     """Give the corners of triangles (L, 3) int32 numbers of their own, from 0.
 
@@ -145,7 +146,7 @@ def renumber(triangles, numbers, ids):
     return n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mean_of(members, chosen, columns, out):
     """Write the mean of each chosen cluster's (N,) vertices: columns (V, K) to rows of `out`."""
     for c in chosen:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.uncounted import counted, uncounted
+from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
     "LEAF_SIZE",
@@ -46,7 +46,7 @@ class ContactTree(NamedTuple):
     normals: NDArray  # (V, 3) float32
 
 
-@uncounted()
+@uncounted
 def build_boxes(triangles, points, boxes, leaf_size):
     """Fill the boxes of a heap-ordered tree whose leaves hold so many triangles each."""
     n_leaves = boxes.shape[0] // 2
@@ -65,7 +65,7 @@ def build_boxes(triangles, points, boxes, leaf_size):
             boxes[node, 3 + axis] = max(boxes[2 * node, 3 + axis], boxes[2 * node + 1, 3 + axis])
 
 
-@uncounted()
+@uncounted
 def _box_distance2(boxes, node, x, y, z):
     dx = max(0.0, max(boxes[node, 0] - x, x - boxes[node, 3]))
     dy = max(0.0, max(boxes[node, 1] - y, y - boxes[node, 4]))
@@ -73,7 +73,7 @@ def _box_distance2(boxes, node, x, y, z):
     return dx * dx + dy * dy + dz * dz
 
 
-@uncounted()
+@uncounted
 def _centre_distance2(boxes, node, x, y, z):
     dx = 0.5 * (boxes[node, 0] + boxes[node, 3]) - x
     dy = 0.5 * (boxes[node, 1] + boxes[node, 4]) - y
@@ -81,7 +81,7 @@ def _centre_distance2(boxes, node, x, y, z):
     return dx * dx + dy * dy + dz * dz
 
 
-@uncounted()
+@uncounted
 def _closest_weights(points, a, b, c, x, y, z):
     """Barycentric weights of the point of triangle abc nearest to (x, y, z) (Ericson 2005)."""
     ax = np.float64(points[a, 0])
@@ -127,7 +127,7 @@ def _closest_weights(points, a, b, c, x, y, z):
     return va / total, vb / total, vc / total
 
 
-@uncounted()
+@uncounted
 def _faces(points, a, b, c, ux, uy, uz):
     """Whether the triangle's front looks towards (ux, uy, uz)."""
     abx = points[b, 0] - points[a, 0]
@@ -142,7 +142,7 @@ def _faces(points, a, b, c, ux, uy, uz):
     return nx * ux + ny * uy + nz * uz > 0.0
 
 
-@counted()
+@kernel
 def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
     """The point nearest to (x, y, z) on triangles facing (ux, uy, uz), within `reach` (mm).
 
@@ -206,7 +206,7 @@ def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
     return tree.order[found]
 
 
-@uncounted()
+@uncounted
 def _interpolate(tree, k, wa, wb, wc, out):
     a = tree.triangles[k, 0]
     b = tree.triangles[k, 1]
@@ -224,7 +224,7 @@ def _interpolate(tree, k, wa, wb, wc, out):
         out[3 + axis] /= norm if norm > 0.0 else 1.0
 
 
-@uncounted()
+@uncounted
 def find_foot(tree, x, y, z, ux, uy, uz, reach, out, warm):
     """The foot point P'_m of the root node (x, y, z): its interpolated normal passes through it.
 
@@ -272,7 +272,7 @@ def find_foot(tree, x, y, z, ux, uy, uz, reach, out, warm):
     return triangle
 
 
-@uncounted()
+@uncounted
 def find_meant(tree, x, y, z, ux, uy, uz, reach, out):
     """The point of the surface that the hand means by a place (x, y, z) on it or hardly off it.
 
@@ -289,7 +289,7 @@ def find_meant(tree, x, y, z, ux, uy, uz, reach, out):
     return triangle
 
 
-@counted(error_model="numpy")
+@kernel(error_model="numpy")
 def _settle_foot(tree, x, y, z, ux, uy, uz, triangle, gain, out):
     """Secant steps along the tangential residual, from the foot in `out`; returns its triangle."""
     trial = np.empty(6)
@@ -318,7 +318,7 @@ def _settle_foot(tree, x, y, z, ux, uy, uz, triangle, gain, out):
     return triangle
 
 
-@uncounted()
+@uncounted
 def _residual(x, y, z, foot):
     """What is left of (x, y, z) - foot after removing its part along the normal; and its square."""
     dx = x - foot[0]

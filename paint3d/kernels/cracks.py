@@ -7,8 +7,8 @@ its neighbours in the middle: nothing says that such faces belong together, but 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.cells import find_pair, lookup
 from paint3d.kernels.closest import closest_on
 
@@ -17,7 +17,7 @@ __all__ = ["link_cracks"]
 _STEP = 0.25  # of a cell: places along an open edge
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def link_cracks(
     points, triangles, radial, origin, size, table, places, cell_pairs, pair_root, pair_sheet,
     widest, links,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.gathering import gather
 from paint3d.kernels.pickup import PICKUP, contact_level, take_up_ink, thin_contact
 from paint3d.kernels.transfer import ink_released, landing_share, leave_ink, weighed_area
 from paint3d.kernels.tuft_load import leave_from_stations
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["PAINTED", "sweep_deposit"]
 

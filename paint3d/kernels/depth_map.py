@@ -7,12 +7,13 @@ cells per mm. A map has cells x cells entries, the largest w met in each, -inf w
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["add_sunlight", "fill_depth_map"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_depth_map(points, centre, axes, scale, out):
     """Write the depth map of `points` (N, 3) float32 into `out` (C, C) float32; cost O(N)."""
     cells = out.shape[0]
@@ -26,7 +27,7 @@ def fill_depth_map(points, centre, axes, scale, out):
             out[v, u] = w
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_sunlight(
     points, normals, lift, centre, axes, scale, depth_map, irradiance, share, floor, lit, hidden
 ):
@@ -74,7 +75,7 @@ def add_sunlight(
             lit[n, k] += cosine * irradiance[k]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _floor_openness(point, direction, floor):
     """Return the openness of the floor where the line from `point` downward meets it."""
     openness, x, y, z, half = floor

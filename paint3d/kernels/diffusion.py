@@ -26,14 +26,13 @@ what comes into a block that is not moved stays at its border until it is.
 
 from __future__ import annotations
 
-from numba import njit
-
+from paint3d.core.kernel import kernel
 from paint3d.kernels.refine import activate_cell
 
 __all__ = ["activate_cells", "evaporate", "solve_edges"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def solve_edges(wet, area, first, last, links, weights, totals, reach, sweeps, inside):
     """How deep inside the wet region nodes lie: 0 beyond its border, 1 well within.
 
@@ -51,7 +50,7 @@ def solve_edges(wet, area, first, last, links, weights, totals, reach, sweeps, i
             inside[i] = (area[i] + square * inflow) / (area[i] + square * totals[i])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def evaporate(wet, block, owed, rest, rate, gain, inside, dry, water, dried, still_wet):
     """Let water go from wet nodes (W,), for the time that each one's block is owed over `rest`.
 
@@ -73,7 +72,7 @@ def evaporate(wet, block, owed, rest, rate, gain, inside, dry, water, dried, sti
     return n_dried
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def activate_cells(field, cells, first):
     """Refine cells (C,) from the first-th on; return how many are done: fewer for want of room."""
     for n in range(first, cells.shape[0]):

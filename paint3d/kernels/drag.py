@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from paint3d.kernels.uncounted import uncounted
+from paint3d.core.kernel import uncounted
 
 __all__ = ["STEPS_PER_SLACK", "drag_along", "drag_length", "drag_step", "release"]
 
@@ -19,7 +19,7 @@ MEASURED_LENGTH = 30.0  # mm, the tuft on which the lengths below were measured
 STEPS_PER_SLACK = 40  # the longest step that a chord may follow is l / 40
 
 
-@uncounted()
+@uncounted
 def drag_step(rx, ry, rz, dx, dy, dz, slack):
     """r after the handle moved by d: the contact sticks, or follows at the distance `slack`.
 
@@ -45,13 +45,13 @@ def drag_step(rx, ry, rz, dx, dy, dz, slack):
     return rx, ry, rz
 
 
-@uncounted()
+@uncounted
 def release(rx, ry, rz, plasticity):
     """r after the pen is lifted: the direction stays, the length is scaled by rho."""
     return rx * plasticity, ry * plasticity, rz * plasticity
 
 
-@uncounted()
+@uncounted
 def drag_length(descent, length_mm, fraction):
     """Slack l (mm) between the handle and its dragged contact.
 
@@ -77,7 +77,7 @@ def drag_length(descent, length_mm, fraction):
     return scale * (middle * (1.0 - share) + 1.19 * depth**0.81 * share)
 
 
-@uncounted()
+@uncounted
 def drag_along(handle, slack, rx, ry, out):
     """Contact Q (N, 2) under a plane track of the handle (N, 2), by steps of at most l / 40.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.contact import LEAF_SIZE
 
 __all__ = ["drape_points"]
@@ -14,7 +14,7 @@ _BELOW = 3.0  # mm: a point so far below the surface, or less, lies on it
 _SLACK = 1e-5  # of a distance, for rounding
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _enters(boxes, node, x, y, z, dx, dy, dz, near, far):
     """Where a ray enters a box between two distances along it; inf where it misses it."""
     for low, high, way in (
@@ -35,7 +35,7 @@ def _enters(boxes, node, x, y, z, dx, dy, dz, near, far):
     return near if near <= far else np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _meets(points, a, b, c, x, y, z, dx, dy, dz):
     """Where a ray meets the front of triangle abc, and the weights there; inf where it does not."""
     ax, ay, az = points[a, 0] - x, points[a, 1] - y, points[a, 2] - z
@@ -52,7 +52,7 @@ def _meets(points, a, b, c, x, y, z, dx, dy, dz):
     return t + (u * az + v * bz + w * cz) * dz, u, v, w
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def drape_points(tree, points, direction, reach, out, landed):
     """Let points fall along a direction until they meet the surface.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["cone_of"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def cone_of(points, faces, cone):
     """Find a cone around the normals of some triangles.
 
@@ -38,7 +39,7 @@ def cone_of(points, faces, cone):
             cone[3] = min(cone[3], along / length)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _cross(points, faces, i, normal):
     a, b, c = faces[i, 0], faces[i, 1], faces[i, 2]
     ax, ay, az = np.float64(points[a, 0]), np.float64(points[a, 1]), np.float64(points[a, 2])

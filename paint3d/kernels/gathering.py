@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels.candidates import VISITED, find_candidates, next_block
 from paint3d.kernels.projecting import take_run
 from paint3d.kernels.reach import INSIDE
-from paint3d.kernels.uncounted import uncounted
 from paint3d.kernels.weighing import weigh_block
 
 __all__ = ["gather"]

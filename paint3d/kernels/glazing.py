@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.reflectance import BLOCK, fill_layers, mix_paints, shine
 
 __all__ = ["SPECTRUM_STEPS", "Ground", "add_between", "dry_vertices", "glazed_colours"]
@@ -32,7 +32,7 @@ class Ground(NamedTuple):
     material: NDArray  # (31,) float32
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _fill_ground(ids, start, size, ground, backing):
     """Reflectance as measured (W, BLOCK) of what lies below a block of vertices."""
     n_bands = backing.shape[0]
@@ -57,7 +57,7 @@ def _fill_ground(ids, start, size, ground, backing):
         backing[w, size:] = np.float32(0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _shine_block(ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown):
     """Reflectance as measured (W, BLOCK) of a block: covered and bare light mixed by area."""
     one, zero = np.float32(1.0), np.float32(0.0)
@@ -78,7 +78,7 @@ def _shine_block(ids, start, size, amounts, coverage, paints, gloss, ground, lay
             shown[w, j] = bare + cover[j] * (painted - bare)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def glazed_colours(
     vertex_ids, amounts, coverage, paints, weights, gloss, ground, codes, out_rgb, out_srgb
 ):
@@ -134,7 +134,7 @@ def glazed_colours(
                 out_srgb[v, h] = codes[np.int32(value * scale + half)]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def dry_vertices(vertex_ids, amounts, coverage, paints, gloss, ground, rows):
     """Make what vertices look like now, under all bands, the ground of what comes next.
 
@@ -158,7 +158,7 @@ def dry_vertices(vertex_ids, amounts, coverage, paints, gloss, ground, rows):
                 row[w] = np.uint16(min(max(shown[w, j], zero), one) * steps + half)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_between(parents, first, last, encoded):
     """sRGB (0 to 1, encoded) of vertices first..last-1: halfway between those of their parents."""
     half = np.float32(0.5)

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels.refine import mix
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["fill_grain", "grain_at"]
 
 
-@uncounted()
+@uncounted
 def _corner(i, j, k):
     """A number in [0, 1) for a lattice point."""
     code = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15)
@@ -23,7 +23,7 @@ def _corner(i, j, k):
     return np.float64(mix(code) >> np.uint64(11)) * 2.0**-53
 
 
-@uncounted()
+@uncounted
 def _noise(x, y, z):
     """Value noise in [0, 1] with lattice points at whole numbers."""
     i, j, k = int(np.floor(x)), int(np.floor(y)), int(np.floor(z))
@@ -40,14 +40,14 @@ def _noise(x, y, z):
     return total
 
 
-@uncounted()
+@uncounted
 def grain_at(x, y, z, length):
     """Height of the grain at a place (mm), 0 to 1, mean 1/2: bumps of `length` mm and half that."""
     x, y, z = x / length, y / length, z / length
     return 0.67 * _noise(x, y, z) + 0.33 * _noise(2.0 * x + 7.3, 2.0 * y + 1.9, 2.0 * z + 4.1)
 
 
-@uncounted()
+@uncounted
 def fill_grain(points, length, out):
     """`grain_at` of points (N, 3)."""
     for n in range(points.shape[0]):

@@ -7,12 +7,13 @@ that end anywhere along the curve.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["order_by_halving"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _select(centres, order, low, high, middle, axis):
     """Move the points [low, high) so that the least along the axis fill [low, middle).
 
@@ -42,7 +43,7 @@ def _select(centres, order, low, high, middle, axis):
             return
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def order_by_halving(centres, n_leaves, leaf_size, order):
     """Sort points into the leaves of a heap-ordered tree, halving boxes across their longest side.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.bounded_contact import find_foot_within, mean_normal
 from paint3d.kernels.haptic_state import (
     CREDIT,
@@ -34,7 +34,7 @@ from paint3d.kernels.turning import turn
 __all__ = ["push_back"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def push_back(tree, settings, state, x, y, z, q, work, force):
     """The brush's force on the hand in the object's frame, N, before anything is made safe.
 
@@ -104,7 +104,7 @@ def push_back(tree, settings, state, x, y, z, q, work, force):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _hold_proxy(settings, state, foot, normal, pressing, force):
     """Add the friction of a proxy that slips where it is pulled by more than mu F.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.haptic_state import (
     CLAMPED,
     CONTACT_S,
@@ -41,7 +41,7 @@ _FORESIGHT = 1.5  # the hand may speed up by so much until the next step
 _SPARE = 0.02  # N mm that the energy tank may hold beyond what the springs store
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def make_safe(settings, state, force, dt, pose_age, snapshot_age, stopping):
     """Make a wanted force (3,), object frame, one that may be sent; in this order.
 
@@ -81,7 +81,7 @@ def make_safe(settings, state, force, dt, pose_age, snapshot_age, stopping):
     return flags | _start(settings, state, force, dt)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _start(settings, state, force, dt):
     """Nothing until the wanted force is small, then a rise from nothing to all of it."""
     if state[STARTED] == 0.0:
@@ -99,7 +99,7 @@ def _start(settings, state, force, dt):
     return 0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _clamp(settings, force):
     limit = max(0.0, min(settings[DEVICE_LIMIT], settings[USER_LIMIT]))
     size = np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
@@ -109,7 +109,7 @@ def _clamp(settings, force):
     return CLAMPED
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _slew(settings, state, force, dt):
     change = 0.0
     for axis in range(3):
@@ -124,7 +124,7 @@ def _slew(settings, state, force, dt):
     return SLEWED
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def tame(state, force, dx, dy, dz):
     """Let the device give back no more energy than the hand put in (Hannaford and Ryu 2002).
 

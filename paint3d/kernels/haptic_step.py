@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.haptic_force import push_back
 from paint3d.kernels.haptic_safety import make_safe, tame
 from paint3d.kernels.haptic_state import (
@@ -28,7 +28,7 @@ NODE_BUDGET = 1500
 """Tree nodes that one step may look at."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def servo_step(tree, settings, state, target, pose, dt, pose_age, snapshot_age, stopping, out):
     """One step: follow the object, find the contact, make the force safe.
 
@@ -99,7 +99,7 @@ def servo_step(tree, settings, state, target, pose, dt, pose_age, snapshot_age, 
     return flags
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _follow(settings, state, target, dt):
     """Move the object smoothly after the snapshots, which come only 30 to 60 times a second."""
     share = 1.0

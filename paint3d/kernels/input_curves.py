@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.kernel import kernel, uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.pickup import CAPACITY
 from paint3d.kernels.tuft import Tuft
-from paint3d.kernels.uncounted import counted, uncounted
 
 __all__ = ["MOST_POINTS", "N_INPUTS", "N_SETTINGS", "Curves", "curve_at", "drive", "no_curves",
            "read_inputs"]  # fmt: skip
@@ -47,7 +47,7 @@ def no_curves() -> Curves:
     )
 
 
-@uncounted()
+@uncounted
 def curve_at(points, count, x):
     """Height of a curve (count points, x rising) at x; beyond its ends these hold."""
     if x <= points[0, 0]:
@@ -59,7 +59,7 @@ def curve_at(points, count, x):
     return points[count - 1, 1]
 
 
-@uncounted()
+@uncounted
 def _velocity(t, mean, first, last):
     """Slope of the cubic between two samples at the share t of the way."""
     return (
@@ -69,7 +69,7 @@ def _velocity(t, mean, first, last):
     )
 
 
-@uncounted()
+@uncounted
 def read_inputs(samples, i, t, pose, before, tuft, ink, inputs):
     """Fill the inputs (N_INPUTS,) at the share t of the way from sample i to the next.
 
@@ -110,7 +110,7 @@ def read_inputs(samples, i, t, pose, before, tuft, ink, inputs):
     inputs[INK_LEFT] = held / tuft.load
 
 
-@uncounted()
+@uncounted
 def _factor(curves, setting):
     factor = 1.0
     for n in range(N_INPUTS):
@@ -120,7 +120,7 @@ def _factor(curves, setting):
     return factor
 
 
-@counted()
+@kernel
 def drive(samples, i, t, pose, before, tuft, ink, curves):
     """The tuft as the hand drives it at this pose; `ink` learns how much ink makes it wet.
 

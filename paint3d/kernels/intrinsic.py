@@ -10,7 +10,8 @@ Bobenko: An algorithm for the construction of intrinsic Delaunay triangulations,
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["cotangent_weights", "flip_to_delaunay", "pair_edges"]
 
@@ -18,7 +19,7 @@ _FLAT = 1e-9  # sine of the sum of two angles that counts as 180 degrees
 _FLIPS_PER_FACE = 100
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def pair_edges(order, keys, mates):
     """Mates of half-edges, from their edges' keys (3F,) and the order that sorts these.
 
@@ -39,25 +40,25 @@ def pair_edges(order, keys, mates):
         i = j
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _cosine(opposite, a, b):
     return min(1.0, max(-1.0, (a * a + b * b - opposite * opposite) / (2.0 * a * b)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _set_face(faces, lengths, f, a, b, c, ab, bc, ca):
     faces[f, 0], faces[f, 1], faces[f, 2] = a, b, c
     lengths[f, 0], lengths[f, 1], lengths[f, 2] = ab, bc, ca
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _join(mates, h, other):
     mates[h] = other
     if other >= 0:
         mates[other] = h
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def flip_to_delaunay(faces, lengths, mates):
     """Flip edges until the triangulation is intrinsic Delaunay; return how many were flipped.
 
@@ -127,7 +128,7 @@ def flip_to_delaunay(faces, lengths, mates):
     return flips
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def cotangent_weights(lengths, weights):
     """Half the cotangent of the angle opposite each edge, (F, 3), from lengths (F, 3)."""
     for f in range(lengths.shape[0]):

@@ -9,8 +9,8 @@ nearly (docs/studio-model.md). The points are not at 0: gloss alone reflects 3 %
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.glazing import SPECTRUM_STEPS
 
 __all__ = ["GROUNDS", "see_through"]
@@ -21,7 +21,7 @@ GROUNDS = (0.04, 0.52, 1.0)
 _LEAST, _MOST = 1e-3, 0.6  # share of the rise in the first half: 1/2 for a layer without scattering
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def see_through(places, rows, low, middle, high, spectra):
     """Lay dried rows over the spectra below them.
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["read_rows"]
 
@@ -23,7 +24,7 @@ _ENOUGH = np.uint64(2**54)  # a quotient with so many bits can be rounded
 _NONE, _ONE, _TEN = np.uint64(0), np.uint64(1), np.uint64(10)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _divided(digits, power):
     """The float64 nearest to digits / 10^power, power up to 27: by long division, then rounded."""
     divisor = _FIVES[power]
@@ -48,7 +49,7 @@ def _divided(digits, power):
     return math.ldexp(np.float64(kept), exponent + np.int64(dropped))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _valued(digits, power):
     """The float64 nearest to digits / 10^power; NaN where that takes more than is done here."""
     if digits == _NONE:
@@ -66,7 +67,7 @@ def _valued(digits, power):
     return math.nan
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _read_digits(data, at, digits, count):
     """Digits from `at` on added to those before; and how many count, and where they end."""
     while at < len(data):
@@ -81,7 +82,7 @@ def _read_digits(data, at, digits, count):
     return digits, count, at
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _read_number(data, at, exact):
     """A number from `at` on and where it ends: -1 for what is none, or a hard one."""
     n = len(data)
@@ -117,7 +118,7 @@ def _read_number(data, at, exact):
     return (-value, -whole, at) if negative else (value, whole, at)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _skip_blanks(data, at, delimiter):
     while at < len(data):
         c = data[at]
@@ -127,7 +128,7 @@ def _skip_blanks(data, at, delimiter):
     return at
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def read_rows(data, delimiter, comment, exact, may_lack, values, whole, lines):
     """Read all lines of a text, one row of plain numbers in each that is not blank.
 

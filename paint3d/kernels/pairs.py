@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["INFLATION", "fill_pairs"]
 
 INFLATION = 1e-3  # of the cell's size: cells are met a little early, so rounding cannot lose one
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _axis_parts(ax, ay, az, bx, by, bz, cx, cy, cz, ux, uy, uz, half):
     """Whether the axis u separates the triangle (relative to the box's centre) from the box."""
     a = ax * ux + ay * uy + az * uz
@@ -20,7 +21,7 @@ def _axis_parts(ax, ay, az, bx, by, bz, cx, cy, cz, ux, uy, uz, half):
     return min(a, min(b, c)) > r or max(a, max(b, c)) < -r
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _triangle_meets_box(tri, x, y, z, half):
     """Separating axes of a triangle (3, 3) and a cube (Akenine-Moller 2001)."""
     ax, ay, az = tri[0, 0] - x, tri[0, 1] - y, tri[0, 2] - z
@@ -53,7 +54,7 @@ def _triangle_meets_box(tri, x, y, z, half):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_pairs(points, triangles, origin, size, places, roots):
     """List the (lattice place, triangle) pairs that meet, as many as there is room for.
 

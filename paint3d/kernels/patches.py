@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.cells import find_cell, sheet_of
 
 __all__ = [
@@ -37,7 +37,7 @@ class Entries(NamedTuple):
     count: NDArray  # (1,) int64, entries there are
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_faces(field, faces, first, sheet_patch, out):
     """Write the patch of the faces (F, 3) from number `first` on into `out` (F,) int32.
 
@@ -58,7 +58,7 @@ def place_faces(field, faces, first, sheet_patch, out):
         out[f] = sheet_patch[sheet]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mark_split(child, n_before, face_patch, marks):
     """Mark the patches of faces below `n_before` that have been split since."""
     for f in range(n_before):
@@ -66,7 +66,7 @@ def mark_split(child, n_before, face_patch, marks):
             marks[face_patch[f]] = 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_faces(all_faces, chosen, patch, n_held, entries, local_faces, new_ids):
     """Write a patch's faces with its own vertex numbers; vertices new to it are given one.
 
@@ -108,7 +108,7 @@ def add_faces(all_faces, chosen, patch, n_held, entries, local_faces, new_ids):
     return fresh
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mark_holders(vertex_ids, entries, marks):
     """Mark the patches that hold any of the vertices (N,) int32."""
     for i in range(vertex_ids.shape[0]):
@@ -118,7 +118,7 @@ def mark_holders(vertex_ids, entries, marks):
             e = entries.following[e]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def light_of_added(parents, first, last, light):
     """Give vertices `first` to `last` of `light` (V, 3) float32 the mean of their parents'."""
     half = np.float32(0.5)
@@ -128,7 +128,7 @@ def light_of_added(parents, first, last, light):
             light[v, k] = half * (light[a, k] + light[b, k])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def shown_colours(vertex_ids, srgb, light, linear, codes, out):
     """Colours (N, 3) uint8 of vertices as they are seen: their paint times the light on them.
 

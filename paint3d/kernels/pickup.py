@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.grain import grain_at
 from paint3d.kernels.stamp import outline_motion
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["CAPACITY", "GRAIN", "PICKUP", "REACH", "contact_level", "mean_pressure", "take_up_ink",
            "thin_contact"]  # fmt: skip

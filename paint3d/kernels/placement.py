@@ -16,12 +16,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.cells import find_cell, flood_patch, sheet_of
 from paint3d.kernels.contact import find_foot, find_meant
 from paint3d.kernels.drag import drag_length, drag_step
 from paint3d.kernels.tuft import enclose_tuft, greatest_descent, trace_outline
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["OVERPRESSED", "REACH", "TILT_LIMITED", "lean_plane", "place_stamp", "start_sheet"]
 
@@ -34,7 +34,7 @@ _OTHER_SIDE = -0.5  # cosine to the foot's normal: what faces farther away is a 
 _TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a brush goes
 
 
-@uncounted()
+@uncounted
 def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room):
     """Fill `after` with the footprint of a pose.
 
@@ -127,7 +127,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         values[st.TOUCHES] = 1.0
 
 
-@uncounted()
+@uncounted
 def _find_far(tree, pose, up_x, up_y, up_z, foot, warm):
     """The foot of a root that stands over the surface at any height; -1 beside the surface.
 
@@ -143,7 +143,7 @@ def _find_far(tree, pose, up_x, up_y, up_z, foot, warm):
     return triangle if away - height * height <= _OVER * _OVER * away else -1
 
 
-@uncounted()
+@uncounted
 def _trace(values, tuft, room):
     """The outline as the tuft is bent now, into the room; returns how many points it has."""
     return trace_outline(
@@ -157,7 +157,7 @@ def _trace(values, tuft, room):
     )
 
 
-@uncounted()
+@uncounted
 def _trace_extent(values, tuft, room):
     """How far along the bend the outline's middle lies from P'_m, and half its longer side, mm.
 
@@ -172,7 +172,7 @@ def _trace_extent(values, tuft, room):
     return 0.5 * (room.reach[0] + room.reach[n - 1]), half
 
 
-@uncounted()
+@uncounted
 def _flatten(values, reach):
     """No footprint: the outline is one point, where the straight tip would be."""
     values[st.HEEL] = reach
@@ -182,13 +182,13 @@ def _flatten(values, reach):
     values[st.AREA] = 0.0
 
 
-@uncounted()
+@uncounted
 def _keep_drag(values, drag):
     for axis in range(3):
         values[st.DRAG_X + axis] = drag[axis]
 
 
-@uncounted()
+@uncounted
 def _set_bend(values, bx, by, bz):
     """Make (bx, by, bz), laid into the plane, the bend's direction; False if it stands upright."""
     nx = values[st.NORMAL_X]
@@ -213,7 +213,7 @@ def _set_bend(values, bx, by, bz):
     return True
 
 
-@uncounted()
+@uncounted
 def _bend_along_pose(values, w, x, y, z):
     """Commanded azimuth: the pen's x axis laid into the plane (its y axis where x stands up)."""
     if not _set_bend(
@@ -230,7 +230,7 @@ def _bend_along_pose(values, w, x, y, z):
         )
 
 
-@uncounted()
+@uncounted
 def _bend_along_drag(values, was_touching, tuft, room):
     """Dragged azimuth: the paper pulls the tip along (a tractrix with slack)."""
     slack = drag_length(values[st.DESCENT], tuft.length, tuft.drag_fraction)
@@ -259,7 +259,7 @@ def _bend_along_drag(values, was_touching, tuft, room):
     values[st.DRAG_X + 2] = rz
 
 
-@uncounted()
+@uncounted
 def _follow_way(values, trail, room):
     """Pull the dragged point behind the place that the hand means, at most `trail` (mm) away.
 
@@ -281,7 +281,7 @@ def _follow_way(values, trail, room):
     values[st.DRAG_X + 2] = rz
 
 
-@uncounted()
+@uncounted
 def _centre_mark(values, half_widths, trail):
     """Move the outline across its way, so that it reaches as far to both sides of the place."""
     along, across = 0.0, 0.0  # the way's direction in the plane
@@ -306,7 +306,7 @@ def _centre_mark(values, half_widths, trail):
         )
 
 
-@uncounted()
+@uncounted
 def _press(pose, up_x, up_y, up_z, values, tuft):
     """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height.
 
@@ -330,14 +330,14 @@ def _press(pose, up_x, up_y, up_z, values, tuft):
     _set_descent(values, descent, tuft)
 
 
-@uncounted()
+@uncounted
 def _set_descent(values, descent, tuft):
     descent = min(descent, greatest_descent(tuft, values[st.TILT]))
     values[st.DESCENT] = descent
     values[st.PRESSURE] = min(1.0, max(0.0, descent / tuft.full_press))
 
 
-@uncounted()
+@uncounted
 def _settle(values, up_x, up_y, up_z, tuft):
     """Set the outline so that a tuft pressed ever less ends where its straight tip touches.
 
@@ -371,7 +371,7 @@ def _settle(values, up_x, up_y, up_z, tuft):
     values[st.DESCENT] = min(values[st.DESCENT], greatest_descent(tuft, tilt))
 
 
-@uncounted()
+@uncounted
 def _limit_tilt(values, up_x, up_y, up_z, tuft):
     """Make the handle's lean along the bend the model's tilt; returns the sine of that lean."""
     lean = _lean(values, up_x, up_y, up_z)
@@ -379,12 +379,12 @@ def _limit_tilt(values, up_x, up_y, up_z, tuft):
     return lean
 
 
-@uncounted()
+@uncounted
 def _lean(values, up_x, up_y, up_z):
     return -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
 
 
-@uncounted()
+@uncounted
 def _hold_outline(values):
     """Let the enclosing sphere, made before the plane leaned, hold the outline that came of it."""
     for along, across in (
@@ -396,14 +396,14 @@ def _hold_outline(values):
         st.hold_point(values, along, across)
 
 
-@uncounted()
+@uncounted
 def _sine_of_tilt(values, up_x, up_y, up_z):
     return (
         up_x * values[st.NORMAL_X] + up_y * values[st.NORMAL_X + 1] + up_z * values[st.NORMAL_X + 2]
     )
 
 
-@uncounted()
+@uncounted
 def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
     """Keep count of what the model could not follow, so that a report can say so.
 
@@ -419,7 +419,7 @@ def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
         counters[OVERPRESSED] += 1
 
 
-@uncounted()
+@uncounted
 def start_sheet(values, field):
     """The sheet of surface under the foot point, or -1."""
     cell = find_cell(field, values[st.FOOT_X], values[st.FOOT_X + 1], values[st.FOOT_X + 2])
@@ -428,7 +428,7 @@ def start_sheet(values, field):
     return sheet_of(field, cell, int(values[st.TRIANGLE]))
 
 
-@uncounted()
+@uncounted
 def lean_plane(values, field, room):
     """Replace the plane's normal by the mean over the effective patch (Guo 2017, Fig. 7).
 
@@ -444,7 +444,7 @@ def lean_plane(values, field, room):
         _set_normal(values, room.vector)
 
 
-@uncounted()
+@uncounted
 def _flood(values, field, room):
     """Find the sheets of the patch in the enclosing sphere; how many, 0 where no surface is."""
     sheet = start_sheet(values, field)
@@ -458,7 +458,7 @@ def _flood(values, field, room):
     return room.patch[0]
 
 
-@uncounted()
+@uncounted
 def _lean_plane_under(values, extent, field, room):
     """Let the plane be that of the surface under a footprint around the place that is meant.
 
@@ -479,7 +479,7 @@ def _lean_plane_under(values, extent, field, room):
     _set_normal(values, room.vector)
 
 
-@uncounted()
+@uncounted
 def _set_normal(values, vector):
     """Make a vector's direction the plane's normal; it stays as it is where there is none."""
     sum_x, sum_y, sum_z = vector[0], vector[1], vector[2]

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.raster import fill_polygon
 
 __all__ = [
@@ -34,7 +34,7 @@ _SECTIONS = 7  # golden sections of a side step
 _STAYING = 0.01  # of a side step, what it must gain
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _square_to_edge(polygon, k, x, y):
     """Square of the distance of (x, y) to the edge that ends at corner k."""
     px, py = polygon[k - 1, 0], polygon[k - 1, 1]
@@ -46,7 +46,7 @@ def _square_to_edge(polygon, k, x, y):
     return dx * dx + dy * dy
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def signed_distances(polygon, x0, y0, step, out):
     """Distance of every grid point to a closed polygon (N, 2), positive inside (non-zero rule).
 
@@ -90,7 +90,7 @@ def signed_distances(polygon, x0, y0, step, out):
             out[i, j] = math.sqrt(out[i, j]) if inside[i, j] else -math.sqrt(out[i, j])
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _take_over(polygon, x0, y0, step, i, j, row, column, nearest, out):
     """Try a neighbour's nearest edge for the grid point (i, j)."""
     if 0 <= row < out.shape[0] and 0 <= column < out.shape[1]:
@@ -101,7 +101,7 @@ def _take_over(polygon, x0, y0, step, i, j, row, column, nearest, out):
                 out[i, j], nearest[i, j] = square, k
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _distance_at(field, x0, y0, step, x, y):
     """Bilinear signed distance; off the grid the border's value holds, which lies outside."""
     u = min(max((x - x0) / step, 0.0), field.shape[1] - 1.000001)
@@ -114,7 +114,7 @@ def _distance_at(field, x0, y0, step, x, y):
     return (1.0 - v) * low + v * high
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_room(field, grid, centres, directions, limit, out):
     """How far one can go from each centre (S, 2) along its direction (S, 2) and stay inside."""
     for s in range(centres.shape[0]):
@@ -130,7 +130,7 @@ def measure_room(field, grid, centres, directions, limit, out):
         out[s] = min(max(run, 0.0), limit)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _first_outside(points, level, field, grid, x, y, cosine, sine, margin, first):
     """The first boundary point, from `first` on, that lies over `margin` outside; -1 for none."""
     k = min(int(level), points.shape[0] - 2)
@@ -148,7 +148,7 @@ def _first_outside(points, level, field, grid, x, y, cosine, sine, margin, first
     return -1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fit_level(points, field, grid, x, y, azimuth, margin, hint=-1.0, halvings=_HALVINGS):
     """Greatest level that fits with its centroid at (x, y), or -1; rungs tried below fit too.
 
@@ -188,7 +188,7 @@ def fit_level(points, field, grid, x, y, azimuth, margin, hint=-1.0, halvings=_H
     return low
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fit_levels(points, field, grid, centres, azimuths, margin, out):
     """`fit_level` of every pose of a dense course: centres (S, 2), azimuths (S,)."""
     hint = -1.0
@@ -199,7 +199,7 @@ def fit_levels(points, field, grid, centres, azimuths, margin, out):
         out[s] = hint
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def rate(points, support, field, grid, centres, headings, room, shifts, margin, out_gap):
     """How much of the stroke's width every direction and side step leaves bare.
 
@@ -236,7 +236,7 @@ def rate(points, support, field, grid, centres, headings, room, shifts, margin, 
                 )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _gap(
     points, support, field, grid, x, y, heading, left, right, shift, azimuth, margin, hint, halvings
 ):
@@ -252,7 +252,7 @@ def _gap(
     return level, max(0.0, left - reach_left) + max(0.0, right - reach_right)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def balance(
     points, support, field, grid, centres, headings, room, azimuths, margin, span, out_shift
 ):
@@ -287,7 +287,7 @@ def balance(
         out_shift[s] = 0.5 * (low + high)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _reach(support, level, direction):
     n = support.shape[1]
     i = round(direction / (2.0 * math.pi) * n) % n
@@ -296,7 +296,7 @@ def _reach(support, level, direction):
     return (1.0 - t) * support[k, i] + t * support[k + 1, i]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def best_course(cost, turn_cost, shift_cost, most_turn, out_angle, out_shift):
     """Cheapest chain through the samples, by dynamic programming.
 
@@ -335,7 +335,7 @@ def best_course(cost, turn_cost, shift_cost, most_turn, out_angle, out_shift):
         state = origin[s, a, o]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def cover(points, levels, centres, azimuths, x0, y0, step, out_mask):
     """Set the pixels under a dense course of footprints; pixel centres as grid points of a field.
 

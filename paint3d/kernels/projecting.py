@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import sweep as sw
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["AWAY", "LEAST_FACING", "project_run", "take_run"]
 

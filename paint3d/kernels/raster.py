@@ -8,24 +8,25 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["fill_polygon", "fill_triangles", "first_sample", "last_sample"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def first_sample(low):
     """Index of the first sample at or above a coordinate."""
     return math.ceil(low - 0.5)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def last_sample(high):
     """Index of the last sample below a coordinate."""
     return math.ceil(high - 0.5) - 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_polygon(polygon, out):
     """Set the samples inside a closed polygon (N, 2), by the non-zero rule.
 
@@ -58,7 +59,7 @@ def fill_polygon(polygon, out):
                 out[i, first : last + 1] = True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_triangles(points, values, faces, out):
     """Interpolate vertex values over triangles, at the samples inside them.
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels import sweep as sw
 from paint3d.kernels.field import BLOCK_VERTICES
 from paint3d.kernels.projecting import LEAST_FACING
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["DISC_ROWS", "EDGE", "INSIDE", "MIXED", "find_cells", "find_runs"]
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import kernel, uncounted
 from paint3d.kernels.cells import find_cell, find_pair
-from paint3d.kernels.uncounted import counted, uncounted
 
 __all__ = ["MOST_AROUND_EDGE", "activate_cell", "edge_key", "longest_edges", "mix"]
 
@@ -21,7 +21,7 @@ _INFLATION = 1e-3  # of a cell's size
 _OPPOSED = np.float32(1e-3)  # length of the sum of two unit normals
 
 
-@uncounted()
+@uncounted
 def mix(x):
     """Scramble 64 bits (splitmix64's finaliser)."""
     x ^= x >> np.uint64(30)
@@ -32,7 +32,7 @@ def mix(x):
     return x
 
 
-@uncounted()
+@uncounted
 def edge_key(a, b):
     """Key of the edge between two vertices with keys a and b, whichever way round."""
     if a > b:
@@ -40,7 +40,7 @@ def edge_key(a, b):
     return mix(a * np.uint64(0x9E3779B97F4A7C15) + mix(b))
 
 
-@uncounted()
+@uncounted
 def _length2(field, a, b):
     x = np.float64(field.px[a]) - np.float64(field.px[b])
     y = np.float64(field.py[a]) - np.float64(field.py[b])
@@ -48,7 +48,7 @@ def _length2(field, a, b):
     return x * x + y * y + z * z
 
 
-@uncounted()
+@uncounted
 def _longest_edge(field, a, b, c):
     """Which edge (0: ab, 1: bc, 2: ca) is longest; the greater key wins a tie."""
     best = 0
@@ -68,7 +68,7 @@ def _longest_edge(field, a, b, c):
     return best
 
 
-@uncounted()
+@uncounted
 def longest_edges(field, out):
     """The longest edge of every root."""
     for t in range(out.shape[0]):
@@ -76,7 +76,7 @@ def longest_edges(field, out):
         out[t] = _longest_edge(field, a, field.node_vertices[t, 1], field.node_vertices[t, 2])
 
 
-@uncounted()
+@uncounted
 def _relink(radial, old, new):
     """Put half-edge `new` in the place of `old` in its ring."""
     after = radial[old]
@@ -90,7 +90,7 @@ def _relink(radial, old, new):
     radial[new] = after
 
 
-@uncounted()
+@uncounted
 def _add_midpoint(field, a, b, root):
     """Append the vertex that halves the edge ab of a triangle of `root`; return its id."""
     v = field.counts[0]
@@ -126,7 +126,7 @@ def _add_midpoint(field, a, b, root):
     return v
 
 
-@uncounted()
+@uncounted
 def _split_edge(field, h0, ring, mids):
     """Halve every triangle on the edge of half-edge h0, which is longest in each of them."""
     n = 0
@@ -173,7 +173,7 @@ def _split_edge(field, h0, ring, mids):
     field.radial[last_b] = first_b
 
 
-@uncounted()
+@uncounted
 def _split_node(field, h, m):
     """Halve a triangle at vertex m on its edge h % 3; return its children (a, m, c), (m, b, c)."""
     t = h // 3
@@ -211,7 +211,7 @@ def _split_node(field, h, m):
     return left, right
 
 
-@uncounted()
+@uncounted
 def _bisect(field, node, ring, mids):
     """Halve a leaf, and first whatever must be halved before it; False without room."""
     path = field.path
@@ -247,7 +247,7 @@ def _bisect(field, node, ring, mids):
     return True
 
 
-@uncounted()
+@uncounted
 def _misses(field, t, low, high):
     """Whether the box around a node lies outside the box low..high."""
     a = field.node_vertices[t, 0]
@@ -264,7 +264,7 @@ def _misses(field, t, low, high):
     )
 
 
-@counted()
+@kernel
 def activate_cell(field, cell):
     """Refine until every leaf that meets the cell has edges no longer than wanted.
 

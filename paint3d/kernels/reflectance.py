@@ -14,7 +14,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = [
     "BLOCK",
@@ -45,7 +46,7 @@ TANH_RATIO = (
 A minimax fit; the relative error stays below 8e-6 (checked in the tests)."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def layer_bands(absorption, scattering, thickness, backing, reflected, alone, through):
     """Light reflected and let through by one layer at each of W wavelengths.
 
@@ -77,7 +78,7 @@ def layer_bands(absorption, scattering, thickness, backing, reflected, alone, th
         through[w] = 2.0 * decay / ((1.0 + decay * decay) * bottom)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def fill_layers(vertex_ids, start, size, amounts, coverage, layer, cover):
     """Coats (P, BLOCK) of each pigment where a block is covered, and the share that is (BLOCK,)."""
     zero, one = np.float32(0.0), np.float32(1.0)
@@ -90,7 +91,7 @@ def fill_layers(vertex_ids, start, size, amounts, coverage, layer, cover):
             layer[i, j] = min(amounts[v, i] * thick, THICKEST)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def mix_paints(paints, layer, black, white):
     """K X and S X (BLOCK,) of the pigments' coats together; `paints` (P, 2) is one band's."""
     black[:] = np.float32(0.0)
@@ -102,7 +103,7 @@ def mix_paints(paints, layer, black, white):
             white[j] += s * layer[i, j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def shine(k, s, ground):
     """Numerator and denominator of the reflectance R of a layer with K X = k and S X = s."""
     one = np.float32(1.0)
@@ -117,7 +118,7 @@ def shine(k, s, ground):
     return (q - p * k) * ground + lift, q + p * k + lift
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def mixture_colours(
     vertex_ids, amounts, coverage, paints, bands, bare, inner_loss, codes, out_rgb, out_srgb
 ):
@@ -171,7 +172,7 @@ def mixture_colours(
         _write_block(start, size, vertex_ids, cover, rgb, bare, codes, out_rgb, out_srgb)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _write_block(start, size, vertex_ids, cover, rgb, bare, codes, out_rgb, out_srgb):
     """Mix the colours of a block with the bare surface and write them where they belong."""
     scale = np.float32(codes.size - 1)
@@ -187,7 +188,7 @@ def _write_block(start, size, vertex_ids, cover, rgb, bare, codes, out_rgb, out_
             out_srgb[v, h] = codes[np.int32(shown * scale + half)]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def single_colours(
     vertex_ids, amounts, coverage, table, shades, bend, bare, codes, out_rgb, out_srgb
 ):

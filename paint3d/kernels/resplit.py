@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.refine import MOST_AROUND_EDGE, _split_edge
 
 __all__ = ["BAD_LOG", "NO_ROOM", "repeat_splits"]
@@ -12,7 +12,7 @@ __all__ = ["BAD_LOG", "NO_ROOM", "repeat_splits"]
 NO_ROOM, BAD_LOG = -1, -2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def repeat_splits(field, log, at):
     """Bisect the nodes of `log` (n,) int32 from place `at[0]` on, where they are not yet halved.
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from paint3d.core.kernel import kernel
 from paint3d.kernels.cells import find_pair, lookup
 from paint3d.kernels.pairs import INFLATION
 
 __all__ = ["link_sheets", "locate_vertices", "measure_sheets", "split_sheets"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _segment_meets_box(points, a, b, x, y, z, half):
     """Whether the edge from vertex a to b meets the cube around (x, y, z)."""
     enter = 0.0
@@ -30,7 +30,7 @@ def _segment_meets_box(points, a, b, x, y, z, half):
     return enter <= leave
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _find(parent, i):
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -38,7 +38,7 @@ def _find(parent, i):
     return i
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def split_sheets(
     points, triangles, radial, origin, size, places, cell_pairs, pair_root, pair_sheet, cell_sheets
 ):
@@ -93,7 +93,7 @@ def split_sheets(
     return n_sheets
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _clip(polygon, n, axis, bound, sign, out):
     """Keep the part of a polygon (n points) with sign * (coordinate - bound) <= 0."""
     m = 0
@@ -112,7 +112,7 @@ def _clip(polygon, n, axis, bound, sign, out):
     return m
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_sheets(
     points, normals, triangles, origin, size, places, cell_pairs, pair_root, pair_sheet,
     area, normal, centre,
@@ -165,7 +165,7 @@ def measure_sheets(
                 centre[s, axis] /= area[s]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _polygon(polygon, n, mid):
     """Area of a plane polygon, and its centre."""
     whole = 0.0
@@ -190,7 +190,7 @@ def _polygon(polygon, n, mid):
     return whole
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _weights_at(points, triangles, t, mid, weights):
     """Barycentric weights of a point of triangle t."""
     d00, d01, d11, d20, d21 = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -213,7 +213,7 @@ def _weights_at(points, triangles, t, mid, weights):
     weights[0] = 1.0 - weights[1] - weights[2]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def link_sheets(
     table, places, root_pairs, pair_order, pair_cell, cell_pairs, pair_root, pair_sheet, links
 ):
@@ -259,7 +259,7 @@ def link_sheets(
     return n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def locate_vertices(
     points, root_of, origin, size, places, table, cell_pairs, pair_root, pair_sheet, cells, sheets
 ):

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["add_shine"]
 
 _STEPS = 2048  # of a cosine
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@kernel(fastmath=True)
 def add_shine(points, normals, colours, eye, lamps, power, share, out):
     """Write colours with the highlights of parallel lamps on them (Phong).
 

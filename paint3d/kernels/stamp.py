@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.uncounted import uncounted
+from paint3d.core.kernel import uncounted
 
 __all__ = [
     "AREA",
@@ -87,7 +87,7 @@ def make_stamp() -> Stamp:
     return Stamp(np.zeros(N_VALUES), np.zeros(PROFILE_CELLS + 2), lines)
 
 
-@uncounted()
+@uncounted
 def fill_profile(stamp, reach, half_width, n):
     """Tabulate an outline (tip first, `n` points) over even steps from the heel to the tip."""
     values = stamp.values
@@ -126,7 +126,7 @@ def fill_profile(stamp, reach, half_width, n):
     values[AREA] = area
 
 
-@uncounted()
+@uncounted
 def hold_point(values, along, across):
     """Let the stamp's enclosing sphere hold a point of its plane, `along` and `across` the bend."""
     d2 = 0.0
@@ -137,7 +137,7 @@ def hold_point(values, along, across):
     values[RADIUS] = max(values[RADIUS], np.sqrt(d2))
 
 
-@uncounted()
+@uncounted
 def outline_motion(a, b):
     """How far the fastest of the outline's points moved between two stamps (mm)."""
     fastest = 0.0
@@ -150,7 +150,7 @@ def outline_motion(a, b):
     return np.sqrt(fastest)
 
 
-@uncounted()
+@uncounted
 def ink_way(a, b):
     """The way that ink is given for between two stamps (mm): `outline_motion` where it advances.
 
@@ -178,7 +178,7 @@ def ink_way(a, b):
     return np.sqrt(max(max(tip, heel), max(left, right)))
 
 
-@uncounted()
+@uncounted
 def _outline_point(stamp, point, axis):
     """Coordinate of the tip, the heel, or the middle's furthest extent to either side.
 

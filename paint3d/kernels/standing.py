@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from paint3d.core.kernel import kernel
 from paint3d.kernels.deposit import sweep_deposit
 from paint3d.kernels.placement import lean_plane, place_stamp
 
 __all__ = ["deposit_standing", "place_standing"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_standing(poses, tuft, tree, field, counters, room, stamp, values, half_widths, lines):
     """Place a stamp for every pose (D, 9), and keep them in arrays with D rows."""
     for i in range(poses.shape[0]):
@@ -21,7 +20,7 @@ def place_standing(poses, tuft, tree, field, counters, room, stamp, values, half
         lines[i] = stamp.lines
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def deposit_standing(values, half_widths, lines, tuft, field, ink, counters, room, before, after):
     """Leave every stamp once: plane, vertices, projection and ink. `before` touches nothing."""
     for i in range(values.shape[0]):

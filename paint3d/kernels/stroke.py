@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.deposit import sweep_deposit
 from paint3d.kernels.drag import drag_length
 from paint3d.kernels.input_curves import drive
 from paint3d.kernels.placement import place_stamp
 from paint3d.kernels.stamp import Stamp, outline_motion
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = [
     "FINISHED",
@@ -73,7 +73,7 @@ def make_progress() -> Progress:
     return Progress(np.zeros(3, np.int64), st.make_stamp(), st.make_stamp(), np.zeros(8))
 
 
-@uncounted()
+@uncounted
 def note_pose(samples, i, noted):
     """Remember sample i as the one where the last stamp stands."""
     for axis in range(3):
@@ -83,7 +83,7 @@ def note_pose(samples, i, noted):
     noted[7] = samples.pressure[i]
 
 
-@uncounted()
+@uncounted
 def may_pass(samples, i, noted, tuft, resolution):
     """Whether the stroke need not stop at sample i, so near lies it to the one that was noted.
 
@@ -105,7 +105,7 @@ def may_pass(samples, i, noted, tuft, resolution):
     return way < _FINEST_STEP * resolution
 
 
-@uncounted()
+@uncounted
 def _interpolate(samples, i, fraction, pose):
     """Pose (9,) of `place_stamp` between samples i and i + 1."""
     h = samples.time[i + 1] - samples.time[i]
@@ -134,7 +134,7 @@ def _interpolate(samples, i, fraction, pose):
     pose[8] = 1.0 if samples.on_surface[i] else 0.0
 
 
-@uncounted()
+@uncounted
 def _pressure(samples, i, t):
     """Pressure between two samples; landing and leaving keep the slope of the touching side.
 
@@ -155,7 +155,7 @@ def _pressure(samples, i, t):
     return (1.0 - t) * p + t * q
 
 
-@uncounted()
+@uncounted
 def _bow(samples, i, pose):
     """How far the path leaves its chord half-way between samples i and i + 1 (mm)."""
     _interpolate(samples, i, 0.5, pose)
@@ -166,7 +166,7 @@ def _bow(samples, i, pose):
     return np.sqrt(d2)
 
 
-@uncounted()
+@uncounted
 def _sweeps(before, after, bow, dragged, tuft, resolution):
     """How many sweeps the way between two stamps is cut into."""
     a = before.values
@@ -185,7 +185,7 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
     return min(_MOST_STEPS, max(1, int(np.ceil(n))))
 
 
-@uncounted()
+@uncounted
 def _foot_motion(a, b):
     d2 = 0.0
     for axis in range(st.FOOT_X, st.FOOT_X + 3):
@@ -193,7 +193,7 @@ def _foot_motion(a, b):
     return np.sqrt(d2)
 
 
-@uncounted()
+@uncounted
 def _copy(source, target):
     for k in range(st.N_VALUES):
         target.values[k] = source.values[k]
@@ -204,7 +204,7 @@ def _copy(source, target):
             target.lines[k, part] = source.lines[k, part]
 
 
-@uncounted()
+@uncounted
 def paint_samples(
     samples, last, dragged, brush, curves, tree, field, ink, progress, counters, pose, room
 ):

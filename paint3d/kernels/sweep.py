@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = [
     "AFTER", "BALL", "BALL2", "BEFORE", "BEND", "BETWEEN_SHAPE", "BOX", "BOX_BEFORE", "CARRY2",

@@ -7,14 +7,15 @@ same knots share them. De Boor's recursion, as FITPACK has it, to the last bit.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["evaluate_splines"]
 
 _MOST = 4  # one more than the highest degree
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _find_interval(knots, degree, x):
     """Place of the knot that begins the interval of x; its ends belong to the first and last."""
     low, high = degree, len(knots) - degree - 2
@@ -27,7 +28,7 @@ def _find_interval(knots, degree, x):
     return low
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _fill_weights(knots, degree, at, x, before, weights):
     """Values at x of the B-splines that do not vanish in the interval that begins at knot `at`."""
     weights[0] = 1.0
@@ -42,7 +43,7 @@ def _fill_weights(knots, degree, at, x, before, weights):
             weights[i + 1] = share * (x - left)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def evaluate_splines(x_knots, y_knots, degrees, coefficients, xy, out):
     """Evaluate tensor products of B-splines at places of their rectangle.
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["FLOAT_WIDTH", "INTEGER_WIDTH", "format_rows"]
 
@@ -19,7 +20,7 @@ _SMALLEST = 1e-4  # numbers below get an exponent
 _POWERS = 10.0 ** np.arange(55)  # to what the smallest float32, 1.4e-45, takes
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _write_integer(value, out, at):
     """Write a whole number of at least 0; return where it ends."""
     end = at + 1
@@ -33,7 +34,7 @@ def _write_integer(value, out, at):
     return end
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _write_decimal(size, out, at):
     """Write a float32 of at least 1e-4 as digits with a point; return where it ends."""
     before = math.floor(math.log10(size)) + 1
@@ -58,7 +59,7 @@ def _write_decimal(size, out, at):
     return at
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _write_tiny(size, out, at):
     """Write a float32 between 0 and 1e-4 with an exponent; return where it ends."""
     power = -math.floor(math.log10(size))
@@ -76,7 +77,7 @@ def _write_tiny(size, out, at):
     return _write_integer(np.int64(last), out, at + 2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _write_float(value, out, at):
     size = abs(np.float64(value))
     if value < 0.0:
@@ -90,7 +91,7 @@ def _write_float(value, out, at):
     return _write_decimal(size, out, at)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def format_rows(floats, integers, columns, text, text_starts, out):
     """Write rows: a piece of text, a number, a piece of text, ..., a last piece of text.
 

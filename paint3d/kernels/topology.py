@@ -8,7 +8,8 @@ non-manifold edge, one alone an open one.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = [
     "corner_normals",
@@ -20,7 +21,7 @@ __all__ = [
 ]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def link_radial(faces, n_vertices):
     """Rings of half-edges: entry 3 t + e is the next half-edge around edge e of triangle t.
 
@@ -60,7 +61,7 @@ def link_radial(faces, n_vertices):
     return radial
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _find(parent, i):
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -68,7 +69,7 @@ def _find(parent, i):
     return i
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _join(parent, a, b):
     a = _find(parent, a)
     b = _find(parent, b)
@@ -78,7 +79,7 @@ def _join(parent, a, b):
         parent[a] = b
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def smooth_corners(faces, face_normals, radial, least_cosine):
     """Group the corners (3 T) that share one normal: same vertex, joined over smooth edges.
 
@@ -107,7 +108,7 @@ def smooth_corners(faces, face_normals, radial, least_cosine):
     return parent
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def corner_normals(points, faces, face_normals, vertex_of_corner, normals):
     """Sum the face normals around every vertex, weighted by the corner's angle; unit length."""
     normals[:] = 0.0
@@ -136,7 +137,7 @@ def corner_normals(points, faces, face_normals, vertex_of_corner, normals):
             normals[v, k] = normals[v, k] / length if length > 0.0 else (1.0 if k == 2 else 0.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def count_around(radial):
     """The most triangles that share one edge."""
     most = 0
@@ -150,7 +151,7 @@ def count_around(radial):
     return most
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_faces(points, faces, normals, double_areas):
     """Unit normals (F, 3) and twice the areas (F,) of triangles; a normal without area is 0."""
     for t in range(faces.shape[0]):
@@ -172,7 +173,7 @@ def measure_faces(points, faces, normals, double_areas):
         normals[t, 2] = z * scale
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def longest_sides(points, faces, out):
     """The longest side (F,) of every triangle."""
     for t in range(faces.shape[0]):

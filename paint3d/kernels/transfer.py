@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.stamp import ink_way
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["ink_released", "landing_share", "leave_ink", "weighed_area"]
 

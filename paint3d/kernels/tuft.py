@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.uncounted import uncounted
+from paint3d.core.kernel import uncounted
 
 __all__ = [
     "MAX_SEGMENTS",
@@ -81,25 +81,25 @@ class Tuft(NamedTuple):
     plasticity: float  # rho: share of the bend kept when the pen lifts
 
 
-@uncounted()
+@uncounted
 def force_of_descent(tuft, descent):
     """Spring force (N) at a descent (mm) of the root (Eq. 4)."""
     return tuft.spring * descent
 
 
-@uncounted()
+@uncounted
 def descent_of_force(tuft, force):
     """Descent (mm) of the root under a force (N); the inverse of Eq. 4."""
     return force / tuft.spring
 
 
-@uncounted()
+@uncounted
 def greatest_descent(tuft, tilt):
     """Descent (mm) at which the table ends: lower, and the ferrule itself would touch."""
     return tuft.greatest_fraction * tuft.length * math.sin(tilt)
 
 
-@uncounted()
+@uncounted
 def bend_angles(tuft, descent, tilt, out_angles):
     """Angles of the segments to the plane, by bilinear lookup.
 
@@ -145,7 +145,7 @@ def _section(along, up, angle, diameter, spread):
     return along - up * math.sin(angle) / cosine, square
 
 
-@uncounted()
+@uncounted
 def _section_at(tuft, angles, pe, j, t, arc, along, up):
     """`_section` at the share t of segment j; its lower joint is at `arc`, at (along, up)."""
     below = angles[j - 1] if j > 0 else angles[0]
@@ -164,7 +164,7 @@ def _section_at(tuft, angles, pe, j, t, arc, along, up):
     )
 
 
-@uncounted()
+@uncounted
 def _close(tuft, angles, pe, j, i, arc, along, up, out_reach, out_half_width, n):
     """Find M_d, where the tuft leaves the plane in step i of segment j, and end the outline there.
 
@@ -205,7 +205,7 @@ def _close(tuft, angles, pe, j, i, arc, along, up, out_reach, out_half_width, n)
     return n
 
 
-@uncounted()
+@uncounted
 def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
     """Outline of the footprint: its half width against the distance from P'_m (Eqs. 2, 3, 6-9).
 
@@ -269,7 +269,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
     return n
 
 
-@uncounted()
+@uncounted
 def _surface_points(tuft, descent, tilt, pe, scratch):
     """Put the tip and half a ring of points at every joint into scratch; return their number."""
     m = tuft.segment_lengths.shape[0]
@@ -297,7 +297,7 @@ def _surface_points(tuft, descent, tilt, pe, scratch):
     return n
 
 
-@uncounted()
+@uncounted
 def _farthest(scratch, n, x, y, z):
     """Which surface point lies farthest from (x, y, z), and the square of how far."""
     xs, ys, zs = scratch[_X : _X + n], scratch[_Y : _Y + n], scratch[_Z : _Z + n]
@@ -311,7 +311,7 @@ def _farthest(scratch, n, x, y, z):
     return index, greatest
 
 
-@uncounted()
+@uncounted
 def enclose_tuft(tuft, descent, tilt, pe, scratch):
     """Smallest enclosing sphere of the bent tuft's surface by growing a ball (Eqs. 10, 11).
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import kernel, uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels.pickup import REACH
-from paint3d.kernels.uncounted import counted, uncounted
 
 __all__ = ["leave_from_stations", "level_stations"]
 
@@ -42,7 +42,7 @@ def _station(before, after, field, v, reach, last):
     return min(max(behind / reach - 0.5, 0.0), np.float64(last))
 
 
-@counted(error_model="numpy")
+@kernel(error_model="numpy")
 def leave_from_stations(
     before, after, released, landing, weighed, found, share, n, areas, unit, field, ink, taken
 ):
@@ -97,7 +97,7 @@ def leave_from_stations(
         ink.load[p] = stations[:, p].sum()
 
 
-@counted(error_model="numpy")
+@kernel(error_model="numpy")
 def level_stations(stations):
     """Let liquid run along the tuft until all stations (N, P) are filled alike."""
     count, n_pigments = stations.shape

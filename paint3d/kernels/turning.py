@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from numba import njit
+from paint3d.core.kernel import kernel
 
 __all__ = ["relative", "turn", "turn_back"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn(q, x, y, z):
     """(x, y, z) turned by the unit quaternion q."""
     tx = 2.0 * (q[2] * z - q[3] * y)
@@ -20,7 +20,7 @@ def turn(q, x, y, z):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_back(q, x, y, z):
     """(x, y, z) turned by the inverse of the unit quaternion q."""
     tx = 2.0 * (q[3] * y - q[2] * z)
@@ -33,7 +33,7 @@ def turn_back(q, x, y, z):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def relative(a, b, out):
     """inverse(a) b of two quaternions."""
     out[0] = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]

@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.core.kernel import uncounted
 from paint3d.kernels import stamp as st
 from paint3d.kernels import sweep as sw
-from paint3d.kernels.uncounted import uncounted
 
 __all__ = ["WORK_ROWS", "weigh_block", "weigh_standing"]
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["weld_positions"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def weld_positions(bits, table, ids):
     """Number the distinct rows of `bits` (V, 3) uint32 in the order in which they first come.
 

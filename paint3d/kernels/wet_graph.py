@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["count_vertices", "leaves_in_box", "list_vertices", "pick_nodes"]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def count_vertices(field, cells):
     """How many vertices lie in some cells (K,)."""
     n = 0
@@ -22,7 +23,7 @@ def count_vertices(field, cells):
     return n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def list_vertices(field, cells, vertices, number):
     """Write the vertices of some cells (K,), cell by cell, and each one's place among `cells`."""
     n = 0
@@ -40,7 +41,7 @@ def list_vertices(field, cells, vertices, number):
             v = field.next_in_cell[v]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _misses(field, corners, t, low, high):
     """Whether the box around a triangle lies outside the box low..high."""
     for axis in range(3):
@@ -51,7 +52,7 @@ def _misses(field, corners, t, low, high):
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def leaves_in_box(field, roots, corners, low, high, out):
     """List the triangles that meet a box; return how many, or -1 if `out` is too short.
 
@@ -88,7 +89,7 @@ def leaves_in_box(field, roots, corners, low, high, out):
     return n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def pick_nodes(starts, stops, out):
     """Write the nodes of some runs (K,), one run after the other; return how many."""
     n = 0

@@ -22,8 +22,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from paint3d.core.kernel import kernel
 
 __all__ = ["WetFields", "move_water"]
 
@@ -77,7 +78,7 @@ class _Rows(NamedTuple):
     mean: NDArray  # (2, R + ring) float64, averaged over the time up to this stage and the last
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def _psi(depth, low, inverse, strength, film, capacity):
     """psi (mm2/s) of a depth (mm); below `low` nothing moves, `inverse` is 1 / (capacity - low)."""
     s = (depth - low) * inverse
@@ -88,7 +89,7 @@ def _psi(depth, low, inverse, strength, film, capacity):
     return strength * s * s * s
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _make_rows(size, n_links):
     return _Rows(
         np.empty(size, np.int32), np.zeros(size + 1, np.int32), np.empty(n_links, np.int32),
@@ -98,7 +99,7 @@ def _make_rows(size, n_links):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
     """Give all that have none yet their row; return how many nodes are known now."""
     end = rows.starts[n_rows]
@@ -146,7 +147,7 @@ def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
     return known
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _is_shut(f, rows, r):
     """Whether the neighbours of a row are not all known; those are marked."""
     found = False
@@ -158,7 +159,7 @@ def _is_shut(f, rows, r):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _count_stages(rows, n_rows, film):
     """How many stages are stable, by the steepest slope of psi that each node can come to."""
     stiffest = 0.0
@@ -178,7 +179,7 @@ def _count_stages(rows, n_rows, film):
     return max(1, int(np.ceil(0.5 * (np.sqrt(1.0 + 8.0 * stiffest) - 1.0))))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def _fall(own, other, own_entry, other_entry):
     """The difference of potentials that drives water in, below 0 out."""
     if other > max(own, own_entry):
@@ -188,7 +189,7 @@ def _fall(own, other, own_entry, other_entry):
     return 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi):
     """Fill `psi` (R,) with the potentials at the end of a stage; see the module."""
     now = rows.mean[stage % 2]
@@ -219,7 +220,7 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi):
         psi[r] = _psi(depth, rows.low[r], rows.inverse[r], rows.strength[r], film, capacity)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _find_flows(rows, n_rows, n_stages):
     """Turn `x` into what runs out by each link, below 0 in, mm3."""
     mean, ran = rows.mean[n_stages % 2], rows.ran[n_stages % 2]
@@ -232,7 +233,7 @@ def _find_flows(rows, n_rows, n_stages):
                 rows.x[e] = -ran[e]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _carry(f, rows, n_rows, n_ids, passing):
     """Move water and pigment, each node when all that flows into it has come."""
     n_pigments = f.pigment.shape[1]
@@ -305,7 +306,7 @@ def _carry(f, rows, n_rows, n_ids, passing):
                 f.pigment[i, p] += brought[r, p] * rows.share[r]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _greatest_change(f, rows, n_rows, shortest):
     """Of depth, mm, that the flows will make in blocks that are owed more than `shortest`."""
     most = 0.0
@@ -319,7 +320,7 @@ def _greatest_change(f, rows, n_rows, shortest):
     return most
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _note(f, rows, n_rows, rest):
     """Note what the step did to the nodes that it changed; blocks that get water are owed rest."""
     for r in range(n_rows):
@@ -340,7 +341,7 @@ def _note(f, rows, n_rows, rest):
             f.entry[i] = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _seed(f, rows, nodes, around, capacity):
     """Take in the nodes with water that can move; return how many."""
     known = 0
@@ -357,7 +358,7 @@ def _seed(f, rows, nodes, around, capacity):
     return known
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _find(f, rows, known, rest, capacity, film, psi):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
     inner, n_rows = 0, known  # those within have all neighbours among the rows
@@ -388,7 +389,7 @@ def _find(f, rows, known, rest, capacity, film, psi):
     return n_rows, known, n_stages
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def move_water(f, nodes, around, capacity, film, passing, shortest, rest):
     """Let the water of some blocks run for the time that they are owed, or a part of it.
 

@@ -87,7 +87,7 @@ def test_kernels_are_kept_without_a_home(home: dict, temporary: Path, installed:
 
 def test_processes_that_are_started_say_nothing_again(temporary: Path, installed: Path) -> None:
     start = f"subprocess.run([sys.executable, '-c', {KEPT!r}])"
-    done = run(f"import subprocess, sys, paint3d.kernels; {start}", installed)
+    done = run(f"import subprocess, sys, paint3d.core.kernel; {start}", installed)
     kept = Path(done.stdout.split()[0])
     assert kept.parent == temporary / f"paint3d-{os.geteuid()}" / "numba"
     assert done.stderr.count("\n") == 1

@@ -1,0 +1,48 @@
+"""The decorators of every hot loop: compiled by numba, run without the interpreter's lock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import njit
+
+from paint3d.core.compile_cache import drop_stale
+
+__all__ = ["kernel", "uncounted"]
+
+drop_stale()  # before the first is loaded
+
+
+def kernel(function: Callable | None = None, **options: Any) -> Any:
+    """Compile a function when it is first called with arguments of new types.
+
+    Parameters
+    ----------
+    function : callable
+        In numba's subset of Python.
+    **options
+        Of numba's `njit`: ``error_model="numpy"`` (dividing by zero gives inf), ``inline``,
+        ``fastmath``.
+    """
+    return _compiled(function, {"_nrt": True, **options})
+
+
+def uncounted(function: Callable | None = None, **options: Any) -> Any:
+    """Compile a function without counting who holds the arrays that it is handed.
+
+    numba counts references to every array of every named tuple that a kernel is handed, up at its
+    beginning and down at its end, with a locked instruction each. Painting calls a dozen kernels
+    for a footprint, and the surface and the scratch arrays are a hundred: some three thousand such
+    instructions, a quarter of the time. Whoever calls holds the arrays anyway.
+
+    A kernel compiled so may make no arrays (nor assign one to a slice of another, which may raise
+    an error with a text), and return none: one that does, and is called by such a kernel, is a
+    `kernel`. Options as there.
+    """
+    return _compiled(function, {"_nrt": False, **options})
+
+
+def _compiled(function: Callable | None, options: dict[str, Any]) -> Any:
+    decorate = njit(**{"cache": True, "nogil": True, **options})
+    return decorate if function is None else decorate(function)
