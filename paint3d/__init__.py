@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.files.export import export
     from paint3d.files.load import load_mesh
-    from paint3d.files.session import Session, load_session, save_session
+    from paint3d.files.project.session import Session, load_session, save_session
     from paint3d.mesh.triangle_mesh import TriangleMesh
-    from paint3d.stroke.engine import Painter
-    from paint3d.stroke.recording import Recording, load_recording
+    from paint3d.painter.painter import Painter
+    from paint3d.recording.recording import Recording, load_recording
     from paint3d.surface.painted_surface import PaintedSurface
 
     __version__: str
@@ -46,16 +46,16 @@ __all__ = [
 
 _HOME_OF = {
     "PaintedSurface": "paint3d.surface.painted_surface",
-    "Painter": "paint3d.stroke.engine",
-    "Recording": "paint3d.stroke.recording",
-    "Session": "paint3d.files.session",
+    "Painter": "paint3d.painter.painter",
+    "Recording": "paint3d.recording.recording",
+    "Session": "paint3d.files.project.session",
     "TriangleMesh": "paint3d.mesh.triangle_mesh",
     "export": "paint3d.files.export",
     "load_mesh": "paint3d.files.load",
-    "load_recording": "paint3d.stroke.recording",
-    "load_session": "paint3d.files.session",
+    "load_recording": "paint3d.recording.recording",
+    "load_session": "paint3d.files.project.session",
     "mixture_reflectance": "paint3d.colour.layers",
-    "save_session": "paint3d.files.session",
+    "save_session": "paint3d.files.project.session",
 }
 
 

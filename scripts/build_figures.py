@@ -16,12 +16,7 @@ from matplotlib.patches import Circle, Rectangle
 import paint3d
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.cli.pads import lay_on
-from paint3d.colour.layers import layer_reflectance
-from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.device.recorded import Recording
-from paint3d.ink.pigments import load_pigment
-from paint3d.kernels.tuft import (
+from paint3d.brush_engine.tuft import (
     OUTLINE_CAPACITY,
     SCRATCH_SIZE,
     bend_angles,
@@ -29,6 +24,11 @@ from paint3d.kernels.tuft import (
     enclose_tuft,
     trace_outline,
 )
+from paint3d.cli.pads import lay_on
+from paint3d.colour.layers import layer_reflectance
+from paint3d.colour.pigments import load_pigment
+from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.device.recorded import Recording
 
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 UPRIGHT = 0.5 * np.pi

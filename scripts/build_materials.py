@@ -17,7 +17,7 @@ import numpy as np
 
 from paint3d.colour.spectra import WAVELENGTHS
 
-OUT = Path(__file__).parents[1] / "paint3d/ink/data/materials.csv"
+OUT = Path(__file__).parents[1] / "paint3d/colour/data/materials.csv"
 USGS = "USGS Spectral Library 7 (Kokaly et al. 2017, Data Series 1035), {}"
 CHART = "drawdown charts of Geldof et al., Heritage Science 6:17 (2018), {}"
 

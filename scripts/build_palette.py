@@ -34,7 +34,7 @@ from paint3d.colour.difference import lab_from_reflectance
 from paint3d.colour.layers import layer_reflectance
 from paint3d.colour.spectra import WAVELENGTHS, xyz_from_reflectance
 
-OUT = Path(__file__).parents[1] / "paint3d/ink/data/palette.csv"
+OUT = Path(__file__).parents[1] / "paint3d/colour/data/palette.csv"
 HIDING, CHART, DEPTH = 0.98, 0.8, 0.8
 WASHES = {"gamboge", "indigo", "carmine"}
 

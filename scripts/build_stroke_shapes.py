@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Learn how strokes of kaishu are shaped, by their types: paint3d/stroke/data/stroke_shapes.json.
+"""Learn how strokes of kaishu are shaped, by their types.
+
+Writes paint3d/calligraphy/data/stroke_shapes.json.
 
 Outlines and medians come from an unpacked npm `hanzi-writer-data`, the strokes' types from PyPI
 `kanjivg`; characters count whose strokes are the same in both, in number and in course.
@@ -20,18 +22,18 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import Polygon, intersection, linestrings, prepare
 
+from paint3d.calligraphy.glyph_sources import open_glyph_folder
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.kanjivg import load_lines
+from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.segments import BODY, ZONE, corners_of, cut_line, is_hooked
 from paint3d.errors import Paint3DError
-from paint3d.stroke.glyph_sources import open_glyph_folder
-from paint3d.stroke.glyphs import Glyph, GlyphStroke
-from paint3d.stroke.kanjivg import load_lines
-from paint3d.stroke.kanjivg_folder import find_kanjivg
-from paint3d.stroke.legs import BODY, ZONE, corners_of, cut_line, is_hooked
 
 SOURCE = (
     "Learned from outlines of hanzi-writer-data 2.0.1 (Make Me a Hanzi, derived from Arphic PL "
     "KaitiM; Arphic Public License), by the stroke types of KanjiVG (CC BY-SA 3.0)."
 )
-SHIPPED = Path(__file__).parents[1] / "paint3d/stroke/data/stroke_shapes.json"
+SHIPPED = Path(__file__).parents[1] / "paint3d/calligraphy/data/stroke_shapes.json"
 HOOK = 0.3  # of a stroke's length, at most
 FEWEST = 12  # strokes of a type
 MOST = 150

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.errors import InputError, Paint3DError
-from paint3d.footprint.outline import make_footprint
 
 COLUMNS = ("depth_mm", "width_mm", "offset_mm", "drag_mm")
 

@@ -23,10 +23,10 @@ from pathlib import Path
 
 import numpy as np
 
+from paint3d.colour.pigments import load_pigment
 from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError
-from paint3d.files.session import Session, load_session, save_session
-from paint3d.ink.pigments import load_pigment
+from paint3d.files.project.session import Session, load_session, save_session
 from paint3d.mesh.solids import make_plane
 from paint3d.surface.painted_surface import PaintedSurface
 

@@ -32,7 +32,7 @@ from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_ref
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
 from paint3d.colour.spectra import WAVELENGTHS, linear_rgb_from_reflectance
 
-OUT = Path(__file__).parents[1] / "paint3d/ink/data/drawdown_paints.csv"
+OUT = Path(__file__).parents[1] / "paint3d/colour/data/drawdown_paints.csv"
 SOURCE = (
     "fitted on drawdowns of Geldof, Proano Gaibor, Kirchner, Ligterink, "
     "Heritage Science 6:17 (2018), repository fligt/revigo-spectra"
@@ -216,7 +216,7 @@ def _paints_recur(data: Drawdowns, sample: int) -> bool:
 
 
 def write_paints(path: Path, data: Drawdowns, log_ks: NDArray) -> None:
-    """Write K and S per coat in the layout that `paint3d.ink.pigments` reads."""
+    """Write K and S per coat in the layout that `paint3d.colour.pigments` reads."""
     bands = [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
     pure = data.fractions[(data.fractions > 0).sum(axis=1) == 1].sum(axis=0) > 0
     with path.open("w", newline="", encoding="utf-8") as stream:

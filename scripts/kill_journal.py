@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from paint3d.device.sample import DeviceSample
-from paint3d.files.journal import Journal, read_journal
+from paint3d.files.project.journal import Journal, read_journal
 
 __all__ = ["kill_at_random"]
 

@@ -22,22 +22,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.presets import load_brush
-from paint3d.device.recorded import Recording
-from paint3d.errors import Paint3DError
-from paint3d.files.load import load_mesh
-from paint3d.frames import (
+from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.layout import Layout, lay_out
+from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.core.frames import (
     multiply_quaternions,
     quaternions_from_matrices,
     rotate,
     slerp,
 )
+from paint3d.device.recorded import Recording
+from paint3d.errors import Paint3DError
+from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import SurfaceFrame
-from paint3d.mesh.closest import ClosestPoints
-from paint3d.stroke.brush_choice import choose_brush
-from paint3d.stroke.formats_jsonl import write_jsonl
-from paint3d.stroke.glyph_sources import open_glyphs
-from paint3d.stroke.layout import Layout, lay_out
-from paint3d.stroke.writing import Pen, write_text
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.painter.brush_choice import choose_brush
+from paint3d.recording.read_jsonl import write_jsonl
 
 TEXT = "漫步人生"
 OBJECT, INK = "bowl", "pine soot"
@@ -59,7 +59,7 @@ DECIMALS = {"position": 4, "orientation": 6, "pressure": 6}
 def main(arguments: list[str] | None = None) -> int:
     """Plan and write the recording; say what it holds."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    shipped = Path(__file__).parents[1] / "paint3d/stroke/data/demo.jsonl.gz"
+    shipped = Path(__file__).parents[1] / "paint3d/calligraphy/data/demo.jsonl.gz"
     parser.add_argument("--glyphs", type=Path, required=True, help="unpacked hanzi-writer-data")
     parser.add_argument("--out", type=Path, default=shipped, help="default: %(default)s")
     options = parser.parse_args(arguments)

@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.stroke.glyph_sources import load_glyphs, open_glyphs
-from paint3d.stroke.planning import on_paper
+from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
+from paint3d.calligraphy.planning import on_paper
 
 RATE_HZ = 100.0
 STEP_MS = round(1000.0 / RATE_HZ)

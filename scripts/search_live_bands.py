@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_linear_rgb
 from paint3d.colour.layers import layer_reflectance
+from paint3d.colour.materials import load_materials
+from paint3d.colour.pigments import load_palette
 from paint3d.colour.spectra import N_BANDS, WAVELENGTHS, rgb_weights
-from paint3d.ink.materials import load_materials
-from paint3d.ink.pigments import load_palette
 
 OUT = Path(__file__).parents[1] / "paint3d/colour/data/live_bands.csv"
 N_LIVE = 12

@@ -25,26 +25,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.presets import load_brush
+from paint3d.core.frames import rotate
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.deflection import DeflectionSettings, deflection
 from paint3d.device.descriptor import parse_descriptor
 from paint3d.device.device_log import PlaybackLink
-from paint3d.device.force_port import SocketForcePort
-from paint3d.device.haptic_stylus import decode_pose, encode_pose
+from paint3d.device.force.force_port import SocketForcePort
+from paint3d.device.force.haptic_stylus import decode_pose, encode_pose
+from paint3d.device.force.virtual_stylus import VirtualStylus
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.report_clock import ReportClock, stamp
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
 from paint3d.device.space_mouse import SpaceMouse
 from paint3d.device.stylus_reading import StylusReading
-from paint3d.device.virtual_stylus import VirtualStylus
-from paint3d.frames import rotate
 from paint3d.haptics.force_model import ForceModel
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
 from paint3d.mesh.solids import make_bowl
+from paint3d.painter.painter import Painter
 from paint3d.pose.steering import ObjectPose, SteeringOptions
 from paint3d.pose.two_hands import TwoHands
-from paint3d.stroke.engine import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 MS = 1_000_000

@@ -201,7 +201,7 @@ CHECKS: dict[str, Callable[[Path], list[str]]] = {
 
 def paint_demo() -> object:
     """The demo's recording on the bowl."""
-    recording = paint3d.load_recording(str(files("paint3d.stroke") / "data" / "demo.jsonl.gz"))
+    recording = paint3d.load_recording(str(files("paint3d.calligraphy") / "data" / "demo.jsonl.gz"))
     surface = paint3d.PaintedSurface(paint3d.load_mesh("bowl"), resolution=0.2)
     header = recording.header
     painter = paint3d.Painter(

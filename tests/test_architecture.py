@@ -105,7 +105,7 @@ def test_unknown_name_is_an_attribute_error() -> None:
 
 
 def test_the_studios_model_knows_no_window() -> None:
-    for module in (PACKAGE / "app" / "model").glob("*.py"):
+    for module in (PACKAGE / "app" / "model").rglob("*.py"):
         names = set(imported_packages(parse(module)))
         assert not {"PySide6", "vtk", "vtkmodules", "pyvista"} & names, module
         assert "paint3d.app.window" not in module.read_text(encoding="utf-8"), module
@@ -145,6 +145,22 @@ def undocumented(node: ast.AST, prefix: str = "") -> Iterator[str]:
     if isinstance(node, ast.ClassDef):
         for child in node.body:
             yield from undocumented(child, f"{prefix}{node.name}.")
+
+
+def test_no_room_is_a_drawer() -> None:
+    """More than 26 files in one folder, and nobody finds anything."""
+    folders = {module.parent for module in modules()}
+    crowded = {f: n for f in folders if (n := len([*f.glob("*.py")]) - 1) > 26}
+    assert crowded == {}
+
+
+def test_every_room_says_what_it_is_for() -> None:
+    silent = [
+        module.parent
+        for module in modules()
+        if module.name == "__init__.py" and not ast.get_docstring(parse(module))
+    ]
+    assert silent == []
 
 
 def test_module_names_say_something() -> None:

@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.bench.kernels.standing_bristles import bend_often, deposit_hairs_often, deposit_often
 from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import alternate
@@ -21,12 +22,11 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
+from paint3d.brush_engine.bristles import bend as bt
+from paint3d.brush_engine.stamp import make_stamp
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
-from paint3d.kernels import bristle_tuft as bt
-from paint3d.kernels.bristle_standing import bend_often, deposit_hairs_often, deposit_often
-from paint3d.kernels.stamp import make_stamp
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["HairBend", "measure", "time_deposits", "time_strokes"]
@@ -52,7 +52,7 @@ class HairBend:
     ----------
     n_hairs : int
     patch : (6,) float64
-        The surface; see `paint3d.kernels.bristle_patch`.
+        The surface; see `paint3d.brush_engine.bristles.ground_fit`.
     """
 
     def __init__(self, n_hairs: int, patch: NDArray) -> None:

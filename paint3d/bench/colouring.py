@@ -6,9 +6,9 @@ import numpy as np
 
 from paint3d.bench.result import Result
 from paint3d.bench.stopwatch import alternate
+from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import load_palette
 from paint3d.colour.vertex_colours import ColourModel
-from paint3d.ink.materials import load_material
-from paint3d.ink.pigments import load_palette
 
 __all__ = ["measure"]
 

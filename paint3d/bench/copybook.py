@@ -17,24 +17,31 @@ from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.glyph_sources import open_glyph_folder
+from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.hand_motion import HandMotion, lay_motion, root_stretch
+from paint3d.calligraphy.layout import Layout, lay_out
+from paint3d.calligraphy.metrics import (
+    MARGIN,
+    PIXELS,
+    Likeness,
+    compare,
+    copybook_mask,
+    painted_mask,
+)
+from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
+from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import SurfaceChart, make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.em_square import EmSquare
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.unrolling import unroll
-from paint3d.stroke.brush_choice import choose_brush
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.glyph_sources import open_glyph_folder
-from paint3d.stroke.glyphs import Glyph
-from paint3d.stroke.hand_motion import HandMotion, lay_motion, root_stretch
-from paint3d.stroke.ladder import build_ladder
-from paint3d.stroke.layout import Layout, lay_out
-from paint3d.stroke.likeness import MARGIN, PIXELS, Likeness, compare, copybook_mask, painted_mask
-from paint3d.stroke.planning import PlanSettings, on_paper, plan_glyph
-from paint3d.stroke.timing import Motion, Tempo, time_courses
+from paint3d.painter.brush_choice import choose_brush
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Copy", "Desk", "copy_character", "draw_sample", "picture"]

@@ -21,8 +21,8 @@ from paint3d.bench.strokes import (
     make_grid,
     record_dabs,
 )
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import Recording
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["DabTimes", "measure", "time_dabs"]

@@ -14,7 +14,7 @@ import numpy as np
 
 from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import alternate
-from paint3d.ink.pigments import load_pigment
+from paint3d.colour.pigments import load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -34,7 +34,7 @@ _INKED_ABOVE_MM = 20.0
 def measure(share: float = 1.0) -> Result:
     """Export a sphere in each format, save it with ink on it and open it; they take turns."""
     from paint3d.files.export import export
-    from paint3d.files.session import Session, load_session, save_session
+    from paint3d.files.project.session import Session, load_session, save_session
 
     mesh = _coloured_sphere(max(200, int(_TRIANGLES * share)))
     session = Session(_inked(mesh))

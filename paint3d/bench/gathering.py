@@ -13,10 +13,10 @@ from paint3d.bench.standing import StandingStamps
 from paint3d.bench.stopwatch import alternate, best_of
 from paint3d.bench.strokes import Dab, figure_for, make_dab, make_grid, record_dabs
 from paint3d.brush.bending import build_tuft
-from paint3d.kernels.candidates import VISITED
-from paint3d.kernels.deposit import PAINTED
-from paint3d.kernels.tuft import SCRATCH_SIZE, enclose_tuft
-from paint3d.stroke.engine import Painter
+from paint3d.brush_engine.deposit import PAINTED
+from paint3d.brush_engine.tuft import SCRATCH_SIZE, enclose_tuft
+from paint3d.brush_engine.vertex_query import VISITED
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["copy_bandwidth", "measure"]

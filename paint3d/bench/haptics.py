@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from paint3d.bench.result import Check, Result
 from paint3d.brush.presets import load_brush
-from paint3d.device.force_port import SocketForcePort
-from paint3d.device.haptic_stylus import decode_numbers, encode_force
-from paint3d.device.virtual_stylus import Felt, VirtualStylus
+from paint3d.device.force.force_port import SocketForcePort
+from paint3d.device.force.haptic_stylus import decode_numbers, encode_force
+from paint3d.device.force.virtual_stylus import Felt, VirtualStylus
 from paint3d.errors import Paint3DError
 from paint3d.haptics.realtime import ask_for_speed
 from paint3d.haptics.servo import ForceFeedback, ServoStatus

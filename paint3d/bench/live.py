@@ -13,8 +13,8 @@ import numpy as np
 
 from paint3d.bench.stopwatch import Times, timed_once
 from paint3d.device.sample import DeviceSample
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import Recording
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
 
 __all__ = ["FRAME_HZ", "LiveTimes", "frames_of", "play", "play_live"]
 

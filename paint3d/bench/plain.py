@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from paint3d.footprint.outline import Footprint
+from paint3d.brush.footprint import Footprint
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["PlainSurface"]

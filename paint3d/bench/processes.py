@@ -22,7 +22,7 @@ _PATIENCE_S = 600
 _PAINT = """
 import json, sys, time
 from paint3d.bench.strokes import figure_for, make_dab, make_grid, record_dabs
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 def peak_kb():
@@ -46,7 +46,7 @@ print(json.dumps({"vertices": surface.n_vertices, "build_s": built, "mesh_kb": m
 
 _FIRST_DAB = """
 from paint3d.bench.strokes import figure_for, make_dab, make_grid, record_dabs
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 dab = make_dab()
 mesh = make_grid(400, dab.radius / 5)

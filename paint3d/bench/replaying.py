@@ -12,8 +12,8 @@ from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import Times, timed_once
 from paint3d.bench.strokes import first_samples
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import Recording, load_recording
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording, load_recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["measure", "refined_surface"]
@@ -52,7 +52,7 @@ def measure(share: float = 1.0) -> Result:
     """Replay the demo live and in one go, and compare with the time the hand took."""
     from paint3d.files.load import load_mesh
 
-    whole = load_recording(str(files("paint3d.stroke") / "data" / "demo.jsonl.gz"))
+    whole = load_recording(str(files("paint3d.calligraphy") / "data" / "demo.jsonl.gz"))
     recording = first_samples(whole, max(_FEWEST_SAMPLES, int(len(whole) * share)))
     surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * share)))
     painter = Painter(surface, brush=recording.header["brush"], ink=recording.header["ink"])

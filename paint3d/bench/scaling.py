@@ -9,7 +9,7 @@ from __future__ import annotations
 from paint3d.bench.live import LiveTimes, play
 from paint3d.bench.result import Check, Result
 from paint3d.bench.strokes import figure_for, make_dab, make_grid, record_dabs
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["measure"]

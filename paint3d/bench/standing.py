@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels import stamp as st
-from paint3d.kernels.room import make_room
-from paint3d.kernels.standing import deposit_standing, place_standing
-from paint3d.stroke.engine import Painter
+from paint3d.bench.kernels.standing import deposit_standing, place_standing
+from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.scratch import make_room
+from paint3d.painter.painter import Painter
 
 __all__ = ["StandingStamps"]
 

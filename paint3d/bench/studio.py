@@ -17,12 +17,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.navigation import orbit
-from paint3d.app.window.opened import Opened
+from paint3d.app.model.input.navigation import orbit
+from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera
 from paint3d.view.live_object import LiveObject
 

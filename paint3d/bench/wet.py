@@ -20,7 +20,7 @@ from paint3d.app.model.easel import Pace
 from paint3d.app.model.ink_clock import InkClock
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
-from paint3d.stroke.ink_time import PIECE_S
+from paint3d.painter.ink_time import PIECE_S
 
 __all__ = ["measure"]
 

@@ -1,0 +1,1 @@
+"""Brushes as parameters: presets, bent shapes, dynamics, and the footprint they leave."""

@@ -1,6 +1,6 @@
 """The table of bent shapes of a brush, and the `Tuft` that kernels take.
 
-The energy that fills the gap in the papers is described in `paint3d.kernels.bending`. A joint's
+The energy that fills the gap in the papers is described in `paint3d.brush_engine.spine`. A joint's
 stiffness is k_j = (s_j / LE)^q / r_j, with s_j its arc length from the tip and r_j the rest length
 that bends there: the mean of the two segments it joins, and all of the last one at the holder.
 """
@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
+from paint3d.brush_engine.spine import tabulate_bending
+from paint3d.brush_engine.tuft import SHARES, Tuft
 from paint3d.errors import BrushError
-from paint3d.kernels.bending import tabulate_bending
-from paint3d.kernels.tuft import SHARES, Tuft
 
 __all__ = ["GREATEST_FRACTION", "LOWEST_TILT", "BendingTable", "build_tuft"]
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush.bending import BendingTable
 from paint3d.brush.spec import BrushSpec
-from paint3d.kernels.bristle_tuft import ARCS, SAMPLES
+from paint3d.brush_engine.bristles.bend import ARCS, SAMPLES
 
 __all__ = ["MEASURED", "energy_shapes", "measured_shapes"]
 

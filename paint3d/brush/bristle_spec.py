@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from paint3d.arrays import as_number
+from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError
 
 __all__ = ["MOST_HAIRS", "TABLES", "BristleSpec"]

@@ -8,12 +8,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import zeros_on_lines
 from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, BendingTable
 from paint3d.brush.bristle_shapes import energy_shapes, measured_shapes
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
-from paint3d.kernels.bristle_tuft import ARCS, BLOCK, Bristles
+from paint3d.brush_engine.bristles.bend import ARCS, BLOCK, Bristles
+from paint3d.core.arrays import zeros_on_lines
 
 __all__ = ["build_bristles", "hair_places"]
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.brush_engine.drag import drag_along
+from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import BrushError
-from paint3d.kernels.drag import drag_along
 
 __all__ = ["drag_track", "handle_track"]
 

@@ -8,9 +8,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
 from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.input_curves import InputCurves, check_curves
+from paint3d.brush.dynamics import InputCurves, check_curves
+from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import BrushError
 
 __all__ = ["HAIRS", "MAX_FORCE", "REFERENCE_LENGTH", "BrushSpec"]
@@ -79,7 +79,7 @@ class BrushSpec:
         What its tuft's hairs are, for a brush that paints with single hairs; None: a solid tuft.
     inputs : mapping, optional
         Curves by which the hand drives the brush: ``{setting: {input: [[x, factor], ...]}}``; see
-        `brush.input_curves`.
+        `brush.dynamics`.
 
     Raises
     ------

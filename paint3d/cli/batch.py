@@ -10,15 +10,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.batch_emit import KINDS
+from paint3d.cli.batches.emit import KINDS
 from paint3d.cli.options import add_quiet_option
 from paint3d.cli.progress import ProgressBar
+from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
-from paint3d.machine import usable_cores
 
 if TYPE_CHECKING:
-    from paint3d.cli.batch_record import FinishedRows
-    from paint3d.cli.batch_rows import Outcome, Row
+    from paint3d.cli.batches.record import FinishedRows
+    from paint3d.cli.batches.rows import Outcome, Row
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -83,8 +83,8 @@ def run(options: argparse.Namespace) -> None:
     InputError
         If the table cannot be used, or, at the end, if rows have failed.
     """
-    from paint3d.cli.batch_record import FinishedRows
-    from paint3d.cli.batch_table import read_table
+    from paint3d.cli.batches.record import FinishedRows
+    from paint3d.cli.batches.table import read_table
 
     started = time.perf_counter()
     folder = os.path.abspath(options.folder or os.curdir)
@@ -138,7 +138,7 @@ def _refuse(table: Path, failed: list[int], total: int) -> None:
 
 
 def _emit(left: list[Row], folder: str, options: argparse.Namespace) -> None:
-    from paint3d.cli.batch_emit import job_file
+    from paint3d.cli.batches.emit import job_file
 
     if not left:
         raise InputError(f"{options.table}: every row is finished; expected --again to do it anew")
@@ -149,10 +149,10 @@ def _emit(left: list[Row], folder: str, options: argparse.Namespace) -> None:
 def _outcomes(
     rows: list[Row], finished: FinishedRows, folder: str, options: argparse.Namespace
 ) -> Iterator[Outcome]:
-    from paint3d.cli.batch_cluster import run_on_cluster
-    from paint3d.cli.batch_order import longest_first
-    from paint3d.cli.batch_rows import placed, run_row
-    from paint3d.cli.batch_workers import run_here
+    from paint3d.cli.batches.cluster import run_on_cluster
+    from paint3d.cli.batches.order import longest_first
+    from paint3d.cli.batches.rows import placed, run_row
+    from paint3d.cli.batches.workers import run_here
 
     if not rows:
         return iter(())

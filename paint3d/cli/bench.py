@@ -12,8 +12,8 @@ from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.options import add_quiet_option, check_output_file
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
+from paint3d.core.atomic import write_atomically
 from paint3d.errors import UnknownNameError
-from paint3d.files.atomic import write_atomically
 
 if TYPE_CHECKING:
     from paint3d.bench.result import Result

@@ -53,11 +53,11 @@ def run(options: argparse.Namespace) -> None:
         If the folder or a file cannot be written.
     """
     from paint3d.files.load import load_mesh
-    from paint3d.stroke.recording import load_recording
+    from paint3d.recording.recording import load_recording
 
     _make_folder(options.out)
     with (
-        as_file(files("paint3d.stroke").joinpath(_RECORDING)) as path,
+        as_file(files("paint3d.calligraphy").joinpath(_RECORDING)) as path,
         ProgressBar("reading", enabled=not options.quiet) as progress,
     ):
         recording = load_recording(path, progress=progress)

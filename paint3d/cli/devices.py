@@ -216,7 +216,7 @@ def _health_of(device) -> list[str]:
 
 def _time_writing(stylus) -> float:
     """p99 of 100 force reports of zero, ms."""
-    from paint3d.device.haptic_stylus import encode_force
+    from paint3d.device.force.haptic_stylus import encode_force
 
     spent = []
     for _ in range(100):
@@ -289,7 +289,7 @@ def _merge(devices: PluggedDevices, hands, until_ns: int) -> list:
 def _save(samples: list, names: list[str], file: Path) -> None:
     import numpy as np
 
-    from paint3d.stroke.recording import Recording, save_recording
+    from paint3d.recording.recording import Recording, save_recording
 
     pressures = None if samples[0].pressure is None else [s.pressure for s in samples]
     recording = Recording(

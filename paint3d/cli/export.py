@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> None:
         If the session cannot be opened, or the file cannot be written.
     """
     from paint3d.files.export import EXPORT_SUFFIXES, export
-    from paint3d.files.session import is_session_path, load_session, save_session
+    from paint3d.files.project.session import is_session_path, load_session, save_session
 
     check_output_file(options.file, EXPORT_SUFFIXES)
     check_overwriting((options.file,), (options.session,), force=options.force)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from paint3d.ink.pigment import Pigment
+    from paint3d.colour.pigment import Pigment
 
 HELP = "the palette with sources and swatches"
 
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> None:
     PigmentError
         If the user's table cannot be used.
     """
-    from paint3d.ink.pigments import load_palette, load_pigments_csv
+    from paint3d.colour.pigments import load_palette, load_pigments_csv
 
     pigments = load_palette() if options.table is None else load_pigments_csv(options.table)
     lines = swatches_table(pigments.values(), colour=sys.stdout.isatty())
@@ -79,8 +79,8 @@ def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[st
 def _swatch(pigment, coats: float) -> str:
     """Colour as #rrggbb of so many coats on porcelain."""
     from paint3d.colour.layers import mixture_reflectance
+    from paint3d.colour.materials import load_material
     from paint3d.colour.spectra import srgb_from_reflectance
-    from paint3d.ink.materials import load_material
 
     ground = load_material("porcelain").reflectance
     red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, coats, ground))

@@ -255,7 +255,7 @@ def _refers_to(source: str | Path, file: Path) -> bool:
     """Whether a mesh that is read speaks of a file that would be replaced."""
     if not file.exists() or not os.path.isfile(source):
         return False
-    from paint3d.files.references import refers_to
+    from paint3d.files.readers.references import refers_to
 
     return refers_to(Path(source), file)
 

@@ -40,12 +40,12 @@ def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Pa
         If the recording leans or lets the surface turn the tuft.
     """
     from paint3d.brush.presets import load_brush
+    from paint3d.calligraphy.stroke_sides import stroke_outlines
     from paint3d.colour.layers import mixture_reflectance
+    from paint3d.colour.materials import load_material
+    from paint3d.colour.pigments import load_pigment
     from paint3d.colour.spectra import srgb_from_reflectance
-    from paint3d.files.write_svg import write_svg
-    from paint3d.ink.materials import load_material
-    from paint3d.ink.pigments import load_pigment
-    from paint3d.stroke.zones import stroke_outlines
+    from paint3d.files.writers.write_svg import write_svg
 
     header = recording.header
     pigment = load_pigment(ink)

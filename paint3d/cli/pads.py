@@ -8,8 +8,8 @@ from paint3d.errors import InputError
 
 if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
-    from paint3d.stroke.laying import LaidPad
-    from paint3d.stroke.recording import Recording
+    from paint3d.painter.flat_input import LaidPad
+    from paint3d.recording.recording import Recording
 
 __all__ = ["lay_on"]
 
@@ -48,9 +48,9 @@ def lay_on(
             )
         return recording
     from paint3d.mesh.chart import make_chart
-    from paint3d.mesh.closest import ClosestPoints
+    from paint3d.mesh.closest_points import ClosestPoints
     from paint3d.mesh.placement import place as find_place
-    from paint3d.stroke.laying import LaidPad, dipped, size_of
+    from paint3d.painter.flat_input import LaidPad, dipped, size_of
 
     middle, half, scale = size_of(recording, width_mm)
     half_width, half_height = half + _MARGIN_MM

@@ -41,8 +41,8 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If the target cannot be opened.
     """
+    from paint3d.colour.materials import load_material
     from paint3d.files.load import BUILT_IN_OBJECTS
-    from paint3d.ink.materials import load_material
 
     if options.material is not None:
         load_material(options.material)

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
+from paint3d.core.atomic import write_atomically
 from paint3d.errors import PigmentError, RecordingError
-from paint3d.files.atomic import write_atomically
-from paint3d.files.odd_names import json_text
+from paint3d.files.readers.odd_names import json_text
 
 if TYPE_CHECKING:
-    from paint3d.ink.pigment import Pigment
+    from paint3d.colour.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
-    from paint3d.stroke.laying import LaidPad
-    from paint3d.stroke.recording import Recording
+    from paint3d.painter.flat_input import LaidPad
+    from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["DEFAULT_INK", "Painting", "Wishes", "paint", "prepare", "timed", "write_report"]
@@ -54,8 +54,8 @@ class Wishes:
             If the brush, the ink or the material is not known or cannot be read.
         """
         from paint3d.brush.presets import load_brush
-        from paint3d.ink.materials import load_material
-        from paint3d.ink.pigments import load_pigment
+        from paint3d.colour.materials import load_material
+        from paint3d.colour.pigments import load_pigment
 
         load_material(self.material)
         if self.brush is not None:
@@ -76,7 +76,7 @@ class Painting:
 
     def whole_recordings(self) -> tuple[Recording, ...]:
         """The recordings in the world; a pad's is laid down as a whole."""
-        from paint3d.stroke.laying import LaidPad
+        from paint3d.painter.flat_input import LaidPad
 
         return tuple(r.whole() if isinstance(r, LaidPad) else r for r in self.recordings)
 
@@ -113,7 +113,7 @@ def prepare(mesh: TriangleMesh, wishes: Wishes, seconds: dict[str, float]) -> Pa
     InputError
         If the material is not known, or the mesh cannot be painted on at this resolution.
     """
-    from paint3d.ink.materials import load_material
+    from paint3d.colour.materials import load_material
     from paint3d.surface.painted_surface import PaintedSurface
 
     material = load_material(wishes.material)
@@ -136,7 +136,7 @@ def paint(
         If the brush, the ink or a sample cannot be used.
     """
     from paint3d.brush.presets import load_brush
-    from paint3d.stroke.engine import Painter
+    from paint3d.painter.painter import Painter
 
     brush = load_brush(wishes.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
     ink = _ink(recording, wishes.ink)
@@ -158,7 +158,7 @@ def paint(
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> Pigment:
     """The ink that the user wants, or the recording's own, which names no file of this machine."""
-    from paint3d.ink.pigments import load_pigment
+    from paint3d.colour.pigments import load_pigment
 
     if wished:
         return load_pigment(wished)

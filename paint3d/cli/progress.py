@@ -8,7 +8,7 @@ import time
 from types import TracebackType
 from typing import Self, TextIO
 
-from paint3d.machine import leave_interrupts_to_others
+from paint3d.core.machine import leave_interrupts_to_others
 
 __all__ = ["ProgressBar"]
 

@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
-    from paint3d.stroke.recording import load_recording
+    from paint3d.recording.recording import load_recording
 
     check_output_file(options.out, result_suffixes())
     if options.report is not None:

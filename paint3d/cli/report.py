@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 from paint3d.cli.versions import find_versions
-from paint3d.machine import usable_cores
+from paint3d.core.machine import usable_cores
 
 __all__ = ["HELP", "add_arguments", "run"]
 

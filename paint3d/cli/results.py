@@ -29,7 +29,7 @@ def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None
         If the file cannot be written.
     """
     from paint3d.files.export import export
-    from paint3d.files.session import Session, is_session_path, save_session
+    from paint3d.files.project.session import Session, is_session_path, save_session
 
     with ProgressBar("writing", enabled=not quiet) as progress:
         if is_session_path(file):

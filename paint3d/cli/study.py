@@ -23,8 +23,8 @@ from paint3d.cli.options import (
 )
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
-from paint3d.files.atomic import write_atomically
-from paint3d.files.odd_names import json_text
+from paint3d.core.atomic import write_atomically
+from paint3d.files.readers.odd_names import json_text
 
 if TYPE_CHECKING:
     from paint3d.app.model.study import StudyTable, Summary
@@ -104,7 +104,7 @@ def _plan(options: argparse.Namespace) -> None:
 def _table(options: argparse.Namespace) -> None:
     from paint3d.app.model.study import evaluate
     from paint3d.app.model.study_plan import PLAN_NAME, load_plan
-    from paint3d.stroke.glyph_sources import open_glyphs
+    from paint3d.calligraphy.glyph_sources import open_glyphs
 
     plan = load_plan(options.folder)
     if options.report is not None:

@@ -9,8 +9,8 @@ from paint3d.errors import RecordingError
 if TYPE_CHECKING:
     from paint3d.cli.painting import Painting
     from paint3d.mesh.triangle_mesh import TriangleMesh
-    from paint3d.stroke.laying import LaidPad
-    from paint3d.stroke.recording import Recording
+    from paint3d.painter.flat_input import LaidPad
+    from paint3d.recording.recording import Recording
 
 __all__ = ["refuse_untouched"]
 
@@ -40,7 +40,7 @@ def _reason(
 ) -> str:
     import numpy as np
 
-    from paint3d.mesh.closest import ClosestPoints
+    from paint3d.mesh.closest_points import ClosestPoints
     from paint3d.pose.brush_pose import brush_poses
 
     pressure = recording.pressure

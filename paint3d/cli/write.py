@@ -22,13 +22,13 @@ from paint3d.cli.outlines import check_is_plane, export_outlines
 from paint3d.cli.painting import DEFAULT_INK, Wishes, paint, prepare, timed, write_report
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import result_suffixes, write_result
+from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
-from paint3d.machine import usable_cores
 
 if TYPE_CHECKING:
+    from paint3d.calligraphy.glyph_sources import GlyphSource
+    from paint3d.calligraphy.writing import Pen, Written
     from paint3d.mesh.triangle_mesh import TriangleMesh
-    from paint3d.stroke.glyph_sources import GlyphSource
-    from paint3d.stroke.writing import Pen, Written
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -130,8 +130,8 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
-    from paint3d.stroke.glyph_sources import check_glyphs, open_glyphs
-    from paint3d.stroke.recording import save_recording
+    from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
+    from paint3d.recording.recording import save_recording
 
     check_output_file(options.out, (*result_suffixes(), ".svg"))
     for file, suffixes in ((options.report, (".json",)), (options.recording, _RECORDINGS)):
@@ -185,9 +185,9 @@ def _plan(
     options: argparse.Namespace, mesh: TriangleMesh, source: GlyphSource, pen: Pen
 ) -> Written:
     """Plan the text, telling the progress."""
-    from paint3d.ink.pigments import load_pigment
-    from paint3d.stroke.layout import Layout
-    from paint3d.stroke.writing import write_text
+    from paint3d.calligraphy.layout import Layout
+    from paint3d.calligraphy.writing import write_text
+    from paint3d.colour.pigments import load_pigment
 
     layout = Layout(options.layout, options.at, options.around, options.side)
     header = {"ink": load_pigment(options.ink or DEFAULT_INK).name, "glyphs": source.name}
@@ -212,9 +212,9 @@ def _plan(
 
 def _pen(options: argparse.Namespace) -> Pen:
     from paint3d.brush.presets import load_brush
-    from paint3d.stroke.brush_choice import choose_brush
-    from paint3d.stroke.planning import PlanSettings
-    from paint3d.stroke.writing import Pen
+    from paint3d.calligraphy.planning import PlanSettings
+    from paint3d.calligraphy.writing import Pen
+    from paint3d.painter.brush_choice import choose_brush
 
     brush = load_brush(options.brush or choose_brush(options.size))
     settings = PlanSettings(technique=options.technique, azimuth=options.azimuth)

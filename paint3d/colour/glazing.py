@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paint3d.colour.kernels.glazing import Ground, dry_vertices, glazed_colours
 from paint3d.colour.layers import SAUNDERSON
+from paint3d.colour.pigments import Pigment
 from paint3d.colour.spectra import N_BANDS, rgb_weights
 from paint3d.colour.vertex_colours import srgb_codes
-from paint3d.ink.pigments import Pigment
-from paint3d.kernels.glazing import Ground, dry_vertices, glazed_colours
 
 __all__ = ["GlazeModel", "make_ground", "spectrum_from_linear_rgb", "srgb_primaries"]
 

@@ -12,11 +12,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.colour.kernels.kubelka_munk import layer_bands
+from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
-from paint3d.ink.pigments import Pigment, load_pigment
-from paint3d.kernels.reflectance import layer_bands
 
 __all__ = [
     "SAUNDERSON",

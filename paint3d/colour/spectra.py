@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array
+from paint3d.core.arrays import as_array
 from paint3d.errors import InputError
 
 __all__ = [

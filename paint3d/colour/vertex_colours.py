@@ -19,8 +19,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array
+from paint3d.colour.kernels.kubelka_munk import mixture_colours, single_colours
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
+from paint3d.colour.pigments import Pigment, load_palette
 from paint3d.colour.spectra import (
     N_BANDS,
     WAVELENGTHS,
@@ -28,9 +29,8 @@ from paint3d.colour.spectra import (
     rgb_weights,
     srgb_from_linear,
 )
+from paint3d.core.arrays import as_array
 from paint3d.errors import InputError
-from paint3d.ink.pigments import Pigment, load_palette
-from paint3d.kernels.reflectance import mixture_colours, single_colours
 
 __all__ = ["ColourModel", "srgb_codes"]
 

@@ -31,11 +31,16 @@ from types import FunctionType
 from numba import config, njit
 from numba.core.dispatcher import Dispatcher
 
-from paint3d.own_folders import can_write, find_home, private_folder
+from paint3d.core.own_folders import can_write, find_home, private_folder
 
 __all__ = ["compiled_folder", "drop_stale", "is_compiled"]
 
-_FOLDERS = ("core", "kernels")  # of the package: where kernels are, and tuples that they take
+_FOLDERS = (  # of the package: where kernels are, and tuples that they take
+    "core",
+    "*/kernels",
+    "brush_engine",
+    "brush_engine/bristles",
+)
 _RECORD = "sources.json"
 _IMPORT = re.compile(r"^from paint3d(?:\.([\w.]+))? import (\([^)]*\)|.*)$", re.MULTILINE)
 _PACKAGE = Path(__file__).parents[1]

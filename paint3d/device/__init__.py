@@ -1,0 +1,1 @@
+"""What hands hold: reports in, readings out, and forces back."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number
 from paint3d.device.catalogue import MouseQuirks
 from paint3d.errors import DeviceError
 

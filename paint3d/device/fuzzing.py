@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 from paint3d.device.descriptor import parse_descriptor
 from paint3d.device.digitizer import find_digitizer_layout
-from paint3d.device.haptic_stylus import decode_force, decode_pose
-from paint3d.device.inverse3 import decode_state
+from paint3d.device.force.haptic_stylus import decode_force, decode_pose
+from paint3d.device.force.inverse3 import decode_state
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
 from paint3d.errors import DeviceError
 

@@ -16,7 +16,7 @@ from types import ModuleType
 from paint3d.device.catalogue import find_mouse_quirks, is_listed_mouse, is_never_six_dof
 from paint3d.device.descriptor import parse_descriptor
 from paint3d.device.digitizer import find_digitizer_layout
-from paint3d.device.haptic_stylus import PRODUCT_ID, VENDOR_ID, is_haptic_stylus
+from paint3d.device.force.haptic_stylus import PRODUCT_ID, VENDOR_ID, is_haptic_stylus
 from paint3d.device.six_dof import find_mouse_layout, is_multi_axis
 from paint3d.errors import DeviceError
 

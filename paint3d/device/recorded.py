@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_array
+from paint3d.core.arrays import as_array
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
 
@@ -33,7 +33,7 @@ class Recording:
     force (pressure times 7.9 N) sets the descent through Guo 2017, Eq. 4, and the position only
     says where; without it the descent follows from the root's distance to the surface. In pad
     space (``header["space"] == "pad"``) x and y are mm on a flat pad and z the height of the
-    lifted pen above it; `paint3d.stroke.laying.lay` carries such a recording onto a surface.
+    lifted pen above it; `paint3d.painter.flat_input.lay` carries such a recording onto a surface.
 
     Attributes
     ----------

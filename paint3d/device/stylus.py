@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from paint3d.device.descriptor import parse_descriptor
 from paint3d.device.device_loop import DeviceLoop
 from paint3d.device.digitizer import DigitizerLayout, find_digitizer_layout
-from paint3d.device.haptic_stylus import decode_pose, encode_force, is_haptic_stylus
+from paint3d.device.force.haptic_stylus import decode_pose, encode_force, is_haptic_stylus
 from paint3d.device.hid_link import Link
 from paint3d.device.report_clock import ReportClock, stamp
 from paint3d.device.stylus_reading import StylusReading

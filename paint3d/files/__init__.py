@@ -1,0 +1,1 @@
+"""Objects in, results out, and paintings to come back to."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.files.textures import Look, linear_from_srgb, srgb_from_linear
+from paint3d.files.readers.textures import Look, linear_from_srgb, srgb_from_linear
 
 __all__ = ["MOST_VERTICES", "Pictured", "show_pictures"]
 

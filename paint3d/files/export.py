@@ -8,21 +8,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, UnknownNameError
-from paint3d.files.atomic import write_atomically
 from paint3d.files.export_options import ExportOptions
-from paint3d.files.odd_names import plain_name
-from paint3d.files.painting import Exportable, Painting, Untextured, read_painting
 from paint3d.files.progress import Progress, part_of
-from paint3d.files.records import write_records
-from paint3d.files.session import SESSION_SUFFIX, Session, save_session
-from paint3d.files.write_3mf import write_3mf
-from paint3d.files.write_glb import write_glb, write_textured_glb
-from paint3d.files.write_html import write_html
-from paint3d.files.write_obj import write_obj
-from paint3d.files.write_ply import write_ply
-from paint3d.files.write_usdz import write_usdz
-from paint3d.files.write_wrl import write_wrl
+from paint3d.files.project.painting import Exportable, Painting, Untextured, read_painting
+from paint3d.files.project.records import write_records
+from paint3d.files.project.session import SESSION_SUFFIX, Session, save_session
+from paint3d.files.readers.odd_names import plain_name
+from paint3d.files.writers.write_3mf import write_3mf
+from paint3d.files.writers.write_glb import write_glb, write_textured_glb
+from paint3d.files.writers.write_html import write_html
+from paint3d.files.writers.write_obj import write_obj
+from paint3d.files.writers.write_ply import write_ply
+from paint3d.files.writers.write_usdz import write_usdz
+from paint3d.files.writers.write_wrl import write_wrl
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 

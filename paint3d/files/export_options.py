@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from paint3d.arrays import as_number
+from paint3d.core.arrays import as_number
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.files.load import UNITS_MM
 

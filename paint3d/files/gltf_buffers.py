@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.contents import parse_json, read_beside
-from paint3d.files.gltf_kinds import check_kinds
-from paint3d.files.raw_mesh import check_count
+from paint3d.files.readers.contents import parse_json, read_beside
+from paint3d.files.readers.gltf_kinds import check_kinds
+from paint3d.files.readers.raw_mesh import check_count
 
 __all__ = ["GltfFile"]
 

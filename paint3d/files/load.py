@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from paint3d.errors import MeshError, UnknownNameError
-from paint3d.files.isolation import read_apart
 from paint3d.files.progress import Progress
-from paint3d.files.reading import MESH_SUFFIXES, UNITS_MM, Reading, Wanted, read_surface
+from paint3d.files.sandbox.isolation import read_apart
+from paint3d.files.sandbox.reading import MESH_SUFFIXES, UNITS_MM, Reading, Wanted, read_surface
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import UP_AXES, turn_mesh, turn_up
 

@@ -1,0 +1,1 @@
+"""Force feedback: its settings, the servo's process, and shared memory."""

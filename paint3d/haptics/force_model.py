@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array
+from paint3d.core.arrays import as_array
 from paint3d.errors import DeviceError
+from paint3d.haptics.kernels import state as hs
+from paint3d.haptics.kernels.step import servo_step
 from paint3d.haptics.settings import HapticSettings
-from paint3d.kernels import haptic_state as hs
-from paint3d.kernels.contact import ContactTree
-from paint3d.kernels.haptic_step import servo_step
+from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = ["FLAGS", "ForceModel", "ForceStep", "flag_names", "new_state"]
 

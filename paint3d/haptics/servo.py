@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.arrays import as_array
-from paint3d.device.force_port import ForcePort, HidForcePort
-from paint3d.device.haptic_stylus import encode_force
+from paint3d.core.arrays import as_array
+from paint3d.device.force.force_port import ForcePort, HidForcePort
+from paint3d.device.force.haptic_stylus import encode_force
 from paint3d.device.hid_link import open_node
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import DeviceError
@@ -21,7 +21,7 @@ from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo_process import ServoTask, run_servo
 from paint3d.haptics.settings import HapticSettings
 from paint3d.haptics.shared_state import ServoBoard, TreeBlock, percentile_us
-from paint3d.kernels.contact import ContactTree
+from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.pose.calibration import DeviceCalibration
 
 __all__ = ["ForceFeedback", "ServoStatus"]

@@ -13,16 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paint3d.device.force_port import ForcePort
-from paint3d.device.haptic_stylus import PoseNumbers
+from paint3d.core.machine import ENDING
+from paint3d.device.force.force_port import ForcePort
+from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.errors import DeviceError
 from paint3d.haptics import shared_state as board_of
 from paint3d.haptics.force_model import new_state
+from paint3d.haptics.kernels import state as hs
+from paint3d.haptics.kernels.step import servo_step
 from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, keep_in_memory
 from paint3d.haptics.shared_state import RING_COLUMNS, SNAPSHOT_COLUMNS, ServoBoard, TreeBlock
-from paint3d.kernels import haptic_state as hs
-from paint3d.kernels.haptic_step import servo_step
-from paint3d.machine import ENDING
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.single_turns import multiply, turn
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_number
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import as_number
 from paint3d.errors import DeviceError
-from paint3d.kernels import haptic_state as hs
+from paint3d.haptics.kernels import state as hs
 
 __all__ = ["PHANTOM_DESKTOP", "TOUCH", "DeviceLimits", "HapticSettings"]
 

@@ -15,7 +15,7 @@ from multiprocessing import shared_memory
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.contact import ContactTree
+from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = [
     "BIN_US",

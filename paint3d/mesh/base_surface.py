@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.kernels.refine import MOST_AROUND_EDGE
-from paint3d.kernels.topology import (
+from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE
+from paint3d.mesh.kernels.topology import (
     corner_normals,
     count_around,
     link_radial,
@@ -17,7 +17,7 @@ from paint3d.kernels.topology import (
     measure_faces,
     smooth_corners,
 )
-from paint3d.kernels.welding import weld_positions
+from paint3d.mesh.kernels.welding import weld_positions
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["CREASE_ANGLE", "BaseSurface", "make_base_surface"]

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError, MeshError
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.spline_map import SplineMap
 
 __all__ = ["SurfaceChart", "SurfaceFrame", "frame_at", "make_chart"]

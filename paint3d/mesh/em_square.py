@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 
 __all__ = ["EmSquare", "SquareLimits", "lay_square"]
 

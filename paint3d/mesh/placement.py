@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 
 __all__ = ["SIDES", "is_flat", "place", "upwards"]
 

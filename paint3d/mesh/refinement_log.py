@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.kernels.resplit import BAD_LOG, NO_ROOM, repeat_splits
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.kernels.replay_refinement import BAD_LOG, NO_ROOM, repeat_splits
+from paint3d.mesh.refined_mesh import PaintMesh
 
 __all__ = ["refinement_log", "repeat_refinement", "saved_ids"]
 
@@ -21,7 +21,7 @@ def refinement_log(mesh: PaintMesh) -> NDArray[np.int32]:
     """Return the nodes that were halved (n,), in the order in which they were.
 
     Nodes are numbered from the source's triangles on, so a log depends on the source mesh and on
-    the rules of `kernels.refine`, but not on the lattice in which vertices are found.
+    the rules of `mesh.kernels.refine`, but not on the lattice in which vertices are found.
     """
     child = mesh.arrays.child[: int(mesh.arrays.counts[1])]
     halved = np.flatnonzero(child >= 0)

@@ -12,8 +12,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_array, as_number
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.core.arrays import as_array, as_number
+from paint3d.mesh.refined_mesh import PaintMesh
 
 __all__ = ["coarse_faces"]
 

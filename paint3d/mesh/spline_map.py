@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 
-from paint3d.kernels.tensor_spline import evaluate_splines
+from paint3d.mesh.kernels.tensor_spline import evaluate_splines
 
 __all__ = ["SplineMap"]
 

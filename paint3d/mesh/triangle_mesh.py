@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_array
+from paint3d.core.arrays import as_array
 from paint3d.errors import MeshError
 
 __all__ = ["TriangleMesh"]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import KDTree
 
-from paint3d.arrays import as_array
+from paint3d.core.arrays import as_array
 from paint3d.mesh.chart import SurfaceChart
 
 __all__ = ["unroll"]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.errors import InputError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 
 __all__ = ["SurfaceLine", "walk"]
 

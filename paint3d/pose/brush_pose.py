@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.frames import multiply_quaternions, rotate
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
-from paint3d.frames import multiply_quaternions, rotate
 
 __all__ = ["BrushPath", "brush_poses", "contacts_of", "object_poses"]
 

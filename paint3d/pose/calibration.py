@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number
+from paint3d.core.frames import quaternions_from_matrices, rotate
 from paint3d.errors import DeviceError
-from paint3d.frames import quaternions_from_matrices, rotate
 from paint3d.pose.single_turns import multiply, turn
 
 __all__ = ["DeviceCalibration", "fit_calibration", "load_calibration", "save_calibration"]

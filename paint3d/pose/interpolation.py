@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.frames import slerp
+from paint3d.core.frames import slerp
 from paint3d.pose.brush_pose import BrushPath
 
 __all__ = ["MAX_CURVED_GAP_S", "DensePath", "densify", "evaluate", "joined_samples", "velocities"]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_number
+from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording
 from paint3d.errors import RecordingError
 from paint3d.pose.brush_pose import BrushPath

@@ -1,7 +1,7 @@
 """Rotations of one thing at a time, in plain floats.
 
-The same as `paint3d.frames`, which is for arrays and costs some 50 us a call however few they are;
-these cost 1 to 2 us, and run a thousand times a second.
+The same as `paint3d.core.frames`, which is for arrays and costs some 50 us a call however few they
+are; these cost 1 to 2 us, and run a thousand times a second.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_number
+from paint3d.core.arrays import as_number
 from paint3d.errors import DeviceError
 from paint3d.pose.single_turns import slerp_one
 

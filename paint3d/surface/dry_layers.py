@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.kernels.glazing import Ground
+from paint3d.colour.kernels.layering import GROUNDS
 from paint3d.colour.spectra import N_BANDS
-from paint3d.kernels.glazing import Ground
-from paint3d.kernels.layering import GROUNDS
 
 __all__ = ["DryLayers", "DryRows"]
 

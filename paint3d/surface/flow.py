@@ -1,5 +1,6 @@
-"""Wet ink in a surface that drinks: it spreads, lags, stops, and dries (`kernels.diffusion`).
+"""Wet ink in a surface that drinks: it spreads, lags, stops, and dries.
 
+The equations are in `surface.kernels.diffusion`.
 Runs on the patch of surface that is wet and a margin around it; the patch is refined as painting
 would refine it, and grows when the water comes near its rim. What is on the vertices belongs to
 `PaintedSurface`; here is how deep the water stands, and how the pigment got where it is. Paint that
@@ -19,9 +20,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.block_groups import grade_paces
-from paint3d.kernels.diffusion import evaporate, solve_edges
-from paint3d.kernels.wet_step import move_water
+from paint3d.surface.kernels.block_groups import grade_paces
+from paint3d.surface.kernels.diffusion import evaporate, solve_edges
+from paint3d.surface.kernels.wet_step import move_water
 from paint3d.surface.side_by_side import each
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 

@@ -4,8 +4,8 @@ Every layer lies on those below it as if they had dried first, so it glazes over
 mixes with them; painting on a lower one shows through those above. The layer that is painted on has
 its ink in the surface's own arrays, and the engine knows nothing of layers. Of the others only the
 vertices with paint are kept: wet ink as it is, and dried rows as functions of what is below
-(`kernels.layering`). What shows is composed from the bottom up, vertex by vertex, with the kernels
-that paint one layer. Water moves on the layer that is painted on, and waits on the others.
+(`colour.kernels.layering`). What shows is composed from the bottom up, vertex by vertex, with the
+kernels that paint one layer. Water moves on the layer that is painted on, and waits on the others.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.glazing import GlazeModel
+from paint3d.colour.kernels.layering import GROUNDS, see_through
 from paint3d.colour.spectra import N_BANDS
 from paint3d.errors import InputError
-from paint3d.kernels.layering import GROUNDS, see_through
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.vertex_sets import union
 

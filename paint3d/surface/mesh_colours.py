@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.kernels.glazing import Ground, add_between
 from paint3d.colour.spectra import decode_srgb
-from paint3d.kernels.glazing import Ground, add_between
 
 __all__ = ["MeshColours"]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.refinement_log import saved_ids
 from paint3d.surface.delta import BrushLoad, SurfaceDelta
 from paint3d.surface.dry_layers import DryRows

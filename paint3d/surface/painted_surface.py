@@ -9,27 +9,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_number
+from paint3d.brush_engine.ink_field import InkField
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.glazing import GlazeModel, make_ground
+from paint3d.colour.kernels.glazing import Ground
+from paint3d.colour.materials import Material, load_material
+from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
+from paint3d.core.arrays import as_number
 from paint3d.errors import InputError
-from paint3d.ink.materials import Material, load_material
-from paint3d.ink.pigments import WATER, Pigment
-from paint3d.kernels.glazing import Ground
-from paint3d.kernels.ink_field import InkField
-from paint3d.mesh.contact_index import build_contact_tree
-from paint3d.mesh.flow_graph import FlowGraph
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.bvh import build_contact_tree
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
+from paint3d.surface.flow_graph import FlowGraph
 from paint3d.surface.mesh_colours import MeshColours
 from paint3d.surface.vertex_sets import union
 
 if TYPE_CHECKING:
-    from paint3d.kernels.contact import ContactTree
+    from paint3d.mesh.kernels.bvh import ContactTree
     from paint3d.surface.flow import Flow
     from paint3d.surface.layer_stack import LayerStack
 

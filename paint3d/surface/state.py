@@ -13,12 +13,12 @@ from dataclasses import asdict, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_array
+from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
+from paint3d.colour.materials import Material, load_materials
+from paint3d.colour.pigments import WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.arrays import as_array
 from paint3d.errors import InputError, Paint3DError, SessionError
-from paint3d.ink.materials import Material, load_materials
-from paint3d.ink.pigments import WATER, Pigment, load_palette
-from paint3d.kernels.pickup import CAPACITY, PICKUP, REACH
 from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
@@ -71,12 +71,12 @@ def surface_state(surface: PaintedSurface) -> State:
     -------
     dict
         version, resolution (mm or None), material, pigments (dicts of numbers and words), and
-        arrays: splits (n,) int32, the refinement log; touched (T,) int32, numbers of the
-        vertices with wet ink (`mesh.refinement_log.saved_ids`); amounts (T, P) and coverage (T,)
-        float32; dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and
-        dried_amounts (D, P) and dried_share (D,) float32; load and off_surface (P,) float64;
-        stations (N, P) float64, the load along the tuft, N = 1: alike all along; habit (3,)
-        float64, pick-up (1/mm), capacity (coats x mm2) and reach (mm) of `kernels.pickup`.
+        arrays: splits (n,) int32, the refinement log; touched (T,) int32, numbers of the vertices
+        with wet ink (`mesh.refinement_log.saved_ids`); amounts (T, P) and coverage (T,) float32;
+        dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and dried_amounts
+        (D, P) and dried_share (D,) float32; load and off_surface (P,) float64; stations (N, P)
+        float64, the load along the tuft, N = 1: alike all along; habit (3,) float64, pick-up
+        (1/mm), capacity (coats x mm2) and reach (mm) of `brush_engine.ink_transfer`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
         where there is any trace of it: flow_vertices (C,) int32, flow_water (C,) and flow_pigment
@@ -87,7 +87,7 @@ def surface_state(surface: PaintedSurface) -> State:
         is the place of the one that the arrays above belong to. Those of any other, at place K,
         have layerK_ before their names (layerK_touched ...). With layers there are dried_low,
         dried_middle and dried_high (D, 31) uint16 as well: what dried rows show over the grounds
-        of `kernels.layering`.
+        of `colour.kernels.layering`.
     """
     ids = saved_ids(surface.paint_mesh)
     ink = surface.ink

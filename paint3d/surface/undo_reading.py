@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_array
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.arrays import as_array
 from paint3d.errors import InputError, SessionError
 from paint3d.mesh.refinement_log import saved_ids
 from paint3d.surface.delta import BrushLoad

@@ -29,7 +29,7 @@ __all__ = ["OVER", "UNDO_VERSION", "SavedSteps", "undo_state"]
 UNDO_VERSION = 1
 _STEP_BYTES = 1000  # about what a step takes besides its vertices
 OVER = ("dry_low", "dry_middle", "dry_high")
-"""Columns of what dried rows show over the grounds of `kernels.layering`."""
+"""Columns of what dried rows show over the grounds of `colour.kernels.layering`."""
 
 State = dict[str, object]
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.ink.materials import WET_COAT_MM
-from paint3d.ink.pigments import WATER
-from paint3d.kernels.grain import fill_grain
-from paint3d.kernels.wet_step import WetFields
-from paint3d.mesh.flow_graph import with_room
+from paint3d.brush_engine.grain import fill_grain
+from paint3d.colour.materials import WET_COAT_MM
+from paint3d.colour.pigments import WATER
+from paint3d.surface.flow_graph import with_room
+from paint3d.surface.kernels.wet_step import WetFields
 
 if TYPE_CHECKING:
     from paint3d.surface.painted_surface import PaintedSurface
@@ -42,7 +42,7 @@ class WetPatch:
     weights : (L,) float64
         Those of the graph, with the grain in them.
     totals, residual, strength, entry : (N,) float64
-        Of `kernels.diffusion`, with the grain in them.
+        Of `surface.kernels.diffusion`, with the grain in them.
     held : (N,) float64
         Depth, mm, to which a dry node fills before water goes on.
     water : (N,) float64

@@ -1,0 +1,1 @@
+"""Pictures of the painted object: offscreen, and live in chunks."""

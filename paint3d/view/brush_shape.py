@@ -1,8 +1,9 @@
 """The form of a brush: its tuft as the model bends it, its handle, and its outline on the surface.
 
 Points are in the frame of the bend plane until they are placed: `along` from the root's foot to the
-tip, `up` along the plane's normal, `side` across (`kernels.tuft`). The sections are the papers'
-(Guo 2017, Eqs. 2, 3, 6): ellipses about the bent spine, wide across and thin in the bend plane.
+tip, `up` along the plane's normal, `side` across (`brush_engine.tuft`). The sections are the
+papers' (Guo 2017, Eqs. 2, 3, 6): ellipses about the bent spine, wide across and thin in the bend
+plane.
 """
 
 from __future__ import annotations
@@ -13,15 +14,15 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.frames import cross
-from paint3d.kernels.tuft import (
+from paint3d.brush_engine.contact import Contact
+from paint3d.brush_engine.tuft import (
     OUTLINE_CAPACITY,
     SCRATCH_SIZE,
     Tuft,
     bend_angles,
     trace_outline,
 )
-from paint3d.projection.contact import Contact
+from paint3d.core.frames import cross
 
 __all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "tuft_rings"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
 
 __all__ = ["Camera", "View", "find_view", "fit_camera", "is_flat", "studio_axes", "vertex_areas"]

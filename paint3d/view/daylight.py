@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from paint3d.kernels.depth_map import add_sunlight, fill_depth_map
+from paint3d.view.kernels.depth_map import add_sunlight, fill_depth_map
 from paint3d.view.studio import Sun
 
 __all__ = ["Ground", "Occluder", "light_ground", "light_points"]

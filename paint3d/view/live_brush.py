@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.frames import cross
-from paint3d.kernels.contact import ContactTree
-from paint3d.kernels.drape import drape_points
-from paint3d.kernels.tuft import Tuft
+from paint3d.brush_engine.tuft import Tuft
+from paint3d.core.frames import cross
+from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.view.brush_shape import (
     AROUND,
     BrushStand,
@@ -18,6 +17,7 @@ from paint3d.view.brush_shape import (
     tuft_rings,
 )
 from paint3d.view.camera import Camera
+from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_layers import Box
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.vtk_parts import DrawnMesh

@@ -2,7 +2,7 @@
 
 A software renderer pays for every triangle, seen or not: two million of them take half a second,
 each smaller than a pixel. `CoarseObject` draws vertices together that lie within some pixels of
-each other (`kernels.clusters`), and as few pieces as it takes, so that the picture follows the
+each other (`view.kernels.clusters`), and as few pieces as it takes, so that the picture follows the
 hand. What stands still is drawn from the patches, to the last triangle.
 """
 
@@ -15,7 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.clusters import (
+from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.view.kernels.clusters import (
     Members,
     cluster_vertices,
     coarse_triangles,
@@ -23,7 +24,6 @@ from paint3d.kernels.clusters import (
     mean_of,
     renumber,
 )
-from paint3d.mesh.paint_mesh import PaintMesh
 from paint3d.view.live_patches import LivePatches
 
 __all__ = ["CoarseObject", "CoarsePiece"]

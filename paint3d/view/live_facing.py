@@ -1,7 +1,7 @@
 """Which patches of an object turn their back to the eye, all of their faces at once.
 
-Of a patch one keeps a cone around its normals (`kernels.facing`; Shirman and Abi-Ezzi, The cone of
-normals technique for fast processing of curved patches, 1993).
+Of a patch one keeps a cone around its normals (`view.kernels.facing`; Shirman and Abi-Ezzi, The
+cone of normals technique for fast processing of curved patches, 1993).
 """
 
 from __future__ import annotations

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.patches import light_of_added, shown_colours
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import find_view, studio_axes
 from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
+from paint3d.view.kernels.chunks import light_of_added, shown_colours
 from paint3d.view.studio import light_samples
 from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.kernels.patches import Entries, add_faces, mark_holders, mark_split, place_faces
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.view.kernels.chunks import Entries, add_faces, mark_holders, mark_split, place_faces
 
 __all__ = ["FACES", "LivePatches", "PatchChange"]
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
 from paint3d.errors import ExportError
-from paint3d.kernels.facing import cone_of
-from paint3d.kernels.shine import add_shine
 from paint3d.view.camera import Camera
+from paint3d.view.kernels.facing import cone_of
+from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_facing import turned_away
 from paint3d.view.live_layers import Box, KeptPicture, Target

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from paint3d.arrays import as_array
+from paint3d.core.arrays import as_array
 from paint3d.errors import ExportError, InputError, MeshError
 from paint3d.view.camera import View, find_view, fit_camera, studio_axes, vertex_areas
 from paint3d.view.daylight import Occluder, light_ground, light_points

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_number
+from paint3d.core.arrays import as_number
 from paint3d.errors import UnknownNameError
 
 __all__ = ["DOME", "SOFTBOXES", "Gloss", "Softbox", "Sun", "light_samples", "make_panorama"]

@@ -82,7 +82,7 @@ def _recording(space: str = "world"):
 
 
 def _recording_seeds() -> list[tuple[str, bytes]]:
-    from paint3d.stroke.recording import save_recording
+    from paint3d.recording.recording import save_recording
 
     saved = [_written(s, partial(save_recording, _recording())) for s in (".jsonl", ".csv")]
     table = b"0.00 10 20 0.1\n0.01 11 20.5 0.2\n0.02 12 21 0.3\n"
@@ -97,7 +97,7 @@ def _recording_seeds() -> list[tuple[str, bytes]]:
 
 
 def _inkml_seeds() -> list[tuple[str, bytes]]:
-    from paint3d.stroke.recording import save_recording
+    from paint3d.recording.recording import save_recording
 
     made = _written(".inkml", lambda path: save_recording(_recording("pad"), path))
     plain = (
@@ -111,7 +111,7 @@ def _inkml_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_recording(suffix: str, content: bytes) -> None:
-    from paint3d.stroke.recording import load_recording
+    from paint3d.recording.recording import load_recording
 
     recording = load_recording(_file(suffix, content))
     assert len(recording) > 0
@@ -256,8 +256,8 @@ def _damage_mesh(data: bytes, chance: random.Random, others: Sequence[bytes]) ->
 
 
 def _check_mesh(suffix: str, content: bytes) -> None:
-    from paint3d.files.reading import Wanted, read_surface
-    from paint3d.files.references import refers_to
+    from paint3d.files.readers.references import refers_to
+    from paint3d.files.sandbox.reading import Wanted, read_surface
 
     wanted = Wanted(from_points=False, texture=True)
     path = _file(suffix, content)
@@ -272,7 +272,7 @@ def _check_mesh(suffix: str, content: bytes) -> None:
 
 
 def _record_seeds() -> list[tuple[str, bytes]]:
-    from paint3d.files.records import write_records
+    from paint3d.files.project.records import write_records
 
     up, codes = np.tile([0.0, 0.0, 1.0], (8, 1)), np.arange(24).reshape(8, 3)
     return [
@@ -282,7 +282,7 @@ def _record_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_records(suffix: str, content: bytes) -> None:
-    from paint3d.files.records import read_records
+    from paint3d.files.project.records import read_records
 
     records = read_records(_file(suffix, content))
     assert np.isfinite(records.vertices).all()
@@ -290,8 +290,8 @@ def _check_records(suffix: str, content: bytes) -> None:
 
 
 def _session_seeds() -> list[tuple[str, bytes]]:
-    from paint3d.files.session import Session, save_session
-    from paint3d.ink.pigments import load_pigment
+    from paint3d.colour.pigments import load_pigment
+    from paint3d.files.project.session import Session, save_session
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.surface.painted_surface import PaintedSurface
 
@@ -338,7 +338,7 @@ def _check_session(suffix: str, content: bytes) -> None:
 
 
 def _journal_seeds() -> list[tuple[str, bytes]]:
-    from paint3d.files.journal import Journal
+    from paint3d.files.project.journal import Journal
 
     def write(path: Path) -> None:
         with Journal(path, {"brush": "full"}) as journal:
@@ -349,7 +349,7 @@ def _journal_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_journal(suffix: str, content: bytes) -> None:
-    from paint3d.files.journal import read_journal
+    from paint3d.files.project.journal import read_journal
 
     recording, _ = read_journal(_file(suffix, content))
     assert (np.diff(recording.time_ns) > 0).all()
@@ -402,9 +402,9 @@ def _table_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_table(suffix: str, content: bytes) -> None:
-    from paint3d.cli.batch_emit import job_file
-    from paint3d.cli.batch_rows import command_parser, fingerprint, placed
-    from paint3d.cli.batch_table import read_table
+    from paint3d.cli.batches.emit import job_file
+    from paint3d.cli.batches.rows import command_parser, fingerprint, placed
+    from paint3d.cli.batches.table import read_table
     from paint3d.cli.parsing import UsageError
 
     rows, refused = read_table(_file(suffix, content))

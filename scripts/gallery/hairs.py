@@ -12,9 +12,9 @@ from ink import draw, join, sheet, sheet_chart, stroke
 
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 COUNTS = (1, 10, 100, 1_000, 10_000, 0)

@@ -19,21 +19,21 @@ from numpy.typing import NDArray
 
 import paint3d
 from paint3d.brush.presets import load_brush
+from paint3d.colour.pigments import load_pigment
+from paint3d.core.frames import quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
-from paint3d.frames import quaternions_from_matrices
-from paint3d.ink.pigments import load_pigment
 from paint3d.mesh.chart import SurfaceChart, make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import load_recording
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import load_recording
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.picture import Gloss, render_picture
 
 OUT = Path(__file__).parents[2] / "docs/gallery"
-DEMO = Path(paint3d.__file__).parent / "stroke/data/demo.jsonl.gz"
+DEMO = Path(paint3d.__file__).parent / "calligraphy/data/demo.jsonl.gz"
 RATE = 250.0  # Hz
 SPEED = 60.0  # mm/s
 

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from paint3d.colour.layers import layer_reflectance
+from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import Pigment, load_palette
 from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.ink.materials import load_material
-from paint3d.ink.pigments import Pigment, load_palette
 
 OUT = Path(__file__).parents[2] / "docs/gallery/palette.png"
 COATS = np.geomspace(0.03, 2.0, 12)

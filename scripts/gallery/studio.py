@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.navigation import dolly, orbit, pan
+from paint3d.app.model.input.navigation import dolly, orbit, pan
 from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
@@ -82,7 +82,7 @@ def keep(window: StudioWindow, path: Path) -> None:
 def demo(app: QtWidgets.QApplication, path: Path) -> None:
     """The four characters on the bowl, and the brush above them."""
     window = opened(app, "bowl", "en", dark=False)
-    recording = importlib.resources.files("paint3d.stroke").joinpath("data/demo.jsonl.gz")
+    recording = importlib.resources.files("paint3d.calligraphy").joinpath("data/demo.jsonl.gz")
     window.files.replay_file(str(recording))
     window.stage.easel.post(lambda document: None).result()
     height = window.canvas.height()

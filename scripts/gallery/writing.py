@@ -12,17 +12,17 @@ from PIL import Image, ImageDraw
 import paint3d
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.kanjivg import load_lines
+from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.kernels import raster
+from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.planning import TECHNIQUES, PlanSettings
+from paint3d.calligraphy.writing import Pen, write_text
 from paint3d.files.load import load_mesh
-from paint3d.kernels import raster
-from paint3d.stroke.brush_choice import choose_brush
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.glyph_sources import open_glyphs
-from paint3d.stroke.kanjivg import load_lines
-from paint3d.stroke.kanjivg_folder import find_kanjivg
-from paint3d.stroke.layout import Layout
-from paint3d.stroke.planning import TECHNIQUES, PlanSettings
-from paint3d.stroke.recording import Recording
-from paint3d.stroke.writing import Pen, write_text
+from paint3d.painter.brush_choice import choose_brush
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 POEM = "千山鳥飛絕\n萬徑人蹤滅\n孤舟蓑笠翁\n獨釣寒江雪"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.app.model import settings
+from paint3d.app.model.persistence import settings
 from paint3d.view import live_light
 from paint3d.view.studio import light_samples
 from tests.app.screens import start_screen

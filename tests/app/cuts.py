@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.mesh.base_surface import make_base_surface
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 
 __all__ = ["Cuts", "cut_across"]
 

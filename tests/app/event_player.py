@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.model import navigation
+from paint3d.app.model.input import navigation
 from paint3d.app.window.studio import StudioWindow
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.camera import Camera
 
 __all__ = [

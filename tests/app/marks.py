@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from paint3d.ink.pigments import WATER
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.colour.pigments import WATER
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.cuts import Cuts, cut_across
 

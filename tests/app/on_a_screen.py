@@ -7,10 +7,10 @@ import json
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.navigation import ray_at
-from paint3d.app.window.grips import GRIPS
+from paint3d.app.model.input.navigation import ray_at
+from paint3d.app.window.input.grips import GRIPS
 from paint3d.app.window.start import make_program
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from tests.app.gestures import live, pen_stroke, wait_for
 from tests.app.windows import opened, settled
 

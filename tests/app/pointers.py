@@ -10,7 +10,7 @@ import time
 import numpy as np
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.window.canvas import Canvas
+from paint3d.app.window.input.canvas import Canvas
 from tests.app.gestures import BUTTON, KIND, NO_KEY, PEN, live
 
 _SCREEN: list = []

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from paint3d.app.model import navigation
+from paint3d.app.model.input import navigation
 from paint3d.app.window.studio import StudioWindow
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from tests.app.event_player import DeviceEvent, EventRecording, surface_of
 
 __all__ = ["random_strokes"]

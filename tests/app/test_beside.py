@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.app.window.opened import _some
+from paint3d.app.window.jobs.opened import _some
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import guess_up
 from paint3d.view.camera import View, fit_camera
@@ -79,7 +79,7 @@ def test_an_object_is_examined_beside_the_window(
 
     for kind in LONG:
         watch(kind, "__init__", kind.__name__)
-    watch(sys.modules["paint3d.files.reading"], "guess_up", guess_up.__name__)
+    watch(sys.modules["paint3d.files.sandbox.reading"], "guess_up", guess_up.__name__)
     watch(TriangleMesh, "_is_solid", "is_solid")
     monkeypatch.setattr(TriangleMesh, "is_solid", property(TriangleMesh._is_solid))
     path = tmp_path / "ball.ply"

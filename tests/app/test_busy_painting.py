@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest
 
-from paint3d.app.window.jobs import run_beside
+from paint3d.app.window.jobs.job import run_beside
 from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen
 from tests.app.windows import opened, settled
 

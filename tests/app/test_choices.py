@@ -10,10 +10,10 @@ import pytest
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.document import Document
 from paint3d.app.model.error_texts import in_chinese
-from paint3d.app.model.places import config_folder, recovery_folder
-from paint3d.app.model.saved_settings import chosen_brush, chosen_inks, in_hand
-from paint3d.app.model.settings import Settings, load_settings, save_settings
-from paint3d.app.model.shortcuts import (
+from paint3d.app.model.persistence.places import config_folder, recovery_folder
+from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, in_hand
+from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
+from paint3d.app.model.persistence.shortcuts import (
     GESTURES,
     GROUPS,
     SHORTCUTS,
@@ -23,10 +23,10 @@ from paint3d.app.model.shortcuts import (
 )
 from paint3d.app.model.texts import LANGUAGES, Texts, load_texts, system_language
 from paint3d.brush.presets import load_brush
+from paint3d.colour.materials import load_material, load_materials
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, Paint3DError, UnknownNameError
 from paint3d.files.load import BUILT_IN_OBJECTS
-from paint3d.ink.materials import load_material, load_materials
-from paint3d.ink.pigments import load_pigment
 
 
 def named_in(text):

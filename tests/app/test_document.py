@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from paint3d.app.model.document import Document
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, SessionError
-from paint3d.files.session import load_session, save_session
-from paint3d.ink.pigments import load_pigment
-from paint3d.stroke.ink_time import PIECE_NS
+from paint3d.files.project.session import load_session, save_session
+from paint3d.painter.ink_time import PIECE_NS
 from tests.app.hands import line, paint, same_vertices, sample, small_plane
 
 

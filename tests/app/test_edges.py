@@ -14,7 +14,12 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 import paint3d
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.bending import build_tuft
-from paint3d.kernels.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, greatest_descent, trace_outline
+from paint3d.brush_engine.tuft import (
+    OUTLINE_CAPACITY,
+    SCRATCH_SIZE,
+    greatest_descent,
+    trace_outline,
+)
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.app.event_player import DeviceEvent, EventRecording, open_for, pixel_of
 from tests.app.marks import off_the_way, stations, stray

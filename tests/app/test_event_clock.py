@@ -5,7 +5,7 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.app.model.event_clock import EventClock
+from paint3d.app.model.input.event_clock import EventClock
 
 MS = 1_000_000
 START_MS = 7_000_000

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from paint3d.app.model.fingers import Fingers
+from paint3d.app.model.input.fingers import Fingers
 
 MS = 1_000_000
 

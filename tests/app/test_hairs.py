@@ -9,8 +9,8 @@ from paint3d.app.model.brush_size import scaled
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
-from paint3d.app.model.sitting import Sitting, recoverable
-from paint3d.app.model.symmetry import MirrorPlane, Symmetry
+from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
+from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.errors import BrushError, SessionError

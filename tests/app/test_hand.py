@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
-from paint3d.app.model.hand import Hand, HandSettings, PointerInput
-from paint3d.app.model.pressure_curve import PressureCurve
-from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed
+from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
+from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed
 from paint3d.brush.presets import brush_names, load_brush
+from paint3d.core.frames import matrices_from_quaternions, rotate
 from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh
-from paint3d.frames import matrices_from_quaternions, rotate
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.brush_shape import BrushStand
 from tests.app.hands import line, paint, sample, small_plane

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from paint3d.app.model.document import Document
 from paint3d.colour.difference import delta_e, lab_from_srgb
+from paint3d.colour.kernels.layering import GROUNDS, see_through
 from paint3d.errors import InputError, SessionError
 from paint3d.files.load import load_mesh
-from paint3d.kernels.layering import GROUNDS, see_through
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.state import restore_surface, surface_state
 from tests.app.hands import line, paint, same_vertices, small_plane

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, region_faces
-from paint3d.app.model.symmetry import MirrorPlane, Symmetry
 from paint3d.errors import InputError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.app.hands import line, paint, same_vertices, small_plane

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.app.model.navigation import (
+from paint3d.app.model.input.navigation import (
     SIDES,
     approach,
     dolly,

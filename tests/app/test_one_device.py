@@ -9,7 +9,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.model.navigation import picture_axes, roll_of
+from paint3d.app.model.input.navigation import picture_axes, roll_of
 from tests.app.gestures import BUTTON, KIND, NO_KEY, PEN, drag, live, mouse, wait_for
 from tests.app.pointers import Touching, pen_drag, tap
 from tests.app.windows import faults, opened, settled

@@ -16,9 +16,9 @@ from paint3d.app.window.studio import StudioWindow
 from paint3d.cli.pads import lay_on
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest import ClosestPoints
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.pad import orientations_from_angles
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.painter.painter import Painter
+from paint3d.recording.flat_recording import orientations_from_angles
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.event_player import DeviceEvent, EventRecording, open_for, settle, surface_of
 from tests.app.marks import Way, ink_per_mm, take_mark

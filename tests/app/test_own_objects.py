@@ -14,15 +14,15 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
 from paint3d.app.window.chinese import CHINESE
-from paint3d.app.window.object_dialog import ObjectDialog, told
+from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
 from paint3d.app.window.start import _open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
-from paint3d.files import colours_3mf, gltf_materials, obj_materials, read_gltf, read_obj
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh, read_mesh
-from paint3d.files.reading import Reading
-from paint3d.files.session import load_session
+from paint3d.files.project.session import load_session
+from paint3d.files.readers import colours_3mf, gltf_materials, obj_materials, read_gltf, read_obj
+from paint3d.files.sandbox.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import turn_mesh, turn_up
 from tests.app.gestures import answer, drag, live, wait_for

@@ -6,10 +6,10 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.window import brush_panel
+from paint3d.app.window.panels import brush_panel
 from paint3d.app.window.previews import sorted_parts, stroke_preview
 from paint3d.brush.presets import load_brush
-from paint3d.ink.pigments import load_pigment
+from paint3d.colour.pigments import load_pigment
 from tests.app.gestures import KIND, drag, live, mouse, wait_for
 from tests.app.windows import faults, opened, settled
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from paint3d.app.model import document as document_module
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
-from paint3d.app.model.sitting import Sitting, recoverable
-from paint3d.app.model.symmetry import MirrorPlane, Symmetry
+from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
+from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.errors import InputError
-from paint3d.files.session import load_session, save_session
+from paint3d.files.project.session import load_session, save_session
 from tests.app.hands import paint, same_vertices, small_plane
 
 ACTIONS = st.sampled_from(

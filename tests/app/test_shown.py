@@ -11,13 +11,13 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.held_ink import held_ink, ink_srgb
-from paint3d.app.window.brush_panel import BrushPanel
 from paint3d.app.window.commands import TOOLS
 from paint3d.app.window.hud import PLATE_ALPHA
+from paint3d.app.window.panels.brush_panel import BrushPanel
 from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
 from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
-from paint3d.ink.pigments import WATER, load_pigment
+from paint3d.colour.pigments import WATER, load_pigment
 from tests.app.gestures import KIND, answer, live, mouse, wait_for
 from tests.app.pointers import Touching
 from tests.app.windows import faults, opened, settled
@@ -318,7 +318,8 @@ def test_the_whole_object_stays_in_sight_until_somebody_looks_elsewhere(window) 
 
 
 def test_the_first_start_is_told_once(window, monkeypatch) -> None:
-    from paint3d.app.window import opening, warming
+    from paint3d.app.window import warming
+    from paint3d.app.window.jobs import opening
 
     assert not warming.is_first_start()  # this very test has compiled
     assert opening._warming() == "Preparing the brush…"

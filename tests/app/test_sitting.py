@@ -16,13 +16,13 @@ import pytest
 from paint3d.app.model.commands import COMMANDS, decode_command, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
+from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.sitting import Sitting, recoverable
-from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry
+from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.brush.presets import load_brush
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, SessionError
-from paint3d.files.journal import Journal, read_events
-from paint3d.ink.pigments import load_pigment
+from paint3d.files.project.journal import Journal, read_events
 from tests.app.hands import line, same_vertices, small_plane
 
 MIRROR = Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),))
@@ -159,7 +159,9 @@ def test_turning_the_page_waits_for_no_disk(tmp_path, monkeypatch):
     document = small_plane()
     sitting = Sitting(document, tmp_path)
     may_go_on = threading.Event()
-    monkeypatch.setattr("paint3d.files.journal.flush_file", lambda file: may_go_on.wait(60.0))
+    monkeypatch.setattr(
+        "paint3d.files.project.journal.flush_file", lambda file: may_go_on.wait(60.0)
+    )
     monkeypatch.setattr("os.open", _refuse)  # making a file may have to wait, too
     try:
         sitting.note({"do": "undo"})
@@ -205,7 +207,7 @@ PROGRAM = """
 import sys, time
 from pathlib import Path
 from paint3d.app.model.easel import Easel
-from paint3d.app.model.sitting import Sitting
+from paint3d.app.model.persistence.sitting import Sitting
 from tests.app.hands import line, paint, small_plane
 paint(small_plane(), (0, 0), (20, 0))  # compiled, as in a program that has painted before
 document = small_plane()

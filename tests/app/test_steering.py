@@ -12,8 +12,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.model.event_clock import EventClock
-from paint3d.app.model.navigation import picture_axes, roll_of
+from paint3d.app.model.input.event_clock import EventClock
+from paint3d.app.model.input.navigation import picture_axes, roll_of
 from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, wait_for
 from tests.app.pointers import HAND, Touching, pen, pen_drag, tap
 from tests.app.windows import faults, opened, settled

@@ -12,7 +12,7 @@ from paint3d.cli.main import main
 from paint3d.cli.study import table_lines
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
-from paint3d.stroke.recording import save_recording
+from paint3d.recording.recording import save_recording
 from tests.app.hands import UPRIGHT, paint, small_plane
 
 

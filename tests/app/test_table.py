@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from paint3d.app.model.copybook import Copybook
-from paint3d.app.model.devices import DeviceDesk, StrokeCutter
 from paint3d.app.model.document import Document
+from paint3d.app.model.input.devices import DeviceDesk, StrokeCutter
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.writing import Pen, write_text
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.space_mouse import MouseEvent
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import InputError
 from paint3d.mesh.solids import make_plane
 from paint3d.pose.two_hands import TwoHands
-from paint3d.stroke.glyph_sources import open_glyphs
-from paint3d.stroke.writing import Pen, write_text
 from tests.app.hands import UPRIGHT, line, sample
 
 MS = 1_000_000

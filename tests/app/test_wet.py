@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from paint3d.app.model import easel as easels
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.ink_clock import LATE_S, InkClock
-from paint3d.app.model.sitting import Sitting, recoverable
-from paint3d.stroke import engine
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.ink_time import PIECE_NS, PIECE_S
+from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.painter import painter as engine
+from paint3d.painter.ink_time import PIECE_NS, PIECE_S
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.hands import line, paint, same_vertices, small_plane
 

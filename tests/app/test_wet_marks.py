@@ -12,7 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtTest
 
 from paint3d.app.model import easel as easels
-from paint3d.app.window import canvas as canvases
+from paint3d.app.window.input import canvas as canvases
 from tests.app.event_player import PAUSE_MS, EventRecording, hand_over, open_for, process, settle
 from tests.app.hands import same_vertices
 from tests.app.trials import blind_window, player_of

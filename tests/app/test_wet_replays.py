@@ -12,9 +12,9 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.model.ink_clock import LATE_S
 from paint3d.cli.main import main
-from paint3d.files.session import load_session
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import load_recording
+from paint3d.files.project.session import load_session
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import load_recording
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.event_player import EventRecording, open_for, settle
 from tests.app.hands import same_vertices

@@ -17,16 +17,16 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 import paint3d
-from paint3d.app.model.sitting import recoverable
-from paint3d.app.window.both_hands import BothHands, carried_camera
-from paint3d.app.window.film_dialog import Film
+from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.app.window.dialogs.film_dialog import Film
+from paint3d.app.window.input.both_hands import BothHands, carried_camera
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from paint3d.core.frames import rotate
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
-from paint3d.files.session import load_session
-from paint3d.frames import rotate
+from paint3d.files.project.session import load_session
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.steering import ObjectPose
 from paint3d.view.camera import Camera

@@ -17,12 +17,12 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
-from paint3d.app.window.export_dialog import ExportDialog
-from paint3d.app.window.film_dialog import Film, FilmDialog
-from paint3d.app.window.target_dialog import TargetDialog
+from paint3d.app.window.dialogs.export_dialog import ExportDialog
+from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
+from paint3d.app.window.dialogs.target_dialog import TargetDialog
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
-from paint3d.files.session import load_session
+from paint3d.files.project.session import load_session
 from tests.app.gestures import answer, drag, live, when
 from tests.app.windows import opened, settled
 

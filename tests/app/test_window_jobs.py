@@ -17,11 +17,12 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.sitting import Sitting, Unfinished, recoverable
-from paint3d.app.window import opening, saving, start
+from paint3d.app.model.persistence.sitting import Sitting, Unfinished, recoverable
+from paint3d.app.window import start
 from paint3d.app.window.commands import ALWAYS, CHECKABLE
-from paint3d.app.window.film_dialog import Film
-from paint3d.app.window.jobs import is_waiting, run_beside
+from paint3d.app.window.dialogs.film_dialog import Film
+from paint3d.app.window.jobs import opening, saving
+from paint3d.app.window.jobs.job import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
 from tests.app.gestures import answer, answer_bar, drag, live, wait_for
 from tests.app.windows import settled
@@ -140,7 +141,7 @@ def test_an_export_that_is_stopped_leaves_no_file_and_a_painting_that_goes_on(
 ) -> None:
     old = tmp_path / f"old.{form}"
     old.write_bytes(b"old")
-    name = "paint3d.files.session.write_archive"
+    name = "paint3d.files.project.session.write_archive"
     if form != "p3d":
         name = f"paint3d.files.export.write_{form}"
     module, function = name.rsplit(".", 1)
@@ -355,8 +356,8 @@ def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
 
 
 def test_every_name_of_a_format_is_there_in_chinese() -> None:
-    from paint3d.app.window import pictures
     from paint3d.app.window.chinese import CHINESE
+    from paint3d.app.window.jobs import pictures
 
     for names in (saving._FORMATS, saving._RECORDINGS, pictures._PICTURES, pictures._FILMS):
         assert set(names.values()) <= set(CHINESE)
@@ -378,7 +379,7 @@ def _readers() -> list[int]:
     for folder in Path("/proc").iterdir() if Path("/proc/self").exists() else ():
         try:
             mine = f"PPid:\t{os.getpid()}\n" in (folder / "status").read_text()
-            if mine and b"paint3d.files.child" in (folder / "cmdline").read_bytes():
+            if mine and b"paint3d.files.sandbox.child" in (folder / "cmdline").read_bytes():
                 found.append(int(folder.name))
         except (OSError, ValueError):
             continue

@@ -8,9 +8,9 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.model.places import config_folder
-from paint3d.app.model.settings import Settings, load_settings
-from paint3d.app.window.dialogs import PreferencesDialog
+from paint3d.app.model.persistence.places import config_folder
+from paint3d.app.model.persistence.settings import Settings, load_settings
+from paint3d.app.window.dialogs.questions import PreferencesDialog
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_unit, say_length
 from tests.app.gestures import answer, live

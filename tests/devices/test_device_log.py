@@ -10,11 +10,11 @@ import time
 import numpy as np
 import pytest
 
-from paint3d.device import haptic_stylus
 from paint3d.device.beat import find_beat, lateness_ms
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.device_log import DeviceLog, PlaybackLink, read_device_log
 from paint3d.device.device_loop import DeviceLoop
+from paint3d.device.force import haptic_stylus
 from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode, kind_of
 from paint3d.device.hot_plug import PluggedDevices, compare_nodes

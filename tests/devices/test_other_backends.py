@@ -18,15 +18,15 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
-from paint3d.device import inverse3_port
-from paint3d.device.force_port import SocketForcePort
-from paint3d.device.haptic_stylus import decode_force, encode_pose
-from paint3d.device.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
-from paint3d.device.inverse3_port import Inverse3Port
-from paint3d.device.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
+from paint3d.core.frames import rotate
+from paint3d.device.force import inverse3_port
+from paint3d.device.force.force_port import SocketForcePort
+from paint3d.device.force.haptic_stylus import decode_force, encode_pose
+from paint3d.device.force.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
+from paint3d.device.force.inverse3_port import Inverse3Port
+from paint3d.device.force.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
 from paint3d.device.stylus_reading import BARREL, DIP
 from paint3d.errors import DeviceError
-from paint3d.frames import rotate
 
 STAND_IN = Path(__file__).with_name("openhaptics_stand_in.c")
 MS = 1_000_000

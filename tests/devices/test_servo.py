@@ -19,9 +19,14 @@ import pytest
 
 from paint3d.bench.registry import run_benchmark
 from paint3d.brush.presets import load_brush
-from paint3d.device.force_port import ForceLoop, SocketForcePort
-from paint3d.device.haptic_stylus import decode_force, decode_numbers, encode_force, encode_pose
-from paint3d.device.virtual_stylus import VirtualStylus
+from paint3d.device.force.force_port import ForceLoop, SocketForcePort
+from paint3d.device.force.haptic_stylus import (
+    decode_force,
+    decode_numbers,
+    encode_force,
+    encode_pose,
+)
+from paint3d.device.force.virtual_stylus import VirtualStylus
 from paint3d.haptics import servo
 from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo import ForceFeedback
@@ -294,7 +299,7 @@ def test_a_signal_ends_in_no_force(tree, device, number) -> None:
 
 PARENT = """
 import signal, socket, sys, time
-from paint3d.device.force_port import SocketForcePort
+from paint3d.device.force.force_port import SocketForcePort
 from paint3d.haptics.servo import ForceFeedback
 from tests.devices.test_servo import SETTINGS, make_plane
 from paint3d.surface.painted_surface import PaintedSurface

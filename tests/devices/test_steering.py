@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.core.frames import rotate
 from paint3d.device.button_actions import (
     ACTIONS,
     DEFAULT_ACTIONS,
@@ -24,7 +25,6 @@ from paint3d.device.deflection import (
     is_silent,
 )
 from paint3d.errors import DeviceError, UnknownNameError
-from paint3d.frames import rotate
 from paint3d.pose.steering import (
     ObjectPose,
     SteeringOptions,

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from paint3d import frames
+from paint3d.core import frames
+from paint3d.core.frames import rotate
 from paint3d.device.report_clock import ReportClock, stamp
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import DeviceError
-from paint3d.frames import rotate
 from paint3d.pose import single_turns
 from paint3d.pose.brush_pose import object_poses
 from paint3d.pose.calibration import (

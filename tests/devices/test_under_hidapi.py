@@ -8,9 +8,9 @@ import struct
 import numpy as np
 import pytest
 
-from paint3d.device import haptic_stylus
 from paint3d.device.device_log import read_device_log
-from paint3d.stroke.recording import load_recording
+from paint3d.device.force import haptic_stylus
+from paint3d.recording.recording import load_recording
 from tests.devices.conftest import device
 from tests.devices.descriptors import SPACENAVIGATOR, combined_mouse, pen
 
@@ -282,7 +282,7 @@ def test_what_may_not_be_opened_names_node_and_rule(plugged, more, rule) -> None
 FEEL = """
 import json, os, signal, sys, time
 from paint3d.brush.presets import load_brush
-from paint3d.device.force_port import HidForcePort
+from paint3d.device.force.force_port import HidForcePort
 from paint3d.device.hid_nodes import list_nodes
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings

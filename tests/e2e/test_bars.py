@@ -13,7 +13,7 @@ import pytest
 from paint3d.cli import objects
 from paint3d.cli.main import main
 from paint3d.cli.progress import ProgressBar
-from paint3d.stroke.recording import load_recording, save_recording
+from paint3d.recording.recording import load_recording, save_recording
 
 pty = pytest.importorskip("pty")
 

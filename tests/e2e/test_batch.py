@@ -185,8 +185,8 @@ def test_a_cluster_paints_the_same_bytes(paint3d, write_table, tmp_path: Path) -
 def test_a_process_that_dies_costs_its_row_only(tmp_path: Path) -> None:
     code = """
 import os, signal, sys
-import paint3d.cli.batch_rows as rows
-import paint3d.cli.batch_workers as workers
+import paint3d.cli.batches.rows as rows
+import paint3d.cli.batches.workers as workers
 
 def run(row):
     if row.output == "kill":

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.cli.batch_cluster import run_on_cluster
-from paint3d.cli.batch_rows import Row
+from paint3d.cli.batches.cluster import run_on_cluster
+from paint3d.cli.batches.rows import Row
 from paint3d.errors import InputError
 
 Client = pytest.importorskip("distributed").Client
@@ -28,7 +28,7 @@ from pathlib import Path
 
 from distributed import get_worker
 from paint3d.cli import batch_cluster
-from paint3d.cli.batch_rows import Outcome
+from paint3d.cli.batches.rows import Outcome
 
 def run(row):
     out = Path(row.arguments[1].removeprefix("--out="))

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.brush.drag import drag_track, handle_track
+from paint3d.brush_engine.drag import drag_length, drag_step, release
 from paint3d.errors import BrushError
-from paint3d.kernels.drag import drag_length, drag_step, release
 
 slacks = st.floats(0.5, 12.0)
 

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.effective_footprint import stroke_width
+from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.footprint.effective import stroke_width
-from paint3d.footprint.outline import make_footprint
-from paint3d.kernels.tuft import REFINEMENT, _section, bend_angles, greatest_descent
+from paint3d.brush_engine.tuft import REFINEMENT, _section, bend_angles, greatest_descent
 
 brushes = st.sampled_from(brush_names()).map(lambda name: build_tuft(load_brush(name)))
 tilts = st.floats(math.pi / 6, math.pi / 2)

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.colour.kernels.kubelka_munk import TANH_RATIO, layer_bands
 from paint3d.colour.layers import (
     SAUNDERSON,
     layer_reflectance,
@@ -17,8 +18,7 @@ from paint3d.colour.layers import (
     to_internal,
     to_measured,
 )
-from paint3d.ink.pigments import pigment_names
-from paint3d.kernels.reflectance import TANH_RATIO, layer_bands
+from paint3d.colour.pigments import pigment_names
 
 KNOWN = Path(__file__).parents[2] / "../shared/pigments/km_known_answers.json"
 

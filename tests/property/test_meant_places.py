@@ -10,20 +10,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.brush_engine.stamp import TIP, ink_way, make_stamp
+from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.errors import RecordingError
-from paint3d.files import journal as journals
-from paint3d.files.journal import Journal, read_journal
 from paint3d.files.load import load_mesh
-from paint3d.files.session import Session, load_session, save_session
-from paint3d.frames import multiply_quaternions, quaternions_from_matrices
-from paint3d.kernels.stamp import TIP, ink_way, make_stamp
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.files.project import journal as journals
+from paint3d.files.project.journal import Journal, read_journal
+from paint3d.files.project.session import Session, load_session, save_session
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.painter.flat_input import lay
+from paint3d.painter.painter import Painter
 from paint3d.pose.resampling import resample
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.laying import lay
-from paint3d.stroke.recording import load_recording, save_recording
+from paint3d.recording.recording import load_recording, save_recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 MS = 1_000_000

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.frames import multiply_quaternions, quaternions_from_matrices
+from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.painter.flat_input import DIP
+from paint3d.painter.painter import Painter
 from paint3d.pose.resampling import resample
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.laying import DIP
-from paint3d.stroke.recording import Recording
+from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import UPRIGHT, ball, flat, on_cylinder, poses, sheet
 
@@ -380,7 +380,7 @@ def test_any_order_of_strokes_paints_the_same_vertices(order):
 
 def heading(painter: Painter) -> np.ndarray:
     """Where the tip points from the foot point, at the last stamp that touched (in the plane)."""
-    from paint3d.kernels import stamp
+    from paint3d.brush_engine import stamp
 
     return painter._progress.after.values[stamp.BEND_X : stamp.BEND_X + 2]
 
@@ -397,7 +397,7 @@ def test_the_dragged_tip_trails(tilt):
 
 def test_a_dragged_corner_follows_the_tractrix():
     """tan(delta / 2) falls as exp(-s / l) after a right corner."""
-    from paint3d.kernels.drag import drag_length
+    from paint3d.brush_engine.drag import drag_length
 
     painter = paint(plane(), azimuth="dragged")
     slack = drag_length(0.4 * FULL_PRESS, LENGTH, painter.tuft.drag_fraction)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from paint3d.errors import RecordingError
-from paint3d.stroke.recording import Recording, load_recording, save_recording
+from paint3d.recording.recording import Recording, load_recording, save_recording
 
 LAW = settings(
     max_examples=30,

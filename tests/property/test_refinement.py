@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
-from paint3d.kernels.refine import activate_cell
-from paint3d.mesh import paint_mesh
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh import refined_mesh as paint_mesh
+from paint3d.mesh.kernels.refine import activate_cell
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 

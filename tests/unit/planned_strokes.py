@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from paint3d.kernels import planning as kernels
+from paint3d.calligraphy.kernels import planning as kernels
 
 EM = 20.0
 

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.cli import batch_rows, main
-from paint3d.cli.batch_emit import job_file
-from paint3d.cli.batch_rows import Outcome
+from paint3d.cli import main
+from paint3d.cli.batches import rows as batch_rows
+from paint3d.cli.batches.emit import job_file
+from paint3d.cli.batches.rows import Outcome
 from paint3d.errors import InputError
 
 TABLE = "text,object,output\n永,bowl,a.ply\n\n永,bowl,b.ply\n永,bowl,c.ply\n"
@@ -141,7 +142,7 @@ def test_a_row_is_painted_alone_and_counts_as_finished(table, tmp_path, monkeypa
 
 def test_a_row_that_fails_ends_its_job_with_an_error(table, monkeypatch, capsys) -> None:
     monkeypatch.setattr(
-        "paint3d.cli.batch_rows.run_row", lambda row: Outcome(row.line, "no ink", 0.0, "")
+        "paint3d.cli.batches.rows.run_row", lambda row: Outcome(row.line, "no ink", 0.0, "")
     )
     assert main.main(["batch", str(table), "--row", "5"]) == 2
     told = capsys.readouterr().err.splitlines()

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.cli import batch_cluster, batch_rows, batch_table
-from paint3d.cli.batch_order import longest_first
-from paint3d.cli.batch_record import FinishedRows
-from paint3d.cli.batch_rows import Row, fingerprint, placed, run_row
-from paint3d.cli.batch_table import read_table
+from paint3d.cli.batches import cluster as batch_cluster
+from paint3d.cli.batches import rows as batch_rows
+from paint3d.cli.batches import table as batch_table
+from paint3d.cli.batches.order import longest_first
+from paint3d.cli.batches.record import FinishedRows
+from paint3d.cli.batches.rows import Row, fingerprint, placed, run_row
+from paint3d.cli.batches.table import read_table
 from paint3d.cli.objects import load_object
 from paint3d.errors import ExportError, InputError, MeshError
 

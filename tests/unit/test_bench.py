@@ -21,7 +21,7 @@ from paint3d.bench.stopwatch import Times, best_of
 from paint3d.bench.strokes import figure_for, first_samples, make_dab, make_grid, record_dabs
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.files.load import load_mesh
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 TINY = 0.002

@@ -14,8 +14,8 @@ from paint3d.brush.bristle_shapes import MEASURED
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles, hair_places
 from paint3d.brush.presets import load_brush
+from paint3d.brush_engine.bristles import bend as bt
 from paint3d.errors import BrushError
-from paint3d.kernels import bristle_tuft as bt
 
 FEW = settings(deadline=None, max_examples=25)
 PATCHES = {

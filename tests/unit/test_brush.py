@@ -11,13 +11,13 @@ from scipy.optimize import minimize
 
 from paint3d.brush.bending import BendingTable, build_tuft, joint_stiffness
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.errors import BrushError, UnknownNameError
-from paint3d.kernels.tuft import (
+from paint3d.brush_engine.tuft import (
     bend_angles,
     descent_of_force,
     force_of_descent,
     greatest_descent,
 )
+from paint3d.errors import BrushError, UnknownNameError
 
 
 def test_segments_are_an_arithmetic_progression_that_fills_the_tuft():

@@ -3,9 +3,9 @@ import pytest
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import brush_names, load_brush
+from paint3d.calligraphy.footprint_table import build_ladder
 from paint3d.errors import InputError
-from paint3d.stroke.brush_choice import choose_brush
-from paint3d.stroke.ladder import build_ladder
+from paint3d.painter.brush_choice import choose_brush
 
 SIZES = np.geomspace(8.0, 200.0, 40)
 

@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from paint3d.brush_engine.brush_load import level_stations
+from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError
-from paint3d.ink.materials import load_material
-from paint3d.ink.pigments import load_pigment
-from paint3d.kernels.tuft_load import level_stations
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import UPRIGHT, flat, poses, sheet
 

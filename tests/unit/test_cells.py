@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paint3d.kernels.cells import find_cell, flood_patch, sheet_of
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 WEIGHTS = np.array([(i, j, 20 - i - j) for i in range(21) for j in range(21 - i)]) / 20.0

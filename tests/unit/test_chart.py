@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
+from paint3d.core.frames import matrices_from_quaternions
 from paint3d.errors import InputError, MeshError, RecordingError
-from paint3d.frames import matrices_from_quaternions
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.laying import LaidPad, lay, size_of
-from paint3d.stroke.pad import orientations_from_angles
-from paint3d.stroke.recording import Recording
+from paint3d.painter.flat_input import LaidPad, lay, size_of
+from paint3d.recording.flat_recording import orientations_from_angles
+from paint3d.recording.recording import Recording
 
 
 def sheet(surface, us, vs):

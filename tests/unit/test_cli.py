@@ -16,9 +16,9 @@ import pytest
 from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
+from paint3d.colour.materials import material_names
 from paint3d.core import compile_cache
 from paint3d.errors import ExportError, MeshError
-from paint3d.ink.materials import material_names
 
 SUFFIXES = (".ply", ".p3d.txt")
 

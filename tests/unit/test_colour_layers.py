@@ -9,8 +9,8 @@ import pytest
 
 from paint3d.colour.difference import delta_e, lab_from_reflectance
 from paint3d.colour.layers import layer_reflectance, mixture_reflectance, stack_reflectance
+from paint3d.colour.pigments import BANDS_NM, load_pigment
 from paint3d.errors import InputError, UnknownNameError
-from paint3d.ink.pigments import BANDS_NM, load_pigment
 
 DRAWDOWNS = Path(__file__).parents[2] / "../shared/pigments/drawdowns.csv"
 WHITE = np.full(31, 0.85)

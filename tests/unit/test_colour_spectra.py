@@ -7,8 +7,8 @@ import pytest
 
 from paint3d.colour import spectra
 from paint3d.colour.difference import delta_e, lab_from_xyz
+from paint3d.colour.pigments import load_palette
 from paint3d.errors import InputError
-from paint3d.ink.pigments import load_palette
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")

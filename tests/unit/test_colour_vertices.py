@@ -7,11 +7,11 @@ import pytest
 
 from paint3d.colour.difference import delta_e, lab_from_linear_rgb
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
+from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import Pigment, load_pigment, pigment_names
 from paint3d.colour.spectra import linear_rgb_from_reflectance, srgb_from_linear
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.errors import InputError
-from paint3d.ink.materials import load_material
-from paint3d.ink.pigments import Pigment, load_pigment, pigment_names
 
 BACKING = load_material("porcelain").reflectance
 MIXES = [

@@ -10,20 +10,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.core import compile_cache
 from paint3d.core.compile_cache import compiled_folder, drop_stale, is_compiled
-from paint3d.kernels.stroke import paint_samples
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import flat, poses, sheet
 
 SOURCES = {
-    "kernels/leaf": "import numpy as np\n",
-    "core/branch": "from paint3d.kernels.leaf import a\n",
-    "kernels/tree": "from paint3d.kernels import stamp\nfrom paint3d.core import branch as b\n",
-    "kernels/wide": "from paint3d.core.other import (\n    x,\n    y,\n)  # fmt: skip\n",
-    "core/many": "from paint3d.kernels import (\n    leaf,\n    wide,\n)\n",
-    "core/other": "# from paint3d.kernels.leaf import a\n",
+    "mesh/kernels/leaf": "import numpy as np\n",
+    "core/branch": "from paint3d.mesh.kernels.leaf import a\n",
+    "brush_engine/tree": "from paint3d.core import stamp\nfrom paint3d.core import branch as b\n",
+    "brush_engine/wide": "from paint3d.core.other import (\n    x,\n    y,\n)  # fmt: skip\n",
+    "core/many": "from paint3d.mesh.kernels.leaf import a\n"
+    "from paint3d.brush_engine import (\n    tall,\n    wide,\n)\n",
+    "core/other": "# from paint3d.mesh.kernels.leaf import a\n",
 }
 PACKAGE = Path(compile_cache.__file__).parents[1]
 
@@ -44,23 +45,26 @@ class Tree:
         return self.package / f"{name}.py"
 
     def compiled_folder(self, sources: Path) -> Path:
-        return self.compiled / f"{sources.name}_0"
+        return self.compiled / sources.relative_to(self.package)
 
     def drop_stale(self) -> None:
         drop_stale(self.package, self.compiled_folder)
 
     def compile_all(self) -> None:
         for name in SOURCES:
-            folder, _, module = name.partition("/")
-            (self.compiled / f"{folder}_0").mkdir(exist_ok=True)
+            folder, _, module = name.rpartition("/")
+            compiled = self.compiled_folder(self.package / folder)
+            compiled.mkdir(parents=True, exist_ok=True)
             for suffix in ("nbi", "1.nbc"):
-                path = self.compiled / f"{folder}_0" / f"{module}.run-7.py311.{suffix}"
-                path.write_bytes(b"code")
+                (compiled / f"{module}.run-7.py311.{suffix}").write_bytes(b"code")
 
     def kept(self) -> set[str]:
         index, code = (
-            {f"{p.parent.name[:-2]}/{p.name.partition('.')[0]}" for p in self.compiled.glob(suffix)}
-            for suffix in ("*/*.nbi", "*/*.nbc")
+            {
+                f"{path.parent.relative_to(self.compiled).as_posix()}/{path.name.partition('.')[0]}"
+                for path in self.compiled.rglob(suffix)
+            }
+            for suffix in ("*.nbi", "*.nbc")
         )
         assert index == code
         return index
@@ -74,17 +78,17 @@ def tree(tmp_path: Path) -> Tree:
 def test_nothing_is_dropped_while_nothing_changes(tree) -> None:
     tree.drop_stale()
     assert tree.kept() == set(SOURCES)
-    others = [path.name for path in tree.compiled.glob("*/*") if ".nb" not in path.name]
+    others = [path.name for path in tree.compiled.rglob("*.*") if ".nb" not in path.name]
     assert others == ["sources.json"]
 
 
 @pytest.mark.parametrize(
     ("changed", "stay"),
     [
-        ("kernels/leaf", {"kernels/wide", "core/other"}),
-        ("core/branch", set(SOURCES) - {"core/branch", "kernels/tree"}),
-        ("core/other", {"kernels/leaf", "core/branch", "kernels/tree"}),
-        ("kernels/tree", set(SOURCES) - {"kernels/tree"}),
+        ("mesh/kernels/leaf", {"brush_engine/wide", "core/other"}),
+        ("core/branch", set(SOURCES) - {"core/branch", "brush_engine/tree"}),
+        ("core/other", {"mesh/kernels/leaf", "core/branch", "brush_engine/tree"}),
+        ("brush_engine/tree", set(SOURCES) - {"brush_engine/tree"}),
     ],
 )
 def test_what_calls_the_changed_is_dropped_with_it(tree, changed, stay) -> None:
@@ -97,24 +101,24 @@ def test_what_calls_the_changed_is_dropped_with_it(tree, changed, stay) -> None:
 
 
 def test_a_source_that_has_gone_counts_as_changed(tree) -> None:
-    tree.source("kernels/leaf").unlink()
+    tree.source("mesh/kernels/leaf").unlink()
     tree.drop_stale()
-    assert tree.kept() == {"kernels/wide", "core/other"}
+    assert tree.kept() == {"brush_engine/wide", "core/other"}
 
 
 @pytest.mark.parametrize(
     "record", [b"", b"[1]", b"\xff", b'{"core/other": 3}', b'{"core/other": [3, 4]}']
 )
 def test_without_a_record_everything_is_dropped(tree, record) -> None:
-    (tree.compiled / "core_0" / "sources.json").write_bytes(record)
+    (tree.compiled / "core" / "sources.json").write_bytes(record)
     tree.drop_stale()
     assert tree.kept() == set()
 
 
 def test_a_folder_that_cannot_be_written_is_left_alone(tree) -> None:
-    nowhere = tree.source("kernels/leaf")  # a file: nothing can be kept in it
+    nowhere = tree.source("mesh/kernels/leaf")  # a file: nothing can be kept in it
     drop_stale(tree.package, lambda sources: nowhere)
-    assert nowhere.read_text() == SOURCES["kernels/leaf"]
+    assert nowhere.read_text() == SOURCES["mesh/kernels/leaf"]
 
 
 TUPLE = "class Room(NamedTuple):\n    low: int\n    high: int  # mm\n\n\ndef make():\n    pass\n"
@@ -129,13 +133,13 @@ def rewrite(path: Path, text: str) -> None:
 
 
 def test_where_a_tuple_has_other_fields_all_is_dropped(tree) -> None:
-    changed = tree.source("kernels/leaf")
+    changed = tree.source("mesh/kernels/leaf")
     rewrite(changed, TUPLE)
     tree.drop_stale()
     tree.compile_all()
     rewrite(changed, TUPLE.replace("mm", "cm").replace("pass", "return 1"))
     tree.drop_stale()  # its fields are what they were
-    assert tree.kept() == {"kernels/wide", "core/other"}
+    assert tree.kept() == {"brush_engine/wide", "core/other"}
     tree.compile_all()
     rewrite(changed, TUPLE.replace("low", "x").replace("high", "low").replace("x", "high"))
     tree.drop_stale()
@@ -151,7 +155,7 @@ from pathlib import Path
 sys.path[:0] = [{root!r}, {tree!r}]
 from paint3d.core.compile_cache import drop_stale
 drop_stale(Path({tree!r}) / "made")
-from made.kernels.leaf import low_of
+from made.brush_engine.leaf import low_of
 from made.core.types import Room
 print(low_of(Room(low=1.0, high=2.0)), sum(low_of.stats.cache_hits.values()))
 """
@@ -159,12 +163,12 @@ print(low_of(Room(low=1.0, high=2.0)), sum(low_of.stats.cache_hits.values()))
 
 def test_code_is_compiled_anew_where_a_tuple_of_another_folder_has_changed(tmp_path) -> None:
     """Without that a kernel would take the one field for the other."""
-    for folder in ("made/core", "made/kernels"):
+    for folder in ("made/core", "made/brush_engine"):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "__init__.py").touch()
     types = tmp_path / "made" / "core" / "types.py"
     types.write_text(f"from typing import NamedTuple\n\n\n{TUPLE}")
-    (tmp_path / "made" / "kernels" / "leaf.py").write_text(
+    (tmp_path / "made" / "brush_engine" / "leaf.py").write_text(
         "from numba import njit\n\n\n@njit(cache=True)\ndef low_of(room):\n    return room.low\n"
     )
     program = PROGRAM.format(root=str(PACKAGE.parent), tree=str(tmp_path))
@@ -190,7 +194,7 @@ def test_every_kernel_and_every_tuple_that_one_takes_is_looked_at() -> None:
     record = compiled_folder(PACKAGE / "core") / "sources.json"
     looked_at = json.loads(record.read_text())
     for path in PACKAGE.rglob("*.py"):
-        if "core.kernel import" in path.read_text():
+        if "@kernel" in path.read_text():
             assert path.relative_to(PACKAGE).with_suffix("").as_posix() in looked_at
     seen = set()
     for folder in {name.rpartition("/")[0] for name in looked_at}:
@@ -211,4 +215,4 @@ def test_numba_keeps_kernels_where_they_are_looked_for() -> None:
     stroke = poses(points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.array([0.2, 0.2]))
     Painter(PaintedSurface(sheet(flat, (9.0, 9.0), 5.0), 1.0)).replay(stroke)
     assert is_compiled(paint_samples)
-    assert list(compiled_folder(PACKAGE / "kernels").glob("stroke.paint_samples-*.nbi"))
+    assert list(compiled_folder(PACKAGE / "brush_engine").glob("stroke_loop.paint_samples-*.nbi"))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from paint3d.bench.copybook import Desk, copy_character, draw_sample, picture
+from paint3d.calligraphy.planning import PlanSettings
 from paint3d.errors import InputError
-from paint3d.stroke.planning import PlanSettings
 
 BAR = "M 200 420 Q 230 470 300 440 L 760 452 Q 850 470 840 400 L 300 380 Q 230 370 200 420 Z"
 GLYPH = {"strokes": [BAR], "medians": [[[215, 420], [500, 415], [830, 420]]]}

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from paint3d.kernels.cells import flood_patch
-from paint3d.kernels.cracks import link_cracks
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.kernels.cracks import link_cracks
+from paint3d.mesh.kernels.grid import flood_patch
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 SIDE = 30.0

@@ -5,13 +5,13 @@ import numpy as np
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
+from paint3d.core.frames import matrices_from_quaternions
 from paint3d.files.load import load_mesh
-from paint3d.frames import matrices_from_quaternions
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.pose.brush_pose import brush_poses
-from paint3d.stroke.recording import load_recording
+from paint3d.recording.recording import load_recording
 
-FILE = Path(__file__).parents[2] / "paint3d/stroke/data/demo.jsonl.gz"
+FILE = Path(__file__).parents[2] / "paint3d/calligraphy/data/demo.jsonl.gz"
 
 
 @functools.cache

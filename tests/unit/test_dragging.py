@@ -7,9 +7,9 @@ import pytest
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.drag import drag_track
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.planning import PlanSettings, plan_stroke
 from paint3d.errors import InputError
-from paint3d.stroke.ladder import build_ladder
-from paint3d.stroke.planning import PlanSettings, plan_stroke
 from tests.unit.planned_strokes import EM, band, boundary, overlap, signed_distance
 
 DRAGGED = PlanSettings(azimuth="dragged")

@@ -9,9 +9,9 @@ import paint3d
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.glazing import spectrum_from_linear_rgb, srgb_primaries
 from paint3d.colour.layers import layer_reflectance, stack_reflectance
+from paint3d.colour.pigments import Pigment, load_drawdown_paints, load_pigment
 from paint3d.colour.spectra import decode_srgb, rgb_weights, srgb_from_reflectance
 from paint3d.errors import InputError
-from paint3d.ink.pigments import Pigment, load_drawdown_paints, load_pigment
 from paint3d.surface.painted_surface import PaintedSurface
 
 PLANE = paint3d.load_mesh("plane")

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from paint3d.brush.presets import load_brush
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, RecordingError, UnknownNameError
-from paint3d.ink.pigments import load_pigment
-from paint3d.stroke import engine
-from paint3d.stroke.engine import DIP, Painter
-from paint3d.stroke.recording import Recording
+from paint3d.painter import painter as engine
+from paint3d.painter.painter import DIP, Painter
+from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import UPRIGHT, flat, poses, sheet
 
@@ -201,7 +201,7 @@ def test_progress_is_told():
 
 def test_growing_changes_nothing(monkeypatch):
     """However often the mesh runs out of room, the painting is the same."""
-    from paint3d.mesh import paint_mesh
+    from paint3d.mesh import refined_mesh as paint_mesh
 
     roomy = Painter(surface(0.4))
     roomy.replay(stroke(LANDING))

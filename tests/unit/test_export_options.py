@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import paint3d
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.files.export import FORMATS, export
 from paint3d.files.load import load_mesh
-from paint3d.files.painting import Painting
-from paint3d.files.read_gltf import read_gltf
-from paint3d.files.records import read_records
-from paint3d.files.write_glb import write_glb
-from paint3d.ink.pigments import load_pigment
+from paint3d.files.project.painting import Painting
+from paint3d.files.project.records import read_records
+from paint3d.files.readers.read_gltf import read_gltf
+from paint3d.files.writers.write_glb import write_glb
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"

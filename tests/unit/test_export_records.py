@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.errors import InputError, MeshError
-from paint3d.files.records import pack_normals, read_records, unpack_normals, write_records
+from paint3d.files.project.records import pack_normals, read_records, unpack_normals, write_records
 
 
 def sample(n=200):

@@ -10,10 +10,10 @@ import trimesh
 from PIL import Image
 
 import paint3d
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError
 from paint3d.files.export import export
-from paint3d.ink.pigments import load_pigment
-from paint3d.kernels.bake import fill_triangles
+from paint3d.files.kernels.bake import fill_triangles
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 

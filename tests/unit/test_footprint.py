@@ -9,17 +9,17 @@ import pytest
 from scipy.optimize import minimize
 
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.presets import brush_names, load_brush
-from paint3d.errors import BrushError
-from paint3d.footprint.effective import (
+from paint3d.brush.effective_footprint import (
     back_zone,
     effective_points,
     front_zone,
     stroke_width,
     technique,
 )
-from paint3d.footprint.outline import Footprint, make_footprint
-from paint3d.kernels.tuft import SCRATCH_SIZE, bend_angles, descent_of_force, enclose_tuft
+from paint3d.brush.footprint import Footprint, make_footprint
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush_engine.tuft import SCRATCH_SIZE, bend_angles, descent_of_force, enclose_tuft
+from paint3d.errors import BrushError
 
 
 def press(name, force, tilt=math.pi / 2, azimuth=0.0):

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from paint3d.errors import MeshError
-from paint3d.files.records import read_records
-from paint3d.stroke.recording import RecordingError, load_recording
+from paint3d.files.project.records import read_records
+from paint3d.recording.recording import RecordingError, load_recording
 from scripts.fuzz.campaign import Campaign, make_case, try_case
 from scripts.fuzz.targets import TARGETS, Target
 

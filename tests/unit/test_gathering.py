@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-import paint3d.kernels.room
+import paint3d.brush_engine.scratch
 from paint3d.device.recorded import Recording
 from paint3d.mesh.solids import make_sphere
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 
@@ -72,7 +72,7 @@ def test_a_block_goes_on_where_the_last_one_ended(monkeypatch, hairs) -> None:
     """Base vertices and those added for painting, in blocks of 48 and of as many as there are."""
     found = {}
     for block in (48, 8192):
-        monkeypatch.setattr(paint3d.kernels.room, "_BLOCK", block)
+        monkeypatch.setattr(paint3d.brush_engine.scratch, "_BLOCK", block)
         surface = PaintedSurface(fine_plane(), resolution=0.25)
         painter = Painter(surface, "full", hairs=hairs)
         painter.replay(turning_stroke())

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from paint3d.calligraphy.glyphs import flatten_path, load_glyph
 from paint3d.errors import InputError
-from paint3d.stroke.glyphs import flatten_path, load_glyph
 
 numbers = st.integers(0, 1000)
 points = st.tuples(numbers, numbers)

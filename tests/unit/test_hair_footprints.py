@@ -9,10 +9,10 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from paint3d.kernels import stamp as st
-from paint3d.kernels.bristle_contact import BEGIN, END
-from paint3d.kernels.bristle_tuft import BLOCK, SAMPLES
-from paint3d.stroke.engine import Painter
+from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
+from paint3d.brush_engine.bristles.contact import BEGIN, END
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import flat, on_sphere, poses, sheet
 from tests.unit.test_hair_painting import covered, paint, plane, sample_of

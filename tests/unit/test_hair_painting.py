@@ -15,18 +15,18 @@ import pytest
 
 from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
+from paint3d.brush_engine.bristles.bend import BLOCK
+from paint3d.brush_engine.bristles.contact import FINDINGS, GIVES, HELD
+from paint3d.brush_engine.bristles.imprint_cache import TOUCHING
+from paint3d.brush_engine.bristles.ink import settle_gifts, sum_hairs
+from paint3d.brush_engine.bristles.state import PARTED
 from paint3d.cli.options import parse_hairs
 from paint3d.colour.difference import delta_e, lab_from_srgb
+from paint3d.core.frames import quaternions_from_matrices
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
-from paint3d.frames import quaternions_from_matrices
-from paint3d.kernels.bristle_contact import FINDINGS, GIVES, HELD
-from paint3d.kernels.bristle_ink import settle_gifts, sum_hairs
-from paint3d.kernels.bristle_keeping import TOUCHING
-from paint3d.kernels.bristle_state import PARTED
-from paint3d.kernels.bristle_tuft import BLOCK
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import Recording
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import ball, bowl, flat, poses, sheet
 

@@ -7,12 +7,12 @@ import pytest
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.hand_motion import join_motions, lay_motion, travel
+from paint3d.calligraphy.timing import Motion, Tempo
+from paint3d.core.frames import rotate
 from paint3d.files.load import load_mesh
-from paint3d.frames import rotate
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest import ClosestPoints
-from paint3d.stroke.hand_motion import join_motions, lay_motion, travel
-from paint3d.stroke.timing import Motion, Tempo
+from paint3d.mesh.closest_points import ClosestPoints
 
 EM = 20.0
 

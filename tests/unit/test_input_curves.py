@@ -7,12 +7,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from paint3d.brush.input_curves import INPUTS, SETTINGS, build_curves
+from paint3d.brush.dynamics import INPUTS, SETTINGS, build_curves
 from paint3d.brush.presets import load_brush
+from paint3d.brush_engine.dynamics import curve_at
 from paint3d.errors import BrushError
-from paint3d.kernels.input_curves import curve_at
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import Recording
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import flat, poses, sheet
 

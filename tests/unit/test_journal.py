@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, RecordingError, SessionError
-from paint3d.files.journal import SAMPLE, Journal, read_journal
+from paint3d.files.project.journal import SAMPLE, Journal, read_journal
 
 ROOT = Path(__file__).parents[2]
 

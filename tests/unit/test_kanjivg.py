@@ -6,12 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import LineString, Point, Polygon
 
+from paint3d.calligraphy.glyph_sources import KanjiVGLines, load_glyphs, open_glyphs
+from paint3d.calligraphy.kanjivg import LineStroke, parse_lines
+from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.segments import BODY, ZONE, corners_of, cut_line
+from paint3d.calligraphy.stroke_shapes import shape_strokes
 from paint3d.errors import InputError
-from paint3d.stroke.glyph_sources import KanjiVGLines, load_glyphs, open_glyphs
-from paint3d.stroke.kanjivg import LineStroke, parse_lines
-from paint3d.stroke.kanjivg_folder import find_kanjivg
-from paint3d.stroke.legs import BODY, ZONE, corners_of, cut_line
-from paint3d.stroke.stroke_shapes import shape_strokes
 
 HEAD = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:kvg="http://kanjivg.tagaini.net" '
@@ -141,6 +141,6 @@ def test_the_installed_package_is_found():
 
 
 def test_a_package_that_is_not_there_is_said(monkeypatch):
-    monkeypatch.setattr("paint3d.stroke.glyph_sources.find_kanjivg", lambda: None)
+    monkeypatch.setattr("paint3d.calligraphy.glyph_sources.find_kanjivg", lambda: None)
     with pytest.raises(InputError, match="kanjivg is not installed"):
         open_glyphs(None)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush.presets import load_brush
 from paint3d.core.kernel import uncounted
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import flat, poses, sheet
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from paint3d.calligraphy.layout import Layout, lay_out, split_text
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.em_square import SquareLimits, lay_square
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.walking import walk
-from paint3d.stroke.layout import Layout, lay_out, split_text
 
 POEM = "春眠不觉晓处处闻啼鸟夜来风雨声花落知多少"
 

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.calligraphy.metrics import MARGIN, PIXELS, compare, copybook_mask, painted_mask
 from paint3d.errors import InputError
-from paint3d.stroke.likeness import MARGIN, PIXELS, compare, copybook_mask, painted_mask
 
 EM = 64.0
 PIXEL = EM / PIXELS

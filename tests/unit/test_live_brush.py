@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 import paint3d
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.kernels.drape import drape_points
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.brush_shape import BrushStand, grid_faces, handle_rings, tuft_rings
 from paint3d.view.camera import View, fit_camera
+from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_brush import LiveBrush
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.studio import Gloss

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.kernels.shine import add_shine
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_object import LiveObject
 

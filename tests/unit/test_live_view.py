@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 import paint3d
-from paint3d.kernels.facing import cone_of
-from paint3d.kernels.refine import activate_cell
+from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.camera import View, fit_camera
+from paint3d.view.kernels.facing import cone_of
 from paint3d.view.live_facing import turned_away
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_patches import LivePatches

@@ -19,15 +19,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from paint3d.core.machine import make_memory_file
 from paint3d.errors import MeshError, UnknownNameError
-from paint3d.files import isolation, patience
 from paint3d.files.export import export
-from paint3d.files.handover import receive, send
 from paint3d.files.load import load_mesh
-from paint3d.files.reading import Wanted, read_surface
-from paint3d.files.write_glb import write_glb
-from paint3d.files.write_ply import write_ply
-from paint3d.machine import make_memory_file
+from paint3d.files.sandbox import isolation, patience
+from paint3d.files.sandbox.handover import receive, send
+from paint3d.files.sandbox.reading import Wanted, read_surface
+from paint3d.files.writers.write_glb import write_glb
+from paint3d.files.writers.write_ply import write_ply
 from paint3d.mesh.solids import make_plane
 
 BOX = trimesh.creation.box((10.0, 20.0, 30.0))
@@ -436,7 +436,7 @@ def in_child(monkeypatch, code):
     monkeypatch.setattr(isolation, "START", start)
 
 
-LIMITED = "import paint3d.files.reading as r, paint3d.files.child as c\n"
+LIMITED = "import paint3d.files.sandbox.reading as r, paint3d.files.sandbox.child as c\n"
 
 
 @pytest.mark.parametrize(
@@ -482,7 +482,8 @@ def test_a_child_without_a_parent_that_looks_ends_by_itself(tmp_path, monkeypatc
 def test_what_a_file_costs_is_not_what_the_clock_says(tmp_path, monkeypatch):
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     in_child(
-        monkeypatch, "import time; time.sleep(1.5)\nfrom paint3d.files.child import main; main()"
+        monkeypatch,
+        "import time; time.sleep(1.5)\nfrom paint3d.files.sandbox.child import main; main()",
     )
     assert isolation.read_apart(path, Wanted(), seconds=1).mesh.n_faces == 1
 
@@ -491,7 +492,8 @@ def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch)
     """As by Ctrl+Z: both stood still for an hour, and go on."""
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     in_child(
-        monkeypatch, "import time; time.sleep(0.3)\nfrom paint3d.files.child import main; main()"
+        monkeypatch,
+        "import time; time.sleep(0.3)\nfrom paint3d.files.sandbox.child import main; main()",
     )
     stops = iter([0.0, 0.0, 3600.0])
     stopped, now = [0.0], time.monotonic
@@ -511,7 +513,8 @@ def test_a_busy_machine_refuses_no_good_file(tmp_path, monkeypatch):
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     core = {min(os.sched_getaffinity(0))}
     here = f"import os, time; os.sched_setaffinity(0, {core})\n"
-    work = "while time.process_time() < 0.4: pass\nfrom paint3d.files.child import main; main()"
+    work = "while time.process_time() < 0.4: pass\n"
+    work += "from paint3d.files.sandbox.child import main; main()"
     in_child(monkeypatch, here + work)
     others = [subprocess.Popen([sys.executable, "-c", here + "while True: pass"]) for _ in range(3)]
     try:
@@ -555,7 +558,8 @@ def test_what_a_child_hands_over_arrives():
 
 
 def test_the_child_needs_no_heavy_package():
-    code = "import sys, paint3d.files.child, paint3d.files.reading, paint3d.files.read_gltf\n"
+    code = "import sys, paint3d.files.readers.read_gltf\n"
+    code += "import paint3d.files.sandbox.child, paint3d.files.sandbox.reading\n"
     code += "print({'numba', 'open3d', 'scipy', 'PIL', 'vtk'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

@@ -32,9 +32,9 @@ NAMES = {
 # only where a system ends processes by signals.
 ALLOWED = {
     "haptics/realtime.py": {"os.sched_setscheduler", "os.sched_param", "os.uname"},
-    "device/virtual_stylus.py": {"os.sched_setscheduler", "os.sched_param"},
+    "device/force/virtual_stylus.py": {"os.sched_setscheduler", "os.sched_param"},
     "device/permission.py": {"os.O_NONBLOCK"},
-    "files/isolation.py": {"signal.SIGXCPU", "signal.SIGKILL"},
+    "files/sandbox/isolation.py": {"signal.SIGXCPU", "signal.SIGKILL"},
 }
 
 HIDE = f"""
@@ -104,7 +104,7 @@ def test_a_stranger_s_file_is_read_and_a_sitting_is_kept_without_them(tmp_path: 
 from pathlib import Path
 import paint3d
 from paint3d.app.model.document import Document
-from paint3d.app.model.sitting import Sitting, recoverable
+from paint3d.app.model.persistence.sitting import Sitting, recoverable
 
 if __name__ == "__main__":
     assert paint3d.load_mesh("a.obj").n_faces == 1

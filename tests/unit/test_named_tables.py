@@ -9,11 +9,11 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.study import evaluate
 from paint3d.app.model.study_plan import make_plan
 from paint3d.cli import main
+from paint3d.colour import pigments
 from paint3d.errors import SessionError
 from paint3d.files.load import load_mesh
-from paint3d.files.session import Session, save_session
-from paint3d.ink import pigments
-from paint3d.stroke.recording import Recording, save_recording
+from paint3d.files.project.session import Session, save_session
+from paint3d.recording.recording import Recording, save_recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)

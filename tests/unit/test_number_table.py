@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from paint3d.errors import RecordingError
-from paint3d.kernels.number_rows import read_rows
-from paint3d.stroke import number_table, text_lines
-from paint3d.stroke.number_table import NumberTable
-from paint3d.stroke.recording import load_recording
-from paint3d.stroke.text_lines import TextLines
+from paint3d.recording import number_table, text_lines
+from paint3d.recording.kernels.number_rows import read_rows
+from paint3d.recording.number_table import NumberTable
+from paint3d.recording.recording import load_recording
+from paint3d.recording.text_lines import TextLines
 
 
 def read(lines: list[str], delimiter: str | None = ",") -> NumberTable:

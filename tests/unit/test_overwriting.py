@@ -14,10 +14,10 @@ from PIL import Image
 
 from paint3d.app.model.study_plan import make_plan, save_plan
 from paint3d.cli import main
-from paint3d.cli.batch_table import read_table
+from paint3d.cli.batches.table import read_table
 from paint3d.files.load import load_mesh
-from paint3d.files.references import refers_to
-from paint3d.files.session import Session, save_session
+from paint3d.files.project.session import Session, save_session
+from paint3d.files.readers.references import refers_to
 from paint3d.surface.painted_surface import PaintedSurface
 
 SQUARE = "v -30 -30 0\nv 30 -30 0\nv 30 30 0\nv -30 30 0\nf 1 2 3 4\n"

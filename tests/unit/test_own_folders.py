@@ -14,15 +14,15 @@ from pathlib import Path
 import pytest
 
 import paint3d
-from paint3d import own_folders
-from paint3d.app.model.places import config_folder, recovery_folder, stand_in
-from paint3d.app.model.settings import Settings, load_settings, save_settings
+from paint3d.app.model.persistence.places import config_folder, recovery_folder, stand_in
+from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
+from paint3d.core import own_folders
+from paint3d.core.own_folders import private_folder
 from paint3d.errors import ExportError
-from paint3d.own_folders import private_folder
 
 NOWHERE = "/proc"  # nothing can be made there, not even by root
 KEPT = (
-    "from paint3d.kernels.turning import turn; import numpy as np; "
+    "from paint3d.core.quaternion import turn; import numpy as np; "
     "turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0); "
     "print(turn.stats.cache_path, sum(turn.stats.cache_hits.values()))"
 )
@@ -53,7 +53,7 @@ def installed(tmp_path: Path) -> Path:
         site / "paint3d",
         ignore=shutil.ignore_patterns("__pycache__"),
     )
-    for folder in ("core", "kernels"):
+    for folder in ("core", "brush_engine"):
         (site / "paint3d" / folder / "__pycache__").write_text("a file, in which nothing can lie")
     return site
 
@@ -77,7 +77,7 @@ def test_kernels_are_kept_without_a_home(home: dict, temporary: Path, installed:
     kept = Path(folder)
     assert hits == "0"
     assert kept.parent == own / "numba"
-    assert list(kept.glob("turning.turn-*.nbi"))
+    assert list(kept.glob("quaternion.turn-*.nbi"))
     assert stat.S_IMODE(own.stat().st_mode) == 0o700
     assert done.stderr.count("\n") == 1
     assert "NUMBA_CACHE_DIR names another folder" in done.stderr
@@ -174,7 +174,7 @@ def test_settings_of_a_home_that_is_read_only_are_read(
     assert stand_in() is None
     save_settings(Settings(language="zh"))
     assert (home / ".config" / "paint3d" / "settings.json").is_file()
-    monkeypatch.setattr("paint3d.app.model.places.can_write", lambda folder: False)
+    monkeypatch.setattr("paint3d.app.model.persistence.places.can_write", lambda folder: False)
     assert stand_in() == temporary / f"paint3d-{os.geteuid()}"
     assert load_settings()[0].language == "zh"
     save_settings(Settings(language="en"))

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from paint3d.errors import MeshError
-from paint3d.kernels.refine import activate_cell
-from paint3d.mesh import paint_mesh
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh import refined_mesh as paint_mesh
+from paint3d.mesh.kernels.refine import activate_cell
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import poses
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import paint3d
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, UnknownNameError
-from paint3d.ink.pigments import load_pigment
 
 
 @pytest.mark.parametrize("name", ["plane", "sphere"])

@@ -11,10 +11,8 @@ import pytest
 from paint3d.cli.inks import swatches_table
 from paint3d.cli.main import main
 from paint3d.colour.layers import layer_reflectance
-from paint3d.colour.spectra import xyz_from_reflectance
-from paint3d.errors import PigmentError, UnknownNameError
-from paint3d.ink.materials import Material, load_material, load_materials, material_names
-from paint3d.ink.pigments import (
+from paint3d.colour.materials import Material, load_material, load_materials, material_names
+from paint3d.colour.pigments import (
     BANDS_NM,
     WATER,
     Pigment,
@@ -24,6 +22,8 @@ from paint3d.ink.pigments import (
     load_pigments_csv,
     pigment_names,
 )
+from paint3d.colour.spectra import xyz_from_reflectance
+from paint3d.errors import PigmentError, UnknownNameError
 
 ROOT = Path(__file__).parents[2]
 MEASUREMENTS = ROOT / "../shared/pigments"
@@ -221,7 +221,7 @@ def test_shipped_table_is_what_its_script_builds(tmp_path, name):
     subprocess.run(
         [sys.executable, str(script), str(MEASUREMENTS), "--out", str(built)], check=True, cwd=ROOT
     )
-    shipped = ROOT / f"paint3d/ink/data/{name}.csv"
+    shipped = ROOT / f"paint3d/colour/data/{name}.csv"
     with built.open(encoding="utf-8") as one, shipped.open(encoding="utf-8") as two:
         for fresh, kept in zip(csv.reader(one), csv.reader(two), strict=True):
             assert fresh[:5] == kept[:5]

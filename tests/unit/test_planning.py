@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.hand_motion import root_stretch
+from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph, plan_stroke
+from paint3d.calligraphy.timing import Tempo, time_courses
 from paint3d.errors import InputError
-from paint3d.kernels import planning as kernels
-from paint3d.stroke.glyphs import Glyph, GlyphStroke
-from paint3d.stroke.hand_motion import root_stretch
-from paint3d.stroke.ladder import build_ladder
-from paint3d.stroke.planning import PlanSettings, on_paper, plan_glyph, plan_stroke
-from paint3d.stroke.timing import Tempo, time_courses
 from tests.unit.planned_strokes import EM, band, boundary, overlap, signed_distance
 
 RATE = 250.0

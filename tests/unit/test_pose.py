@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from paint3d.core.frames import multiply_quaternions, rotate
 from paint3d.errors import RecordingError
-from paint3d.frames import multiply_quaternions, rotate
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import densify, evaluate, joined_samples, velocities
 from paint3d.pose.resampling import resample
-from paint3d.stroke.recording import Recording
+from paint3d.recording.recording import Recording
 
 
 def unit(rng, n):

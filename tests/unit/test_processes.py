@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
+from paint3d.calligraphy.processes import in_processes
 from paint3d.errors import InputError, Paint3DError
-from paint3d.stroke.processes import in_processes
 
 PATIENCE_S = 60
 SLEEPERS = """
 import os, sys, time
-from paint3d.stroke.processes import in_processes
+from paint3d.calligraphy.processes import in_processes
 
 def work(item):
     print(os.getpid(), flush=True)

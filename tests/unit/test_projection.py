@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
-from paint3d.footprint.outline import make_footprint
-from paint3d.kernels import stamp
-from paint3d.stroke.engine import Painter
+from paint3d.brush_engine import stamp
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.surface_cases import UPRIGHT, flat, on_cylinder, on_sphere, poses, sheet
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paint3d.errors import ExportError, RecordingError
-from paint3d.stroke.recording import Recording, load_recording, save_recording
+from paint3d.recording.recording import Recording, load_recording, save_recording
 
 HEADER = {"format": "paint3d-recording", "version": 1, "units": {"position": "mm"}}
 SAMPLE = {

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.core.frames import matrices_from_quaternions
 from paint3d.errors import RecordingError
-from paint3d.frames import matrices_from_quaternions
-from paint3d.stroke.laying import DIP, dipped
-from paint3d.stroke.pad import MM_PER_PIXEL, orientations_from_angles, spread_ties
-from paint3d.stroke.recording import Recording, load_recording, save_recording
+from paint3d.painter.flat_input import DIP, dipped
+from paint3d.recording.flat_recording import MM_PER_PIXEL, orientations_from_angles, spread_ties
+from paint3d.recording.recording import Recording, load_recording, save_recording
 
 SHARED = Path(__file__).parents[2] / "../shared/recordings"
 needs_shared = pytest.mark.skipif(not SHARED.exists(), reason="recordings are not at hand")

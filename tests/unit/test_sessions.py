@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 import paint3d
+from paint3d.colour.pigments import WATER
 from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError, InputError, SessionError
-from paint3d.files import session as sessions
-from paint3d.files.session import Session, load_session, save_session
-from paint3d.ink.pigments import WATER
+from paint3d.files.project import session as sessions
+from paint3d.files.project.session import Session, load_session, save_session
 from paint3d.mesh.refinement_log import refinement_log, repeat_refinement
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface import state as states
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.state import restore_surface, surface_state
@@ -195,7 +195,7 @@ def test_water_beyond_all_measure_is_refused(part, value, message):
 def test_the_numbers_kept_do_not_depend_on_the_lattice(monkeypatch):
     surface = painted(creased_mesh())
     state = surface_state(surface)
-    monkeypatch.setattr("paint3d.mesh.paint_mesh._REFINED_CELL", 9.0)
+    monkeypatch.setattr("paint3d.mesh.refined_mesh._REFINED_CELL", 9.0)
     again = restore_surface(surface.source, state)
     assert again.paint_mesh.n_cells != surface.paint_mesh.n_cells
     fresh = surface_state(again)

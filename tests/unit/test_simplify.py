@@ -9,8 +9,8 @@ import pytest
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.errors import InputError
-from paint3d.kernels.refine import activate_cell
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.kernels.refine import activate_cell
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
 

@@ -12,15 +12,15 @@ import pytest
 
 import paint3d
 from paint3d.app.model.document import Document
+from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, MeshError
-from paint3d.files.atomic import write_atomically
 from paint3d.files.export import FORMATS, prepare_export
 from paint3d.files.export_options import ExportOptions
-from paint3d.files.isolation import read_apart
 from paint3d.files.load import load_mesh
-from paint3d.files.reading import Wanted
-from paint3d.files.session import load_session
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.files.project.session import load_session
+from paint3d.files.sandbox.isolation import read_apart
+from paint3d.files.sandbox.reading import Wanted
+from paint3d.mesh.refined_mesh import PaintMesh
 from tests.app.hands import paint, small_plane
 
 
@@ -146,6 +146,6 @@ def test_a_childs_reading_is_ended_at_once(tmp_path: Path) -> None:
     if Path("/proc/self/task").is_dir():
         kin = " ".join(file.read_text() for file in Path("/proc/self/task").glob("*/children"))
         told = [Path(f"/proc/{number}/cmdline").read_bytes() for number in kin.split()]
-        assert not any(b"paint3d.files.child" in line for line in told)
+        assert not any(b"paint3d.files.sandbox.child" in line for line in told)
     with pytest.raises(MeshError, match=r"took longer than 0\.1 s"):
         read_apart(big, Wanted(), 0.1, lambda share: None)

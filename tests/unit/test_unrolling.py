@@ -3,7 +3,7 @@ import pytest
 
 from paint3d.errors import InputError
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.solids import make_plane, make_sphere
 from paint3d.mesh.unrolling import unroll
 

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 import paint3d
-from paint3d.ink.pigments import load_pigment
+from paint3d.colour.pigments import load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "validate_exports.py"))

@@ -14,7 +14,7 @@ from scipy.ndimage import median_filter
 
 from paint3d.errors import ExportError, InputError, MeshError, UnknownNameError
 from paint3d.files.load import load_mesh
-from paint3d.files.painting import PlainSurface
+from paint3d.files.project.painting import PlainSurface
 from paint3d.view import picture
 from paint3d.view.picture import Gloss, View, draw_picture, render_picture
 from tests.unit.view_shapes import BARE, INK, ball, sheet

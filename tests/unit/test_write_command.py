@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
 from paint3d.cli import main, options, replay, write
+from paint3d.colour.materials import material_names
 from paint3d.errors import InputError
-from paint3d.ink.materials import material_names
-from paint3d.stroke.glyph_sources import check_glyphs, open_glyphs
 
 BAR = "M 150 420 L 220 350 L 800 350 L 880 420 L 800 470 L 220 470 Z"
 
@@ -97,7 +97,7 @@ def test_what_is_wished_is_checked_before_any_work(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(write, "load_object", load)
     monkeypatch.setattr(replay, "load_object", load)
-    monkeypatch.setattr("paint3d.stroke.recording.load_recording", load)
+    monkeypatch.setattr("paint3d.recording.recording.load_recording", load)
     chosen = {"text": "none.jsonl"} if command == "replay" else {"text": "一", "glyphs": glyphs}
     chosen |= {"on": "plane", "out": "a.ply", **wish}
     text = chosen.pop("text")

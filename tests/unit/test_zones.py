@@ -8,13 +8,13 @@ import pytest
 from shapely import Polygon, unary_union
 
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.stroke_sides import stroke_outlines, stroke_polygon
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
-from paint3d.footprint.outline import make_footprint
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.recording import Recording
-from paint3d.stroke.zones import stroke_outlines, stroke_polygon
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 BRUSH = "zhongbaiyun"

@@ -1,0 +1,1 @@
+"""The studio without a window: documents, the painting thread, settings, words."""

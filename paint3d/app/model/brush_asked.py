@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
-from paint3d.app.model.brush_words import brush_from_words
+from paint3d.app.model.persistence.brush_words import brush_from_words
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import Paint3DError

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
-from paint3d.app.model.brush_words import brush_from_words
+from paint3d.app.model.persistence.brush_words import brush_from_words
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.pigments import Pigment
 from paint3d.errors import InputError
-from paint3d.ink.pigments import Pigment
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 Ink = str | Pigment | Mapping

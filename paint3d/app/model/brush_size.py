@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
-from paint3d.arrays import as_number
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError
 
 __all__ = ["resized", "scaled", "size_limits", "stepped"]

@@ -8,12 +8,12 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.pigments import Pigment
 from paint3d.errors import SessionError
-from paint3d.ink.pigments import Pigment
 
 __all__ = ["COMMANDS", "decode_command", "do_again", "encode_command"]
 

@@ -15,19 +15,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.stroke_log import Stroke
-from paint3d.arrays import as_number
+from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs, open_glyphs
+from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.layout import Layout, lay_out
+from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
+from paint3d.calligraphy.planning import on_paper
+from paint3d.core.arrays import as_number
 from paint3d.errors import MeshError
 from paint3d.mesh.chart import SurfaceChart, make_chart
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.em_square import EmSquare
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.unrolling import unroll
 from paint3d.pose.brush_pose import object_poses
-from paint3d.stroke.glyph_sources import GlyphSource, load_glyphs, open_glyphs
-from paint3d.stroke.glyphs import Glyph
-from paint3d.stroke.layout import Layout, lay_out
-from paint3d.stroke.likeness import Likeness, compare, copybook_mask, painted_mask
-from paint3d.stroke.planning import on_paper
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Copybook", "Ghost", "Score"]

@@ -13,13 +13,14 @@ from pathlib import Path
 from numpy.typing import NDArray
 
 from paint3d.app.model.brush_commands import BrushCommands, Ink
-from paint3d.app.model.brush_words import brush_words, hair_words
 from paint3d.app.model.history_commands import HistoryCommands
 from paint3d.app.model.image_painter import ImagePainter
+from paint3d.app.model.input.symmetry import Symmetry
 from paint3d.app.model.layer_commands import LayerCommands
 from paint3d.app.model.mask import Mask, Stencil
-from paint3d.app.model.saved_history import MOST_BYTES, restore_history, saved_history
-from paint3d.app.model.saved_settings import (
+from paint3d.app.model.persistence.brush_words import brush_words, hair_words
+from paint3d.app.model.persistence.saved_history import MOST_BYTES, restore_history, saved_history
+from paint3d.app.model.persistence.saved_settings import (
     DEFAULT_BRUSH,
     DEFAULT_INKS,
     saved_inks,
@@ -28,8 +29,8 @@ from paint3d.app.model.saved_settings import (
 )
 from paint3d.app.model.stroke_commands import StrokeCommands
 from paint3d.app.model.stroke_log import StrokeLog, strokes_of, weights_of
-from paint3d.app.model.symmetry import Symmetry
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.materials import Material
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.export import (
     PreparedExport,
@@ -39,10 +40,9 @@ from paint3d.files.export import (
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.progress import Progress, part_of
-from paint3d.files.session import Session, is_session_path, load_session, save_session
-from paint3d.ink.materials import Material
+from paint3d.files.project.session import Session, is_session_path, load_session, save_session
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
 from paint3d.surface.vertex_sets import union

@@ -28,11 +28,11 @@ from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, view_brush
 from paint3d.app.model.ink_clock import InkClock
-from paint3d.app.model.sitting import Sitting
+from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
-from paint3d.stroke.ink_time import PIECE_S, is_lifted_between
+from paint3d.painter.ink_time import PIECE_S, is_lifted_between
 
 __all__ = ["Easel", "Event", "Pace"]
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.held_ink import ink_srgb
+from paint3d.brush_engine.contact import Contact
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
-from paint3d.projection.contact import Contact
 
 __all__ = ["BrushView", "Frame", "view_brush"]
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.layers import mixture_reflectance
+from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.ink.pigments import WATER, Pigment
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 
 __all__ = ["DISH", "HAIR", "HeldInk", "held_ink", "ink_srgb"]
 

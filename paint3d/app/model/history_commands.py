@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.recall_commands import RecallCommands
 from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
+from paint3d.colour.pigments import Pigment
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
-from paint3d.ink.pigments import Pigment
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory

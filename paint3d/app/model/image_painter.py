@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.symmetry import transformed
+from paint3d.app.model.input.symmetry import transformed
 from paint3d.device.sample import DeviceSample
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 
 __all__ = ["ImagePainter"]
 

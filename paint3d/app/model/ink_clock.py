@@ -1,4 +1,4 @@
-"""When the pieces of time pass for wet ink while a hand paints (`stroke.ink_time` says which).
+"""When the pieces of time pass for wet ink while a hand paints (`painter.ink_time` says which).
 
 A hand's samples say when they were made, and come late: by a picture, or many at once. The pieces
 that pass before a sample follow from its time, however late it comes; and only while nothing is
@@ -8,7 +8,7 @@ then find the same ink, handed over in whatever way, as they do when their recor
 
 from __future__ import annotations
 
-from paint3d.stroke.ink_time import PIECE_NS, PIECE_S, pieces_until
+from paint3d.painter.ink_time import PIECE_NS, PIECE_S, pieces_until
 
 __all__ = ["LATE_S", "InkClock"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from itertools import count
 
 from paint3d.errors import InputError, LayerError
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.arrays import as_array, as_number
+from paint3d.brush_engine.brush_load import level_stations
+from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
-from paint3d.kernels.tuft_load import level_stations
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "nearest_vertex",

@@ -1,4 +1,4 @@
-"""What a reader tells of a mesh, in the user's language; see `paint3d.files.raw_mesh.RawMesh`."""
+"""What a reader tells of a mesh, in the user's language; see `files.readers.raw_mesh.RawMesh`."""
 
 from __future__ import annotations
 

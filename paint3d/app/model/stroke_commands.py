@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from paint3d.app.model.image_painter import ImagePainter
+from paint3d.app.model.input.symmetry import Symmetry
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.app.model.stroke_log import Stroke, StrokeLog
-from paint3d.app.model.symmetry import Symmetry
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory

@@ -9,16 +9,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from paint3d.app.model.brush_words import brush_from_words
+from paint3d.app.model.persistence.brush_words import brush_from_words
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.pigments import Pigment
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError, SessionError
-from paint3d.ink.pigments import Pigment
+from paint3d.painter.flat_input import DIP
+from paint3d.painter.ink_time import PIECE_NS
 from paint3d.pose.brush_pose import contacts_of
-from paint3d.stroke.ink_time import PIECE_NS
-from paint3d.stroke.laying import DIP
 
 __all__ = ["Stroke", "StrokeLog", "recording_of", "strokes_of", "weights_of"]
 

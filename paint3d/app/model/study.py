@@ -18,16 +18,16 @@ import numpy as np
 from paint3d.app.model.copybook import Ghost
 from paint3d.app.model.study_plan import StudyPlan, Trial
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
+from paint3d.calligraphy.layout import lay_out
+from paint3d.colour.pigments import load_pigment
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.load import load_mesh
-from paint3d.files.session import SESSION_SUFFIX, load_session
-from paint3d.ink.pigments import load_pigment
-from paint3d.mesh.closest import ClosestPoints
-from paint3d.stroke.engine import Painter
-from paint3d.stroke.glyph_sources import GlyphSource, open_glyphs
-from paint3d.stroke.layout import lay_out
-from paint3d.stroke.recording import load_recording
+from paint3d.files.project.session import SESSION_SUFFIX, load_session
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import load_recording
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Measured", "PairedTest", "StudyTable", "Summary", "evaluate", "find_file", "measure"]

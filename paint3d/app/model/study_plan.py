@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from paint3d.arrays import as_number
+from paint3d.core.arrays import as_number
+from paint3d.core.atomic import write_atomically
 from paint3d.errors import InputError
-from paint3d.files.atomic import write_atomically
-from paint3d.files.odd_names import json_text
+from paint3d.files.readers.odd_names import json_text
 
 __all__ = ["PLAN_NAME", "StudyPlan", "Trial", "load_plan", "make_plan", "save_plan"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.sitting import recoverable
+from paint3d.app.model.persistence.sitting import recoverable
 from paint3d.app.window.named import named
 from paint3d.app.window.wording import say
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paint3d.app.model.shortcuts import GESTURES, SHORTCUTS, find_shortcuts
+from paint3d.app.model.persistence.shortcuts import GESTURES, SHORTCUTS, find_shortcuts
 from paint3d.brush.presets import brush_names
 
 __all__ = [

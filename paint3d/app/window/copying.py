@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from paint3d.app.model.copybook import Copybook
-from paint3d.app.window.jobs import run_beside
+from paint3d.app.window.jobs.job import run_beside
 from paint3d.app.window.wording import say
-from paint3d.stroke.layout import Layout
+from paint3d.calligraphy.layout import Layout
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document

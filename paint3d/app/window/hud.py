@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from PySide6 import QtCore, QtGui
 
 from paint3d.app.model.held_ink import HeldInk, held_ink
-from paint3d.app.window.brush_panel import plain_name
-from paint3d.app.window.ink_panel import ink_label
+from paint3d.app.window.panels.brush_panel import plain_name
+from paint3d.app.window.panels.ink_panel import ink_label
 from paint3d.app.window.wording import say, say_length
 
 if TYPE_CHECKING:

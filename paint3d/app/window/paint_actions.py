@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import NDArray
 
+from paint3d.app.model.input.navigation import picture_axes
+from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
-from paint3d.app.model.navigation import picture_axes
-from paint3d.app.model.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.window.wording import say
 from paint3d.brush.presets import brush_names
-from paint3d.mesh.paint_mesh import PaintMesh
+from paint3d.mesh.refined_mesh import PaintMesh
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.device.sample import DeviceSample
-from paint3d.ink.materials import load_material
-from paint3d.ink.pigments import Pigment, load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.stroke.engine import Painter
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["ink_swatch", "sorted_parts", "stroke_preview"]

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.frame import BrushView, Frame, view_brush
 from paint3d.app.model.mask import Stencil
-from paint3d.app.model.sitting import Sitting
-from paint3d.app.window.opened import Opened
+from paint3d.app.model.persistence.sitting import Sitting
+from paint3d.app.window.jobs.opened import Opened
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.frames import matrices_from_quaternions
 from paint3d.device.sample import DeviceSample
-from paint3d.frames import matrices_from_quaternions
 from paint3d.pose.brush_pose import object_poses
 from paint3d.view.brush_shape import BrushStand
 from paint3d.view.camera import Camera

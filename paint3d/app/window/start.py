@@ -10,12 +10,12 @@ import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.places import stand_in
-from paint3d.app.model.settings import load_settings
+from paint3d.app.model.persistence.places import stand_in
+from paint3d.app.model.persistence.settings import load_settings
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
-from paint3d.device.force_port import HidForcePort
+from paint3d.device.force.force_port import HidForcePort
 from paint3d.device.hid_nodes import list_nodes
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.errors import InputError, Paint3DError

@@ -8,14 +8,12 @@ from collections.abc import Callable
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.devices import Feedback, Plugged
 from paint3d.app.model.document import Document
-from paint3d.app.model.saved_settings import in_hand
-from paint3d.app.model.settings import Settings, save_settings
-from paint3d.app.model.sitting import Sitting
+from paint3d.app.model.input.devices import Feedback, Plugged
+from paint3d.app.model.persistence.saved_settings import in_hand
+from paint3d.app.model.persistence.settings import Settings, save_settings
+from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.begin_page import BeginPage
-from paint3d.app.window.both_hands import BothHands
-from paint3d.app.window.canvas import Canvas
 from paint3d.app.window.commands import (
     ALWAYS,
     CHECKABLE,
@@ -27,22 +25,24 @@ from paint3d.app.window.commands import (
     text_of,
 )
 from paint3d.app.window.copying import Copying
-from paint3d.app.window.files import Files
 from paint3d.app.window.guard import TellOnce
-from paint3d.app.window.hand import CanvasHand
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.icons import make_icon
-from paint3d.app.window.jobs import is_waiting
-from paint3d.app.window.keys import HeldKeys
+from paint3d.app.window.input.both_hands import BothHands
+from paint3d.app.window.input.canvas import Canvas
+from paint3d.app.window.input.hand import CanvasHand
+from paint3d.app.window.input.keys import HeldKeys
+from paint3d.app.window.input.steering import Steering
+from paint3d.app.window.jobs.files import Files
+from paint3d.app.window.jobs.job import is_waiting
+from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.jobs.player import Player
+from paint3d.app.window.jobs.recalling import Recalling
+from paint3d.app.window.jobs.standing import Standing
 from paint3d.app.window.named import described
-from paint3d.app.window.opened import Opened
 from paint3d.app.window.paint_actions import PaintActions
-from paint3d.app.window.panels import Panels
-from paint3d.app.window.player import Player
-from paint3d.app.window.recalling import Recalling
+from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.stage import Stage
-from paint3d.app.window.standing import Standing
-from paint3d.app.window.steering import Steering
 from paint3d.app.window.theme import (
     DARK_THEME,
     LIGHT_THEME,

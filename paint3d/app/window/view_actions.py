@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.dialogs import KeysDialog, PreferencesDialog
-from paint3d.app.window.steering import STEPS
+from paint3d.app.window.dialogs.questions import KeysDialog, PreferencesDialog
+from paint3d.app.window.input.steering import STEPS
 from paint3d.app.window.wording import say
 
 if TYPE_CHECKING:

@@ -8,14 +8,14 @@ from collections.abc import Callable
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.hand import Hand, PointerInput
+from paint3d.app.model.input.hand import Hand, PointerInput
+from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.core.compile_cache import is_compiled
-from paint3d.kernels.drape import drape_points
-from paint3d.kernels.facing import cone_of
-from paint3d.kernels.shine import add_shine
-from paint3d.kernels.stroke import paint_samples
-from paint3d.mesh.closest import ClosestPoints
+from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.brush_shape import BrushStand, tuft_rings
+from paint3d.view.kernels.drape import drape_points
+from paint3d.view.kernels.facing import cone_of
+from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_object import LiveObject
 
 __all__ = ["is_first_start", "warm_up"]

@@ -1,0 +1,1 @@
+"""From pointers, fingers and devices to a brush on the object, or to a camera that moves."""

@@ -1,0 +1,574 @@
+"""From a pointer over a picture of the object to a brush standing on it.
+
+A window says where the pointer's ray meets the object, or gives the ray. That place is what every
+sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
+What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
+way, for the tuft trails behind. A stroke waits until it is known whither it goes, so that the tuft
+comes down trailing and need not turn round. Strokes can be steadied by a string that pulls the
+brush; its end is reached when the stroke ends.
+
+One step after the other over events; nothing here has a clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.model.input.standing import any_tangent, held_over, lean_of, root_over, turned_with
+from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import as_array, as_number
+from paint3d.core.frames import quaternions_from_matrices
+from paint3d.device.recorded import MAX_FORCE_N
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import InputError
+from paint3d.mesh.closest_points import ClosestPoints
+
+__all__ = ["Hand", "HandSettings", "PointerInput"]
+
+_REST = np.array([1.0, 0.0, 0.0, 0.0])
+_HOVER = 0.25  # of the tuft's length: the gap under a brush that is lifted
+_STEP_NS = 1_000_000
+_GLIDE_MM_S = 150.0  # how fast a steadied brush is brought to the end of its string
+_GLIDE_STEP_MM = 0.5
+_LEAST_GAP_MM = 3.0
+_PLACES_BETWEEN = (0.25, 0.5, 0.75)
+_MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
+_HALVINGS = 7  # of the angle between two rays, to find an edge between them
+_STAYS = 0.6  # of a way: a part that stays greater is an edge's
+_FILTER_S = 0.03  # over which the pointer's speed is taken
+_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that tells whither a stroke goes, if need be
+_STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
+_LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
+_UNDER = 0.07  # of the tuft's length: half a footprint, about
+_SUNK = 0.35  # of that: how far under the surface its rim is looked for
+_OTHER_SIDE = -0.5  # cosine to the normal: what faces farther away is the other side of a wall
+_RIM = np.stack([f(0.25 * math.pi * np.arange(8)) for f in (np.cos, np.sin)], axis=1)
+_TURNS = math.radians(12.0)  # a surface that turns by more between two places is looked at there
+_LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last place is no way to it
+
+
+@dataclass(frozen=True, eq=False)
+class PointerInput:
+    """What a pointer said at one instant; all vectors in the object's frame.
+
+    Attributes
+    ----------
+    time_ns : int
+    point, normal : (3,) or None
+        Where it meets the surface, mm, and the normal there; or:
+    origin, direction : (3,) or None
+        The ray through it.
+    right, up : (3,) or None
+        The picture's axes, which tilt is counted by; None: the pen has no tilt.
+    pressure : float or None
+        0 to 1; None where the device has none.
+    x_tilt, y_tilt : float
+        Degrees that the pen leans to the right, and towards the user (down in the picture).
+    rotation : float or None
+        Degrees clockwise about the pen's own axis; None where the device does not tell.
+    buttons : int
+        Bit field of `DeviceSample`.
+    harder, softer : bool
+        Whether these keys are held, for a device without pressure.
+    wheel : float
+        Notches since the last event, for the same.
+    """
+
+    time_ns: int
+    point: Sequence[float] | None = None
+    normal: Sequence[float] | None = None
+    origin: Sequence[float] | None = None
+    direction: Sequence[float] | None = None
+    right: Sequence[float] | None = None
+    up: Sequence[float] | None = None
+    pressure: float | None = None
+    x_tilt: float = 0.0
+    y_tilt: float = 0.0
+    rotation: float | None = None
+    buttons: int = 0
+    harder: bool = False
+    softer: bool = False
+    wheel: float = 0.0
+
+
+@dataclass(frozen=True)
+class HandSettings:
+    """How the hand is read.
+
+    Attributes
+    ----------
+    curve : PressureCurve
+    smoothing : float
+        0 to 1: the string's length over `longest_string_mm`.
+    longest_string_mm : float
+    trail : float
+        Share of the tuft's length that its tip trails behind the brush.
+    pressure_by : {"keys", "speed"}
+        What gives the pressure of a device that has none.
+    newtons_per_s, newtons_per_notch : float
+        How fast keys and wheel change it.
+    steady_mm_s : float
+        By speed: that at which the pressure has fallen to a half of the set one.
+    landing_s : float
+        Over which the pressure of a device that has none rises when it goes down.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range.
+    """
+
+    curve: PressureCurve = field(default_factory=PressureCurve)
+    smoothing: float = 0.0
+    longest_string_mm: float = 20.0
+    trail: float = 0.12
+    pressure_by: str = "keys"
+    newtons_per_s: float = 3.0
+    newtons_per_notch: float = 0.25
+    steady_mm_s: float = 150.0
+    landing_s: float = 0.06
+
+    def __post_init__(self) -> None:
+        as_number(self.smoothing, "smoothing", 0.0, 1.0)
+        as_number(self.longest_string_mm, "longest string (mm)", 0.0, 1000.0)
+        as_number(self.trail, "trail", 0.01, 1.0)
+        as_number(self.steady_mm_s, "steady speed (mm/s)", 1.0, 1e5)
+        as_number(self.landing_s, "landing (s)", 0.0, 1.0)
+        if self.pressure_by not in ("keys", "speed"):
+            raise InputError(f"pressure by {self.pressure_by!r}; expected 'keys' or 'speed'")
+
+
+@dataclass
+class _State:
+    """What is remembered between events."""
+
+    time_ns: int
+    target: NDArray  # where the pointer is, on the surface
+    point: NDArray  # where the brush is
+    normal: NDArray
+    tip: NDArray  # where the tuft's tip trails
+    ray: tuple[NDArray, NDArray] | None = None  # by which the pointer met the surface
+    began_ns: int | None = None
+    beside: bool = False
+    speed: float = 0.0
+    sent_ns: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class _Stand:
+    """Where the brush is at one instant, but for whither its tip trails."""
+
+    time_ns: int
+    target: NDArray  # where the pointer is
+    point: NDArray  # where the brush is
+    normal: NDArray
+    lean: NDArray  # unit, up the handle
+    rest: NDArray  # whither a tip points that nothing drags
+    twist: float | None  # rad
+    pressure: float
+    buttons: int
+
+
+class Hand:
+    """Reads one pointer over one object.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+        Of the object's mesh.
+    settings : HandSettings
+    force : float
+        Of a device that has no pressure, at first, N.
+
+    Attributes
+    ----------
+    settings : HandSettings
+    force : float
+        N; see `HandSettings.newtons_per_s`.
+    """
+
+    def __init__(
+        self, surface: ClosestPoints, settings: HandSettings | None = None, force: float = 1.5
+    ) -> None:
+        self.settings = settings or HandSettings()
+        self.force = as_number(force, "force (N)", 0.0, MAX_FORCE_N)
+        self._surface = surface
+        self._state: _State | None = None
+        self._waiting: list[_Stand] = []  # of a stroke that does not yet say whither it goes
+        self._last: _Stand | None = None
+
+    def hover(self, event: PointerInput, brush: BrushSpec) -> DeviceSample | None:
+        """The brush above the surface; None where the pointer is beside the object."""
+        stand = self._follow(event, brush, pulled=False)
+        return None if stand is None else self._sample(stand, brush, lifted=True)
+
+    def begin(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample] | None:
+        """The brush comes down; None where the pointer is beside the object.
+
+        Samples may only come with later events, when it is known whither the stroke goes.
+        """
+        stand = self._follow(event, brush, pulled=False)
+        if stand is None:
+            return None
+        state = self._state
+        state.began_ns = event.time_ns
+        state.beside, state.speed, state.sent_ns = False, 0.0, event.time_ns
+        pressure = self._pressure(event)
+        self._waiting = [replace(stand, time_ns=stand.time_ns - _STEP_NS)]
+        if pressure > 0.0:  # it was pressed when it was first heard of
+            self._waiting.append(replace(stand, pressure=pressure))
+        return self._ready(brush)
+
+    def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
+        """The pointer went on; no samples where it is beside the object or time stood still.
+
+        Where it comes back from beside the object, or from one part of it to another that lies
+        behind, the brush is lifted and put down again.
+        """
+        state = self._state
+        if state is None or state.began_ns is None or event.time_ns <= state.sent_ns:
+            return []
+        found = self._meet(event)
+        if found is None:
+            state.beside = True
+        elif state.beside or self._is_apart(found[0], event):
+            return self._step_over(event, brush)
+        before = state.sent_ns
+        stand = self._follow(event, brush, pulled=True, pressed=True)
+        if stand is None:
+            return []
+        state.sent_ns = event.time_ns
+        samples = []
+        for between in self._over_fold(stand, event, brush, before):
+            samples += self._put_down(between, brush)
+        return samples + self._put_down(stand, brush)
+
+    def end(
+        self, time_ns: int, brush: BrushSpec, event: PointerInput | None = None
+    ) -> list[DeviceSample]:
+        """The brush goes to where the pointer is, and up.
+
+        Parameters
+        ----------
+        time_ns : int
+        brush : BrushSpec
+        event : PointerInput, optional
+            Of the pen that was lifted: on the way to its place the pressure falls to nothing.
+        """
+        state = self._state
+        if state is None or state.began_ns is None:
+            return []
+        samples = self._land(brush) + self._glide(brush)
+        state.began_ns = None
+        found = None if event is None or state.beside else self._meet(event)
+        lifted = replace(self._last, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
+        if found is not None:
+            far = float(np.linalg.norm(found[0] - lifted.point)) > _LIFTED_OVER * brush.length_mm
+            if not far and not self._is_apart(found[0], event):
+                normal = self._normal_under(*found, brush)
+                lifted = replace(lifted, point=found[0], normal=normal)
+        return [*samples, self._sample(lifted, brush)]
+
+    # -- steps ------------------------------------------------------------------------------
+
+    def _is_apart(self, point: NDArray, event: PointerInput) -> bool:
+        """Whether the way to a point leaves the surface, as from a rim to what is behind it."""
+        way = point - self._state.target
+        distance = float(np.linalg.norm(way))
+        if distance < _LEAST_GAP_MM:
+            return False
+        between = self._state.target + np.outer(_PLACES_BETWEEN, way)
+        off = np.linalg.norm(self._surface.find(between).points - between, axis=1)
+        return bool(off.max() > _MOST_OFF * distance) or self._leaps(point, event)
+
+    def _leaps(self, point: NDArray, event: PointerInput) -> bool:
+        """Whether an edge is seen between the last place and this: no ray between meets the way.
+
+        Of two rays the one in the middle halves the way between what they meet, or, where the
+        surface is seen from the side, all but. Over an edge the greater part stays as it is.
+        """
+        rays = [self._state.ray, _ray_of(event)]
+        if rays[0] is None or rays[1] is None:
+            return False
+        places = [self._state.target, point]
+        gap = float(np.linalg.norm(point - self._state.target))
+        for _ in range(_HALVINGS):
+            origin, direction = (0.5 * (a + b) for a, b in zip(*rays, strict=True))
+            middle = origin, direction / np.linalg.norm(direction)
+            hit = self._surface.cast(middle[0][None], middle[1][None])
+            if not hit.hit[0]:
+                return True
+            gaps = [float(np.linalg.norm(hit.points[0] - place)) for place in places]
+            if max(gaps) < _STAYS * gap:
+                return False
+            behind = int(gaps[0] >= gaps[1])
+            rays[behind], places[behind] = middle, hit.points[0]
+        return True
+
+    def _over_fold(
+        self, stand: _Stand, event: PointerInput, brush: BrushSpec, before_ns: int
+    ) -> list[_Stand]:
+        """Places between the last and this, where the surface turns between them.
+
+        Between two samples the handle turns evenly, but the surface at once: over a fold the brush
+        would lie down on it for a moment, and its footprint be twice as long.
+        """
+        last = self._waiting[-1] if self._waiting else self._last
+        cosine = float(np.clip(last.normal @ stand.normal, -1.0, 1.0))
+        n = min(math.ceil(math.acos(cosine) / _TURNS), (stand.time_ns - before_ns) // _STEP_NS)
+        way = stand.point - last.point
+        stands = []
+        for k in range(1, n):
+            share = k / n
+            point, normal = self._on_surface(last.point + share * way)
+            normal = self._normal_under(point, normal, brush)
+            lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+            stands.append(
+                replace(
+                    stand,
+                    time_ns=before_ns + round(share * (stand.time_ns - before_ns)),
+                    target=last.target + share * (stand.target - last.target),
+                    point=point,
+                    normal=normal,
+                    lean=lean,
+                    rest=self._rest(lean, normal, event),
+                    pressure=last.pressure + share * (stand.pressure - last.pressure),
+                )
+            )
+        return stands
+
+    def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
+        """Up where the brush is, and down where the pointer is now."""
+        lifted = self.end(self._state.sent_ns, brush)
+        landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
+        return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
+
+    def _follow(
+        self, event: PointerInput, brush: BrushSpec, pulled: bool, pressed: bool = False
+    ) -> _Stand | None:
+        """Take the pointer's new place; None where it has none."""
+        found = self._meet(event)
+        self._press_keys(event)
+        if found is None:
+            return None
+        point, normal = found
+        state = self._state
+        if state is None:
+            tip = point + any_tangent(normal, np.zeros(3))
+            state = self._state = _State(event.time_ns, point, point, normal, tip)
+        self._follow_speed(event.time_ns, point)
+        state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
+        string = self.settings.smoothing * self.settings.longest_string_mm if pulled else 0.0
+        if string > 0.0:
+            point, normal = self._pull(point, string)
+        normal = self._normal_under(point, normal, brush)
+        state.point, state.normal = point, normal
+        lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+        return _Stand(
+            event.time_ns,
+            state.target,
+            point,
+            normal,
+            lean,
+            self._rest(lean, normal, event),
+            None if event.rotation is None else math.radians(event.rotation),
+            self._pressure(event) if pressed else 0.0,
+            event.buttons,
+        )
+
+    def _rest(self, lean: NDArray, normal: NDArray, event: PointerInput) -> NDArray:
+        """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
+        aside = lean - (lean @ normal) * normal
+        if np.linalg.norm(aside) > _LEANS:
+            return any_tangent(normal, -aside)
+        if event.right is None or event.up is None:
+            return any_tangent(normal, self._state.tip - self._state.point)
+        return any_tangent(normal, np.subtract(event.up, event.right))
+
+    # -- coming down ------------------------------------------------------------------------
+
+    def _put_down(self, stand: _Stand, brush: BrushSpec) -> list[DeviceSample]:
+        """Samples of one place more: now, or when it is known whither the stroke goes."""
+        if not self._waiting:
+            self._drag(stand, brush)
+            return [self._sample(stand, brush)]
+        self._waiting.append(stand)
+        return self._ready(brush)
+
+    def _ready(self, brush: BrushSpec) -> list[DeviceSample]:
+        """What waits, if it need not wait any longer."""
+        first, last = self._waiting[0], self._waiting[-1]
+        far = np.linalg.norm(last.target - first.point) >= _SURE * self._trail(brush)
+        stands = last.time_ns - first.time_ns >= _STANDS_NS
+        return self._land(brush) if far or stands or first.twist is not None else []
+
+    def _land(self, brush: BrushSpec) -> list[DeviceSample]:
+        """Samples of all that waited; the tip trails behind the way, or points as it rests."""
+        stands, self._waiting = self._waiting, []
+        if not stands:
+            return []
+        first = stands[0]
+        way = stands[-1].target - first.point
+        moved = float(np.linalg.norm(way)) >= _LEAST_SURE * self._trail(brush)
+        back = any_tangent(first.normal, -way) if moved else first.rest
+        self._state.tip = first.point + self._trail(brush) * back
+        self._last = first
+        samples = []
+        for stand in stands:
+            self._drag(stand, brush)
+            samples.append(self._sample(stand, brush))
+        return samples
+
+    def _drag(self, stand: _Stand, brush: BrushSpec) -> None:
+        """Bring the brush to its place; its tip is dragged along the surface behind it.
+
+        Over an edge the tip is turned with the surface: laid into the new plane instead, it would
+        come to lie under the brush, and point along the edge.
+        """
+        state, last, trail = self._state, self._last, self._trail(brush)
+        back = turned_with(last.normal, stand.normal, state.tip - last.point)
+        way = stand.point - last.point
+        back = back - float(np.linalg.norm(way)) * _along(stand.normal, way)
+        back = back - (back @ stand.normal) * stand.normal
+        distance = float(np.linalg.norm(back))
+        if distance < 1e-9:
+            back = stand.rest * trail
+        elif distance > trail:
+            back *= trail / distance
+        state.tip = stand.point + back
+        self._last = stand
+
+    def _meet(self, event: PointerInput) -> tuple[NDArray, NDArray] | None:
+        """Where the pointer meets the surface, and the normal there."""
+        if event.point is not None and event.normal is not None:
+            normal = as_array(event.normal, "normal", (3,))
+            return as_array(event.point, "point", (3,)), normal / np.linalg.norm(normal)
+        if event.origin is None or event.direction is None:
+            return None
+        origin = as_array(event.origin, "origin", (3,))
+        hits = self._surface.cast(origin[None], as_array(event.direction, "direction", (3,))[None])
+        return self._on_surface(hits.points[0]) if hits.hit[0] else None
+
+    def _on_surface(self, point: NDArray) -> tuple[NDArray, NDArray]:
+        found = self._surface.find(point[None])
+        return found.points[0], found.normals[0]
+
+    def _normal_under(self, point: NDArray, normal: NDArray, brush: BrushSpec) -> NDArray:
+        """The mean normal under a footprint: over a crease the handle turns by and by.
+
+        The places on its rim lie a little under the surface, so that those beyond an edge are
+        nearest to the other face.
+        """
+        ahead = any_tangent(normal, np.array([1.0, 0.0, 0.0]))
+        rim = _RIM @ np.stack([ahead, np.cross(normal, ahead)]) - _SUNK * normal
+        found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
+        mean = 2.0 * normal + found[found @ normal > _OTHER_SIDE].sum(axis=0)
+        return mean / np.linalg.norm(mean)
+
+    def _pull(self, target: NDArray, string: float) -> tuple[NDArray, NDArray]:
+        """Where a string of this length pulls the brush."""
+        state = self._state
+        way = target - state.point
+        distance = float(np.linalg.norm(way))
+        if distance <= string:
+            return state.point, state.normal
+        return self._on_surface(state.point + (1.0 - string / distance) * way)
+
+    def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
+        """Samples on the way to where the pointer was last."""
+        state = self._state
+        start, way = state.point, state.target - state.point
+        length = float(np.linalg.norm(way))
+        n = math.ceil(length / _GLIDE_STEP_MM)
+        step_ns = round(length / max(n, 1) / _GLIDE_MM_S * 1e9)
+        samples = []
+        for k in range(1, n + 1):
+            state.point, normal = self._on_surface(start + (k / n) * way)
+            state.normal = self._normal_under(state.point, normal, brush)
+            state.sent_ns += max(step_ns, _STEP_NS)
+            stand = replace(
+                self._last, time_ns=state.sent_ns, point=state.point, normal=state.normal
+            )
+            self._drag(stand, brush)
+            samples.append(self._sample(stand, brush))
+        return samples
+
+    def _press_keys(self, event: PointerInput) -> None:
+        settings, state = self.settings, self._state
+        seconds = 0.0 if state is None else max(0.0, (event.time_ns - state.time_ns) * 1e-9)
+        change = settings.newtons_per_s * seconds * (int(event.harder) - int(event.softer))
+        change += settings.newtons_per_notch * event.wheel
+        self.force = min(MAX_FORCE_N, max(0.0, self.force + change))
+
+    def _follow_speed(self, time_ns: int, point: NDArray) -> None:
+        """The pointer's speed, mm/s, over the last hundredths of a second."""
+        state = self._state
+        seconds = (time_ns - state.time_ns) * 1e-9
+        if seconds > 0.0:
+            now = float(np.linalg.norm(point - state.target)) / seconds
+            weight = 1.0 - math.exp(-seconds / _FILTER_S)
+            state.speed += weight * (now - state.speed)
+
+    def _pressure(self, event: PointerInput) -> float:
+        state, settings = self._state, self.settings
+        if event.pressure is not None:
+            pressure = settings.curve(as_number(event.pressure, "pressure", 0.0, 1.0))
+        else:
+            pressure = self.force / MAX_FORCE_N
+            if settings.pressure_by == "speed":
+                pressure *= 1.0 / (1.0 + state.speed / settings.steady_mm_s)
+            since = (event.time_ns - state.began_ns) * 1e-9
+            if since < settings.landing_s:
+                pressure *= since / settings.landing_s
+        return pressure
+
+    def _trail(self, brush: BrushSpec) -> float:
+        return self.settings.trail * brush.length_mm
+
+    def _sample(self, stand: _Stand, brush: BrushSpec, lifted: bool = False) -> DeviceSample:
+        normal = stand.normal
+        z = held_over(stand.lean, normal)  # gliding and lifted it comes to where others were right
+        if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
+            bend = any_tangent(normal, self._state.tip - stand.point)
+            x = bend - (bend @ z) / (normal @ z) * normal
+            x /= np.linalg.norm(x)
+        else:
+            x = _turned(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
+            bend = any_tangent(normal, x)
+        orientation = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1)[None])[0]
+        root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
+        if lifted:
+            root = root + _HOVER * brush.length_mm * z
+        return DeviceSample(
+            stand.time_ns,
+            root,
+            orientation,
+            stand.pressure,
+            stand.buttons,
+            np.zeros(3),
+            _REST,
+            stand.point,
+        )
+
+
+def _ray_of(event: PointerInput) -> tuple[NDArray, NDArray] | None:
+    if event.origin is None or event.direction is None:
+        return None
+    return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
+
+
+def _along(normal: NDArray, way: NDArray) -> NDArray:
+    """A way's direction along a surface; zero where it leads straight up or down."""
+    across = way - (way @ normal) * normal
+    length = float(np.linalg.norm(across))
+    return across / length if length > 1e-9 else np.zeros(3)
+
+
+def _turned(vector: NDArray, axis: NDArray, angle: float) -> NDArray:
+    return math.cos(angle) * vector + math.sin(angle) * np.cross(axis, vector)

@@ -1,0 +1,147 @@
+"""Mirror planes and turns about an axis: what is painted once appears in all its images."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.arrays import as_array
+from paint3d.core.frames import matrices_from_quaternions, quaternions_from_matrices
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import InputError
+from paint3d.pose.brush_pose import object_poses
+
+__all__ = ["MirrorPlane", "RadialSymmetry", "Symmetry", "transformed"]
+
+MOST_IMAGES = 64
+_REST = np.array([1.0, 0.0, 0.0, 0.0])
+_SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class MirrorPlane:
+    """A plane in the object's frame: a point on it (mm) and its normal, of any length."""
+
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class RadialSymmetry:
+    """Turns by an n-th of a circle about an axis in the object's frame.
+
+    Attributes
+    ----------
+    count : int
+        n, 2 to 64.
+    point, axis : (float, float, float)
+        A point on the axis (mm), and its direction.
+    """
+
+    count: int
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """Which images a stroke has: of every set of the planes, turned by every turn.
+
+    Attributes
+    ----------
+    planes : tuple of MirrorPlane
+    radial : RadialSymmetry or None
+
+    Raises
+    ------
+    InputError
+        If a normal or axis has no direction, or there are more than 64 images.
+    """
+
+    planes: tuple[MirrorPlane, ...] = ()
+    radial: RadialSymmetry | None = None
+
+    def __post_init__(self) -> None:
+        self.images()
+
+    def images(self) -> list[NDArray]:
+        """The (4, 4) transforms of all images but the stroke itself, in a fixed order."""
+        turns = self.radial.count if self.radial else 1
+        if isinstance(turns, bool) or not isinstance(turns, int) or not 1 <= turns <= MOST_IMAGES:
+            raise InputError(f"radial symmetry by {turns!r}; expected 2 to {MOST_IMAGES}")
+        if turns * 2 ** len(self.planes) > MOST_IMAGES:
+            raise InputError(
+                f"{turns} turns and {len(self.planes)} planes make too many images; "
+                f"expected {MOST_IMAGES} at most"
+            )
+        found = [np.eye(4)]
+        for plane in self.planes:
+            mirror = _mirror(plane)
+            found += [mirror @ image for image in found]
+        if self.radial is not None:
+            turned = [_turn(self.radial, k) for k in range(turns)]
+            found = [turn @ image for turn in turned for image in found]
+        return _distinct(found)[1:]
+
+
+def _mirror(plane: MirrorPlane) -> NDArray:
+    normal, point = _direction(plane.normal), as_array(plane.point, "point", (3,))
+    image = np.eye(4)
+    image[:3, :3] -= 2.0 * np.outer(normal, normal)
+    image[:3, 3] = 2.0 * (normal @ point) * normal
+    return image
+
+
+def _turn(radial: RadialSymmetry, k: int) -> NDArray:
+    axis, point = _direction(radial.axis), as_array(radial.point, "point", (3,))
+    half = np.pi * k / radial.count
+    q = np.array([np.cos(half), *(np.sin(half) * axis)])
+    image = np.eye(4)
+    image[:3, :3] = matrices_from_quaternions(q[None])[0]
+    image[:3, 3] = point - image[:3, :3] @ point
+    return image
+
+
+def _direction(vector: Sequence[float]) -> NDArray:
+    vector = as_array(vector, "normal or axis", (3,))
+    length = float(np.linalg.norm(vector))
+    if length < 1e-12:
+        raise InputError("a normal or axis of symmetry is 0; expected a direction")
+    return vector / length
+
+
+def _distinct(images: Sequence[NDArray]) -> list[NDArray]:
+    kept: list[NDArray] = []
+    for image in images:
+        if all(np.abs(image - other).max() > _SAME for other in kept):
+            kept.append(image)
+    return kept
+
+
+def transformed(samples: Sequence[DeviceSample], image: NDArray) -> list[DeviceSample]:
+    """What an image of the hand does: samples in the object's frame, the object at rest.
+
+    A mirrored brush is a brush again: its handle and bend are mirrored, and its third axis follows
+    from them.
+
+    Parameters
+    ----------
+    samples : sequence of DeviceSample
+    image : (4, 4) float64
+        One of `Symmetry.images`.
+    """
+    path = object_poses(samples)
+    turn = image[:3, :3]
+    frames = turn @ matrices_from_quaternions(path.orientation)
+    x, z = frames[:, :, 0], frames[:, :, 2]
+    orientation = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1))
+    position = path.position @ turn.T + image[:3, 3]
+    contact = None if path.contact is None else path.contact @ turn.T + image[:3, 3]
+    return [
+        DeviceSample(s.time_ns, position[i], orientation[i], s.pressure, s.buttons, np.zeros(3),
+                     _REST, None if s.contact is None else contact[i])
+        for i, s in enumerate(samples)
+    ]  # fmt: skip

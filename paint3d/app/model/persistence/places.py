@@ -1,0 +1,53 @@
+"""Where a user's settings and what can be recovered lie (XDG base directories).
+
+Without a home that can be written they lie in a private folder among the temporary files, which the
+next start of the system may empty.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from paint3d.core.own_folders import can_write, find_home, private_folder
+
+__all__ = ["config_folder", "recovery_folder", "stand_in", "usual_config_folder"]
+
+_CONFIG = ("PAINT3D_CONFIG", "XDG_CONFIG_HOME", ".config")
+_STATE = ("PAINT3D_STATE", "XDG_STATE_HOME", ".local/state")
+
+
+def config_folder() -> Path:
+    """The folder for settings: ``PAINT3D_CONFIG``, or paint3d's in the user's config folder."""
+    return _folder(*_CONFIG) or private_folder() / "config"
+
+
+def usual_config_folder() -> Path | None:
+    """Where settings lie if they can be read but not written; None where there is no home."""
+    return _usual(*_CONFIG)
+
+
+def recovery_folder() -> Path:
+    """The folder for what a crash would lose: ``PAINT3D_STATE``, or paint3d's among the states."""
+    return (_folder(*_STATE) or private_folder() / "state") / "sittings"
+
+
+def stand_in() -> Path | None:
+    """The folder that takes the home's place, where that cannot be written; None if it can."""
+    return None if _folder(*_CONFIG) and _folder(*_STATE) else private_folder()
+
+
+def _folder(own: str, base: str, fallback: str) -> Path | None:
+    """The folder that can be written; one that the user names is taken as it is."""
+    folder = _usual(own, base, fallback)
+    return folder if os.environ.get(own) or (folder and can_write(folder)) else None
+
+
+def _usual(own: str, base: str, fallback: str) -> Path | None:
+    if os.environ.get(own):
+        return Path(os.environ[own])
+    found = os.environ.get(base, "")
+    if os.path.isabs(found):
+        return Path(found) / "paint3d"
+    home = find_home()
+    return None if home is None else home / fallback / "paint3d"

@@ -1,0 +1,243 @@
+"""The way back of a document as a session keeps it: its steps, and what the painter remembered.
+
+A step of the history is a stroke or a word. What a painter remembers between strokes is its brush,
+its ink, and what single hairs hold; the steps say how the surface was (`surface.undo_state`).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+
+import numpy as np
+
+from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
+from paint3d.app.model.persistence.saved_settings import saved_mixture
+from paint3d.app.model.stroke_log import Stroke, weights_of
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.dynamics import build_curves
+from paint3d.brush.spec import BrushSpec
+from paint3d.colour.pigments import WATER, load_palette
+from paint3d.errors import Paint3DError, SessionError
+from paint3d.painter.bristle_state import HairTuft
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.ragged import pack_arrays, unpack_arrays
+from paint3d.surface.state import MOST_INK
+from paint3d.surface.undo import UndoHistory
+from paint3d.surface.undo_reading import restore_undo
+from paint3d.surface.undo_state import undo_state
+
+__all__ = ["MOST_BYTES", "restore_history", "saved_history"]
+
+MOST_BYTES = 64 << 20
+"""Of the steps in a file; those that are farthest from now are left out."""
+
+_STROKE, _UNFINISHED = "stroke", "unfinished stroke"
+_MOST_BRUSHES = 1000
+_MOST_HAIRS = 1_000_000  # of all brushes together
+_LONGEST_LABEL = 100
+
+Kept = Mapping[str, object]
+
+
+def saved_history(
+    surface: PaintedSurface,
+    history: UndoHistory,
+    current: Stroke | None,
+    most_bytes: int,
+) -> tuple[dict[str, object], list[Stroke]]:
+    """Return the steps as a session holds them, and the strokes that were undone.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    history : UndoHistory
+    current : Stroke or None
+        One that is going on: without its end it is no stroke of the painting yet.
+    most_bytes : int
+
+    Returns
+    -------
+    state : dict
+        What `undo_state` says, and: done and undone, a word for each step, the last of undone is
+        the next; brushes, as `brush_words` has them; painters, what was remembered: place of its
+        brush, hairs (their properties or None), ink, and what it was dipped in, weights by name.
+        Of the K paintings painter (K,) int32, loaded (K,) float64, dipped (K,) uint8, and the
+        columns hair_loads (B, P) and hair_memory float64, empty without hairs.
+    undone : list of Stroke
+        As their words in undone come.
+    """
+    saved = undo_state(surface, history, most_bytes)
+    words = [[_word(label, current) for label in own] for own in (saved.done, saved.undone)]
+    state = {"steps": saved.state, "done": words[0], "undone": words[1]}
+    undone = [label for label in saved.undone if isinstance(label, Stroke)]
+    return {**state, **_painters(saved.kept, len(surface.pigments))}, undone
+
+
+def _word(label: object, current: Stroke | None) -> str:
+    if isinstance(label, Stroke):
+        return _UNFINISHED if label is current else _STROKE
+    return str(label)
+
+
+def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, object]:
+    brushes: dict[BrushSpec, int] = {}
+    painters: dict[str, dict[str, object]] = {}
+    places: dict[str, int] = {}
+    of = np.empty(len(kept), np.int32)
+    for k, one in enumerate(kept):
+        painter = one["painter"]
+        hairs = painter["hairs"]
+        words = {
+            "brush": brushes.setdefault(painter["brush"], len(brushes)),
+            "hairs": None if hairs is None else asdict(hairs.spec),
+            "ink": painter["ink"].name,
+            "dipped": weights_of(painter["_dipped"]),
+        }
+        key = json.dumps(words)
+        painters.setdefault(key, words)
+        of[k] = places.setdefault(key, len(places))
+    of_hairs = [one["painter"]["of_hairs"] or _NO_HAIRS for one in kept]
+    loads = [np.pad(h["load"], ((0, 0), (0, n_pigments - h["load"].shape[1]))) for h in of_hairs]
+    return {
+        "brushes": [brush_words(brush) for brush in brushes],
+        "painters": list(painters.values()),
+        "painter": of,
+        "loaded": np.array([one["painter"]["loaded"] for one in kept], np.float64),
+        "dipped": np.array([one["dipped"] for one in kept], np.uint8),
+        **pack_arrays("hair_loads", loads, np.float64, (n_pigments,)),
+        **pack_arrays("hair_memory", [h["memory"] for h in of_hairs], np.float64),
+    }
+
+
+_NO_HAIRS = {"load": np.empty((0, 0)), "memory": np.empty(0)}
+
+
+def restore_history(
+    surface: PaintedSurface,
+    history: UndoHistory,
+    state: Mapping[str, object],
+    strokes: Sequence[Stroke],
+    undone: Sequence[Stroke],
+) -> int:
+    """Let a document that was opened have the steps that were saved with it.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    history : UndoHistory
+        A new one.
+    state : mapping
+        Of `saved_history`; it may come from a stranger.
+    strokes, undone : sequence of Stroke
+        Those that are there, and those that were undone, the next one last.
+
+    Returns
+    -------
+    int
+        How many of the strokes are steps now.
+
+    Raises
+    ------
+    SessionError
+        If the steps are none of this painting; nothing has happened then.
+    """
+    try:
+        words = state["done"], state["undone"]
+        n_done, n_undone = (list(own).count(_STROKE) for own in words)
+        if n_done > len(strokes) or n_undone != len(undone):
+            raise SessionError(
+                f"they are {n_done} and {n_undone} strokes; expected {len(strokes)} and "
+                f"{len(undone)}"
+            )
+        labels = [
+            _labels(own, iter(found))
+            for own, found in zip(words, (strokes[len(strokes) - n_done :], undone), strict=True)
+        ]
+        kept = _kept(surface, state)
+        restore_undo(surface, history, state["steps"], *labels, kept)
+    except SessionError:
+        raise
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
+        raise SessionError(f"they are incomplete near {cause}") from None
+    except Paint3DError as cause:
+        raise SessionError(str(cause)) from None
+    return n_done
+
+
+def _labels(words: Sequence[object], strokes: Sequence[Stroke]) -> list[object]:
+    for word in words:
+        if not isinstance(word, str) or len(word) > _LONGEST_LABEL:
+            raise SessionError(f"a step is {word!r:.60}; expected a word")
+    return [next(strokes) if word == _STROKE else word for word in words]
+
+
+def _kept(surface: PaintedSurface, state: Mapping[str, object]) -> list[Kept]:
+    """What the painter remembered, as `Document` restores it."""
+    of = np.asarray(state["painter"])
+    count, p = len(of), len(surface.pigments)
+    makers = _makers(surface, state)
+    if of.dtype != np.int32 or (count and not 0 <= of.min() <= of.max() < len(makers)):
+        raise SessionError(f"painters are {of.dtype}, none of {len(makers)}")
+    loaded, dipped = np.asarray(state["loaded"]), np.asarray(state["dipped"])
+    if loaded.dtype != np.float64 or not (np.abs(loaded) <= MOST_INK).all():
+        raise SessionError("ink that was loaded is out of range")
+    if loaded.shape != of.shape or dipped.shape != of.shape or dipped.dtype != np.uint8:
+        raise SessionError(f"{count} painters have loaded {loaded.shape} times")
+    loads = unpack_arrays(state, "hair_loads", count, np.float64, (p,))
+    memories = unpack_arrays(state, "hair_memory", count, np.float64)
+    column = np.asarray(state["hair_loads"])
+    if column.size and not 0.0 <= column.min() <= column.max() <= MOST_INK:
+        raise SessionError("ink of single hairs is out of range")
+    return [
+        {"painter": makers[k](float(load), hair_load, memory), "dipped": bool(was)}
+        for k, load, was, hair_load, memory in zip(of, loaded, dipped, loads, memories, strict=True)
+    ]
+
+
+def _makers(surface: PaintedSurface, state: Mapping[str, object]) -> list[Callable[..., Kept]]:
+    """For each painter what makes what it remembers from loads and hairs."""
+    if len(state["brushes"]) > _MOST_BRUSHES or len(state["painters"]) > 10 * _MOST_BRUSHES:
+        raise SessionError(f"they use {len(state['brushes'])} brushes; expected {_MOST_BRUSHES}")
+    brushes = [_brush(words) for words in state["brushes"]]
+    inks = {**load_palette(), WATER.name: WATER} | {ink.name: ink for ink in surface.pigments}
+    tufts: dict[tuple[int, BristleSpec | None], HairTuft | None] = {}
+    makers, n_hairs = [], 0
+    for words in state["painters"]:
+        place, hairs = words["brush"], words["hairs"]
+        if type(place) is not int or not 0 <= place < len(brushes):
+            raise SessionError(f"a brush is the {place!r:.20}th of {len(brushes)}")
+        spec = None if hairs is None else BristleSpec(**hairs)
+        key = place, spec
+        if key not in tufts:
+            n_hairs += 0 if spec is None else spec.n_hairs
+            if n_hairs > _MOST_HAIRS:
+                raise SessionError(f"they use {n_hairs:,} hairs; expected {_MOST_HAIRS:,}")
+            tufts[key] = None if spec is None else HairTuft(brushes[place]["brush"], spec)
+        about = {
+            **brushes[place],
+            "ink": inks[words["ink"]],
+            "_dipped": saved_mixture(words["dipped"], surface),
+            "hairs": tufts[key],
+        }
+        makers.append(_maker(about))
+    return makers
+
+
+def _brush(words: Mapping[str, object]) -> dict[str, object]:
+    brush = brush_from_words(words)
+    return {"brush": brush, "tuft": build_tuft(brush), "_curves": build_curves(brush.inputs)}
+
+
+def _maker(about: Mapping[str, object]) -> Callable[..., Kept]:
+    def make(loaded: float, load: np.ndarray, memory: np.ndarray) -> Kept:
+        of_hairs, hairs = None, about["hairs"]
+        if hairs is not None:
+            if len(load) != hairs.spec.n_hairs or memory.shape != hairs.memory.shape:
+                raise SessionError(f"{len(load)} hairs hold ink; expected {hairs.spec.n_hairs}")
+            of_hairs = {"load": load, "memory": memory}
+        return {**about, "loaded": loaded, "of_hairs": of_hairs}
+
+    return make

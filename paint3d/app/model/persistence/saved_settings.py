@@ -1,0 +1,140 @@
+"""What settings say of brush and inks: the user's, or a session's, which may be a stranger's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
+
+from paint3d.app.model.brush_size import resized
+from paint3d.app.model.persistence.brush_words import brush_from_words, restore_hairs
+from paint3d.app.model.persistence.settings import Settings
+from paint3d.app.model.stroke_log import weights_of
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.colour.materials import material_names
+from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment, named_table
+from paint3d.core.arrays import as_number
+from paint3d.errors import Paint3DError, SessionError
+from paint3d.files.load import UNITS_MM
+from paint3d.painter.painter import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = [
+    "DEFAULT_BRUSH",
+    "DEFAULT_INKS",
+    "chosen_brush",
+    "chosen_inks",
+    "chosen_material",
+    "in_hand",
+    "saved_inks",
+    "saved_painter",
+    "saved_unit",
+]
+
+DEFAULT_BRUSH, DEFAULT_INKS = "full", ("pine soot", "cinnabar")
+
+Mixture = dict[str | Pigment, float]
+
+
+def saved_painter(surface: PaintedSurface, settings: Mapping[str, object]) -> Painter:
+    """The painter with the brush in its hand, as it lay there.
+
+    Raises
+    ------
+    Paint3DError
+        If the settings describe no brush, ink or hairs.
+    """
+    ink = settings.get("ink")
+    ink = ink if isinstance(ink, str) else DEFAULT_INKS[0]
+    azimuth = settings.get("azimuth", "commanded")
+    brush = _brush(settings.get("brush"))
+    pigment = None if surface.pigments else load_pigment(ink, own_tables=False)
+    painter = Painter(surface, brush, pigment, azimuth)
+    if "dipped" in settings:
+        dipped = saved_mixture(settings["dipped"], surface)
+        painter.restore({**painter.keep(), "_dipped": dipped})
+    restore_hairs(painter, settings.get("hairs"))
+    return painter
+
+
+def saved_inks(surface: PaintedSurface, settings: Mapping[str, object]) -> list[Mixture] | None:
+    """The two inks at hand; None where the settings say nothing of them.
+
+    Raises
+    ------
+    SessionError
+        If they are not two mixtures.
+    """
+    inks = settings.get("inks")
+    if inks is None:
+        return None
+    if not isinstance(inks, list) or len(inks) != 2:
+        raise SessionError(f"the inks are {inks!r:.60}; expected two")
+    return [saved_mixture(ink, surface) for ink in inks]
+
+
+def saved_unit(settings: Mapping[str, object]) -> str:
+    """The unit of lengths as they are shown; millimetres where it is none that is known."""
+    unit = settings.get("unit")
+    return unit if isinstance(unit, str) and unit in UNITS_MM else "mm"
+
+
+def chosen_brush(settings: Settings) -> BrushSpec:
+    """The brush that a user had in hand last; the default where there is none such any more."""
+    try:
+        brush = load_brush(settings.brush)
+        return brush if settings.brush_mm is None else resized(brush, settings.brush_mm)
+    except Paint3DError:
+        return load_brush(DEFAULT_BRUSH)
+
+
+def chosen_material(settings: Settings) -> str:
+    """The material that a user chose last; porcelain where there is none such any more."""
+    return settings.material if settings.material in material_names() else "porcelain"
+
+
+def chosen_inks(settings: Settings) -> list[Mixture | str]:
+    """The two inks that a user had at hand last; the default in the place of any other."""
+    known = {**load_palette(), WATER.name: WATER}
+    inks: list[Mixture | str] = []
+    for ink, instead in zip_longest(settings.inks[:2], DEFAULT_INKS):
+        names = set(ink) if isinstance(ink, Mapping) else {ink}
+        whole = names <= set(known) and (not isinstance(ink, Mapping) or sum(ink.values()) > 0.0)
+        inks.append((dict(ink) if isinstance(ink, Mapping) else ink) if whole else instead)
+    return inks
+
+
+def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str]) -> dict[str, object]:
+    """The settings that `chosen_brush` and `chosen_inks` read."""
+    name = brush.name.split(" @")[0]
+    settings: dict[str, object] = {"inks": tuple(_as_chosen(ink) for ink in inks)}
+    if name in brush_names():
+        as_made = load_brush(name).length_mm == brush.length_mm
+        settings |= {"brush": name, "brush_mm": None if as_made else brush.length_mm}
+    return settings
+
+
+def _as_chosen(ink: Mixture | str) -> dict[str, float] | str:
+    parts = weights_of(ink) if isinstance(ink, Mapping) else {str(ink): 1.0}
+    return next(iter(parts)) if len(parts) == 1 else parts
+
+
+def _brush(saved: object) -> BrushSpec:
+    if isinstance(saved, Mapping):
+        return brush_from_words(saved)
+    return load_brush(saved if isinstance(saved, str) else DEFAULT_BRUSH)
+
+
+def saved_mixture(saved: object, surface: PaintedSurface) -> Mixture:
+    """Weights of inks by name; those that the palette has otherwise, or not, as on the surface."""
+    if not isinstance(saved, Mapping) or not saved:
+        raise SessionError(f"an ink is {saved!r:.60}; expected weights by name")
+    if any(isinstance(name, str) and named_table(name) is not None for name in saved):
+        raise SessionError(f"an ink is of a table on this machine, in {str(saved)[:100]}; "
+                           "expected names of its own or of the palette")  # fmt: skip
+    palette = {**load_palette(), WATER.name: WATER}
+    own = {p.name: p for p in surface.pigments if palette.get(p.name) is not p}
+    return {
+        own.get(name, name): as_number(weight, f"weight of {name}", 1e-9, 1e9, SessionError)
+        for name, weight in saved.items()
+    }

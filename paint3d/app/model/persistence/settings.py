@@ -1,0 +1,258 @@
+"""What a user has chosen, kept between sittings as JSON in the user's config folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.model.persistence.places import config_folder, usual_config_folder
+from paint3d.colour.materials import Material
+from paint3d.core.arrays import as_number
+from paint3d.core.atomic import write_atomically
+from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
+from paint3d.errors import ExportError, InputError, Paint3DError
+from paint3d.files.readers.odd_names import json_text
+
+__all__ = ["Settings", "load_settings", "save_settings"]
+
+VERSION = 2
+WET_AT_FIRST = frozenset({"xuan"})
+"""Materials on which ink spreads unless it was chosen otherwise."""
+
+_MOST_RECENT = 12
+_CHOICES = {
+    "language": ("system", "en", "zh"),
+    "theme": ("system", "light", "dark"),
+    "unit": ("mm", "cm", "m", "in"),
+    "pressure_by": ("keys", "speed"),
+    "finger": ("auto", "paint", "turn"),
+}
+_RANGES = {
+    "smoothing": (0.0, 1.0),
+    "resolution_mm": (0.005, 100.0),
+    "autosave_s": (10.0, 3600.0),
+    "undo_megabytes": (1.0, 1e6),
+    "force_n": (0.0, 7.9),
+    "brush_mm": (1.0, 1000.0),
+}
+_MAYBE = ("brush_mm",)  # may also be None
+
+
+@dataclass(frozen=True)
+class Settings:
+    """A user's choices.
+
+    Attributes
+    ----------
+    language : {"system", "en", "zh"}
+    theme : {"system", "light", "dark"}
+    unit : {"mm", "cm", "m", "in"}
+        Of lengths as they are shown.
+    material, resolution_mm
+        Of new paintings.
+    brush : str
+        In the hand when a new painting begins.
+    brush_mm : float or None
+        Its tuft's length; None: as it is made.
+    inks : tuple of str, or of mappings of str to float
+        At hand then, the one it is dipped in first; mixtures as parts by name.
+    pressure_curve : tuple of (float, float)
+        See `PressureCurve`.
+    pressure_by : {"keys", "speed"}
+    finger : {"auto", "paint", "turn"}
+        What one finger on the picture does; "auto": it paints until a pen is used, then it turns.
+    force_n : float
+        Of a mouse, at first.
+    smoothing : float
+        0 to 1.
+    wet : bool or None
+        Whether ink spreads and dries while painting; None: as the material asks for.
+    autosave_s : float
+        The least time between two bases of a sitting.
+    undo_megabytes : float
+        Of undo steps in memory; more go to the disk.
+    recent : tuple of str
+        Files, the last opened first.
+    buttons : dict of int to str
+        Actions of a 6-DOF mouse's buttons.
+    window : dict
+        What the window keeps for itself: size, place, panels.
+    exports : dict
+        What was chosen last for exports and films.
+
+    Raises
+    ------
+    InputError
+        Naming the setting, what was got and what was expected.
+    """
+
+    language: str = "system"
+    theme: str = "system"
+    unit: str = "mm"
+    material: str = "porcelain"
+    brush: str = "full"
+    brush_mm: float | None = None
+    inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
+    resolution_mm: float = 0.4
+    pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
+    pressure_by: str = "keys"
+    finger: str = "auto"
+    force_n: float = 1.5
+    smoothing: float = 0.0
+    wet: bool | None = None
+    autosave_s: float = 120.0
+    undo_megabytes: float = 512.0
+    recent: tuple[str, ...] = ()
+    buttons: Mapping[int, str] = field(default_factory=lambda: dict(DEFAULT_ACTIONS))
+    window: Mapping[str, object] = field(default_factory=dict)
+    exports: Mapping[str, object] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, known in _CHOICES.items():
+            if getattr(self, name) not in known:
+                raise InputError(
+                    f"{name} is {getattr(self, name)!r}; expected {' or '.join(known)}"
+                )
+        for name, (low, high) in _RANGES.items():
+            if getattr(self, name) is not None or name not in _MAYBE:
+                as_number(getattr(self, name), name, low, high)
+        if self.wet is not None and not isinstance(self.wet, bool):
+            raise InputError(f"wet is {self.wet!r}; expected true or false")
+        _check_words("recent", self.recent)
+        _check_inks(self.inks)
+        _check_words("brush", (self.brush,))
+        _check_words("material", (self.material,))
+        for name in ("window", "exports"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected names, values")
+        PressureCurve(self.pressure_curve)
+        object.__setattr__(self, "buttons", checked_actions(self.buttons))
+
+    @property
+    def curve(self) -> PressureCurve:
+        """The pressure curve, ready for use."""
+        return PressureCurve(self.pressure_curve)
+
+    def wants_wet(self, material: Material) -> bool:
+        """Whether ink spreads on a material: as was chosen, else as the material asks for."""
+        return self.wet if self.wet is not None else material.name in WET_AT_FIRST
+
+    def with_recent(self, path: str | os.PathLike[str]) -> Settings:
+        """With a file at the head of the recent ones."""
+        own = os.path.abspath(path)
+        others = tuple(other for other in self.recent if other != own)
+        return dataclasses.replace(self, recent=(own, *others)[:_MOST_RECENT])
+
+    def without_recent(self, path: str | None = None) -> Settings:
+        """Without one of the recent files, or without all."""
+        kept = () if path is None else tuple(other for other in self.recent if other != path)
+        return dataclasses.replace(self, recent=kept)
+
+
+def _check_words(name: str, words: object) -> None:
+    if not isinstance(words, tuple) or not all(isinstance(word, str) and word for word in words):
+        raise InputError(f"{name} is {words!r:.60}; expected names")
+
+
+def _check_inks(inks: object) -> None:
+    if not isinstance(inks, tuple):
+        raise InputError(f"inks is {inks!r:.60}; expected names or mixtures")
+    for ink in inks:
+        if not isinstance(ink, Mapping):
+            _check_words("inks", (ink,))
+            continue
+        _check_words("inks", tuple(ink))
+        for name, part in ink.items():
+            as_number(part, f"part of {name}", 0.0, 1e9)
+
+
+def _file(folder: Path | None) -> Path:
+    return (config_folder() if folder is None else folder) / "settings.json"
+
+
+def load_settings(folder: Path | None = None) -> tuple[Settings, str | None]:
+    """What was saved; the defaults where nothing was, or where it cannot be used.
+
+    A file that cannot be used is set aside, never written over.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        By default `config_folder`.
+
+    Returns
+    -------
+    Settings
+    str or None
+        What was wrong with the file and where it lies now, for the user; None if nothing was.
+    """
+    file = _file(folder)
+    if folder is None and not file.is_file():
+        usual = usual_config_folder()  # of a home that can be read, but not written
+        if usual is not None and os.access(_file(usual), os.R_OK):
+            file = _file(usual)
+    try:
+        return _parse(file.read_text("utf-8")), None
+    except FileNotFoundError:
+        return Settings(), None
+    except (OSError, ValueError, RecursionError, Paint3DError) as cause:
+        reason = " ".join(str(cause).split())
+        return Settings(), f"{file}: {reason}; {_set_aside(file)}"
+
+
+def _set_aside(file: Path) -> str:
+    aside = file.with_name(f"settings.bad-{time.time_ns()}.json")
+    try:
+        os.replace(file, aside)
+    except OSError:
+        return "the defaults are used"
+    return f"it was kept as {aside.name} and the defaults are used"
+
+
+def _parse(text: str) -> Settings:
+    found = json.loads(text, parse_constant=lambda name: math.nan)
+    if not isinstance(found, dict):
+        raise InputError(f"it holds a {type(found).__name__}; expected settings by name")
+    version = found.pop("version", None)
+    if isinstance(version, bool) or version not in (1, VERSION):
+        raise InputError(f"its version is {version!r}; expected {VERSION}")
+    if version == 1:
+        found.pop("wet", None)  # was written by itself, and never chosen
+    known = {own.name for own in dataclasses.fields(Settings)}
+    values = {name: value for name, value in found.items() if name in known}
+    for name in ("inks", "recent", "pressure_curve"):
+        if isinstance(values.get(name), list):
+            values[name] = tuple(
+                tuple(item) if isinstance(item, list) else item for item in values[name]
+            )
+    if isinstance(values.get("buttons"), dict):
+        values["buttons"] = {int(button): act for button, act in values["buttons"].items()}
+    try:
+        return Settings(**values)
+    except (TypeError, AttributeError) as cause:
+        raise InputError(f"a setting is of the wrong kind: {cause}") from None
+
+
+def save_settings(settings: Settings, folder: Path | None = None) -> None:
+    """Save a user's choices: all of them or, after any failure, none.
+
+    Raises
+    ------
+    ExportError
+        If they cannot be written.
+    """
+    file = _file(folder)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as cause:
+        raise ExportError(f"{file.parent}: cannot be made: {cause.strerror or cause}") from None
+    values = {"version": VERSION, **dataclasses.asdict(settings)}
+    with write_atomically(file) as part:
+        part.write_text(json_text(values, indent=1) + "\n", encoding="utf-8")

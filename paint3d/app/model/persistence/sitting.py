@@ -1,0 +1,299 @@
+"""What a crash would lose, kept while painting: a base to start from, and a journal of all since.
+
+A sitting is a folder. ``base-K.p3d`` is the painting at a moment, ``journal-K.p3dj`` all samples
+and commands since, in order; doing them again on the base gives the same painting to the bit.
+Saving a new base starts a new journal first, so at every moment some base and the journals after it
+hold everything. A lock that dies with the program tells whether a sitting is going on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from paint3d.app.model.commands import do_again, encode_command
+from paint3d.app.model.document import Document
+from paint3d.app.model.persistence.places import recovery_folder
+from paint3d.core.machine import is_locked, lock
+from paint3d.device.recorded import Recording
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import ExportError, Paint3DError, SessionError
+from paint3d.files.project.journal import Journal, Loss, read_events
+
+__all__ = ["Recovered", "Sitting", "Unfinished", "recoverable"]
+
+_ABOUT, _LOCK = "about.json", "lock"
+_OPENED = 0.2  # of recovering is opening the base
+_AT_ONCE = 256  # samples between two reports of progress
+_COSTS = {"follow_time": 50.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
+"""Of commands, in samples painted."""
+
+_Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
+
+
+class Sitting:
+    """Keeps one document; see `paint3d.app.model.easel`.
+
+    Parameters
+    ----------
+    document : Document
+    folder : Path, optional
+        Where sittings lie; by default `recovery_folder`.
+
+    Raises
+    ------
+    ExportError
+        If nothing can be written there.
+    """
+
+    def __init__(self, document: Document, folder: Path | None = None) -> None:
+        root = recovery_folder() if folder is None else folder
+        self.folder = root / f"{os.getpid()}-{time.time_ns()}"
+        try:
+            self.folder.mkdir(parents=True)
+            self._lock = open(self.folder / _LOCK, "wb")  # noqa: SIM115 - for as long as it lives
+            lock(self._lock)
+            self._describe(document)
+        except OSError as cause:
+            raise ExportError(f"{root}: cannot keep what is painted here: {cause}") from None
+        self._number = 0
+        self._journal: Journal | None = None
+        self._next: Journal | None = None
+        self.turn_page(document)
+        self.save_base(document)
+
+    @property
+    def number(self) -> int:
+        """Of the journal that is written now."""
+        return self._number
+
+    def append(self, samples: object) -> None:
+        """Write samples down; see `Journal.append`."""
+        self._journal.append(samples)
+
+    def note(self, command: Mapping[str, object]) -> None:
+        """Write a command down; see `Journal.note`."""
+        self._journal.note(command)
+
+    def turn_page(self, document: Document) -> None:
+        """Start the next journal, with what no session holds; `save_base` is to follow.
+
+        All that was written down must have been painted.
+
+        Raises
+        ------
+        ExportError
+            If it cannot be started; the old one goes on.
+        """
+        self._lay_out_page()
+        fresh = self._next
+        fresh.note(encode_command("set_symmetry", [document.symmetry], {}))
+        fresh.note(encode_command("set_mask", [document.mask], {}))
+        fresh.note(encode_command("set_tags", [], document.tags))
+        old, self._journal, self._next = self._journal, fresh, None
+        self._number += 1
+        if old is not None:
+            old.let_go()
+
+    def save_base(self, document: Document) -> None:
+        """Save the painting as it was when the page was turned; what is older can go.
+
+        Raises
+        ------
+        ExportError
+            If it cannot be saved; the older base and all journals stay.
+        """
+        path, modified = document.path, document.modified
+        document.save(self.folder / f"base-{self._number}.p3d")
+        document.path, document.modified = path, modified
+        with suppress(ExportError):  # turning the page will tell
+            self._lay_out_page()
+        with suppress(OSError):
+            self._describe(document)
+        for old in _numbered(self.folder, "base-") | _numbered(self.folder, "journal-"):
+            if old[0] < self._number:
+                with suppress(OSError):
+                    old[1].unlink()
+
+    def _lay_out_page(self) -> None:
+        """Make the next journal ready: turning the page waits for no disk, nor who paints on."""
+        if self._next is None:
+            self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
+
+    def _describe(self, document: Document) -> None:
+        about = {
+            "object": document.surface.source.name,
+            "path": None if document.path is None else str(document.path),
+            "time_s": time.time(),
+            "modified": document.modified,
+            "opening_bytes": self._journal_bytes(),
+        }
+        temporary = self.folder / f".{_ABOUT}"
+        temporary.write_text(json.dumps(about), encoding="utf-8")
+        os.replace(temporary, self.folder / _ABOUT)
+
+    def _journal_bytes(self) -> int:
+        return sum(path.stat().st_size for _, path in _numbered(self.folder, "journal-"))
+
+    def close(self, keep: bool = False) -> None:
+        """End it: nothing is left to recover, unless it is to be kept."""
+        for journal in (self._journal, self._next):
+            if journal is not None:
+                with suppress(ExportError):
+                    journal.close()
+        self._journal = self._next = None
+        if not keep:
+            shutil.rmtree(self.folder, ignore_errors=True)
+        self._lock.close()
+
+
+@dataclass(frozen=True, eq=False)
+class Recovered:
+    """A painting that came back.
+
+    Attributes
+    ----------
+    document : Document
+    n_events : int
+        Batches of samples and commands that were done again.
+    loss : Loss
+        What of the journal could not be read.
+    refused : tuple of str
+        What could not be done again, and why.
+    """
+
+    document: Document
+    n_events: int
+    loss: Loss
+    refused: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Unfinished:
+    """A sitting that ended without being closed.
+
+    Attributes
+    ----------
+    folder : Path
+    object_name : str
+    path : Path or None
+        The session's file, if it had one.
+    time_s : float
+        When something was written last, s since 1970.
+    """
+
+    folder: Path
+    object_name: str
+    path: Path | None
+    time_s: float
+
+    def recover(self, progress: Callable[[float], None] | None = None) -> Recovered:
+        """Open the last base and do again what came after it.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the share of the work that is done, 0 to 1, several times a second. What
+            it raises (CancelledError, say) ends the work; the sitting stays as it was.
+
+        Raises
+        ------
+        SessionError
+            If there is no base that can be opened.
+        """
+        tell = progress or (lambda share: None)
+        tell(0.0)
+        bases = sorted(_numbered(self.folder, "base-"), reverse=True)
+        if not bases:
+            raise SessionError(f"{self.folder}: it holds no painting; expected base-K.p3d")
+        first, base = bases[0]
+        document = Document.open(base)
+        pieces, loss, n_events = [], Loss(), 0
+        for number, journal in sorted(_numbered(self.folder, "journal-")):
+            if number >= first and not loss.n_bytes:
+                _, more, loss = read_events(journal)
+                pieces += [piece for event in more for piece in _pieces(event)]
+                n_events += len(more)
+        tell(_OPENED)
+        costs = [_cost(piece) for piece in pieces]
+        done, whole, refused = 0.0, sum(costs), []
+        for piece, cost in zip(pieces, costs, strict=True):
+            refused += _done_again(document, piece)
+            done += cost
+            tell(_OPENED + (1.0 - _OPENED) * done / whole)
+        document.end_stroke()
+        document.path, document.modified = self.path, True
+        return Recovered(document, n_events, loss, tuple(refused))
+
+    def discard(self) -> None:
+        """Delete it for good."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def recoverable(folder: Path | None = None) -> list[Unfinished]:
+    """Sittings that ended without being closed, the newest first.
+
+    Those that go on are left out; those in which nothing was done are deleted.
+    """
+    root = recovery_folder() if folder is None else folder
+    found = []
+    with suppress(OSError):
+        for own in sorted(root.iterdir()):
+            if (own / _ABOUT).is_file() and not is_locked(own / _LOCK):  # nobody goes on with it
+                found += _unfinished(own)
+    return sorted(found, key=lambda one: one.time_s, reverse=True)
+
+
+def _unfinished(folder: Path) -> list[Unfinished]:
+    try:
+        about = json.loads((folder / _ABOUT).read_text(encoding="utf-8"))
+        n_bytes = sum(path.stat().st_size for _, path in _numbered(folder, "journal-"))
+        if not about.get("modified", True) and n_bytes <= about.get("opening_bytes", 0):
+            shutil.rmtree(folder, ignore_errors=True)
+            return []
+        path = None if about["path"] is None else Path(about["path"])
+        written = max(file.stat().st_mtime for file in folder.iterdir())
+        return [Unfinished(folder, str(about["object"]), path, written)]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return []
+
+
+def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
+    """The files PREFIX-K.* with their K."""
+    found = set()
+    for file in folder.glob(f"{prefix}*"):
+        digits = file.name.removeprefix(prefix).split(".")[0]
+        if digits.isdigit():
+            found.add((int(digits), file))
+    return found
+
+
+def _pieces(event: Recording | Mapping[str, object]) -> list[_Piece]:
+    """A command, or samples in pieces that take well below a second."""
+    if not isinstance(event, Recording):
+        return [event]
+    samples = list(event.samples())
+    return [samples[k : k + _AT_ONCE] for k in range(0, len(samples), _AT_ONCE)]
+
+
+def _cost(piece: _Piece) -> float:
+    """What doing it again takes, roughly, in samples."""
+    return float(len(piece)) if isinstance(piece, list) else _COSTS.get(piece.get("do"), 1.0)
+
+
+def _done_again(document: Document, piece: _Piece) -> list[str]:
+    """Do it; what was refused, as it was when it happened first."""
+    try:
+        if isinstance(piece, list):
+            document.feed(piece)
+        else:
+            do_again(document, piece)
+    except Paint3DError as error:
+        return [str(error)]
+    return []

@@ -1,0 +1,374 @@
+"""The picture one paints on: the stage's pixels in a widget, and what the hand does over it."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.input.event_clock import EventClock
+from paint3d.app.model.input.fingers import Fingers, Meaning
+from paint3d.app.window.input.touch import Touch, touch_of_mouse, touch_of_tablet
+
+__all__ = ["WRITING", "Canvas", "Drag"]
+
+WRITING = (QtWidgets.QLineEdit, QtWidgets.QAbstractSpinBox, QtWidgets.QPlainTextEdit)
+"""Widgets that want every key for themselves."""
+
+_S = 1_000_000_000  # ns; as by the events' own times, however late they are handed over:
+_PEN_LEFT_NS = 600 * _S  # for so long after a pen was seen, a finger alone does not paint
+_PALM_NS = _S // 5  # for so long after a pen was seen, what touches is the hand that holds it
+_KIND, _BUTTON, _KEY = QtCore.QEvent.Type, QtCore.Qt.MouseButton, QtCore.Qt.KeyboardModifier
+_TOUCHES = (_KIND.TouchBegin, _KIND.TouchUpdate, _KIND.TouchEnd, _KIND.TouchCancel)
+_RELEASED = QtGui.QEventPoint.State.Released
+_ERASER = QtGui.QPointingDevice.PointerType.Eraser
+
+
+@dataclass(frozen=True)
+class Drag:
+    """Where a drag that steers the view is, pixels, y down, and the action by which it steers."""
+
+    mode: str
+    x: float
+    y: float
+
+
+class Canvas(QtWidgets.QWidget):
+    """Shows pixels; tells what pen, mouse, fingers and wheel do.
+
+    Signals
+    -------
+    touched : Touch
+        A pen, the mouse or a finger has moved, come down or gone up, to paint.
+    taken_back : ()
+        What a finger began was the beginning of a gesture of several.
+    steered : (str, Drag)
+        "begin", "move" or "end" of a drag that steers the view.
+    gestured : Meaning
+        Several fingers have moved or tapped.
+    wheeled : (float, float, float)
+        Notches of the wheel, and where.
+    left : ()
+        The pointer has gone out of the picture.
+    resized : ()
+    dropped : str
+        A file was let fall here.
+    untimed : ()
+        A pen gives no times of its own: the first time that this is found.
+
+    Attributes
+    ----------
+    mode_at : callable
+        Given x, y and the keys that are held; returns how a drag that begins there steers, or None
+        if it paints.
+    grip_at : callable
+        Given x and y; whether there is something to take hold of that is no place to paint.
+    finger : {"auto", "paint", "turn"}
+        What one finger does; "auto": it paints until a pen was seen, then it turns.
+    """
+
+    touched = QtCore.Signal(object)
+    taken_back = QtCore.Signal()
+    steered = QtCore.Signal(str, object)
+    gestured = QtCore.Signal(object)
+    wheeled = QtCore.Signal(float, float, float)
+    left = QtCore.Signal()
+    resized = QtCore.Signal()
+    dropped = QtCore.Signal(str)
+    untimed = QtCore.Signal()
+
+    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setMouseTracking(True)
+        self.setTabletTracking(True)
+        self.setAcceptDrops(True)
+        self.setAttribute(QtCore.Qt.WidgetAttribute.WA_AcceptTouchEvents)
+        self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
+        self.setMinimumSize(320, 240)
+        self.setAttribute(QtCore.Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setSizePolicy(
+            QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Expanding
+        )
+        self.overlays: list[Callable[[QtGui.QPainter, QtCore.QRect], None]] = []
+        self._image: QtGui.QImage | None = None
+        self._pixels: NDArray | None = None
+        self.mode_at: Callable[..., str | None] = lambda x, y, keys: None
+        self.grip_at: Callable[..., object] = lambda x, y: None
+        self.finger = "auto"
+        self._fingers = Fingers()
+        self._mode: str | None = None  # of the drag that steers now
+        self._by = ""  # what began it: "mouse", "pen" or "finger"
+        self._pen_down = self._mouse_down = self._finger_down = self._palm = False
+        self._pen_seen_ns: int | None = None
+        self._clock = EventClock()
+
+    @property
+    def pixel_size(self) -> tuple[int, int]:
+        """Width and height in the screen's own pixels."""
+        ratio = self.devicePixelRatioF()
+        return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
+
+    def show_pixels(self, pixels: NDArray) -> None:
+        """Show (H, W, 4) uint8 pixels, the first row at the bottom."""
+        self._pixels = np.ascontiguousarray(pixels[::-1])
+        height, width = pixels.shape[:2]
+        form = QtGui.QImage.Format.Format_RGBX8888
+        self._image = QtGui.QImage(self._pixels.data, width, height, 4 * width, form)
+        self._image.setDevicePixelRatio(self.devicePixelRatioF())
+        self.update()
+
+    # -- what Qt calls ----------------------------------------------------------------------
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Paint the picture, and what lies over it."""
+        painter = QtGui.QPainter(self)
+        if self._image is None:
+            painter.fillRect(event.rect(), self.palette().window())
+        else:
+            painter.drawImage(self.rect(), self._image)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        for overlay in self.overlays:
+            overlay(painter, self.rect())
+        painter.end()
+
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
+        """Have it drawn at the new size."""
+        super().resizeEvent(event)
+        self.resized.emit()
+
+    def event(self, event: QtCore.QEvent) -> bool:
+        """Take fingers, on the screen or on a touch pad."""
+        if event.type() in _TOUCHES:
+            self._take_fingers(event)
+            event.accept()
+            return True
+        if event.type() == _KIND.NativeGesture and self._take_native(event):
+            return True
+        return super().event(event)
+
+    # -- mouse ------------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Begin to steer with Alt, another button or beside the object; else the brush lands."""
+        handled = time.perf_counter_ns()
+        self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
+        event.accept()
+        if self._mode is not None or self._mouse_down or self._pen_down or self._finger_down:
+            return  # one thing after the other
+        place = event.position()
+        mode = _mode_of(event) or self.mode_at(place.x(), place.y(), event.modifiers())
+        if mode is not None:
+            self._begin(mode, "mouse", place)
+        else:
+            time_ns = self._time_ns("mouse", event, handled)
+            self._mouse_down = True
+            self.touched.emit(touch_of_mouse(event, time_ns))
+
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Steer, or move the brush; what was pressed elsewhere, on a menu, does not paint."""
+        handled = time.perf_counter_ns()
+        event.accept()
+        self._take_focus()
+        place = event.position()
+        self._mouse_down = self._mouse_down and bool(event.buttons() & _BUTTON.LeftButton)
+        if self._by == "mouse":
+            self._go_on(place)
+        elif self._mouse_down or not (self._pen_down or self._finger_down or self._mode):
+            if not self._mouse_down and self.grip_at(place.x(), place.y()):
+                self.left.emit()
+            else:
+                touch = touch_of_mouse(event, self._time_ns("mouse", event, handled))
+                self.touched.emit(replace(touch, down=self._mouse_down))
+
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Stop steering, or lift the brush."""
+        handled = time.perf_counter_ns()
+        event.accept()
+        if self._by == "mouse":
+            if not event.buttons():
+                self._end(event.position())
+        elif self._mouse_down and not event.buttons() & _BUTTON.LeftButton:
+            time_ns = self._time_ns("mouse", event, handled)
+            self._mouse_down = False
+            self.touched.emit(touch_of_mouse(event, time_ns))
+
+    def _time_ns(self, kind: str, event: QtGui.QPointerEvent, handled: int) -> int:
+        """When an event happened that was handed over at `handled`, ns."""
+        known = len(self._clock.untimed)
+        painting = self._pen_down or self._mouse_down or self._finger_down
+        if kind == "touch":
+            painting = event.type() != _KIND.TouchBegin
+        found = self._clock.time_ns(kind, event.timestamp(), handled, painting)
+        if kind == "pen" and len(self._clock.untimed) > known:
+            self.untimed.emit()
+        return found
+
+    def _take_focus(self) -> None:
+        """Have the keys from a button that was clicked, once the pointer is back."""
+        focus = QtWidgets.QApplication.focusWidget()
+        if focus is not self and self.isActiveWindow() and not isinstance(focus, WRITING):
+            self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
+
+    # -- pen --------------------------------------------------------------------------------
+
+    def tabletEvent(self, event: QtGui.QTabletEvent) -> None:
+        """Paint or steer with the pen; accepted, so that no mouse events are made of it."""
+        handled = time.perf_counter_ns()
+        event.accept()
+        self._take_focus()
+        time_ns = self._pen_seen_ns = self._time_ns("pen", event, handled)
+        place = event.position()
+        if self._by == "pen":
+            self._steer_with_pen(event)
+            return
+        if event.type() == _KIND.TabletPress and not self._pen_down and self._mode is None:
+            self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
+            mode = _mode_of_pen(event)
+            if mode is None and event.pointerType() != _ERASER:
+                mode = self.mode_at(place.x(), place.y(), event.modifiers())
+            if mode is not None:
+                self._begin(mode, "pen", place)
+                return
+        touch = touch_of_tablet(event, time_ns)
+        was_down = self._pen_down
+        self._pen_down = touch.down and (was_down or event.type() == _KIND.TabletPress)
+        touch = replace(touch, down=self._pen_down)
+        if touch.down or was_down:
+            self.touched.emit(touch)  # a stroke ends on a grip, too
+        elif not self.grip_at(place.x(), place.y()):
+            self.touched.emit(touch)
+        else:
+            self.left.emit()
+
+    def _steer_with_pen(self, event: QtGui.QTabletEvent) -> None:
+        """Steer until tip and buttons are let go of."""
+        over = event.type() == _KIND.TabletRelease and not event.buttons()
+        (self._end if over else self._go_on)(event.position())
+
+    # -- fingers ----------------------------------------------------------------------------
+
+    def _take_fingers(self, event: QtGui.QTouchEvent) -> None:
+        """Hear what fingers mean, unless they belong to the hand that holds the pen."""
+        now = self._time_ns("touch", event, time.perf_counter_ns())
+        if event.type() == _KIND.TouchBegin:
+            self._palm = self._pen_down or self._saw_pen(now, _PALM_NS)
+        if self._palm:
+            return
+        if event.type() == _KIND.TouchCancel:
+            said = self._fingers.cancel(now)
+        else:
+            said = self._fingers.follow(
+                now,
+                {
+                    point.id(): (point.position().x(), point.position().y())
+                    for point in event.points()
+                    if point.state() != _RELEASED
+                },
+            )
+        for one in said:
+            self._do_fingers(one)
+
+    def _do_fingers(self, meant: Meaning) -> None:
+        if meant.kind in ("turn", "pinch", "tap"):
+            self.gestured.emit(meant)
+            return
+        place = QtCore.QPointF(meant.x, meant.y)
+        if meant.kind == "press":
+            self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
+            mode = self.mode_at(meant.x, meant.y, _KEY.NoModifier)
+            if mode is None and not self._finger_paints(meant.time_ns):
+                mode = "orbit"
+            if mode is not None:
+                self._begin(mode, "finger", place)
+                return
+        if self._by == "finger":
+            (self._go_on if meant.kind == "move" else self._end)(place)
+        elif meant.kind == "cancel":
+            self._finger_down = False
+            self.taken_back.emit()
+        else:
+            down = self._finger_down = meant.kind != "lift"
+            self.touched.emit(Touch(meant.time_ns, meant.x, meant.y, down=down))
+            if not down:
+                self.left.emit()  # a finger that has left points at nothing
+
+    def _finger_paints(self, time_ns: int) -> bool:
+        if self.finger != "auto":
+            return self.finger == "paint"
+        return not self._saw_pen(time_ns, _PEN_LEFT_NS)
+
+    def _saw_pen(self, time_ns: int, within_ns: int) -> bool:
+        """Whether a pen was here so shortly before."""
+        return self._pen_seen_ns is not None and time_ns - self._pen_seen_ns < within_ns
+
+    def _take_native(self, event: QtGui.QNativeGestureEvent) -> bool:
+        """Fingers on a touch pad: pinch and roll."""
+        kind, place = event.gestureType(), event.position()
+        at = time.perf_counter_ns(), place.x(), place.y()
+        if kind == QtCore.Qt.NativeGestureType.ZoomNativeGesture:
+            self.gestured.emit(Meaning("pinch", *at, factor=max(0.1, 1.0 + event.value())))
+        elif kind == QtCore.Qt.NativeGestureType.RotateNativeGesture:
+            self.gestured.emit(Meaning("pinch", *at, angle=-math.radians(event.value())))
+        else:
+            return False
+        return True
+
+    # -- steering ---------------------------------------------------------------------------
+
+    def _begin(self, mode: str, by: str, place: QtCore.QPointF) -> None:
+        self._mode, self._by = mode, by
+        self.steered.emit("begin", Drag(mode, place.x(), place.y()))
+
+    def _go_on(self, place: QtCore.QPointF) -> None:
+        self.steered.emit("move", Drag(self._mode, place.x(), place.y()))
+
+    def _end(self, place: QtCore.QPointF) -> None:
+        mode, self._mode, self._by = self._mode, None, ""
+        self.steered.emit("end", Drag(mode, place.x(), place.y()))
+
+    def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
+        """Come nearer."""
+        place = event.position()
+        self.wheeled.emit(event.angleDelta().y() / 120.0, place.x(), place.y())
+        event.accept()
+
+    def leaveEvent(self, event: QtCore.QEvent) -> None:
+        """Take the brush out of the picture."""
+        super().leaveEvent(event)
+        self.left.emit()
+
+    def dragEnterEvent(self, event: QtGui.QDragEnterEvent) -> None:
+        """Take files."""
+        urls = event.mimeData().urls()
+        if len(urls) == 1 and urls[0].isLocalFile():
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QtGui.QDropEvent) -> None:
+        """Open the file."""
+        self.dropped.emit(event.mimeData().urls()[0].toLocalFile())
+        event.acceptProposedAction()
+
+
+def _mode_of(event: QtGui.QMouseEvent) -> str | None:
+    """How buttons and keys of the mouse steer, if they do."""
+    keys, button = event.modifiers(), event.button()
+    if button == _BUTTON.RightButton:
+        return "dolly"
+    if button == _BUTTON.MiddleButton:
+        if keys & _KEY.ControlModifier:
+            return "dolly"
+        return "pan" if keys & (_KEY.ShiftModifier | _KEY.AltModifier) else "orbit"
+    return "orbit" if keys & _KEY.AltModifier or button != _BUTTON.LeftButton else None
+
+
+def _mode_of_pen(event: QtGui.QTabletEvent) -> str | None:
+    """How the buttons of a pen steer, which Qt counts as right and middle; or Alt."""
+    if event.buttons() & _BUTTON.MiddleButton:
+        return "pan"
+    turns = event.buttons() & _BUTTON.RightButton or event.modifiers() & _KEY.AltModifier
+    return "orbit" if turns else None

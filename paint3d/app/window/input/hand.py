@@ -1,0 +1,241 @@
+"""The hand over the canvas: it paints, hovers, steers the view, sizes the brush."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6 import QtCore
+
+from paint3d.app.model.input import navigation
+from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
+from paint3d.app.window.input.canvas import Canvas
+from paint3d.app.window.input.touch import Touch
+from paint3d.app.window.stage import Stage
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.view.camera import Camera, View, fit_camera, is_flat, studio_axes
+
+__all__ = ["CanvasHand"]
+
+_SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
+_FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
+_FIRST_VIEW = View((0.12, -1.0, 0.62))
+_FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
+_CLOSE = 1.5  # tuft lengths that are seen all round of what is under the pointer
+
+
+class CanvasHand(QtCore.QObject):
+    """Joins the canvas's events to the easel.
+
+    Signals
+    -------
+    sized : float
+        The brush is to be so many times as large.
+    began, ended : ()
+        Of a stroke.
+    """
+
+    sized = QtCore.Signal(float)
+    began = QtCore.Signal()
+    ended = QtCore.Signal()
+
+    def __init__(self, canvas: Canvas, stage: Stage) -> None:
+        super().__init__(canvas)
+        self._canvas, self._stage = canvas, stage
+        self.camera: Camera | None = None
+        self._whole: Camera | None = None
+        self.hand: Hand | None = None
+        self.settings = HandSettings()
+        self.first_force = 1.5  # N, of a mouse
+        self.in_stroke = False
+        self.held: set[str] = set()
+        self.adjusted = False
+        self._surface: ClosestPoints | None = None
+        self._place: Touch | None = None
+        self._spent = False  # a stroke was taken back whose pen is still down
+        self._notches = 0.0
+        canvas.touched.connect(self.touch)
+        canvas.taken_back.connect(self._take_back)
+        canvas.resized.connect(self._resized)
+        canvas.left.connect(self._leave)
+
+    # -- the view ---------------------------------------------------------------------------
+
+    def open(self, surface: ClosestPoints) -> None:
+        """Take another object in hand, the one on stage."""
+        self._surface = surface
+        force = self.hand.force if self.hand is not None else self.first_force
+        self.hand = Hand(surface, self.settings, force)
+        self.in_stroke = self._spent = False
+        self._place = None
+        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+        self.show_all()
+
+    def set_settings(self, **changes: object) -> None:
+        """Read the hand otherwise; see `HandSettings`."""
+        self.settings = dataclasses.replace(self.settings, **changes)
+        if self.hand is not None:
+            self.hand.settings = self.settings
+
+    def show_all(self) -> None:
+        """See the whole object, from where it is painted best."""
+        points = self._stage.points
+        view = _FIRST_VIEW
+        if is_flat(points):
+            axes = studio_axes(points, View((0.0, -0.6, 1.0)))
+            view = View(axes.T @ _FLAT_VIEW, axes[1])
+        self.look(fit_camera(points, view, self._canvas.width() / max(1, self._canvas.height())))
+        self._whole = self.camera
+
+    def _resized(self) -> None:
+        """Go on showing the whole object, where nobody has painted or looked elsewhere since."""
+        if self.camera is not None and self.camera is self._whole:
+            self.show_all()
+
+    def show_place(self) -> None:
+        """See what is under the pointer from near."""
+        found = self.place()
+        if found is None:
+            return
+        radius = _CLOSE * self._stage.easel.document.painter.brush.length_mm
+        aspect = self._canvas.width() / max(1, self._canvas.height())
+        self.look(navigation.approach(self.camera, found, radius, aspect))
+
+    def look_from(self, side: str) -> None:
+        """See the whole object from a side."""
+        points = self._stage.points
+        centre = 0.5 * (points.min(axis=0) + points.max(axis=0)).astype(np.float64)
+        radius = 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
+        aspect = self._canvas.width() / max(1, self._canvas.height())
+        camera = navigation.frame(self.camera, centre, radius, aspect)
+        self.look(navigation.look_from(camera, side))
+
+    def look(self, camera: Camera) -> None:
+        """Look from there."""
+        self.camera = camera
+        self._stage.set_camera(camera)
+
+    def _size(self) -> tuple[int, int]:
+        return self._canvas.width(), self._canvas.height()
+
+    def take_wheel(self, notches: float) -> bool:
+        """Press by the wheel, during a stroke; False where there is none."""
+        if self.in_stroke:
+            self._notches += notches
+        return self.in_stroke
+
+    def meets(self, places: NDArray) -> NDArray[np.bool_]:
+        """(N,) bool: whether the object is seen at places (N, 2) of the picture, pixels."""
+        rays = [navigation.ray_at(self.camera, x, y, self._size()) for x, y in places]
+        origins = np.array([ray.origin for ray in rays])
+        return self._surface.cast(origins, np.array([ray.direction for ray in rays])).hit
+
+    def place(self) -> NDArray | None:
+        """(3,) the place on the object under the pointer, or None."""
+        if self._place is None or self._surface is None:
+            return None
+        ray = navigation.ray_at(self.camera, self._place.x, self._place.y, self._size())
+        hits = self._surface.cast(ray.origin[None], ray.direction[None])
+        return hits.points[0] if hits.hit[0] else None
+
+    # -- the brush --------------------------------------------------------------------------
+
+    def touch(self, touch: Touch) -> None:
+        """Follow the pen or mouse: paint while it is down, else show where it would."""
+        easel = self._stage.easel
+        if easel is None or self.camera is None:
+            return
+        before, self._place = self._place, touch
+        self._spent = self._spent and touch.down
+        if self._spent:
+            return
+        if before is not None and self.held & {"size", "force"} and not self.in_stroke:
+            self._adjust(touch.x - before.x)
+            return
+        event, brush = self._input(touch), easel.brush
+        if self.in_stroke and touch.down:
+            easel.feed(self.hand.move(event, brush))
+        elif self.in_stroke:
+            self.lift(event)
+        elif touch.down and not touch.eraser:
+            self._begin(event)
+        else:
+            sample = self.hand.hover(event, brush)
+            if sample is None:
+                self._stage.hide_brush()
+            else:
+                easel.hover(sample)
+        if touch.eraser and touch.down and (before is None or not before.down):
+            easel.post("rinse")
+
+    def _adjust(self, pixels: float) -> None:
+        """Change what a held key says by a drag."""
+        self.adjusted = True
+        if "size" in self.held:
+            self.sized.emit(_SIZE_A_PIXEL**pixels)
+        else:
+            self.hand.force = min(7.9, max(0.0, self.hand.force + _FORCE_A_PIXEL * pixels))
+
+    def _input(self, touch: Touch) -> PointerInput:
+        ray = navigation.ray_at(self.camera, touch.x, touch.y, self._size())
+        right, up, _ = navigation.picture_axes(self.camera)
+        notches, self._notches = self._notches, 0.0
+        return PointerInput(
+            touch.time_ns,
+            origin=ray.origin,
+            direction=ray.direction,
+            right=right,
+            up=up,
+            pressure=touch.pressure,
+            x_tilt=math.degrees(touch.tilt_x),
+            y_tilt=math.degrees(touch.tilt_y),
+            rotation=math.degrees(touch.twist) if touch.twist else None,
+            wheel=notches,
+            harder="harder" in self.held,
+            softer="softer" in self.held,
+        )
+
+    def _begin(self, event: PointerInput) -> None:
+        easel = self._stage.easel
+        samples = self.hand.begin(event, easel.brush)
+        if samples is None:
+            return
+        self.in_stroke, self._whole = True, None
+        easel.post("begin_stroke")
+        easel.feed(samples)
+        self.began.emit()
+
+    def lift(self, event: PointerInput | None = None) -> None:
+        """End the stroke that is going on, where the pen was lifted if it says."""
+        if not self.in_stroke:
+            return
+        self.in_stroke = False
+        easel = self._stage.easel
+        easel.feed(self.hand.end(self._place.time_ns, easel.brush, event))
+        easel.post("end_stroke")
+        self.ended.emit()
+
+    def interrupt(self) -> None:
+        """End the stroke that is going on where it is; a pen that stays down begins none."""
+        if self.in_stroke:
+            self.lift()
+            self._spent = True
+
+    def cancel(self) -> None:
+        """Take the stroke that is going on back."""
+        if self.in_stroke:
+            self.in_stroke, self._spent = False, True
+            self.hand.end(self._place.time_ns, self._stage.easel.brush)
+            self._stage.easel.post("cancel_stroke")
+            self.ended.emit()
+
+    def _take_back(self) -> None:
+        """Take back what a finger began that now does something else: the next paints again."""
+        self.cancel()
+        self._spent = False
+
+    def _leave(self) -> None:
+        if not self.in_stroke and self._stage.easel is not None:
+            self._stage.hide_brush()

@@ -1,0 +1,153 @@
+"""Keys that count while they are held, and those of the keypad, wherever the focus is.
+
+Size, force, harder, softer; Space, which steers. The keypad turns the view with NumLock or without:
+Qt would take its digits for those above the letters.
+"""
+
+from __future__ import annotations
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.persistence.shortcuts import SHORTCUTS
+from paint3d.app.window.input.canvas import WRITING
+from paint3d.app.window.input.hand import CanvasHand
+
+__all__ = ["HeldKeys"]
+
+_KIND, _KEY = QtCore.QEvent.Type, QtCore.Qt.Key
+_PAD = QtCore.Qt.KeyboardModifier.KeypadModifier
+_OTHERS = (  # that count together with a key of the keypad
+    QtCore.Qt.KeyboardModifier.ControlModifier | QtCore.Qt.KeyboardModifier.AltModifier
+)
+_DIGITS = {
+    _KEY.Key_Insert: _KEY.Key_0, _KEY.Key_End: _KEY.Key_1, _KEY.Key_Down: _KEY.Key_2,
+    _KEY.Key_PageDown: _KEY.Key_3, _KEY.Key_Left: _KEY.Key_4, _KEY.Key_Clear: _KEY.Key_5,
+    _KEY.Key_Right: _KEY.Key_6, _KEY.Key_Home: _KEY.Key_7, _KEY.Key_Up: _KEY.Key_8,
+    _KEY.Key_PageUp: _KEY.Key_9, _KEY.Key_Delete: _KEY.Key_Period, _KEY.Key_Comma: _KEY.Key_Period,
+}  # fmt: skip
+"""What a key of the keypad is without NumLock to what it is with it; some write a comma."""
+
+
+class HeldKeys(QtCore.QObject):
+    """Watches the keys of one window.
+
+    A key that is both held and pressed counts as pressed if nothing was dragged with it.
+
+    Signals
+    -------
+    tapped : str
+        The action of a key that was let go at once, or of one of the keypad.
+    alt_taken : ()
+        The window was moved with Alt, as some window managers do, where Alt was to turn the view.
+    """
+
+    tapped = QtCore.Signal(str)
+    alt_taken = QtCore.Signal()
+
+    def __init__(
+        self, window: QtWidgets.QWidget, canvas: QtWidgets.QWidget, hand: CanvasHand
+    ) -> None:
+        super().__init__(window)
+        self._window, self._canvas, self._hand = window, canvas, hand
+        self._alt = False
+        self._keys: dict[int, tuple[str, str]] = {}
+        held = {one.keys: one.action for one in SHORTCUTS if one.gesture in ("hold", "drag")}
+        self._taps = {one.keys: one.action for one in SHORTCUTS if one.gesture == "press"}
+        self._held = {
+            QtGui.QKeySequence(keys)[0].toCombined(): (keys, action)
+            for keys, action in held.items()
+            if action in ("size", "force", "harder", "softer")
+        }
+        self._pad = {
+            QtGui.QKeySequence(one.keys)[0].toCombined(): one.action
+            for one in SHORTCUTS
+            if "Num+" in one.keys
+        }
+        QtWidgets.QApplication.instance().installEventFilter(self)
+
+    def taps(self) -> set[str]:
+        """Actions whose key is also one to hold: they come by `tapped`."""
+        return {self._taps[keys] for keys, _ in self._held.values() if keys in self._taps}
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Look at keys of this window, unless something is being written."""
+        kind = event.type()
+        if watched is self._window:
+            self._watch_window(kind)
+        if kind not in (_KIND.KeyPress, _KIND.KeyRelease, _KIND.ShortcutOverride):
+            return False
+        if not self._window.isActiveWindow():
+            return False
+        if event.key() == _KEY.Key_Alt:
+            self._alt = kind != _KIND.KeyRelease
+        if kind != _KIND.KeyRelease and QtWidgets.QApplication.activePopupWidget() is not None:
+            return _leave_to_the_menu(kind, event)
+        if isinstance(QtWidgets.QApplication.focusWidget(), WRITING):
+            return False
+        if kind == _KIND.KeyRelease:
+            return self._let_go(event)
+        if event.modifiers() & _PAD:
+            return self._press_pad(kind, event)
+        if kind == _KIND.ShortcutOverride:
+            return False
+        if event.key() == _KEY.Key_Space and self._is_over_canvas():
+            return self._hold(event, ("Space", "steer"))
+        found = self._held.get(event.keyCombination().toCombined())
+        return False if found is None else self._hold(event, found)
+
+    def _watch_window(self, kind: QtCore.QEvent.Type) -> None:
+        """Let go of all keys with the focus; notice a window that is moved with Alt."""
+        if kind == _KIND.WindowDeactivate:
+            self._alt = False
+            self._keys.clear()
+            self._hand.held.clear()
+        elif kind == _KIND.Move and (self._alt or _is_alt_down()):
+            self.alt_taken.emit()
+
+    def _is_over_canvas(self) -> bool:
+        """Whether a key is meant for the picture, and not for a button that has the focus."""
+        focus = QtWidgets.QApplication.focusWidget()
+        return focus is None or focus is self._canvas
+
+    def _press_pad(self, kind: QtCore.QEvent.Type, event: QtGui.QKeyEvent) -> bool:
+        """Do what a key of the keypad asks for; nothing else hears of it."""
+        key = QtCore.Qt.Key(event.key())
+        keys = (event.modifiers() & _OTHERS) | _PAD
+        combined = QtCore.QKeyCombination(keys, _DIGITS.get(key, key)).toCombined()
+        action = self._pad.get(combined)
+        if action is None:
+            return False
+        event.accept()
+        if kind == _KIND.KeyPress:
+            self.tapped.emit(action)
+        return True
+
+    def _hold(self, event: QtGui.QKeyEvent, found: tuple[str, str]) -> bool:
+        if not event.isAutoRepeat() and event.key() not in self._keys:
+            self._keys[event.key()] = found
+            self._hand.held.add(found[1])
+            self._hand.adjusted = False
+        return True
+
+    def _let_go(self, event: QtGui.QKeyEvent) -> bool:
+        if event.isAutoRepeat() or event.key() not in self._keys:
+            return False
+        keys, action = self._keys.pop(event.key())
+        self._hand.held.discard(action)
+        if keys in self._taps and not self._hand.adjusted:
+            self.tapped.emit(self._taps[keys])
+        return True
+
+
+def _leave_to_the_menu(kind: QtCore.QEvent.Type, event: QtGui.QKeyEvent) -> bool:
+    """Let an open menu have a key: its arrows turn the view where they are taken for shortcuts."""
+    if kind != _KIND.ShortcutOverride:
+        return False
+    event.accept()
+    return True
+
+
+def _is_alt_down() -> bool:
+    """Whether Alt is held also by what the system says: a window that is moved has no focus."""
+    held = QtGui.QGuiApplication.queryKeyboardModifiers()
+    return bool(held & QtCore.Qt.KeyboardModifier.AltModifier)

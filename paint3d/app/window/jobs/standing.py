@@ -1,0 +1,142 @@
+"""Objects of one's own: how they stand when they are opened, and turning them afterwards."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6 import QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.own_object import ObjectChoice, first_choice, is_implausible, longest_side
+from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
+from paint3d.app.window.jobs.job import Progress, run_beside
+from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.wording import say
+from paint3d.files.load import BUILT_IN_OBJECTS
+from paint3d.files.sandbox.reading import Reading
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["Standing"]
+
+
+class Standing:
+    """Asks how objects are to stand, for one window."""
+
+    def __init__(self, window: StudioWindow) -> None:
+        self._window = window
+        self._said = ""
+
+    def choose(
+        self, path: str, reading: Reading, material: str, resolution: float, *, ask: bool = True
+    ) -> ObjectChoice | None:
+        """How an object that was read is to stand; None: it is not to be opened.
+
+        Parameters
+        ----------
+        path : str
+        reading : Reading
+        material : str
+            What is proposed for the surface.
+        resolution : float
+            What is wanted, mm.
+        ask : bool
+            Whether it is asked. If not, what is likely is taken and told, and it is asked only
+            where the unit cannot be right.
+        """
+        self._said = ""
+        if path in BUILT_IN_OBJECTS:
+            return ObjectChoice(np.eye(3), 1.0, material, resolution)
+        if not ask and not is_implausible(longest_side(reading.mesh)):
+            return self._likely(reading, material, resolution)
+        name = Path(path).name
+        dialog = ObjectDialog(
+            self._window,
+            reading,
+            material,
+            resolution,
+            title=name,
+            accept=say("action.open").rstrip("…"),
+        )
+        return self._answer(dialog)
+
+    def tell(self) -> None:
+        """Say what was taken without having been asked."""
+        if self._said:
+            self._window.tell(self._said)
+
+    def _likely(self, reading: Reading, material: str, resolution: float) -> ObjectChoice:
+        guess = reading.likely_up
+        said = [told(note) for note in reading.notes]
+        if guess is not None and not guess.sure:
+            said.append(
+                say("Which way is up is not sure; Edit ▸ Turn and scale the object changes it")
+            )
+        elif guess is not None and guess.up != "z":
+            words = "{axis} was taken for up; Edit ▸ Turn and scale the object changes it"
+            said.append(say(words, axis=guess.up))
+        self._said = "   ".join(said)
+        return first_choice(reading, guess, material, resolution)._replace(resolution=resolution)
+
+    def _answer(self, dialog: ObjectDialog) -> ObjectChoice | None:
+        accepted = dialog.exec()
+        choice = dialog.chosen() if accepted else None
+        if choice is not None:
+            self._window.keep(material=choice.material)
+        dialog.deleteLater()
+        return choice
+
+    # -- turning what is open ---------------------------------------------------------------
+
+    def do_stand(self) -> None:
+        """Ask how the object that is open should stand, and begin anew on it."""
+        window = self._window
+        if window.stage.easel is None:
+            return
+        with window.stage.easel.paused() as document:
+            surface = document.surface
+            is_bare = not document.strokes and not surface.painted.any()
+            material, resolution = surface.material.name, surface.resolution
+            brush, inks = document.painter.brush, list(document.inks)
+        if not is_bare and not self._may_begin_anew():
+            return
+        reading = Reading(surface.source, knows_up=True)
+        dialog = ObjectDialog(
+            window, reading, material, resolution or window.settings.resolution_mm,
+            title=say("Turn and scale the object…").rstrip("…"),
+            accept=say("button.ok") if is_bare else say("Begin anew"), is_open=True,
+        )  # fmt: skip
+        choice = self._answer(dialog)
+        if choice is None or (not is_bare and not window.files.may_leave()):
+            return
+
+        def make(progress: Progress) -> Opened:
+            mesh = choice.apply(reading.mesh)
+            document = Document.new(
+                mesh, choice.resolution, choice.material, brush=brush, ink=inks[0],
+                undo_bytes=int(window.settings.undo_megabytes * (1 << 20)),
+            )  # fmt: skip
+            document.inks[1] = inks[1]
+            return Opened.of(document, progress.check)
+
+        done = run_beside(window, say("status.opening", name=surface.source.name), make)
+        if window.files.went_well(done):
+            window.show_document(done.result())
+
+    def _may_begin_anew(self) -> bool:
+        box = QtWidgets.QMessageBox(self._window)
+        box.setWindowTitle("paint3d")
+        box.setText(
+            say(
+                "There is paint on it. Turned, it is begun anew without the paint; what is open "
+                "can be saved first."
+            )
+        )
+        role = QtWidgets.QMessageBox.ButtonRole
+        anew = box.addButton(say("Begin anew"), role.AcceptRole)
+        box.setEscapeButton(box.addButton(say("button.cancel"), role.RejectRole))
+        box.exec()
+        return box.clickedButton() is anew

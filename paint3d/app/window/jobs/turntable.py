@@ -1,0 +1,99 @@
+"""A film of the object turning once on its foot."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Iterator
+from concurrent.futures import Future
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image
+
+from paint3d.app.model.input.navigation import orbit
+from paint3d.app.window.dialogs.film_dialog import Film
+from paint3d.app.window.jobs.job import Progress, run_beside
+from paint3d.app.window.wording import say
+from paint3d.core.atomic import write_atomically
+from paint3d.errors import ExportError
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["FILMS", "write_turntable"]
+
+FILMS = {".gif": "GIF", ".webp": "WEBP"}
+"""What the formats of films are called by who writes them."""
+
+_AHEAD = 3  # pictures that are drawn before they are written
+_DRAWN = 0.9  # of the time, about, that drawing takes
+_LOOK_S = 0.05
+
+
+def write_turntable(window: StudioWindow, path: Path, film: Film) -> Future:
+    """Draw a film picture by picture, with a bar, and write it; nothing if it was stopped.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is not .gif or .webp, or the pictures are too many for their size.
+    """
+    form = FILMS.get(path.suffix.lower())
+    if form is None:
+        raise ExportError(f"{path}: a film is written as .gif or .webp")
+    film = film._replace(size=film.size or window.canvas.pixel_size)
+    if film.is_too_long:
+        width, height = film.size
+        raise ExportError(
+            f"{path}: {film.n_pictures} pictures of {width} x {height} pixels are too many; "
+            "expected a shorter or smaller film"
+        )
+    camera, drawn = window.hand.camera, queue.Queue(_AHEAD)
+    n, turn = film.n_pictures, 2.0 * window.canvas.height()
+    done = 0
+
+    def draw() -> None:
+        nonlocal done
+        if done < n and not drawn.full():
+            window.stage.set_camera(orbit(camera, -turn * done / n, 0.0, window.canvas.height()))
+            drawn.put(Image.fromarray(np.array(window.stage.picture()[::-1, :, :3])))
+            done += 1
+
+    def work(progress: Progress) -> None:
+        pictures = _taken(drawn, n, progress)
+        first = next(pictures)
+        with write_atomically(path, progress) as part:
+            first.save(
+                part,
+                format=form,
+                save_all=True,
+                append_images=pictures,
+                duration=round(1e3 / film.rate),
+                loop=0,
+            )
+
+    window.hold()
+    window.stage.hide_brush()
+    window.stage.set_size(film.size)
+    try:
+        return run_beside(window, say("Drawing the film…"), work, draw)
+    finally:
+        window.stage.set_size(window.canvas.pixel_size)
+        window.stage.set_camera(camera)
+        window.go_on()
+
+
+def _taken(drawn: queue.Queue, n: int, progress: Progress) -> Iterator[Image.Image]:
+    """Pictures as they are drawn."""
+    for k in range(n):
+        progress.expect(_DRAWN * k / n, _DRAWN * (k + 1) / n, _LOOK_S)
+        while True:
+            progress.check()
+            try:
+                picture = drawn.get(timeout=_LOOK_S)
+                break
+            except queue.Empty:
+                continue
+        yield picture
+    progress.expect(_DRAWN, 0.99, 1.0 + 0.02 * n)

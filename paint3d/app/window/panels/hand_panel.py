@@ -1,0 +1,177 @@
+"""How the hand is read: pressure curve, steadiness, images of the stroke, mask by angle."""
+
+from __future__ import annotations
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.input.hand import HandSettings
+from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+from paint3d.errors import InputError
+
+__all__ = ["CurveEditor", "HandPanel"]
+
+_GRIP = 6.0
+_NEAR = 12.0
+
+
+class CurveEditor(QtWidgets.QWidget):
+    """A pressure curve to drag.
+
+    Signals
+    -------
+    changed : PressureCurve
+    """
+
+    changed = QtCore.Signal(object)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self.theme, self.curve = theme, PressureCurve()
+        self.pressure: float | None = None
+        self._held = -1
+        self.setMinimumHeight(112)
+        self.setToolTip(say("Drag points; click to add one, right button to take one away"))
+
+    def _area(self) -> QtCore.QRectF:
+        return QtCore.QRectF(self.rect()).adjusted(10, 10, -10, -10)
+
+    def _place(self, x: float, y: float) -> QtCore.QPointF:
+        area = self._area()
+        return QtCore.QPointF(area.left() + x * area.width(), area.bottom() - y * area.height())
+
+    def _value(self, place: QtCore.QPointF) -> tuple[float, float]:
+        area = self._area()
+        x = (place.x() - area.left()) / area.width()
+        y = (area.bottom() - place.y()) / area.height()
+        return min(max(x, 0.0), 1.0), min(max(y, 0.0), 1.0)
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw the curve, its points, and where the pen presses now."""
+        painter, theme = QtGui.QPainter(self), self.theme
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1))
+        painter.setBrush(QtGui.QColor(theme.field))
+        painter.drawRoundedRect(self._area().adjusted(-6, -6, 6, 6), 6, 6)
+        for k in (0.25, 0.5, 0.75):
+            painter.drawLine(self._place(k, 0), self._place(k, 1))
+            painter.drawLine(self._place(0, k), self._place(1, k))
+        path = QtGui.QPainterPath(self._place(0.0, self.curve(0.0)))
+        for k in range(1, 65):
+            path.lineTo(self._place(k / 64, self.curve(k / 64)))
+        painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+        painter.setPen(QtGui.QPen(QtGui.QColor(theme.accent), 2.2))
+        painter.drawPath(path)
+        painter.setBrush(QtGui.QColor(theme.raised))
+        for x, y in self.curve.points:
+            painter.drawEllipse(self._place(x, y), _GRIP, _GRIP)
+        if self.pressure is not None:
+            painter.setBrush(QtGui.QColor(theme.text))
+            painter.setPen(QtCore.Qt.PenStyle.NoPen)
+            painter.drawEllipse(self._place(self.pressure, self.curve(self.pressure)), 4, 4)
+        painter.end()
+
+    def _point_at(self, place: QtCore.QPointF) -> int:
+        for k, (x, y) in enumerate(self.curve.points):
+            if (self._place(x, y) - place).manhattanLength() < _NEAR:
+                return k
+        return -1
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Hold a point, make one, or take one away."""
+        place = event.position()
+        at = self._point_at(place)
+        try:
+            if event.button() == QtCore.Qt.MouseButton.RightButton:
+                if at >= 0:
+                    self.set_curve(self.curve.without_point(at))
+                return
+            if at < 0:
+                self.set_curve(self.curve.with_point(*self._value(place)))
+                at = self._point_at(place)
+        except InputError:
+            return  # the ends stay, and so do the most points there can be
+        self._held = at
+
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Drag the point that is held."""
+        if self._held >= 0:
+            self.set_curve(self.curve.moved(self._held, *self._value(event.position())))
+
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Let go of it."""
+        self._held = -1
+
+    def set_curve(self, curve: PressureCurve) -> None:
+        """Show another curve, and tell."""
+        self.curve = curve
+        self.update()
+        self.changed.emit(curve)
+
+
+class HandPanel(QtWidgets.QWidget):
+    """Pressure, steadiness, symmetry and mask.
+
+    Signals
+    -------
+    read : dict
+        Changes of `HandSettings` by name.
+    turns : int
+        Images of radial symmetry.
+    mask_degrees : float
+    """
+
+    read = QtCore.Signal(object)
+    turns = QtCore.Signal(int)
+    mask_degrees = QtCore.Signal(float)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        form = QtWidgets.QFormLayout(self)
+        form.setContentsMargins(10, 6, 10, 8)
+        form.setVerticalSpacing(8)
+        self.curve = CurveEditor(theme)
+        self.curve.changed.connect(lambda curve: self.read.emit({"curve": curve}))
+        straight = QtWidgets.QPushButton(say("hand.curve_reset"))
+        straight.clicked.connect(lambda: self.curve.set_curve(PressureCurve()))
+        head = QtWidgets.QHBoxLayout()
+        head.addWidget(QtWidgets.QLabel(say("hand.curve")), 1)
+        head.addWidget(straight)
+        form.addRow(head)
+        form.addRow(self.curve)
+        self.smoothing = self._slider(0, 100, lambda v: self.read.emit({"smoothing": v / 100}))
+        self.trail = self._slider(2, 40, lambda v: self.read.emit({"trail": v / 100}))
+        form.addRow(say("brush.smoothing"), self.smoothing)
+        form.addRow(say("hand.trail"), self.trail)
+        self.count = QtWidgets.QSpinBox()
+        self.count.setRange(2, 24)
+        self.count.setValue(6)
+        self.count.valueChanged.connect(self.turns)
+        form.addRow(say("action.radial"), self.count)
+        self.angle = self._slider(5, 120, lambda v: self.mask_degrees.emit(float(v)))
+        self.angle.setValue(75)
+        form.addRow(say("mask.angle"), self.angle)
+
+    def _slider(self, low: int, high: int, told) -> QtWidgets.QSlider:
+        slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        slider.setRange(low, high)
+        slider.valueChanged.connect(told)
+        return slider
+
+    def show_settings(self, settings: HandSettings) -> None:
+        """Show how the hand is read."""
+        for slider, value in ((self.smoothing, settings.smoothing), (self.trail, settings.trail)):
+            with QtCore.QSignalBlocker(slider):
+                slider.setValue(round(100 * value))
+        self.curve.curve = settings.curve
+        self.curve.update()
+
+    def set_smoothing(self, share: float) -> None:
+        """Steady the stroke so much, 0 to 1."""
+        self.smoothing.setValue(round(100 * share))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self.curve.theme = theme
+        self.curve.update()

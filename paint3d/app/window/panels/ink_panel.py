@@ -1,0 +1,411 @@
+"""The inks as dishes: dip in one, stir several in the mixing dish, add water, rinse."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.window.previews import ink_swatch
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import language, say
+from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
+
+__all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]
+
+_DISH, _GAP, _LABEL = 56, 8, 18
+_TIP_REACH = 0.35  # of the tuft's length
+_MOST_WATER = 95  # parts in a hundred
+_LONG_MS = 500  # that a dish is pressed to stir
+_KEY = QtCore.Qt.Key
+
+
+def _parts(ink: object) -> dict[str, float]:
+    """Parts of an ink by name."""
+    stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
+    return {key if isinstance(key, str) else key.name: part for key, part in stirred.items()}
+
+
+def ink_label(ink: str | Pigment) -> str:
+    """The name of an ink, or of one by its name, in the language that is spoken."""
+    pigment = load_pigment(ink) if isinstance(ink, str) else ink
+    return pigment.chinese if language() == "zh" and pigment.chinese else pigment.name
+
+
+def paint_dish(
+    painter: QtGui.QPainter, box: QtCore.QRectF, parts: Mapping[str, float], theme: Theme
+) -> None:
+    """A porcelain dish with ink in it: deep in the middle, a wash toward the rim."""
+    painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1.2))
+    rim = QtGui.QRadialGradient(box.center(), box.width() / 2)
+    rim.setColorAt(0.0, QtGui.QColor("#f7f5f1"))
+    rim.setColorAt(0.86, QtGui.QColor("#f3f0ea"))
+    rim.setColorAt(1.0, QtGui.QColor("#d9d4cb"))
+    painter.setBrush(rim)
+    painter.drawEllipse(box)
+    pigments = {name: part for name, part in parts.items() if part > 0.0}
+    if not pigments:
+        return
+    inner = box.adjusted(*(box.width() * 0.11 * np.array([1, 1, -1, -1])))
+    shades = ink_swatch(tuple(sorted(pigments.items())))
+    fill = QtGui.QRadialGradient(inner.center() + QtCore.QPointF(0, 2), inner.width() / 2)
+    for k, share in enumerate(np.linspace(0.0, 1.0, 9)):
+        shade = shades[int((1.0 - share**3) * (len(shades) - 1))]
+        fill.setColorAt(float(share), QtGui.QColor(*(int(c) for c in shade)))
+        del k
+    painter.setPen(QtCore.Qt.PenStyle.NoPen)
+    painter.setBrush(fill)
+    painter.drawEllipse(inner)
+    shine = QtCore.QRectF(inner.left() + 0.24 * inner.width(), inner.top() + 0.14 * inner.height(),
+                          0.30 * inner.width(), 0.13 * inner.height())  # fmt: skip
+    painter.setBrush(QtGui.QColor(255, 255, 255, 66))
+    painter.drawEllipse(shine)
+
+
+class DishGrid(QtWidgets.QWidget):
+    """Dishes in rows, one for each ink.
+
+    Signals
+    -------
+    taken : str
+        A dish was clicked.
+    stirred : str
+        It was clicked with the other button, with Ctrl, or pressed long: one part into the mixing
+        dish. With the keys: "+".
+    taken_out : str
+        "-" was pressed: one part out of the mixing dish again.
+    """
+
+    taken = QtCore.Signal(str)
+    stirred = QtCore.Signal(str)
+    taken_out = QtCore.Signal(str)
+
+    def __init__(self, names: Sequence[str], theme: Theme) -> None:
+        super().__init__()
+        self.names, self.theme, self.chosen = list(names), theme, ""
+        self.setMouseTracking(True)
+        self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
+        self.setAccessibleName(say("panel.inks"))
+        self._at = -1
+        self._pressed = -1
+        self._long = QtCore.QTimer(self, singleShot=True, interval=_LONG_MS)
+        self._long.timeout.connect(self._pressed_long)
+        policy = self.sizePolicy()
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+
+    def columns(self, width: int) -> int:
+        """How many dishes fit beside each other."""
+        return max(1, (width - _GAP) // (_DISH + _GAP))
+
+    def heightForWidth(self, width: int) -> int:
+        """What its rows need."""
+        rows = -(-len(self.names) // self.columns(width))
+        return rows * (_DISH + _LABEL + _GAP) + _GAP
+
+    def sizeHint(self) -> QtCore.QSize:
+        """As wide as it is."""
+        return QtCore.QSize(280, self.heightForWidth(max(self.width(), 200)))
+
+    def box(self, index: int) -> QtCore.QRectF:
+        """Where a dish stands."""
+        columns = self.columns(self.width())
+        step = (self.width() - _GAP) / columns
+        x = _GAP / 2 + (index % columns) * step + (step - _DISH) / 2
+        y = _GAP + (index // columns) * (_DISH + _LABEL + _GAP)
+        return QtCore.QRectF(x, y, _DISH, _DISH)
+
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
+        """Take the height that the rows need."""
+        super().resizeEvent(event)
+        self.setMinimumHeight(self.heightForWidth(self.width()))
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw the dishes."""
+        painter = QtGui.QPainter(self)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        small = painter.font()
+        small.setPointSizeF(small.pointSizeF() - 1.5)
+        painter.setFont(small)
+        for k, name in enumerate(self.names):
+            box = self.box(k)
+            if name == self.chosen:
+                painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.4))
+                painter.setBrush(QtGui.QColor(self.theme.chosen))
+                painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
+            elif k == self._at:
+                strong = self.theme.accent if self.hasFocus() else self.theme.line
+                painter.setPen(QtGui.QPen(QtGui.QColor(strong), 1.4))
+                painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+                painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
+            paint_dish(painter, box, {name: 1.0} if name != WATER.name else {}, self.theme)
+            painter.setPen(QtGui.QColor(self.theme.text))
+            label = QtCore.QRectF(box.left() - 8, box.bottom() + 1, box.width() + 16, _LABEL)
+            text = painter.fontMetrics().elidedText(
+                ink_label(name), QtCore.Qt.TextElideMode.ElideRight, int(label.width())
+            )
+            painter.drawText(label, QtCore.Qt.AlignmentFlag.AlignCenter, text)
+        painter.end()
+
+    def _index(self, place: QtCore.QPointF) -> int:
+        for k in range(len(self.names)):
+            if self.box(k).adjusted(-4, -4, 4, _LABEL).contains(place):
+                return k
+        return -1
+
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Mark the dish under the pointer, and say what it is."""
+        at = self._index(event.position())
+        if at != self._at:
+            self._at = at
+            self.setToolTip(_tool_tip(self.names[at]) if at >= 0 else "")
+            self.update()
+
+    def leaveEvent(self, event: QtCore.QEvent) -> None:
+        """Mark none."""
+        self._at = -1
+        self.update()
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Stir with the other button or Ctrl; else wait whether it is pressed long."""
+        at = self._index(event.position())
+        if at < 0:
+            return
+        stirs = event.button() == QtCore.Qt.MouseButton.RightButton or (
+            event.modifiers() & QtCore.Qt.KeyboardModifier.ControlModifier
+        )
+        if stirs:
+            self.stirred.emit(self.names[at])
+        else:
+            self._pressed = at
+            self._long.start()
+
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Dip where it was pressed."""
+        pressed, self._pressed = self._pressed, -1
+        self._long.stop()
+        if pressed >= 0 and self._index(event.position()) == pressed:
+            self.taken.emit(self.names[pressed])
+
+    def _pressed_long(self) -> None:
+        """Stir: a pen and a finger have no other button."""
+        pressed, self._pressed = self._pressed, -1
+        if pressed >= 0:
+            self.stirred.emit(self.names[pressed])
+
+    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
+        """Mark the dish that keys mean."""
+        super().focusInEvent(event)
+        if self._at < 0:
+            self._point(self.names.index(self.chosen) if self.chosen in self.names else 0)
+
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
+        """Go from dish to dish, dip with Enter or Space, stir with +, take out with -."""
+        key, at = event.key(), max(self._at, 0)
+        ways = {
+            _KEY.Key_Left: -1, _KEY.Key_Right: 1,
+            _KEY.Key_Up: -self.columns(self.width()), _KEY.Key_Down: self.columns(self.width()),
+        }  # fmt: skip
+        if key in ways:
+            if 0 <= at + ways[key] < len(self.names):
+                self._point(at + ways[key])
+        elif key in (_KEY.Key_Return, _KEY.Key_Enter, _KEY.Key_Space):
+            self.taken.emit(self.names[at])
+        elif key in (_KEY.Key_Plus, _KEY.Key_Equal):
+            self.stirred.emit(self.names[at])
+        elif key == _KEY.Key_Minus:
+            self.taken_out.emit(self.names[at])
+        else:
+            super().keyPressEvent(event)
+
+    def event(self, event: QtCore.QEvent) -> bool:
+        """Have + and - before the view does, while the dishes have the focus."""
+        if event.type() == QtCore.QEvent.Type.ShortcutOverride and event.key() in (
+            _KEY.Key_Plus, _KEY.Key_Equal, _KEY.Key_Minus,
+        ):  # fmt: skip
+            event.accept()
+            return True
+        return super().event(event)
+
+    def _point(self, at: int) -> None:
+        """Mark a dish, and let it be seen."""
+        self._at = at
+        self.setToolTip(_tool_tip(self.names[at]))
+        self.update()
+        area = self.parentWidget().parentWidget() if self.parentWidget() else None
+        if isinstance(area, QtWidgets.QScrollArea):
+            middle = self.box(at).center().toPoint()
+            area.ensureVisible(middle.x(), middle.y(), _DISH, _DISH)
+
+
+def _tool_tip(name: str) -> str:
+    pigment = load_pigment(name)
+    names = " ".join(filter(None, (pigment.name, pigment.chinese)))
+    return f"{names}\n{say('inks.dish_hint')}"
+
+
+class _MixingDish(QtWidgets.QWidget):
+    """A large dish that shows what has been stirred together."""
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self.theme, self.parts = theme, {}
+        self.setFixedSize(74, 74)
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw it."""
+        painter = QtGui.QPainter(self)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        paint_dish(painter, QtCore.QRectF(3, 3, 68, 68), self.parts, self.theme)
+        painter.end()
+
+
+class InkPanel(QtWidgets.QWidget):
+    """Dishes, mixing dish, and what the brush can do over them.
+
+    Signals
+    -------
+    dipped : (ink, reach)
+        A name or parts by name; reach None for the whole tuft.
+    rinsed : ()
+    """
+
+    dipped = QtCore.Signal(object, object)
+    rinsed = QtCore.Signal()
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self.ink: object = "pine soot"
+        self._stirred: dict[str, float] = {}
+        self.dishes = DishGrid(list(load_palette()), theme)
+        self._mixing = _MixingDish(theme)
+        self._told = QtWidgets.QLabel()
+        self._told.setWordWrap(True)
+        self._told.setObjectName("faint")
+        self._told.setTextInteractionFlags(
+            QtCore.Qt.TextInteractionFlag.LinksAccessibleByMouse
+            | QtCore.Qt.TextInteractionFlag.LinksAccessibleByKeyboard
+        )
+        self._told.linkActivated.connect(self._link)
+        self.water = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self.water.setRange(0, _MOST_WATER)
+        self.tip_only = QtWidgets.QCheckBox(say("Only the tip"))
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(8, 6, 8, 8)
+        scroll = QtWidgets.QScrollArea()
+        scroll.setWidgetResizable(True)
+        scroll.setWidget(self.dishes)
+        layout.addWidget(scroll, 1)
+        layout.addWidget(self._make_mixing_card())
+        self.dishes.taken.connect(lambda name: self._dip(name))
+        self.dishes.stirred.connect(self.stir)
+        self.dishes.taken_out.connect(self.take_out)
+        self.water.valueChanged.connect(lambda _: self._show_mixture())
+        self._show_mixture()
+
+    def _make_mixing_card(self) -> QtWidgets.QFrame:
+        card = QtWidgets.QFrame()
+        card.setObjectName("card")
+        grid = QtWidgets.QGridLayout(card)
+        grid.setContentsMargins(8, 6, 8, 8)
+        grid.addWidget(self._mixing, 0, 0, 2, 1)
+        grid.addWidget(self._told, 0, 1, 1, 3)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(QtWidgets.QLabel(say("Water")))
+        row.addWidget(self.water, 1)
+        grid.addLayout(row, 1, 1, 1, 3)
+        self._dip_button = QtWidgets.QPushButton(say("Dip"))
+        empty, rinse = QtWidgets.QPushButton(say("Empty")), QtWidgets.QPushButton(say("Rinse"))
+        grid.addWidget(self.tip_only, 2, 0)
+        for column, button in enumerate((self._dip_button, empty, rinse)):
+            grid.addWidget(button, 2, 1 + column)
+        self._dip_button.clicked.connect(lambda: self._dip(self.mixture()))
+        empty.clicked.connect(self.empty)
+        rinse.clicked.connect(self.rinsed)
+        return card
+
+    # -- stirring ---------------------------------------------------------------------------
+
+    def stir(self, name: str) -> None:
+        """Put one more part of an ink into the mixing dish."""
+        self._stirred[name] = self._stirred.get(name, 0.0) + 1.0
+        self._show_mixture()
+
+    def take_out(self, name: str) -> None:
+        """Take one part of an ink out of the mixing dish again."""
+        left = self._stirred.get(name, 0.0) - 1.0
+        if left > 0.0:
+            self._stirred[name] = left
+        else:
+            self._stirred.pop(name, None)
+        self._show_mixture()
+
+    def _link(self, link: str) -> None:
+        sign, name = link[0], link[1:]
+        (self.stir if sign == "+" else self.take_out)(name)
+
+    def empty(self) -> None:
+        """Wash the mixing dish."""
+        self._stirred = {}
+        self.water.setValue(0)
+        self._show_mixture()
+
+    def mixture(self) -> dict[str, float]:
+        """What is in the mixing dish: parts by name, of sum 1, water among them."""
+        total = sum(self._stirred.values())
+        share = self.water.value() / 100.0
+        if not total:
+            return {}
+        parts = {name: part / total * (1.0 - share) for name, part in self._stirred.items()}
+        return {**parts, WATER.name: share} if share else parts
+
+    def _show_mixture(self) -> None:
+        parts = self.mixture()
+        self._mixing.parts = parts
+        self._mixing.update()
+        self._dip_button.setEnabled(bool(parts))
+        if not parts:
+            self._told.setText(say("inks.mixing_hint"))
+            return
+        self._told.setText("<br>".join(self._line(name, part) for name, part in parts.items()))
+
+    def _line(self, name: str, part: float) -> str:
+        """An ink of the mixing dish, with signs to put a part in and to take one out."""
+        told = f"{html.escape(ink_label(name))} {100 * part:.0f} %"
+        if name == WATER.name and name not in self._stirred:
+            return told
+        style = f"color:{self.dishes.theme.accent}; text-decoration:none"
+        signs = (
+            f'<a href="{sign}{html.escape(name)}" style="{style}">&nbsp;<b>{shown}</b>&nbsp;</a>'
+            for sign, shown in (("-", "−"), ("+", "+"))
+        )
+        return f"{next(signs)} {told} {next(signs)}"
+
+    # -- the brush --------------------------------------------------------------------------
+
+    def _dip(self, ink: object) -> None:
+        if not ink:
+            return
+        reach = _TIP_REACH if self.tip_only.isChecked() else None
+        self.show_inks([ink])
+        self.dipped.emit(ink, reach)
+
+    def show_inks(self, inks: Sequence[object]) -> None:
+        """Show what the brush is dipped in."""
+        self.ink = inks[0]
+        parts = _parts(self.ink)
+        self.dishes.chosen = next(iter(parts)) if len(parts) == 1 else ""
+        self.dishes.update()
+
+    def ink_name(self) -> str:
+        """What the brush is dipped in, in words."""
+        inks = self.ink if isinstance(self.ink, Mapping) else (self.ink,)
+        return " + ".join(ink_label(ink) for ink in inks)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self.dishes.theme = self._mixing.theme = theme
+        self._show_mixture()
+        self.update()

@@ -1,0 +1,208 @@
+"""The panels beside the canvas, and what goes on between them and the painting."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.frame import Frame
+from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.window.panels.brush_panel import BrushPanel
+from paint3d.app.window.panels.copybook_panel import CopybookPanel
+from paint3d.app.window.panels.device_panel import DevicePanel
+from paint3d.app.window.panels.hand_panel import HandPanel
+from paint3d.app.window.panels.history_panel import HistoryPanel
+from paint3d.app.window.panels.ink_panel import InkPanel
+from paint3d.app.window.panels.layer_panel import LayerPanel
+from paint3d.app.window.panels.surface_panel import SurfacePanel
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+from paint3d.brush.spec import BrushSpec
+
+if TYPE_CHECKING:
+    from paint3d.app.window.studio import StudioWindow
+
+__all__ = ["Panels"]
+
+_WIDTH = 316
+_RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
+
+
+class Panels:
+    """All panels of one window."""
+
+    def __init__(self, window: StudioWindow) -> None:
+        self._window = window
+        theme = window.theme
+        self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
+        self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
+        self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
+        self.devices, self.surface = DevicePanel(theme), SurfacePanel(window)
+        self.docks: dict[str, QtWidgets.QDockWidget] = {}
+        self._tall = (self.hand, self.copybook, self.devices, self.surface)
+        upper = [
+            self._dock("brushes", "panel.brushes", self.brushes),
+            self._dock("inks", "panel.inks", self.inks),
+            self._dock("hand", "Hand", self.hand),
+            self._dock("surface", "panel.surface", self.surface),
+        ]
+        lower = [
+            self._dock("layers", "panel.layers", self.layers),
+            self._dock("history", "panel.history", self.history),
+            self._dock("copybook", "panel.copybook", self.copybook),
+            self._dock("devices", "panel.devices", self.devices),
+        ]
+        for group in (upper, lower):
+            for dock in group[1:]:
+                window.tabifyDockWidget(group[0], dock)
+            group[0].raise_()
+        window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
+        window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
+        window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
+        for dock in self.docks.values():
+            window.menus["window"].addAction(dock.toggleViewAction())
+        self._connect()
+
+    def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
+        dock = QtWidgets.QDockWidget(say(title), self._window)
+        dock.setObjectName(f"dock-{name}")
+        dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
+        dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
+        dock.setMinimumWidth(_WIDTH)
+        self._window.addDockWidget(_RIGHT, dock)
+        self.docks[name] = dock
+        return dock
+
+    def _connect(self) -> None:
+        post = self._window.post
+        self.brushes.chosen.connect(self._take_brush)
+        self.brushes.failed.connect(lambda why: self._window.tell(why, state="bad"))
+        self._window.hand.sized.connect(self.brushes.resize_brush)
+        self.inks.dipped.connect(self._dip)
+        self.inks.rinsed.connect(lambda: post("rinse"))
+        self.layers.asked.connect(
+            lambda what, *told: post(what, *(x for x in told if x is not None))
+        )
+        self.history.asked.connect(self._window.recalling.go_to)
+        self.history.told.connect(self._window.tell)
+        self.history.exported.connect(self._window.files.save_recording)
+        self.hand.read.connect(lambda changes: self._window.hand.set_settings(**changes))
+        self.hand.curve.changed.connect(self._keep_curve)
+        self.hand.turns.connect(self._set_turns)
+        self.hand.mask_degrees.connect(self._set_mask_degrees)
+
+    def _keep_curve(self, curve: PressureCurve) -> None:
+        self._window.settings = dataclasses.replace(
+            self._window.settings, pressure_curve=curve.points
+        )
+
+    def _set_turns(self, turns: int) -> None:
+        self._window.painting.turns = turns
+        if self._window.actions_by_name["radial"].isChecked():
+            self._window.painting.do_radial(True)
+
+    def _set_mask_degrees(self, degrees: float) -> None:
+        self._window.painting.mask_degrees = degrees
+        if self._window.actions_by_name["mask"].isChecked():
+            self._window.painting.do_mask(True)
+
+    def set_open(self, is_open: bool) -> None:
+        """Let what needs a painting be used, or not."""
+        for panel in (self.brushes, self.inks, self.surface, self.layers, self.history):
+            panel.setEnabled(is_open)
+        self.copybook.setEnabled(is_open)
+
+    # -- following the painting -------------------------------------------------------------
+
+    def open(self) -> None:
+        """Show another document."""
+        document = self._window.document
+        self.brushes.show_brush(document.painter.brush)
+        self.inks.show_inks(document.inks)
+        self.brushes.set_ink(document.inks[0])
+        self.layers.show_layers(document.layers, document.active_layer)
+        self.copybook.show_copybook(None)
+        self.history.open(document)
+        if document.refused_history:
+            why = document.refused_history
+            self._window.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
+
+    def follow(self, frame: Frame) -> None:
+        """Show what a frame says."""
+        document = self._window.document
+        self.surface.show_surface(document.surface)
+        self.layers.show_layers(document.layers, document.active_layer)
+        self.history.follow(document, frame)
+        if document.inks[0] != self.inks.ink:
+            self.inks.show_inks(document.inks)
+            self.brushes.set_ink(document.inks[0])
+        if document.painter.brush != self.brushes.brush and not self.brushes.is_settling:
+            self.brushes.show_brush(document.painter.brush)
+
+    def ink_name(self) -> str:
+        """What the brush is dipped in, in words."""
+        return self.inks.ink_name()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Change the colours of what is painted by hand."""
+        for panel in self._all():
+            panel.set_theme(theme)
+
+    def _all(self) -> tuple[QtWidgets.QWidget, ...]:
+        upper = self.brushes, self.inks, self.hand
+        lower = self.layers, self.history, self.copybook, self.devices
+        return *upper, self.surface, *lower
+
+    def toggle(self) -> None:
+        """Hide all, or show them again."""
+        shown = [dock for dock in self.docks.values() if dock.isVisible()]
+        for dock in self.docks.values():
+            dock.setVisible(not shown)
+
+    def step(self, by: int) -> None:
+        """Bring the focus to the next panel (by 1), or the one before (-1), or to the picture."""
+        names, window = list(self.docks), self._window
+        focus = window.focusWidget()
+        inside = [n for n in names if focus is not None and self.docks[n].isAncestorOf(focus)]
+        at = names.index(inside[0]) if inside else (-1 if by > 0 else len(names))
+        for name in names[at + 1 :] if by > 0 else names[:at][::-1]:
+            first = next(
+                filter(_takes_keys, self.docks[name].findChildren(QtWidgets.QWidget)), None
+            )
+            if first is not None:
+                self.docks[name].show()
+                self.docks[name].raise_()
+                first.setFocus(QtCore.Qt.FocusReason.TabFocusReason)
+                return
+        window.canvas.setFocus(QtCore.Qt.FocusReason.OtherFocusReason)
+
+    def close_down(self) -> None:
+        """Stop what goes on beside."""
+        self.brushes.close_down()
+
+    def _take_brush(self, brush: BrushSpec) -> None:
+        self.brushes.show_brush(brush)
+        self._window.post("set_brush", brush)
+
+    def _dip(self, ink: object, reach: object) -> None:
+        self._window.post("dip", ink, reach)
+        self.brushes.set_ink(ink)
+
+
+def _takes_keys(widget: QtWidgets.QWidget) -> bool:
+    """Whether keys can do something with a widget, besides scrolling it."""
+    tab = bool(widget.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus)
+    return tab and widget.isEnabled() and not isinstance(widget, QtWidgets.QScrollArea)
+
+
+def _scrolled(panel: QtWidgets.QWidget) -> QtWidgets.QScrollArea:
+    """A panel that scrolls where the window is too low for it."""
+    area = QtWidgets.QScrollArea()
+    area.setObjectName("plain")
+    area.setWidgetResizable(True)
+    area.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setFocusPolicy(QtCore.Qt.FocusPolicy.NoFocus)
+    area.setWidget(panel)
+    return area

@@ -1,0 +1,31 @@
+"""Stamps that stand alone, without a stroke: placed all at once, inked one by one."""
+
+from __future__ import annotations
+
+from paint3d.brush_engine.deposit import sweep_deposit
+from paint3d.brush_engine.placement import lean_plane, place_stamp
+from paint3d.core.kernel import kernel
+
+__all__ = ["deposit_standing", "place_standing"]
+
+
+@kernel
+def place_standing(poses, tuft, tree, field, counters, room, stamp, values, half_widths, lines):
+    """Place a stamp for every pose (D, 9), and keep them in arrays with D rows."""
+    for i in range(poses.shape[0]):
+        stamp.values[:] = 0.0
+        place_stamp(poses[i], False, stamp, stamp, tuft, tree, field, counters, room)
+        values[i] = stamp.values
+        half_widths[i] = stamp.half_widths
+        lines[i] = stamp.lines
+
+
+@kernel
+def deposit_standing(values, half_widths, lines, tuft, field, ink, counters, room, before, after):
+    """Leave every stamp once: plane, vertices, projection and ink. `before` touches nothing."""
+    for i in range(values.shape[0]):
+        after.values[:] = values[i]
+        after.half_widths[:] = half_widths[i]
+        after.lines[:] = lines[i]
+        lean_plane(after.values, field, room)
+        sweep_deposit(before, after, tuft, field, ink, counters, room)

@@ -1,0 +1,32 @@
+"""Imprints of hairs without a stroke: bent or left again and again, to be measured."""
+
+from __future__ import annotations
+
+from paint3d.brush_engine.bristles.bend import bend_hairs, fill_bend
+from paint3d.brush_engine.bristles.deposit import sweep_hairs
+from paint3d.brush_engine.deposit import sweep_deposit
+from paint3d.core.kernel import kernel
+
+__all__ = ["bend_often", "deposit_hairs_often", "deposit_often"]
+
+
+@kernel
+def bend_often(times, bristles, tuft, descent, tilt, pe, patch, turned, bend, block, points):
+    """Bend all hairs `times` times from tables; arguments as in `brush_engine.bristles.bend`."""
+    for _ in range(times):
+        fill_bend(bristles, tuft, descent, tilt, pe, patch, 0.0, 0.0, 0.0, 0.0, bend)
+        bend_hairs(bristles.rests, turned, bend, block, points)
+
+
+@kernel
+def deposit_often(times, before, after, tuft, field, ink, counters, room):
+    """Leave a solid tuft's footprint `times` times; arguments as in `brush_engine.deposit`."""
+    for _ in range(times):
+        sweep_deposit(before, after, tuft, field, ink, counters, room)
+
+
+@kernel
+def deposit_hairs_often(times, before, after, bristles, hairs, field, ink, counters, room):
+    """Leave an imprint of hairs `times` times; arguments as in `brush_engine.bristles.deposit`."""
+    for _ in range(times):
+        sweep_hairs(before, after, 0.0, bristles, hairs, field, ink, counters, room)

@@ -1,0 +1,137 @@
+"""The footprint of a bent tuft on the plane of the paper (Guo 2017, Eqs. 6-9)."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.tuft import (
+    OUTLINE_CAPACITY,
+    SCRATCH_SIZE,
+    Tuft,
+    greatest_descent,
+    trace_outline,
+)
+from paint3d.core.arrays import as_array, as_number
+from paint3d.errors import BrushError
+
+__all__ = ["Footprint", "make_footprint"]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Footprint:
+    """Outline of the contact on the plane, symmetric about the bend direction.
+
+    Parameters
+    ----------
+    reach : (N,) float64
+        Signed distances from P'_m along the bend direction, mm, strictly falling from the tip to
+        M_d; empty where nothing touches.
+    half_width : (N,) float64
+        Half the width there, mm; zero at both ends.
+    azimuth : float
+        alpha, rad, from the x axis of the plane to the bend direction P'_m P_0.
+
+    Raises
+    ------
+    BrushError
+        If the arrays do not describe such an outline.
+    """
+
+    reach: NDArray
+    half_width: NDArray
+    azimuth: float
+
+    def __post_init__(self) -> None:
+        reach = as_array(self.reach, "reach", (None,), error=BrushError).copy()
+        half_width = as_array(self.half_width, "half_width", reach.shape, error=BrushError).copy()
+        azimuth = as_number(self.azimuth, "azimuth", error=BrushError)
+        if not (np.diff(reach) < 0.0).all():
+            raise BrushError("reach does not fall strictly; expected the tip first")
+        if (half_width < 0.0).any() or (reach.size and half_width[[0, -1]].any()):
+            raise BrushError("half_width must not be negative, and must be 0 at both ends")
+        reach.setflags(write=False)
+        half_width.setflags(write=False)
+        object.__setattr__(self, "reach", reach)
+        object.__setattr__(self, "half_width", half_width)
+        object.__setattr__(self, "azimuth", azimuth)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing touches the plane."""
+        return self.reach.size == 0
+
+    @property
+    def length(self) -> float:
+        """From the tip to M_d, mm."""
+        return 0.0 if self.is_empty else float(self.reach[0] - self.reach[-1])
+
+    @property
+    def width(self) -> float:
+        """Across the bend direction at the widest, mm."""
+        return 0.0 if self.is_empty else 2.0 * float(self.half_width.max())
+
+    @property
+    def area(self) -> float:
+        """mm2, of the polygon."""
+        return -2.0 * float(np.trapezoid(self.half_width, self.reach))
+
+    def polygon(self) -> NDArray:
+        """Closed outline (K, 2), mm, about P'_m: tip, W side, M_d, W' side (Eqs. 7, 9).
+
+        Runs clockwise and does not repeat its first point; K = 2 N - 2, or 0 where nothing touches.
+        """
+        if self.is_empty:
+            return np.empty((0, 2))
+        cosine, sine = math.cos(self.azimuth), math.sin(self.azimuth)
+        along = np.concatenate([self.reach, self.reach[-2:0:-1]])
+        across = np.concatenate([self.half_width, -self.half_width[-2:0:-1]])
+        x = along * cosine + across * sine
+        y = along * sine - across * cosine
+        return np.stack([x, y], axis=1)
+
+
+def make_footprint(
+    tuft: Tuft, descent: float, tilt: float, azimuth: float = 0.0, pe: float | None = None
+) -> Footprint:
+    """Footprint of a pressed tuft.
+
+    Parameters
+    ----------
+    tuft : Tuft
+        From `paint3d.brush.bending.build_tuft`.
+    descent : float
+        D_s, how far the root came down after the tip touched, mm; 0 to 62 % of LE sin(tilt).
+    tilt : float
+        theta between holder and plane, rad, pi/6 to pi/2.
+    azimuth : float
+        alpha of the bend direction, rad.
+    pe : float, optional
+        Pressure coefficient, 0 to 1; without it what Eq. 4 gives for the descent.
+
+    Returns
+    -------
+    footprint : Footprint
+        Empty where the tip's sections do not reach the plane.
+
+    Raises
+    ------
+    BrushError
+        If a number is outside its range.
+
+    Notes
+    -----
+    About 40 us, mostly checks; kernels call `trace_outline`, which takes 2 to 3 us.
+    """
+    tilt = as_number(tilt, "tilt", tuft.lowest_tilt - 1e-12, 0.5 * math.pi + 1e-12, BrushError)
+    deepest = greatest_descent(tuft, tilt)
+    descent = as_number(descent, "descent", 0.0, deepest * (1.0 + 1e-12), BrushError)
+    if pe is None:
+        pe = min(tuft.spring * descent / tuft.max_force, 1.0)
+    pe = as_number(pe, "pe", 0.0, 1.0, BrushError)
+    reach, half_width = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
+    n = trace_outline(tuft, descent, tilt, pe, np.empty(SCRATCH_SIZE), reach, half_width)
+    return Footprint(reach[:n], half_width[:n], azimuth)

@@ -1,0 +1,313 @@
+"""Ink in single hairs: what they give, what they share with their neighbours, what they take up.
+
+Guo 2017, Eqs. 12, 13 in their continuous form hold for the tuft: of the ink R in it, the way ds at
+the pressure pe takes R (1 - exp(-eta' pe ds)). Here each hair gives by that law, those that lie on
+the surface for all, some more readily than others; neighbours that are wet level out. A tuft that
+is equally wet everywhere thus gives what a solid one gives, and one that runs dry does so hair by
+hair.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.brush_engine.bristles.bend import BLOCK
+from paint3d.brush_engine.bristles.contact import (
+    BEGIN,
+    DOT,
+    END,
+    GIVES,
+    HELD,
+    LAID,
+    READY,
+    THICK,
+    add_up,
+)  # fmt: skip
+from paint3d.core.kernel import kernel
+
+__all__ = ["LEVEL_BINS", "ask_hairs", "give_to_hairs", "know_hairs", "level_hairs", "settle_gifts",
+           "sum_hairs", "take_from_hairs"]  # fmt: skip
+
+LEVEL_BINS = 64  # across the tuft, within which hairs share
+_MOST_PER_HAIR = 4.0  # times its own share that a hair gives for those that do not touch
+_THIRST = np.float32(0.4)  # of a hair's room: the thirstiest hairs hold back what they have below
+_PER_SOFT = np.float32(1.0 / 0.06)  # of it, over which they do so
+_PASSING = np.float32(0.2)  # share of the thirst that changes along the way
+_STAGE = 7.0  # mm of way, over which it becomes another
+_STEP = 6  # places that change alike
+_FLOWS = (0.08, 0.35)  # of a hair's room for ink: where ink begins to move, and moves freely
+_SIDE = BLOCK  # place of b in the rows of `turned`
+_PER_FULL = np.float32(1.0 / 0.5)  # of a hair's room, from which its film is as thick as it gets
+_LEAST_WISH = np.float32(0.5)  # of a hair that touches in one point only
+_SHORTEST = np.float32(0.25)  # stations that any contact covers at the least
+_ZERO, _HALF, _ONE, _TWO = np.float32([0.0, 0.5, 1.0, 2.0])
+_APPETITE, _OWN, _NOW, _SOON = (READY + place * BLOCK for place in range(4))
+_elementwise = kernel(error_model="numpy", fastmath={"contract"})
+
+
+@kernel(error_model="numpy")
+def know_hairs(bristles, turned, roll, way_done, known, findings):
+    """How readily the hairs at their places give: only where the bend or the stage is another.
+
+    Parameters
+    ----------
+    bristles : Bristles
+    turned, roll : arrays of `Hairs`
+    way_done : float
+        Of the tuft since it was dipped, mm: streaks come and go along it.
+    known : (3,) float64
+        What `findings` is for: the roll, and the stage of the way.
+    findings : (B / BLOCK, FINDINGS BLOCK) float32
+        The rows from READY on are filled.
+    """
+    stage = int(way_done / _STAGE)
+    if known[0] == roll[0] and known[1] == roll[1] and known[2] == stage:
+        return
+    known[0], known[1], known[2] = roll[0], roll[1], stage
+    cells = bristles.appetite.shape[0]
+    for g in range(turned.shape[0]):
+        row, sides = findings[g], turned[g]
+        for j in range(BLOCK):
+            side = (sides[_SIDE + j] + _ONE) * np.float32(0.5 * cells)
+            cell = min(cells - 1, max(0, int(side)))
+            place = _STEP * (cell // _STEP) + 1
+            row[_APPETITE + j] = bristles.appetite[cell]
+            row[_OWN + j] = bristles.thirst[cell]
+            row[_NOW + j] = bristles.thirst[(place * (stage + 7) * 31) % cells]
+            row[_SOON + j] = bristles.thirst[(place * (stage + 8) * 31) % cells]
+
+
+@kernel(error_model="numpy")
+def _hold(load, first, n, row):
+    """Ink in each hair of a block, of all pigments."""
+    if load.shape[1] == 1:
+        flat = load.reshape(load.shape[0])[first : first + n]
+        for j in range(n):
+            row[HELD + j] = np.float32(flat[j])
+        return
+    for j in range(n):
+        held = 0.0
+        for p in range(load.shape[1]):
+            held += load[first + j, p]
+        row[HELD + j] = np.float32(held)
+
+
+@_elementwise
+def _wish(per_room, fraction, hair_mm, film_mm, per_piece, row, sums):
+    """What each hair of a block is ready to give, how thick it is, and what it would lay down."""
+    own, passing = _ONE - _PASSING, _PASSING
+    for j in range(BLOCK):
+        begin, end, held = row[BEGIN + j], row[END + j], row[HELD + j]
+        here = _ONE if end >= _ZERO else _ZERO
+        wet = held * per_room
+        now, soon = row[_NOW + j], row[_SOON + j]
+        thirst = own * row[_OWN + j] + passing * (now + fraction * (soon - now))
+        flow = (wet - _THIRST * thirst) * _PER_SOFT
+        flow = flow if flow > _ZERO else _ZERO
+        reach = _LEAST_WISH + (end - begin)
+        reach = reach if reach < _ONE else _ONE
+        wish = here * reach * row[_APPETITE + j] * (flow if flow < _ONE else _ONE)
+        full = wet * _PER_FULL
+        dot = hair_mm + film_mm * (full if full < _ONE else _ONE)
+        span = (end - begin) * per_piece
+        row[GIVES + j] = wish
+        row[DOT + j] = dot
+        row[LAID + j] = wish * held / (span if span > _SHORTEST else _SHORTEST)
+        row[THICK + j] = _TWO * dot if wish > _ZERO else _ZERO
+        sums[j] += wish
+        sums[BLOCK + j] += here * wet
+        sums[2 * BLOCK + j] += here * dot
+
+
+@kernel(error_model="numpy")
+def ask_hairs(bristles, load, capacity, way_done, per_piece, findings, sums):
+    """What the hairs are ready to give, as against one another.
+
+    Parameters
+    ----------
+    bristles : Bristles
+    load : (B, P) float64
+        Ink in each hair, coats x mm2.
+    capacity : float
+        Ink in a full hair.
+    way_done : float
+        As for `know_hairs`.
+    per_piece : int
+        Stations of the map to a piece of hair.
+    findings : (B / BLOCK, FINDINGS BLOCK) float32
+        With the hairs' contacts, and READY; the other rows are filled.
+    sums : (3 BLOCK,) float32
+        Scratch.
+
+    Returns
+    -------
+    wanted, wet, dot : float
+        Sums of the hairs' wishes, and over those that touch, of how full they are, and of their
+        radius with their film, mm.
+    """
+    count = load.shape[0]
+    sums[:] = _ZERO
+    fraction = np.float32(way_done / _STAGE - int(way_done / _STAGE))
+    for g in range(findings.shape[0]):
+        row = findings[g]
+        _hold(load, g * BLOCK, min(BLOCK, count - g * BLOCK), row)
+        _wish(
+            np.float32(1.0 / capacity) if capacity > 0.0 else _ZERO, fraction,
+            np.float32(bristles.hair_mm), np.float32(bristles.film_mm), np.float32(per_piece),
+            row, sums,
+        )  # fmt: skip
+    wanted, wet = add_up(sums[:BLOCK], BLOCK), add_up(sums[BLOCK : 2 * BLOCK], BLOCK)
+    return np.float64(wanted), np.float64(wet), np.float64(add_up(sums[2 * BLOCK :], BLOCK))
+
+
+@_elementwise
+def _give_by_law(rate, doublings, row):
+    """1 - exp(-rate x wish) for every hair: rational for a small part of it, then doubled.
+
+    With h a quarter of the part at the most, tanh h = h (15 + h^2) / (15 + 6 h^2) to 3e-7 of it,
+    1 - exp(-2 h) = 2 tanh h / (1 + tanh h), and u for a part is u (2 - u) for twice the part.
+    """
+    half = _HALF * rate
+    for j in range(BLOCK):
+        h = half * row[GIVES + j]
+        h2 = h * h
+        t = h * (np.float32(15.0) + h2) / (np.float32(15.0) + np.float32(6.0) * h2)
+        row[GIVES + j] = _TWO * t / (_ONE + t)
+    for _ in range(doublings):
+        for j in range(BLOCK):
+            u = row[GIVES + j]
+            row[GIVES + j] = u * (_TWO - u)
+
+
+@kernel(error_model="numpy")
+def settle_gifts(count, wanted, rate, findings, sums):
+    """Turn wishes into the share of its ink that each hair gives over a way; returns the sum.
+
+    Parameters
+    ----------
+    count : int
+        Hairs.
+    wanted : float
+        Sum of the wishes, from `ask_hairs`.
+    rate : float
+        eta' pe ds.
+    findings : (B / BLOCK, FINDINGS BLOCK) float32
+        From `ask_hairs`; GIVES is overwritten.
+    sums : (BLOCK,) float64
+        Scratch.
+    """
+    each = min(count / wanted, _MOST_PER_HAIR) * rate
+    doublings = 0
+    while each > 0.25 and doublings < 60:  # the readiest hairs wish for less than twice as much
+        each *= 0.5
+        doublings += 1
+    sums[:BLOCK] = 0.0
+    for g in range(findings.shape[0]):
+        row = findings[g]
+        _give_by_law(np.float32(each), doublings, row)
+        for j in range(BLOCK):
+            sums[j] += np.float64(row[GIVES + j]) * np.float64(row[HELD + j])
+    return add_up(sums, BLOCK)
+
+
+@kernel(error_model="numpy")
+def sum_hairs(load, out):
+    """Ink in all hairs: `out` (P,) of `load` (B, P); in one order of adding, halves to halves."""
+    count, n_pigments = load.shape
+    sums = np.empty(BLOCK)
+    flat = load.reshape(load.size)
+    for p in range(n_pigments):
+        sums[:] = 0.0
+        for first in range(0, count, BLOCK):
+            n = min(BLOCK, count - first)
+            if n_pigments == 1:
+                part = flat[first : first + n]
+                for j in range(n):
+                    sums[j] += part[j]
+            else:
+                for j in range(n):
+                    sums[j] += load[first + j, p]
+        out[p] = add_up(sums, BLOCK)
+
+
+@kernel(error_model="numpy")
+def take_from_hairs(load, findings, scale, sums, released):
+    """Take `scale` of what each hair is ready to give; `released` (P,) gets the sums.
+
+    Parameters
+    ----------
+    load : (B, P) float64
+    findings : (B / BLOCK, FINDINGS BLOCK) float32
+        From `settle_gifts`.
+    scale : float
+    sums : (BLOCK,) float64
+        Scratch.
+    """
+    count, n_pigments = load.shape
+    flat = load.reshape(load.size)
+    for p in range(n_pigments):
+        sums[:BLOCK] = 0.0
+        for g in range(findings.shape[0]):
+            row, first = findings[g][GIVES : GIVES + BLOCK], g * BLOCK
+            n = min(BLOCK, count - first)
+            if n_pigments == 1:
+                here = flat[first : first + n]
+                for j in range(n):
+                    part = scale * np.float64(row[j]) * here[j]
+                    here[j] -= part
+                    sums[j] += part
+            else:
+                for j in range(n):
+                    part = scale * np.float64(row[j]) * load[first + j, p]
+                    load[first + j, p] -= part
+                    sums[j] += part
+        released[p] = add_up(sums, BLOCK)
+
+
+@kernel(error_model="numpy")
+def give_to_hairs(load, findings, taken):
+    """Share `taken` (P,) evenly among the hairs that touch."""
+    count = load.shape[0]
+    touching = 0
+    for i in range(count):
+        touching += findings[i // BLOCK, END + i % BLOCK] >= _ZERO
+    for i in range(count):
+        if findings[i // BLOCK, END + i % BLOCK] >= _ZERO:
+            for p in range(load.shape[1]):
+                load[i, p] += taken[p] / touching
+
+
+@kernel(error_model="numpy")
+def level_hairs(bristles, turned, load, capacity, way, bins):
+    """Let hairs beside one another share their ink, the freer the wetter they are.
+
+    Parameters
+    ----------
+    bristles, turned, load : as for `know_hairs` and `ask_hairs`
+    capacity : float
+        Ink in a full hair.
+    way : float
+        Of the tuft, mm.
+    bins : (LEVEL_BINS, P + 1) float64
+        Scratch.
+    """
+    count, n_pigments = load.shape
+    bins[:] = 0.0
+    for i in range(count):
+        b = turned[i // BLOCK, _SIDE + i % BLOCK]
+        at = min(LEVEL_BINS - 1, max(0, int((b + 1.0) * 0.5 * LEVEL_BINS)))
+        for p in range(n_pigments):
+            bins[at, p] += load[i, p]
+        bins[at, n_pigments] += 1.0
+    reach = 1.0 - np.exp(-way / bristles.levelling_mm)
+    for i in range(count):
+        b = turned[i // BLOCK, _SIDE + i % BLOCK]
+        at = min(LEVEL_BINS - 1, max(0, int((b + 1.0) * 0.5 * LEVEL_BINS)))
+        n = bins[at, n_pigments]
+        mean = 0.0
+        for p in range(n_pigments):
+            mean += bins[at, p]
+        flow = (mean / (n * capacity) - _FLOWS[0]) / (_FLOWS[1] - _FLOWS[0])
+        share = reach * min(1.0, max(0.0, flow))
+        for p in range(n_pigments):
+            load[i, p] += share * (bins[at, p] / n - load[i, p])

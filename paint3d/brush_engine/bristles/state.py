@@ -1,0 +1,102 @@
+"""What a tuft of hairs remembers, and the scratch arrays that its kernels work in."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.bristles import bend as bt
+from paint3d.brush_engine.bristles.contact import CONTACT_SIZE, FINDINGS
+from paint3d.brush_engine.bristles.ground_fit import PATCH_SIZE
+from paint3d.brush_engine.bristles.imprint import Imprint, make_imprint
+from paint3d.brush_engine.bristles.imprint_cache import KEPT_SIZE
+from paint3d.brush_engine.bristles.ink import LEVEL_BINS
+from paint3d.brush_engine.bristles.landing import LANDING_SIZE
+from paint3d.brush_engine.stamp import PROFILE_CELLS
+from paint3d.core.arrays import zeros_on_lines
+
+__all__ = [
+    "MEMORY_SIZE",
+    "PARTED",
+    "SET_X",
+    "SET_Y",
+    "TRACKED",
+    "TRACKED_POINTS",
+    "WAY",
+    "Hairs",
+    "make_hairs",
+]
+
+SET_X, SET_Y, PARTED, WAY, UNLEVELLED = 0, 1, 2, 3, 4  # places in Hairs.memory
+MEMORY_SIZE = 5
+TRACKED = 48  # hairs whose motion is watched: the outermost ones, all around
+TRACKED_POINTS = 5  # of each, from the tip
+
+
+class Hairs(NamedTuple):
+    """Hairs of one painter (B hairs, P pigments)."""
+
+    load: NDArray  # (B, P) float64, ink in each, coats x mm2
+    memory: NDArray  # (5,) float64: bend that stays, along the handle's axes (mm); how far clumps
+    # have parted, 0 to 1; ways since the last dip and since
+    # hairs last shared their ink (mm)
+    pace: NDArray  # (2,) float64: how far between two samples, and the next step's share of it
+    roll: NDArray  # (2,) float64, direction of the bend in the handle's axes, of `turned`
+    turned: NDArray  # of `turn_hairs`
+    bend: NDArray  # (BEND_SIZE,)
+    block: NDArray  # (BLOCK_SIZE,) float32
+    points: NDArray  # (B / BLOCK, SAMPLES, 3 BLOCK) float32
+    landing: NDArray  # (LANDING_SIZE,), where hairs come down, see `bristle_landing`
+    slopes: NDArray  # (SAMPLES,) float32
+    patch: NDArray  # (6,)
+    patch_work: NDArray  # (12, 6)
+    findings: NDArray  # (B / BLOCK, FINDINGS BLOCK) float32, see `bristle_contact`
+    depths: NDArray  # (B / BLOCK,) float32, how far up the hairs of a block touch, in points
+    clear: NDArray  # (CONTACT_SIZE,) float32
+    known: NDArray  # (3,), see `know_hairs`
+    kept: NDArray  # (KEPT_SIZE,), see `bristle_keeping`
+    kept_lines: NDArray  # as of a stamp
+    sums: NDArray  # (3 BLOCK,) float32
+    whole_sums: NDArray  # (BLOCK,)
+    bins: NDArray  # (LEVEL_BINS, P + 1)
+    released: NDArray  # (P,)
+    left: NDArray  # (P,)
+    track: NDArray  # (2, TRACKED, TRACKED_POINTS, 4): where outer hairs were and are; near or not
+    lanes: NDArray  # (cap + 1,) int16, lanes of the vertices found
+    imprint: Imprint
+
+
+def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: int) -> Hairs:
+    """Arrays for painting with these hairs on a mesh with room for `capacity` vertices."""
+    n_pigments = load.shape[1]
+    blocks = len(bristles.lengths)
+    return Hairs(
+        load=load,
+        memory=memory,
+        pace=np.array([0.0, 1.0]),
+        roll=np.full(2, np.nan),
+        turned=bt.make_turned(blocks),
+        bend=np.zeros(bt.BEND_SIZE),
+        block=bt.make_block(),
+        points=bt.make_points(blocks),
+        landing=np.zeros(LANDING_SIZE),
+        slopes=np.zeros(bt.SAMPLES, np.float32),
+        patch=np.zeros(PATCH_SIZE),
+        patch_work=np.zeros((12, PATCH_SIZE)),
+        findings=zeros_on_lines((blocks, FINDINGS * bt.BLOCK), np.float32),
+        depths=np.zeros(blocks, np.float32),
+        clear=zeros_on_lines(CONTACT_SIZE, np.float32),
+        known=np.full(3, np.nan),
+        kept=np.zeros(KEPT_SIZE),
+        kept_lines=np.zeros((PROFILE_CELLS, 4), np.float32),
+        sums=zeros_on_lines(3 * bt.BLOCK, np.float32),
+        whole_sums=np.zeros(bt.BLOCK),
+        bins=np.zeros((LEVEL_BINS, n_pigments + 1)),
+        released=np.zeros(n_pigments),
+        left=np.zeros(n_pigments),
+        track=np.zeros((2, TRACKED, TRACKED_POINTS, 4)),
+        lanes=np.zeros(capacity + 1, np.int16),
+        imprint=make_imprint(n_pigments),
+    )

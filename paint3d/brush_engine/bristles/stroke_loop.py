@@ -1,0 +1,320 @@
+"""A stroke with a tuft of hairs: place, bend, draw the imprint, sweep, deposit.
+
+As `brush_engine.stroke_loop`, but the way between two samples is cut by the fastest hair: no two
+imprints lie further apart than the surface's vertices, wherever in the tuft that is measured, and
+also while the brush turns on the spot or is pressed. The steps follow one another: one that went
+too far is halved and taken again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.bristles.bend import (
+    ARCS,
+    BLOCK,
+    SAMPLES,
+    bend_hairs,
+    fill_bend,
+    turn_hairs,
+)
+from paint3d.brush_engine.bristles.contact import find_contacts
+from paint3d.brush_engine.bristles.deposit import sweep_hairs
+from paint3d.brush_engine.bristles.ground_fit import fit_patch
+from paint3d.brush_engine.bristles.imprint import SUB, draw_imprint
+from paint3d.brush_engine.bristles.imprint_cache import (
+    DRAWN,
+    TOUCHING,
+    carry_outline,
+    keep_bend,
+    keep_outline,
+    may_keep,
+    note_cause,
+)  # fmt: skip
+from paint3d.brush_engine.bristles.ink import ask_hairs, know_hairs, settle_gifts
+from paint3d.brush_engine.bristles.landing import find_landings
+from paint3d.brush_engine.bristles.state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
+from paint3d.brush_engine.dynamics import drive
+from paint3d.brush_engine.ink_transfer import CAPACITY, mean_pressure
+from paint3d.brush_engine.placement import place_stamp
+from paint3d.brush_engine.stamp import ink_way, outline_motion
+from paint3d.brush_engine.stroke_loop import (
+    FINISHED,
+    FOOTPRINTS,
+    NEEDS_ROOM,
+    _copy,
+    _interpolate,
+    may_pass,
+    note_pose,
+)
+from paint3d.brush_engine.stroke_loop import (
+    SAMPLES as SAMPLE_COUNT,
+)
+from paint3d.core.kernel import kernel
+
+__all__ = ["paint_with_hairs"]
+
+_SPACING = 0.95  # of the vertex spacing: the most that a hair moves from imprint to imprint
+_NEAR = 0.5  # mm over the surface: nearer points of hairs count
+_SHORTEST = 1.0 / 128.0  # of the way between two samples
+_EASE = 1.6  # how much a step may grow on the last
+_PARTS_OVER = 6.0  # mm of way over which clumps part
+_JOINS_OVER = 25.0  # mm over which wet ones join
+_SETS_OVER = 12.0  # mm of way over which a tuft takes on the bend that it has
+_SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
+_LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in the handle
+_DRY = (0.12, 0.45)  # of the load: dry, and wet
+
+
+@kernel(error_model="numpy")
+def _wetness(ink):
+    total = 0.0
+    for p in range(ink.load.shape[0]):
+        total += ink.load[p]
+    return total / ink.habit[CAPACITY] if ink.habit[CAPACITY] > 0.0 else 0.0
+
+
+@kernel(error_model="numpy")
+def _find_roll(pose, values):
+    """Direction of the bend in the handle's axes, laid into the plane."""
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
+    c = ax * values[st.BEND_X] + ay * values[st.BEND_Y] + az * values[st.BEND_Z]
+    s = 0.0
+    for axis, part in enumerate((ax, ay, az)):
+        s += part * values[st.CROSS_X + axis]
+    norm = np.hypot(c, s)
+    if norm < 1e-9:
+        c, s, norm = 1.0, 0.0, 1.0
+    return c / norm, -s / norm
+
+
+@kernel(error_model="numpy")
+def _find_slopes(tuft, points, slopes):
+    """Slope of the tuft at its points, from its first hair: half of the pieces above and below."""
+    for k in range(SAMPLES):
+        low, high = max(k - 1, 0), min(k + 1, SAMPLES - 1)
+        rise = points[0, high, 2 * points.shape[2] // 3] - points[0, low, 2 * points.shape[2] // 3]
+        slopes[k] = rise / (tuft.length * (ARCS[high] - ARCS[low]))
+
+
+@kernel(error_model="numpy")
+def _meet(stamp, tuft, bristles, hairs):
+    """Find where the hairs touch; a stamp where none does no longer touches."""
+    _find_slopes(tuft, hairs.points, hairs.slopes)
+    find_landings(tuft, hairs.bend, hairs.landing)
+    touching = find_contacts(
+        bristles, hairs.bend, hairs.landing, hairs.turned, hairs.slopes, hairs.points, hairs.clear,
+        hairs.findings, hairs.depths,
+    )  # fmt: skip
+    if touching == 0:
+        stamp.values[st.TOUCHES] = 0.0
+    return touching
+
+
+@kernel(error_model="numpy")
+def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
+    """Bend the hairs under a stamp that touches and find where they do; return how many.
+
+    Where they would hardly lie otherwise, they stay as they are.
+    """
+    values, memory, kept = stamp.values, hairs.memory, hairs.kept
+    cosine, sine = _find_roll(pose, values)
+    turned = abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1])
+    same = turned < (_LEAST_TURN if kept[TOUCHING] > 0.0 else 1e-6)
+    if same:
+        cosine, sine = hairs.roll[0], hairs.roll[1]
+    fit_patch(values, field, room, hairs.patch_work, hairs.patch)
+    # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
+    patch, reach = hairs.patch, tuft.length * np.cos(values[st.TILT])
+    patch[0] = -reach * (patch[1] + reach * patch[3])
+    dryness = 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
+    set_x = cosine * memory[SET_X] + sine * memory[SET_Y]
+    set_y = cosine * memory[SET_Y] - sine * memory[SET_X]
+    note_cause(values, tuft, hairs.patch, dryness, memory[PARTED], set_x, set_y, kept)
+    if same and may_keep(before, values, memory[WAY], field.numbers[0], kept):
+        return int(kept[TOUCHING])
+    if not same:
+        hairs.roll[0], hairs.roll[1] = cosine, sine
+        turn_hairs(bristles, cosine, sine, hairs.turned)
+    fill_bend(
+        bristles, tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], hairs.patch,
+        dryness, memory[PARTED], set_x, set_y, hairs.bend,
+    )  # fmt: skip
+    bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
+    touching = _meet(stamp, tuft, bristles, hairs)
+    keep_bend(before, values, memory[WAY], touching, kept)
+    return touching
+
+
+@kernel(error_model="numpy")
+def _draw(stamp, touching, bristles, hairs, field, ink, room):
+    """What the hairs would give, and the imprint; returns how much they wish to."""
+    count = hairs.load.shape[0]
+    way = hairs.memory[WAY]
+    know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.findings)
+    wanted, wet, dot = ask_hairs(
+        bristles, hairs.load, ink.habit[CAPACITY] / count, way, SUB, hairs.findings, hairs.sums
+    )
+    if hairs.kept[DRAWN] > 0.0:
+        carry_outline(stamp, hairs.kept, hairs.kept_lines)
+    else:
+        draw_imprint(
+            stamp, bristles, hairs, hairs.load, wet / touching, dot / touching, field.numbers[0],
+            room.reach, room.half_width,
+        )  # fmt: skip
+        keep_outline(stamp, hairs.kept, hairs.kept_lines)
+    return wanted
+
+
+@kernel(error_model="numpy")
+def _remember(before, after, tuft, bristles, hairs, ink):
+    """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
+    values = after.values
+    way = outline_motion(before, after)
+    wet = min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
+    pe = values[st.PRESSURE]
+    wanted = bristles.parting * min(
+        1.0, (1.0 - wet) * (0.5 + 0.5 * pe) + 0.5 * max(0.0, pe - 0.7) / 0.3
+    )
+    memory = hairs.memory
+    memory[WAY] += way
+    over = _PARTS_OVER if wanted > memory[PARTED] else _JOINS_OVER / max(wet, 0.02)
+    memory[PARTED] += (wanted - memory[PARTED]) * (1.0 - np.exp(-way / over))
+    reach = values[st.TIP] - tuft.length * np.cos(values[st.TILT])
+    stays = _SET_SHARE * tuft.plasticity * max(0.0, reach)
+    share = 1.0 - np.exp(-way / _SETS_OVER)
+    memory[SET_X] += share * (hairs.roll[0] * stays - memory[SET_X])
+    memory[SET_Y] += share * (hairs.roll[1] * stays - memory[SET_Y])
+
+
+@kernel(error_model="numpy")
+def _track(stamp, hairs, rows):
+    """Where the outer hairs' points are in space, and which are on the surface or near it."""
+    values, points = stamp.values, hairs.points
+    count = hairs.load.shape[0]
+    for n in range(TRACKED):
+        i = max(0, count - 1 - n)
+        g, j = i // BLOCK, i % BLOCK
+        for k in range(TRACKED_POINTS):
+            x, y = np.float64(points[g, k, j]), np.float64(points[g, k, BLOCK + j])
+            z = np.float64(points[g, k, 2 * BLOCK + j])
+            for axis in range(3):
+                rows[n, k, axis] = (
+                    values[st.ORIGIN_X + axis] + x * values[st.BEND_X + axis]
+                    + y * values[st.CROSS_X + axis] + z * values[st.NORMAL_X + axis]
+                )  # fmt: skip
+            rows[n, k, 3] = 1.0 if z < _NEAR else 0.0
+
+
+@kernel(error_model="numpy")
+def _fastest(before, after, track):
+    """How far the fastest hair moved on the surface between two stamps, mm."""
+    if before.values[st.TOUCHES] <= 0.0 or after.values[st.TOUCHES] <= 0.0:
+        return outline_motion(before, after)
+    most = 0.0
+    for n in range(TRACKED):
+        for k in range(TRACKED_POINTS):
+            if track[0, n, k, 3] > 0.0 and track[1, n, k, 3] > 0.0:
+                d2 = 0.0
+                for axis in range(3):
+                    d2 += (track[1, n, k, axis] - track[0, n, k, axis]) ** 2
+                most = max(most, d2)
+    return np.sqrt(most)
+
+
+@kernel
+def paint_with_hairs(
+    samples, last, dragged, brush, curves, bristles, tree, field, ink, progress, counters, pose,
+    room, hairs,
+):  # fmt: skip
+    """Paint from where `progress` stands up to sample `last`; see `kernels.stroke.paint_samples`.
+
+    Parameters
+    ----------
+    bristles : Bristles
+    hairs : Hairs
+    others : as for `paint_samples`
+
+    Returns
+    -------
+    int
+        FINISHED, or NEEDS_ROOM: call again after the mesh's arrays have grown.
+    """
+    at, before, after = progress.at, progress.before, progress.after
+    pace = hairs.pace
+    most = _SPACING * field.numbers[0]
+    while at[0] < last:
+        i = at[0]
+        if not samples.joined[i + 1] or (
+            at[2] == 0 and samples.pressure[i] <= 0.0 and samples.pressure[i + 1] <= 0.0
+        ):
+            before.values[st.TOUCHES] = 0.0
+            at[0] += 1
+            at[2] = 0
+            continue
+        if at[2] == 0:
+            counters[SAMPLE_COUNT] += 1
+            if before.values[st.TOUCHES] > 0.0 and may_pass(
+                samples, i + 1, progress.noted, brush, field.numbers[0]
+            ):
+                at[0] += 1
+                continue
+            pace[0], pace[1] = 0.0, 1.0
+            at[2] = 1
+            if before.values[st.TOUCHES] == 0.0:
+                _interpolate(samples, i, 0.0, pose)
+                tuft = drive(samples, i, 0.0, pose, before, brush, ink, curves)
+                place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
+                hairs.kept[TOUCHING] = 0.0
+                if before.values[st.TOUCHES] > 0.0:
+                    touching = _place_hairs(
+                        pose, before, before, tuft, bristles, hairs, field, ink, room
+                    )
+                    if touching > 0:
+                        _draw(before, touching, bristles, hairs, field, ink, room)
+                    _track(before, hairs, hairs.track[0])
+                if samples.joined[i]:
+                    before.values[st.TOUCHES] = 0.0
+        while pace[0] < 1.0:
+            step = min(pace[1], 1.0 - pace[0])
+            while True:
+                _interpolate(samples, i, pace[0] + step, pose)
+                tuft = drive(samples, i, pace[0] + step, pose, before, brush, ink, curves)
+                place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
+                touching = 0
+                if after.values[st.TOUCHES] > 0.0:
+                    touching = _place_hairs(
+                        pose, before, after, tuft, bristles, hairs, field, ink, room
+                    )
+                    _track(after, hairs, hairs.track[1])
+                touches = after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0
+                moved = _fastest(before, after, hairs.track) if touches else 0.0
+                if moved <= most or step <= _SHORTEST:
+                    break
+                step = max(_SHORTEST, step * max(0.2, min(0.7, 0.9 * most / moved)))
+            wanted = 0.0
+            if touching > 0:
+                wanted = _draw(after, touching, bristles, hairs, field, ink, room)
+            if wanted > 0.0:
+                rate = tuft.transfer_per_mm * mean_pressure(before, after)
+                rate *= ink_way(before, after)
+                count = hairs.load.shape[0]
+                ready = settle_gifts(count, wanted, rate, hairs.findings, hairs.whole_sums)
+                if not sweep_hairs(
+                    before, after, ready, bristles, hairs, field, ink, counters, room
+                ):
+                    pace[1] = step
+                    return NEEDS_ROOM
+                counters[FOOTPRINTS] += 1
+                _remember(before, after, tuft, bristles, hairs, ink)
+            _copy(after, before)
+            hairs.track[0] = hairs.track[1]
+            pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step
+            grown = _EASE if moved <= 0.0 else min(_EASE, 0.9 * most / moved)
+            pace[1] = max(_SHORTEST, step * grown)
+        note_pose(samples, i + 1, progress.noted)
+        at[0] += 1
+        at[2] = 0
+    return FINISHED

@@ -1,0 +1,128 @@
+"""A tuft that holds different ink along its length: the classic loading, tip dark and belly light.
+
+The load lies in stations from the tip to the root, all filled alike: when the part that touches
+gives ink, the rest flows down to it, as in a wet tuft the capillaries see to. The tuft lies along
+its footprint, so a vertex at a distance s behind the tip is painted by what is s up the tuft.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.ink_transfer import REACH
+from paint3d.core.kernel import kernel, uncounted
+
+__all__ = ["leave_from_stations", "level_stations"]
+
+_MOST_PASSES = 1000
+_SHARE = 0.45  # of a station, the most that flows out of it on one side in one pass
+
+
+@uncounted(error_model="numpy")
+def _behind_tip(values, field, v):
+    """Distance (mm) of a vertex behind the tip of a stamp, along the bend."""
+    dx = field.px[v] - values[st.ORIGIN_X]
+    dy = field.py[v] - values[st.ORIGIN_X + 1]
+    dz = field.pz[v] - values[st.ORIGIN_X + 2]
+    reach = dx * values[st.BEND_X] + dy * values[st.BEND_X + 1] + dz * values[st.BEND_X + 2]
+    return values[st.TIP] - reach
+
+
+@uncounted(error_model="numpy")
+def _station(before, after, field, v, reach, last):
+    """Place of a vertex on the tuft, in stations from the tip: middle of the first is 0."""
+    a, b = before.values, after.values
+    if a[st.TOUCHES] > 0.0 and b[st.TOUCHES] > 0.0:
+        behind = 0.5 * (_behind_tip(a, field, v) + _behind_tip(b, field, v))
+    elif b[st.TOUCHES] > 0.0:
+        behind = _behind_tip(b, field, v)
+    else:
+        behind = _behind_tip(a, field, v)
+    return min(max(behind / reach - 0.5, 0.0), np.float64(last))
+
+
+@kernel(error_model="numpy")
+def leave_from_stations(
+    before, after, released, landing, weighed, found, share, n, areas, unit, field, ink, taken
+):
+    """Leave `landing` of ink on the vertices, each from the stations that touch it.
+
+    The rest of `released` runs off; `taken` (P,) that the brush took up meanwhile goes to where
+    it touches. Conserves: the stations, what was left and what ran off add up.
+    """
+    stations = ink.stations
+    count, n_pigments = stations.shape
+    last = count - 1
+    reach = ink.habit[REACH]
+    demand = np.zeros(count)
+    for k in range(n):
+        v = found[k]
+        at = _station(before, after, field, v, reach, last)
+        i = min(np.int64(at), last - 1)
+        part = share[k] * areas[v] * unit
+        demand[i] += part * (1.0 - (at - i))
+        demand[i + 1] += part * (at - i)
+    total = demand.sum()
+    if total <= 0.0:
+        demand[0] = 1.0
+        total = 1.0
+    density = np.zeros((count, n_pigments))  # left per weighed mm2, by station
+    for i in range(count):
+        wanted = released * demand[i] / total
+        held = stations[i].sum()
+        given = min(wanted, held)
+        if given <= 0.0:
+            continue
+        landed = given * (landing / released)
+        for p in range(n_pigments):
+            part = stations[i, p] / held
+            ink.off_surface[p] += part * (given - landed)
+            density[i, p] = part * landed / demand[i] if weighed > 0.0 else 0.0
+            stations[i, p] -= part * given
+    for k in range(n):
+        v = found[k]
+        at = _station(before, after, field, v, reach, last)
+        i = min(np.int64(at), last - 1)
+        t = at - i
+        for p in range(n_pigments):
+            ink.amounts[v, p] += np.float32(
+                share[k] * ((1.0 - t) * density[i, p] + t * density[i + 1, p])
+            )
+    for i in range(count):
+        for p in range(n_pigments):
+            stations[i, p] += taken[p] * demand[i] / total
+    level_stations(stations)
+    for p in range(n_pigments):
+        ink.load[p] = stations[:, p].sum()
+
+
+@kernel(error_model="numpy")
+def level_stations(stations):
+    """Let liquid run along the tuft until all stations (N, P) are filled alike."""
+    count, n_pigments = stations.shape
+    held = np.empty(count)
+    passing = np.empty(count - 1)  # from station i + 1 to station i
+    for _ in range(_MOST_PASSES):
+        for i in range(count):
+            held[i] = stations[i].sum()
+        mean = held.sum() / count
+        towards_tip = 0.0
+        held_back = False
+        for i in range(count - 1):
+            towards_tip += mean - held[i]
+            source = i + 1 if towards_tip > 0.0 else i
+            most = _SHARE * held[source]
+            passing[i] = min(max(towards_tip, -most), most)
+            held_back = held_back or abs(towards_tip) > most
+        old = stations.copy()
+        for i in range(count - 1):
+            source = i + 1 if passing[i] > 0.0 else i
+            if held[source] <= 0.0:
+                continue
+            for p in range(n_pigments):
+                moved = passing[i] * old[source, p] / held[source]
+                stations[i, p] += moved
+                stations[i + 1, p] -= moved
+        if not held_back:
+            break

@@ -1,0 +1,227 @@
+"""What of the surface a sweep can reach: cells, and blocks of vertices in them.
+
+Each is laid into the plane as a disc that holds whatever of it lands there, and shares its fate:
+outside both footprints, well inside both, or on an edge. Discs are judged many at a time, loop by
+loop, as vertices are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine import sweep as sw
+from paint3d.brush_engine.projecting import LEAST_FACING
+from paint3d.core.kernel import uncounted
+from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES
+
+__all__ = ["DISC_ROWS", "EDGE", "INSIDE", "MIXED", "find_cells", "find_runs"]
+
+OUTSIDE, EDGE, INSIDE = 0, 1, 2  # where a disc lies to the footprints of a sweep
+MIXED = 3  # a run in a cell with several sheets, some of which may not belong to the patch
+DISC_ROWS = 6  # float32 rows that discs are judged in: x, y, radius, and three to work in
+_STEEPEST = 4.0  # tangent of the angle at which a vertex faces away
+_END_ZONE = 0.0625  # of its length: how far an outline's end reaches
+_COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
+
+
+@uncounted(error_model="numpy")
+def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
+    """Where each disc lies to one stamp: OUTSIDE, on its EDGE, or INSIDE.
+
+    The half width rises to its greatest value and falls again, so over an interval it is least
+    at one of the ends, and greatest there or at its greatest value.
+
+    Parameters
+    ----------
+    n : int
+    discs : (DISC_ROWS, N) float32
+        Plane x, y and radius (mm) in the first three rows.
+    turn : (4,) float64
+        From the plane to the stamp's own coordinates.
+    stamp, widths : arrays of the stamp
+    rises : (4,) float64
+        How far beyond a stamp's edge the edge gets on its way, mm: anywhere, and near the tip;
+        and how near that is; and half the soft edge. A disc must be farther away by the first
+        two to lie outside.
+    fates : (N,) uint8
+        Filled.
+    """
+    xs, ys, radii, along, low, high = discs[0], discs[1], discs[2], discs[3], discs[4], discs[5]
+    ox, oy = np.float32(turn[0]), np.float32(turn[1])
+    c, s = np.float32(turn[2]), np.float32(turn[3])
+    heel, length = np.float32(stamp[st.HEEL]), np.float32(stamp[st.TIP] - stamp[st.HEEL])
+    widest = np.float32(stamp[st.WIDEST])
+    middle = np.float32(stamp[st.REACH_OF_WIDEST] - stamp[st.HEEL])
+    per_step = np.float32(st.PROFILE_CELLS / (stamp[st.TIP] - stamp[st.HEEL]))
+    nothing, top = np.float32(0.0), np.float32(st.PROFILE_CELLS)
+    rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
+    end = length - np.float32(rises[2])
+    # beside a blunt end, the distance to the line of its last step is less than the way there
+    least = np.float32(rises[3] + rises[0])
+    steepest = max(widths[1], widths[st.PROFILE_CELLS - 1]) * st.PROFILE_CELLS
+    slope = steepest / (stamp[st.TIP] - stamp[st.HEEL])
+    blunt = np.float32(np.sqrt(1.0 + slope * slope) - 1.0) * least
+    zone = length * np.float32(_END_ZONE)
+    for k in range(n):
+        along[k] = c * (xs[k] - ox) + s * (ys[k] - oy) - heel
+        low[k] = min(max((along[k] - radii[k]) * per_step, nothing), top)
+        high[k] = min(max((along[k] + radii[k]) * per_step, nothing), top)
+    for k in range(n):
+        i = np.int32(low[k])
+        j = np.int32(high[k])
+        low[k] = widths[i] + (low[k] - np.float32(i)) * (widths[i + 1] - widths[i])
+        high[k] = widths[j] + (high[k] - np.float32(j)) * (widths[j + 1] - widths[j])
+    for k in range(n):
+        side = abs(c * (ys[k] - oy) - s * (xs[k] - ox))
+        r = radii[k]
+        most = widest if abs(along[k] - middle) <= r else max(low[k], high[k])
+        within = (along[k] - r >= nothing) & (along[k] + r <= length)
+        inside = within & (min(low[k], high[k]) >= side + r)
+        out = r + (rise_at_end if along[k] + r > end else rise)
+        at_end = (along[k] - r < zone) | (along[k] + r > length - zone)
+        aside = out + (blunt if at_end else nothing)
+        outside = (along[k] + out < nothing) | (along[k] - out > length) | (side - aside > most)
+        fates[k] = np.uint8(0) if outside else (np.uint8(2) if inside else np.uint8(1))
+
+
+@uncounted(error_model="numpy")
+def _judge_sweep(n, discs, frame, before, widths_before, after, widths, where):
+    """Where each disc lies to a sweep: INSIDE both outlines, OUTSIDE both, or on an EDGE.
+
+    `where` (2, N) uint8: the answer comes in the first row. Under a stamp that stands alone, of a
+    brush that comes or goes, nothing is inside: it is covered for a part of the time.
+    """
+    now, then = where[0], where[1]
+    rises = frame[sw.RISES : sw.RISES + 4]
+    turn_now = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
+    turn_then = frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
+    if frame[sw.AFTER] > 0.0:
+        _judge_discs(n, discs, turn_now, after, widths, rises, now)
+    else:
+        now[:n] = 0
+    if frame[sw.BEFORE] > 0.0:
+        _judge_discs(n, discs, turn_then, before, widths_before, rises, then)
+    else:
+        then[:n] = 0
+    for k in range(n):
+        least, most = min(now[k], then[k]), max(now[k], then[k])
+        now[k] = max(least, min(most, np.uint8(1)))
+
+
+@uncounted(error_model="numpy")
+def find_cells(
+    sheet_place, pack, origin, size, frame, before, widths_before, after, widths,
+    sheets, n_sheets, cell_ticks, tick, discs, where, cells, slopes,
+):  # fmt: skip
+    """The cells of those sheets that the sweep can reach, each once.
+
+    A vertex in a cell lands in the plane within a radius of where the cell's middle lands: half
+    the cell's diagonal, and the shift that its own normal gives it at its height. `slopes` gets
+    the greatest tangent of a cell's normals to the plane's, negative where they look all ways.
+    """
+    half_diagonal = 0.5 * np.sqrt(3.0) * size
+    margin = 0.5 / frame[sw.SCALE]
+    xs, ys, radii = discs[0], discs[1], discs[2]
+    fx, fy, fz = frame[sw.NORMAL], frame[sw.NORMAL + 1], frame[sw.NORMAL + 2]
+    n = 0
+    for k in range(n_sheets):
+        sheet = sheets[k]
+        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - frame[sw.ORIGIN]
+        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - frame[sw.ORIGIN + 1]
+        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - frame[sw.ORIGIN + 2]
+        nx, ny, nz, area = pack[sheet, 0], pack[sheet, 1], pack[sheet, 2], pack[sheet, 3]
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        facing = nx * fx + ny * fy + nz * fz
+        facing = min(1.0, facing / length) if length > 0.0 else 0.0
+        height = abs(dx * fx + dy * fy + dz * fz)
+        slope = -1.0
+        reach = _STEEPEST
+        if length > _COHERENT * area:
+            if facing < 0.0:
+                continue
+            # normals in a sheet differ by about what their mean lacks of unit length
+            spread = np.sqrt(max(0.0, 1.0 - length / area))
+            slope = np.sqrt(1.0 - facing * facing) / max(facing, LEAST_FACING) + 2.0 * spread
+            slope = min(slope, _STEEPEST)
+            reach = slope
+        cells[n] = sheet_place[sheet, 3]
+        slopes[n] = slope
+        xs[n] = dx * frame[sw.BEND] + dy * frame[sw.BEND + 1] + dz * frame[sw.BEND + 2]
+        ys[n] = dx * frame[sw.CROSS] + dy * frame[sw.CROSS + 1] + dz * frame[sw.CROSS + 2]
+        radii[n] = half_diagonal + reach * (height + half_diagonal) + margin
+        n += 1
+    _judge_sweep(n, discs, frame, before, widths_before, after, widths, where)
+    fates = where[0]
+    found = 0
+    for k in range(n):
+        cell = cells[k]
+        if fates[k] == OUTSIDE or cell_ticks[cell] == tick:
+            continue
+        cell_ticks[cell] = tick
+        cells[found] = cell
+        slopes[found] = slopes[k]
+        fates[found] = fates[k]
+        found += 1
+    return found
+
+
+@uncounted(error_model="numpy")
+def find_runs(
+    cells, slopes, n_cells, base_start, cell_blocks, balls, cell_sheets, frame, before,
+    widths_before, after, widths, discs, where, blocks, runs,
+):  # fmt: skip
+    """Runs (first, end, where) of the base vertices that the sweep can reach.
+
+    Cells well inside go as a whole (`where` comes from `find_cells`), others block by block.
+    """
+    margin = 0.5 / frame[sw.SCALE]
+    xs, ys, radii, fates = discs[0], discs[1], discs[2], where[0]
+    ox, oy, oz = frame[sw.ORIGIN], frame[sw.ORIGIN + 1], frame[sw.ORIGIN + 2]
+    fx, fy, fz = frame[sw.NORMAL], frame[sw.NORMAL + 1], frame[sw.NORMAL + 2]
+    bx, by, bz = frame[sw.BEND], frame[sw.BEND + 1], frame[sw.BEND + 2]
+    cx, cy, cz = frame[sw.CROSS], frame[sw.CROSS + 1], frame[sw.CROSS + 2]
+    n = 0
+    n_runs = 0
+    for c in range(n_cells):
+        cell = cells[c]
+        one_sheet = cell_sheets[cell + 1] - cell_sheets[cell] == 1
+        coherent = one_sheet and slopes[c] >= 0.0
+        if coherent and fates[c] == INSIDE:
+            n_runs = _add_run(runs, n_runs, base_start[cell], base_start[cell + 1], INSIDE)
+            continue
+        most = INSIDE if coherent else (EDGE if one_sheet else MIXED)
+        slope = slopes[c] if slopes[c] >= 0.0 else _STEEPEST
+        last = base_start[cell + 1]
+        first = base_start[cell]
+        for block in range(cell_blocks[cell], cell_blocks[cell + 1]):
+            dx = balls[block, 0] - ox
+            dy = balls[block, 1] - oy
+            dz = balls[block, 2] - oz
+            xs[n] = dx * bx + dy * by + dz * bz
+            ys[n] = dx * cx + dy * cy + dz * cz
+            height = abs(dx * fx + dy * fy + dz * fz)
+            radii[n] = balls[block, 3] + slope * (height + balls[block, 3]) + margin
+            blocks[n, 0] = first
+            blocks[n, 1] = min(last, first + BLOCK_VERTICES)
+            blocks[n, 2] = most
+            first += BLOCK_VERTICES
+            n += 1
+    _judge_sweep(n, discs, frame, before, widths_before, after, widths, where)
+    for k in range(n):
+        if fates[k] != OUTSIDE:
+            fate = min(np.int32(fates[k]), blocks[k, 2]) if blocks[k, 2] != MIXED else MIXED
+            n_runs = _add_run(runs, n_runs, blocks[k, 0], blocks[k, 1], fate)
+    return n_runs
+
+
+@uncounted(error_model="numpy")
+def _add_run(runs, n, first, end, fate):
+    """Append a run, or lengthen the last by it; return how many there are."""
+    if n > 0 and runs[n - 1, 1] == first and runs[n - 1, 2] == fate:
+        runs[n - 1, 1] = end
+        return n
+    runs[n, 0] = first
+    runs[n, 1] = end
+    runs[n, 2] = fate
+    return n + 1

@@ -1,0 +1,23 @@
+"""The ink on vertices and in the brush as kernels see it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numpy.typing import NDArray
+
+__all__ = ["InkField"]
+
+
+class InkField(NamedTuple):
+    """What kernels need to leave ink on vertices (cap: room for vertices, P: pigments)."""
+
+    amounts: NDArray  # (cap, P) float32, full coats x share of the vertex's area that is covered
+    coverage: NDArray  # (cap,) float32, share of the vertex's area under paint, 0 to 1
+    dirty: NDArray  # (cap,) uint8, 1 where the colour is out of date
+    dirty_ids: NDArray  # (cap,) int32, those vertices
+    n_dirty: NDArray  # (1,) int64, how many
+    load: NDArray  # (P,) float64, ink in the brush, coats x mm2
+    off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
+    stations: NDArray  # (N, P) float64, the load along the tuft, tip first; N = 1: alike all over
+    habit: NDArray  # (4,) float64, see `brush_engine.ink_transfer`

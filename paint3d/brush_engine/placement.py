@@ -1,0 +1,521 @@
+"""From a brush pose to a stamp on the surface: contact, bending, enclosing sphere, plane.
+
+The order is the paper's (Guo 2017, section 4.2.1): foot point of the root node, bent brush, its
+enclosing sphere, the patch of surface inside the sphere, the mean normal of the patch, the plane
+through the foot point, and the outline in that plane. The mean runs over the *surface* in the
+patch, weighted by area, and not over its vertices, so that refining the mesh changes nothing.
+
+A hand that paints under a pen or pointer means a place on the surface and not one of the root.
+Then that place stands for the foot point, wherever the handle leans, and the middle of the outline
+lies there: half-way between its ends along the bend and, where the brush moves, half-way between
+the sides of the mark that it draws, so that a brush turned against its way paints no further to one
+side than to the other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.drag import drag_length, drag_step
+from paint3d.brush_engine.tuft import enclose_tuft, greatest_descent, trace_outline
+from paint3d.core.kernel import uncounted
+from paint3d.mesh.kernels.bvh import find_foot, find_meant
+from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
+
+__all__ = ["OVERPRESSED", "REACH", "TILT_LIMITED", "lean_plane", "place_stamp", "start_sheet"]
+
+TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
+OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
+REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
+_OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is not over the surface
+_LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
+_OTHER_SIDE = -0.5  # cosine to the foot's normal: what faces farther away is a wall's other side
+_TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a brush goes
+
+
+@uncounted
+def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room):
+    """Fill `after` with the footprint of a pose.
+
+    The pose (9,) is a position, a quaternion wxyz, the pressure or NaN, and 1 where the position is
+    the place on the surface that the hand means; else 0, and it is the root's. `before` is the
+    stamp the brush comes from; it carries the dragged point. It may be `after`.
+    """
+    values = after.values
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    up_x = 2.0 * (x * z + w * y)
+    up_y = 2.0 * (y * z - w * x)
+    up_z = 1.0 - 2.0 * (x * x + y * y)
+    foot = room.foot
+    was_touching = before.values[st.TOUCHES] > 0.0
+    for axis in range(3):
+        room.vector[axis] = before.values[st.FOOT_X + axis]
+        room.drag[axis] = before.values[st.DRAG_X + axis]
+    centred = pose[8] > 0.0
+    trail = _TRAIL * before.values[st.WIDEST] if was_touching and centred else 0.0
+    values[st.TOUCHES] = 0.0
+    values[st.CENTRED] = pose[8]
+    reach = REACH * tuft.length
+    if centred:
+        triangle = find_meant(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot)
+    else:
+        triangle = find_foot(
+            tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot, room.warm
+        )
+        if triangle < 0 and pose[7] >= 0.0:
+            triangle = _find_far(tree, pose, up_x, up_y, up_z, foot, room.warm)
+    values[st.TRIANGLE] = triangle
+    if triangle < 0:
+        for axis in range(3):
+            values[st.ORIGIN_X + axis] = pose[axis]
+            values[st.FOOT_X + axis] = pose[axis]
+        _flatten(values, 0.0)
+        return
+    for axis in range(3):
+        values[st.ORIGIN_X + axis] = foot[axis]
+        values[st.FOOT_X + axis] = foot[axis]
+        values[st.NORMAL_X + axis] = foot[3 + axis]
+        values[st.FOOT_NORMAL_X + axis] = foot[3 + axis]
+    if centred and not dragged:
+        _follow_way(values, trail, room)
+    _bend_along_pose(values, w, x, y, z)
+    _press(pose, up_x, up_y, up_z, values, tuft)
+    if values[st.DESCENT] <= 0.0:
+        _flatten(values, 0.0 if centred else tuft.length * np.cos(values[st.TILT]))
+        _keep_drag(values, room.drag)
+        return
+    if dragged:
+        _bend_along_drag(values, was_touching, tuft, room)
+    along, up, radius = enclose_tuft(
+        tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], room.tuft
+    )
+    extent = 0.0
+    if centred:
+        middle, extent = _trace_extent(values, tuft, room)
+        along -= middle
+    for axis in range(3):
+        values[st.SPHERE_X + axis] = (
+            foot[axis] + along * values[st.BEND_X + axis] + up * values[st.NORMAL_X + axis]
+        )
+    values[st.RADIUS] = radius
+    if centred:
+        _lean_plane_under(values, extent, field, room)
+    else:
+        lean_plane(values, field, room)
+    if dragged:
+        _set_bend(values, values[st.DRAG_X], values[st.DRAG_X + 1], values[st.DRAG_X + 2])
+    else:
+        _bend_along_pose(values, w, x, y, z)
+    _press(pose, up_x, up_y, up_z, values, tuft)
+    if not centred:
+        _settle(values, up_x, up_y, up_z, tuft)
+    _count_limits(pose, up_x, up_y, up_z, values, tuft, counters)
+    n = _trace(values, tuft, room)
+    if n < 2:
+        _flatten(values, 0.0 if centred else tuft.length * np.cos(values[st.TILT]))
+        return
+    if centred:
+        middle = 0.5 * (room.reach[0] + room.reach[n - 1])
+        for axis in range(3):
+            values[st.ORIGIN_X + axis] = foot[axis] - middle * values[st.BEND_X + axis]
+    st.fill_profile(after, room.reach, room.half_width, n)
+    if centred and not dragged:
+        _centre_mark(values, after.half_widths, trail)
+    _hold_outline(values)
+    if values[st.AREA] > 0.0:
+        values[st.TOUCHES] = 1.0
+
+
+@uncounted
+def _find_far(tree, pose, up_x, up_y, up_z, foot, warm):
+    """The foot of a root that stands over the surface at any height; -1 beside the surface.
+
+    A hand that says how hard it presses does press, wherever its root is said to be.
+    """
+    triangle = find_foot(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, np.inf, foot, warm)
+    if triangle < 0:
+        return -1
+    height, away = 0.0, 0.0
+    for axis in range(3):
+        height += (pose[axis] - foot[axis]) * foot[3 + axis]
+        away += (pose[axis] - foot[axis]) ** 2
+    return triangle if away - height * height <= _OVER * _OVER * away else -1
+
+
+@uncounted
+def _trace(values, tuft, room):
+    """The outline as the tuft is bent now, into the room; returns how many points it has."""
+    return trace_outline(
+        tuft,
+        values[st.DESCENT],
+        values[st.TILT],
+        values[st.PRESSURE],
+        room.tuft,
+        room.reach,
+        room.half_width,
+    )
+
+
+@uncounted
+def _trace_extent(values, tuft, room):
+    """How far along the bend the outline's middle lies from P'_m, and half its longer side, mm.
+
+    Both are 0 where nothing touches.
+    """
+    n = _trace(values, tuft, room)
+    if n == 0:
+        return 0.0, 0.0
+    half = 0.5 * (room.reach[0] - room.reach[n - 1])
+    for k in range(n):
+        half = max(half, room.half_width[k])
+    return 0.5 * (room.reach[0] + room.reach[n - 1]), half
+
+
+@uncounted
+def _flatten(values, reach):
+    """No footprint: the outline is one point, where the straight tip would be."""
+    values[st.HEEL] = reach
+    values[st.TIP] = reach
+    values[st.REACH_OF_WIDEST] = reach
+    values[st.WIDEST] = 0.0
+    values[st.AREA] = 0.0
+
+
+@uncounted
+def _keep_drag(values, drag):
+    for axis in range(3):
+        values[st.DRAG_X + axis] = drag[axis]
+
+
+@uncounted
+def _set_bend(values, bx, by, bz):
+    """Make (bx, by, bz), laid into the plane, the bend's direction; False if it stands upright."""
+    nx = values[st.NORMAL_X]
+    ny = values[st.NORMAL_X + 1]
+    nz = values[st.NORMAL_X + 2]
+    along = bx * nx + by * ny + bz * nz
+    bx -= along * nx
+    by -= along * ny
+    bz -= along * nz
+    norm = np.sqrt(bx * bx + by * by + bz * bz)
+    if norm < 1e-9:
+        return False
+    bx /= norm
+    by /= norm
+    bz /= norm
+    values[st.BEND_X] = bx
+    values[st.BEND_Y] = by
+    values[st.BEND_Z] = bz
+    values[st.CROSS_X] = ny * bz - nz * by
+    values[st.CROSS_X + 1] = nz * bx - nx * bz
+    values[st.CROSS_X + 2] = nx * by - ny * bx
+    return True
+
+
+@uncounted
+def _bend_along_pose(values, w, x, y, z):
+    """Commanded azimuth: the pen's x axis laid into the plane (its y axis where x stands up)."""
+    if not _set_bend(
+        values,
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y + w * z),
+        2.0 * (x * z - w * y),
+    ):
+        _set_bend(
+            values,
+            2.0 * (x * y - w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z + w * x),
+        )
+
+
+@uncounted
+def _bend_along_drag(values, was_touching, tuft, room):
+    """Dragged azimuth: the paper pulls the tip along (a tractrix with slack)."""
+    slack = drag_length(values[st.DESCENT], tuft.length, tuft.drag_fraction)
+    rx, ry, rz = room.drag[0], room.drag[1], room.drag[2]
+    if rx * rx + ry * ry + rz * rz == 0.0:
+        rx = 0.2 * slack * values[st.BEND_X]
+        ry = 0.2 * slack * values[st.BEND_Y]
+        rz = 0.2 * slack * values[st.BEND_Z]
+    elif not was_touching:
+        rx *= tuft.plasticity
+        ry *= tuft.plasticity
+        rz *= tuft.plasticity
+    else:
+        rx, ry, rz = drag_step(
+            rx,
+            ry,
+            rz,
+            values[st.FOOT_X] - room.vector[0],
+            values[st.FOOT_X + 1] - room.vector[1],
+            values[st.FOOT_X + 2] - room.vector[2],
+            slack,
+        )
+    _set_bend(values, rx, ry, rz)
+    values[st.DRAG_X] = rx
+    values[st.DRAG_X + 1] = ry
+    values[st.DRAG_X + 2] = rz
+
+
+@uncounted
+def _follow_way(values, trail, room):
+    """Pull the dragged point behind the place that the hand means, at most `trail` (mm) away.
+
+    With `trail` 0 the brush comes down: it has no way yet. Nothing is bent by this point.
+    """
+    rx, ry, rz = 0.0, 0.0, 0.0
+    if trail > 0.0:
+        rx, ry, rz = drag_step(
+            room.drag[0],
+            room.drag[1],
+            room.drag[2],
+            values[st.FOOT_X] - room.vector[0],
+            values[st.FOOT_X + 1] - room.vector[1],
+            values[st.FOOT_X + 2] - room.vector[2],
+            trail,
+        )
+    values[st.DRAG_X] = rx
+    values[st.DRAG_X + 1] = ry
+    values[st.DRAG_X + 2] = rz
+
+
+@uncounted
+def _centre_mark(values, half_widths, trail):
+    """Move the outline across its way, so that it reaches as far to both sides of the place."""
+    along, across = 0.0, 0.0  # the way's direction in the plane
+    for axis in range(3):
+        along -= values[st.DRAG_X + axis] * values[st.BEND_X + axis]
+        across -= values[st.DRAG_X + axis] * values[st.CROSS_X + axis]
+    length = np.sqrt(along * along + across * across)
+    if length <= 1e-9 or trail <= 0.0:
+        return
+    side_x, side_y = -across / length, along / length
+    half = 0.5 * (values[st.TIP] - values[st.HEEL])
+    left, right = 0.0, 0.0
+    for i in range(st.PROFILE_CELLS + 1):
+        x = (2.0 * i / st.PROFILE_CELLS - 1.0) * half * side_x
+        y = half_widths[i] * abs(side_y)
+        left = max(left, x + y)
+        right = max(right, y - x)
+    aside = 0.5 * (left - right) * min(1.0, length / trail)
+    for axis in range(3):
+        values[st.ORIGIN_X + axis] -= aside * (
+            side_x * values[st.BEND_X + axis] + side_y * values[st.CROSS_X + axis]
+        )
+
+
+@uncounted
+def _press(pose, up_x, up_y, up_z, values, tuft):
+    """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height.
+
+    Where the hand means a place, there is a pressure, and the tilt is the handle's lean along the
+    bend alone.
+    """
+    if values[st.CENTRED] > 0.0:
+        _limit_tilt(values, up_x, up_y, up_z, tuft)
+        _set_descent(values, pose[7] * tuft.full_press, tuft)
+        return
+    sine = _sine_of_tilt(values, up_x, up_y, up_z)
+    sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
+    values[st.TILT] = np.arcsin(sine)
+    if np.isnan(pose[7]):
+        height = 0.0
+        for axis in range(3):
+            height += (pose[axis] - values[st.FOOT_X + axis]) * values[st.NORMAL_X + axis]
+        descent = tuft.length * sine - height
+    else:
+        descent = pose[7] * tuft.full_press
+    _set_descent(values, descent, tuft)
+
+
+@uncounted
+def _set_descent(values, descent, tuft):
+    descent = min(descent, greatest_descent(tuft, values[st.TILT]))
+    values[st.DESCENT] = descent
+    values[st.PRESSURE] = min(1.0, max(0.0, descent / tuft.full_press))
+
+
+@uncounted
+def _settle(values, up_x, up_y, up_z, tuft):
+    """Set the outline so that a tuft pressed ever less ends where its straight tip touches.
+
+    The papers' outline is counted from the root's foot in the plane, and its bend plane holds the
+    handle. Where the plane leans, the root's foot moves from P'_m; and where the handle leans to a
+    side of the bend or over it, only its lean along the bend is the model's tilt, and the rest
+    moves the outline.
+    """
+    length = tuft.length
+    nx, ny, nz = values[st.NORMAL_X], values[st.NORMAL_X + 1], values[st.NORMAL_X + 2]
+    fx, fy, fz = (
+        values[st.FOOT_NORMAL_X],
+        values[st.FOOT_NORMAL_X + 1],
+        values[st.FOOT_NORMAL_X + 2],
+    )
+    height = length * (up_x * fx + up_y * fy + up_z * fz) - values[st.DESCENT]
+    # from P'_m to the straight tip, in the plane
+    tx = height * fx - length * up_x
+    ty = height * fy - length * up_y
+    tz = height * fz - length * up_z
+    lean = _limit_tilt(values, up_x, up_y, up_z, tuft)
+    tilt = values[st.TILT]
+    back = length * np.cos(tilt) + length * max(0.0, lean - np.cos(tilt))
+    tx -= back * values[st.BEND_X]
+    ty -= back * values[st.BEND_Y]
+    tz -= back * values[st.BEND_Z]
+    along = tx * nx + ty * ny + tz * nz
+    values[st.ORIGIN_X] = values[st.FOOT_X] + tx - along * nx
+    values[st.ORIGIN_X + 1] = values[st.FOOT_X + 1] + ty - along * ny
+    values[st.ORIGIN_X + 2] = values[st.FOOT_X + 2] + tz - along * nz
+    values[st.DESCENT] = min(values[st.DESCENT], greatest_descent(tuft, tilt))
+
+
+@uncounted
+def _limit_tilt(values, up_x, up_y, up_z, tuft):
+    """Make the handle's lean along the bend the model's tilt; returns the sine of that lean."""
+    lean = _lean(values, up_x, up_y, up_z)
+    values[st.TILT] = max(np.arccos(min(1.0, max(0.0, lean))), tuft.lowest_tilt)
+    return lean
+
+
+@uncounted
+def _lean(values, up_x, up_y, up_z):
+    return -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
+
+
+@uncounted
+def _hold_outline(values):
+    """Let the enclosing sphere, made before the plane leaned, hold the outline that came of it."""
+    for along, across in (
+        (values[st.TIP], 0.0),
+        (values[st.HEEL], 0.0),
+        (values[st.REACH_OF_WIDEST], values[st.WIDEST]),
+        (values[st.REACH_OF_WIDEST], -values[st.WIDEST]),
+    ):
+        st.hold_point(values, along, across)
+
+
+@uncounted
+def _sine_of_tilt(values, up_x, up_y, up_z):
+    return (
+        up_x * values[st.NORMAL_X] + up_y * values[st.NORMAL_X + 1] + up_z * values[st.NORMAL_X + 2]
+    )
+
+
+@uncounted
+def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
+    """Keep count of what the model could not follow, so that a report can say so.
+
+    A handle over a place that the hand means may lean to the side of the bend as far as it likes.
+    """
+    if values[st.CENTRED] > 0.0:
+        upright = np.sin(np.arccos(min(1.0, max(0.0, _lean(values, up_x, up_y, up_z)))))
+    else:
+        upright = _sine_of_tilt(values, up_x, up_y, up_z)
+    if upright < np.sin(tuft.lowest_tilt) - 1e-9:
+        counters[TILT_LIMITED] += 1
+    if values[st.DESCENT] >= greatest_descent(tuft, values[st.TILT]):
+        counters[OVERPRESSED] += 1
+
+
+@uncounted
+def start_sheet(values, field):
+    """The sheet of surface under the foot point, or -1."""
+    cell = find_cell(field, values[st.FOOT_X], values[st.FOOT_X + 1], values[st.FOOT_X + 2])
+    if cell < 0:
+        return -1
+    return sheet_of(field, cell, int(values[st.TRIANGLE]))
+
+
+@uncounted
+def lean_plane(values, field, room):
+    """Replace the plane's normal by the mean over the effective patch (Guo 2017, Fig. 7).
+
+    Sheets of surface that face away from the brush are left out (the far side of a thin wall), and
+    those at the sphere's border fade in, so that the plane does not jump as the brush moves.
+    """
+    n = _flood(values, field, room)
+    if n > 0:
+        _sum_normals(
+            field.sheet_pack, room.sheets, n, values, values[st.SPHERE_X], values[st.SPHERE_X + 1],
+            values[st.SPHERE_X + 2], values[st.RADIUS], field.numbers[1], 0.0, room.vector,
+        )  # fmt: skip
+        _set_normal(values, room.vector)
+
+
+@uncounted
+def _flood(values, field, room):
+    """Find the sheets of the patch in the enclosing sphere; how many, 0 where no surface is."""
+    sheet = start_sheet(values, field)
+    if sheet < 0:
+        return 0
+    room.tick[0] += 1
+    room.patch[0] = flood_patch(
+        field, sheet, values[st.SPHERE_X], values[st.SPHERE_X + 1], values[st.SPHERE_X + 2],
+        values[st.RADIUS] + field.numbers[1], room.stamps, room.tick[0], room.sheets,
+    )  # fmt: skip
+    return room.patch[0]
+
+
+@uncounted
+def _lean_plane_under(values, extent, field, room):
+    """Let the plane be that of the surface under a footprint around the place that is meant.
+
+    The enclosing sphere is that of the whole tuft, many times as wide. What it holds of a wall or
+    of the far side of a crease, which the footprint does not touch, would lean the plane so far
+    that what lies under the footprint faces away from it. `extent` is half the outline's longer
+    side, mm.
+    """
+    n = _flood(values, field, room)
+    if n == 0:
+        return
+    cell = field.numbers[1]
+    fade = max(_LEAST_FADE * cell, min(cell, extent))
+    _sum_normals(
+        field.sheet_pack, room.sheets, n, values, values[st.FOOT_X], values[st.FOOT_X + 1],
+        values[st.FOOT_X + 2], extent, fade, _OTHER_SIDE, room.vector,
+    )  # fmt: skip
+    _set_normal(values, room.vector)
+
+
+@uncounted
+def _set_normal(values, vector):
+    """Make a vector's direction the plane's normal; it stays as it is where there is none."""
+    sum_x, sum_y, sum_z = vector[0], vector[1], vector[2]
+    norm = np.sqrt(sum_x * sum_x + sum_y * sum_y + sum_z * sum_z)
+    if norm > 0.0:
+        values[st.NORMAL_X] = sum_x / norm
+        values[st.NORMAL_X + 1] = sum_y / norm
+        values[st.NORMAL_X + 2] = sum_z / norm
+
+
+@uncounted(error_model="numpy")
+def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, least, total):
+    """Sum the area-weighted normals of the sheets in a ball that face as the foot's surface does.
+
+    At its border they fade in over the way `fade`, mm. `least` is the cosine to the foot's normal,
+    times the sheet's area, that a sheet must exceed.
+    """
+    fx = values[st.FOOT_NORMAL_X]
+    fy = values[st.FOOT_NORMAL_X + 1]
+    fz = values[st.FOOT_NORMAL_X + 2]
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(n):
+        s = sheets[k]
+        nx, ny, nz = pack[s, 0], pack[s, 1], pack[s, 2]
+        if nx * fx + ny * fy + nz * fz <= least * pack[s, 3]:
+            continue
+        dx = pack[s, 4] - cx
+        dy = pack[s, 5] - cy
+        dz = pack[s, 6] - cz
+        weight = (radius - np.sqrt(dx * dx + dy * dy + dz * dz)) / fade + 0.5
+        if weight <= 0.0:
+            continue
+        weight = min(1.0, weight)
+        x += weight * nx
+        y += weight * ny
+        z += weight * nz
+    total[0] = x
+    total[1] = y
+    total[2] = z

@@ -1,0 +1,175 @@
+"""The centre line of a stroke: smoothed, led to the outline's ends, and kept in the middle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.errors import InputError
+
+__all__ = ["CentreLine", "OutlineField", "bend_towards", "centre_line", "outline_field", "smoothed"]
+
+
+@dataclass(frozen=True, eq=False)
+class OutlineField:
+    """Signed distances of an outline on a grid of H by W points.
+
+    Attributes
+    ----------
+    distance : (H, W) float64
+        mm, positive inside.
+    grid : (3,) float64
+        x and y of the first point, and the step; mm.
+    """
+
+    distance: NDArray[np.float64]
+    grid: NDArray[np.float64]
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Which grid points lie inside (H, W)."""
+        return self.distance > 0.0
+
+    def room(self, points: NDArray, directions: NDArray, limit: float) -> NDArray[np.float64]:
+        """How far (mm) one can go from `points` (N, 2) along unit `directions` (N, 2)."""
+        out = np.empty(len(points))
+        kernels.measure_room(
+            self.distance,
+            self.grid,
+            np.ascontiguousarray(points),
+            np.ascontiguousarray(directions),
+            limit,
+            out,
+        )
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class CentreLine:
+    """A centre line as S samples at an even distance, with the outline to both sides.
+
+    Attributes
+    ----------
+    points : (S, 2) float64
+        mm.
+    headings : (S,) float64
+        Direction of travel, rad, without jumps of a turn.
+    room : (S, 2) float64
+        Distance to the outline on the left and on the right, mm; at most 1.5 widths.
+    width : float
+        Median width of the stroke, mm.
+    step : float
+        Distance of the samples, mm.
+    """
+
+    points: NDArray[np.float64]
+    headings: NDArray[np.float64]
+    room: NDArray[np.float64]
+    width: float
+    step: float
+
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        """Unit vectors to the left (S, 2)."""
+        return _normals(self.headings)
+
+
+def outline_field(outline: NDArray, step: float) -> OutlineField:
+    """Signed distances around a closed polygon (N, 2), with a margin of four steps."""
+    low = outline.min(axis=0) - 4 * step
+    columns, rows = np.ceil((outline.max(axis=0) + 4 * step - low) / step).astype(int) + 1
+    distance = np.empty((rows, columns))
+    kernels.signed_distances(np.ascontiguousarray(outline), low[0], low[1], step, distance)
+    return OutlineField(distance, np.array([low[0], low[1], step]))
+
+
+def centre_line(median: NDArray, field: OutlineField, step: float) -> CentreLine:
+    """Smooth a median (M, 2), extend it to the outline's ends, and move it to the middle.
+
+    Raises
+    ------
+    InputError
+        If the median lies outside the outline, or has no length.
+    """
+    if not np.ptp(median, axis=0).any():
+        raise InputError("the median has no length; expected two different points")
+    points = _resampled(median, step)
+    headings = _headings(points)
+    width = float(np.median(_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1)))
+    if width <= 0.0:
+        raise InputError("most of the median lies outside the outline; expected it within")
+    sigma = 0.25 * width / step
+    points = smoothed(points, sigma)
+    points = _resampled(_extended(points, field, width), step)
+    for _ in range(2):
+        headings = _headings(points)
+        room = _room(points, headings, field, width)
+        inner = np.minimum(room.min(axis=1), 0.3 * width)
+        move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
+        moved = points + move[:, None] * _normals(headings)
+        points = _resampled(smoothed(moved, sigma), step)
+    return _measured(points, width, field)
+
+
+def bend_towards(line: CentreLine, corner: NDArray, field: OutlineField) -> CentreLine:
+    """Bend a line out to a point (2,) beside it and back, within about a width."""
+    apart = np.linalg.norm(line.points - corner, axis=1)
+    nearest = int(np.argmin(apart))
+    along = (np.arange(len(apart)) - nearest) * line.step / line.width
+    bump = np.exp(-0.5 * (along / 0.3) ** 2)[:, None]
+    points = line.points + bump * (corner - line.points[nearest])
+    return _measured(_resampled(points, line.step), line.width, field)
+
+
+def smoothed(points: NDArray, sigma: float) -> NDArray[np.float64]:
+    """Gaussian smoothing of values (N, K) along a line; both ends stay. `sigma` in samples."""
+    sigma = max(sigma, 0.3)
+    n = len(points)
+    reach = min(n - 1, math.ceil(4 * sigma))
+    head = 2 * points[0] - points[reach:0:-1]
+    tail = 2 * points[-1] - points[-2 : -reach - 2 : -1]
+    padded = np.concatenate([head, points, tail])
+    return gaussian_filter1d(padded, sigma, axis=0, truncate=4.0)[reach : reach + n]
+
+
+def _resampled(points: NDArray, step: float) -> NDArray[np.float64]:
+    length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
+    n = max(4, math.ceil(length[-1] / step))
+    at = np.linspace(0.0, length[-1], n + 1)
+    return np.stack([np.interp(at, length, points[:, k]) for k in range(2)], axis=1)
+
+
+def _headings(points: NDArray) -> NDArray[np.float64]:
+    ahead = np.gradient(points, axis=0)
+    return np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+
+
+def _normals(headings: NDArray) -> NDArray[np.float64]:
+    return np.stack([-np.sin(headings), np.cos(headings)], axis=1)
+
+
+def _room(points: NDArray, headings: NDArray, field: OutlineField, limit: float) -> NDArray:
+    left = _normals(headings)
+    sides = [field.room(points, way, limit) for way in (left, -left)]
+    return np.stack(sides, axis=1)
+
+
+def _measured(points: NDArray, width: float, field: OutlineField) -> CentreLine:
+    headings = _headings(points)
+    room = _room(points, headings, field, 1.5 * width)
+    step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
+    return CentreLine(points, headings, room, width, step)
+
+
+def _extended(points: NDArray, field: OutlineField, width: float) -> NDArray[np.float64]:
+    """Go on straight from both ends until the outline is reached."""
+    k = min(len(points) - 1, 6)
+    ways = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])
+    ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-12)
+    ends = points[[0, -1]] + field.room(points[[0, -1]], ways, width)[:, None] * ways
+    return np.concatenate([ends[:1], points, ends[1:]])

@@ -1,0 +1,131 @@
+"""A ladder of footprints: the same brush, upright, pressed deeper from rung to rung."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.drag import drag_length
+from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, Tuft, trace_outline
+from paint3d.errors import InputError
+
+__all__ = ["FootprintLadder", "build_ladder"]
+
+_SIDE = 15  # boundary points on each side, between tip and heel
+_SUPPORT_DIRECTIONS = 72
+_FINE = 600  # descents tried to find where contact begins and where it is wide enough
+
+
+@dataclass(frozen=True, eq=False)
+class FootprintLadder:
+    """Footprints of an upright brush at L descents, each about its own centroid.
+
+    Attributes
+    ----------
+    descents : (L,) float64
+        D_s of each rung, mm, rising.
+    centroids : (L,) float64
+        Distance of the centroid from P'_m along the bend, mm.
+    points : (L, B, 2) float64
+        Boundary, counter-clockwise from the tip, mm; the bend points along +x.
+    support : (L, 72) float64
+        Reach from the centroid in even directions from 0, mm.
+    slack : (L,) float64
+        l(D_s) of the drag law, mm.
+    """
+
+    descents: NDArray[np.float64]
+    centroids: NDArray[np.float64]
+    points: NDArray[np.float64]
+    support: NDArray[np.float64]
+    slack: NDArray[np.float64]
+
+    def descent_at(self, level: NDArray) -> NDArray[np.float64]:
+        """D_s (mm) at fractional levels."""
+        return np.interp(level, np.arange(len(self.descents)), self.descents)
+
+    def centroid_at(self, level: NDArray) -> NDArray[np.float64]:
+        """Distance of the centroid from P'_m (mm) at fractional levels."""
+        return np.interp(level, np.arange(len(self.descents)), self.centroids)
+
+    def slack_at(self, level: NDArray) -> NDArray[np.float64]:
+        """Slack of the drag law (mm) at fractional levels."""
+        return np.interp(level, np.arange(len(self.descents)), self.slack)
+
+
+def build_ladder(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintLadder:
+    """Tabulate the footprints of a brush from the first touch to a width.
+
+    Parameters
+    ----------
+    tuft : Tuft
+    widest_mm : float
+        Width of the last rung; less where the brush ends before.
+    n_levels : int
+        Rungs, even in the footprint's width.
+
+    Raises
+    ------
+    InputError
+        If the width is not positive or the brush leaves no footprint.
+    """
+    if not widest_mm > 0.0:
+        raise InputError(f"widest_mm is {widest_mm}; expected more than 0")
+    descents = tuft.full_press * (np.arange(1, _FINE + 1) / _FINE) ** 1.5
+    outlines = [_outline(tuft, float(descent)) for descent in descents]
+    widths = np.array([0.0 if o is None else 2.0 * o[1].max() for o in outlines])
+    first = int(np.argmax(widths > 0.0))
+    if widths[first] == 0.0:
+        raise InputError("the brush leaves no footprint at any descent")
+    last = max(int(np.searchsorted(np.maximum.accumulate(widths), widest_mm)), first + 1)
+    last = min(last, _FINE - 1)
+    size = np.sqrt(np.array([_area(o) for o in outlines[first : last + 1]]))
+    wanted = np.linspace(size[0], size[-1], n_levels)
+    at = np.interp(wanted, size, descents[first : last + 1])
+    return _ladder(tuft, at)
+
+
+def _ladder(tuft: Tuft, descents: NDArray) -> FootprintLadder:
+    rungs, centroids = [], []
+    for descent in descents:
+        reach, half_width = _outline(tuft, float(descent))
+        middle = _centroid(reach, half_width)
+        centroids.append(middle)
+        rungs.append(_boundary(reach - middle, half_width))
+    points = np.array(rungs)
+    angle = 2.0 * math.pi * np.arange(_SUPPORT_DIRECTIONS) / _SUPPORT_DIRECTIONS
+    rays = np.stack([np.cos(angle), np.sin(angle)])
+    support = (points @ rays).max(axis=1)
+    slack = [drag_length(float(d), tuft.length, tuft.drag_fraction) for d in descents]
+    return FootprintLadder(
+        np.asarray(descents), np.array(centroids), points, support, np.array(slack)
+    )
+
+
+def _outline(tuft: Tuft, descent: float) -> tuple[NDArray, NDArray] | None:
+    """Reach (heel first) and half width of an upright footprint, or None without contact."""
+    scratch = np.empty(SCRATCH_SIZE)
+    reach, half_width = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
+    pe = min(1.0, descent / tuft.full_press)
+    n = trace_outline(tuft, descent, 0.5 * math.pi, pe, scratch, reach, half_width)
+    return (reach[n - 1 :: -1].copy(), half_width[n - 1 :: -1].copy()) if n > 2 else None
+
+
+def _area(outline: tuple[NDArray, NDArray] | None) -> float:
+    return 0.0 if outline is None else 2.0 * float(np.trapezoid(outline[1], outline[0]))
+
+
+def _centroid(reach: NDArray, half_width: NDArray) -> float:
+    return float(np.trapezoid(reach * half_width, reach) / np.trapezoid(half_width, reach))
+
+
+def _boundary(reach: NDArray, half_width: NDArray) -> NDArray[np.float64]:
+    """Points of the outline, counter-clockwise from the tip, closer together at both ends."""
+    share = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, _SIDE + 1) / (_SIDE + 1))
+    x = reach[0] + share * (reach[-1] - reach[0])
+    y = np.interp(x, reach, half_width)
+    left, right = np.stack([x, y], axis=1), np.stack([x, -y], axis=1)[::-1]
+    return np.concatenate([[(reach[-1], 0.0)], left, [(reach[0], 0.0)], right])

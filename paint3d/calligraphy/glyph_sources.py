@@ -1,0 +1,161 @@
+"""Where glyphs come from: a folder of outlines, or a package of centre lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from paint3d.calligraphy.glyphs import Glyph, load_glyph
+from paint3d.calligraphy.kanjivg import load_lines
+from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.stroke_shapes import SOURCE_OF_SHAPES, shape_strokes
+from paint3d.errors import InputError
+
+__all__ = [
+    "GlyphSource",
+    "HanziWriterFolder",
+    "KanjiVGLines",
+    "check_glyphs",
+    "load_glyphs",
+    "open_glyph_folder",
+    "open_glyphs",
+]
+
+_HOW_TO_GET = "get it with: npm pack hanzi-writer-data@2 && tar xf hanzi-writer-data-*.tgz"
+_PROBE = "一"
+
+
+class GlyphSource(Protocol):
+    """Something that knows the strokes of characters.
+
+    Attributes
+    ----------
+    name : str
+        What it is, for reports.
+    licence : str
+        Whose shapes they are and under what licence.
+    elsewhere : str
+        What to do about a character that is not known.
+    """
+
+    name: str
+    licence: str
+    elsewhere: str
+
+    def has(self, text: str) -> bool:
+        """Whether a character is known."""
+        ...
+
+    def load(self, text: str) -> Glyph:
+        """The glyph of a character."""
+        ...
+
+
+@dataclass(frozen=True)
+class HanziWriterFolder:
+    """An unpacked npm `hanzi-writer-data`: one JSON file a character."""
+
+    folder: Path
+    name: str = "hanzi-writer-data"
+    licence: str = (
+        "Stroke shapes: hanzi-writer-data (Make Me a Hanzi), derived from Arphic PL KaitiM; "
+        "Arphic Public License"
+    )
+    elsewhere: str = "expected characters it has"
+
+    def has(self, text: str) -> bool:
+        """Whether there is a file for a character."""
+        return text not in "/\\\0." and (self.folder / f"{text}.json").is_file()
+
+    def load(self, text: str) -> Glyph:
+        """Read a character's file."""
+        return load_glyph(self.folder, text)
+
+
+@dataclass(frozen=True)
+class KanjiVGLines:
+    """Centre lines of the installed package `kanjivg`, with widths by the types of the strokes."""
+
+    folder: Path
+    name: str = "kanjivg"
+    licence: str = (
+        "Stroke lines: KanjiVG (Ulrich Apel, kanjivg.tagaini.net), CC BY-SA 3.0; "
+        + SOURCE_OF_SHAPES
+    )
+    elsewhere: str = (
+        "it holds the forms that are written in Japan, others may be in hanzi-writer-data: "
+        f"expected characters it has, or --glyphs DIR ({_HOW_TO_GET})"
+    )
+
+    def has(self, text: str) -> bool:
+        """Whether there is a file for a character."""
+        return (self.folder / f"{ord(text):05x}.svg").is_file()
+
+    def load(self, text: str) -> Glyph:
+        """Read a character's lines and give them outlines."""
+        return Glyph(text, tuple(shape_strokes(load_lines(self.folder, text), repr(text))))
+
+
+def open_glyphs(folder: Path | str | None) -> GlyphSource:
+    """The glyphs of a folder, or without one those of the installed `kanjivg`.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no glyphs, or none is given and `kanjivg` is not installed.
+    """
+    if folder is not None:
+        return open_glyph_folder(folder)
+    lines = find_kanjivg()
+    if lines is None:
+        raise InputError(
+            "the package kanjivg is not installed (pip install kanjivg); "
+            f"expected it, or a folder of hanzi-writer-data ({_HOW_TO_GET})"
+        )
+    return KanjiVGLines(lines)
+
+
+def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
+    """Find the glyphs in an unpacked `hanzi-writer-data`, in the folder itself or in its `data`.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder, or it holds no glyphs.
+    """
+    top = Path(folder)
+    if not top.is_dir():
+        raise InputError(f"{top}: no such folder; expected hanzi-writer-data ({_HOW_TO_GET})")
+    for candidate in (top, top / "package", top / "data", top / "node_modules/hanzi-writer-data"):
+        if (candidate / f"{_PROBE}.json").is_file():
+            return HanziWriterFolder(candidate)
+    raise InputError(
+        f"{top} holds no glyphs (no {_PROBE}.json); expected hanzi-writer-data ({_HOW_TO_GET})"
+    )
+
+
+def check_glyphs(source: GlyphSource, text: str) -> None:
+    """Refuse a text with characters that a source does not know.
+
+    Raises
+    ------
+    InputError
+        If characters are missing; the message names them all, and where else they may be.
+    """
+    missing = [c for c in dict.fromkeys("".join(text.split())) if not source.has(c)]
+    if missing:
+        names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing)
+        raise InputError(f"{source.name} has no glyph for {names}; {source.elsewhere}")
+
+
+def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
+    """The glyphs of all characters of a text, each once.
+
+    Raises
+    ------
+    InputError
+        As `check_glyphs`.
+    """
+    check_glyphs(source, text)
+    return {c: source.load(c) for c in dict.fromkeys(text)}

@@ -1,0 +1,158 @@
+"""Glyphs: stroke outlines and centre lines read from an unpacked npm `hanzi-writer-data` folder.
+
+A glyph lives in an em square of 1024 units with y upwards. Its lower left corner is the point
+(0, -124) of the data, so a unit (x, y) lies at em / 1024 * (x, y + 124) on paper.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.arrays import as_array
+from paint3d.errors import InputError
+
+__all__ = ["DESCENDER", "EM_UNITS", "Glyph", "GlyphStroke", "flatten_path", "load_glyph"]
+
+EM_UNITS = 1024.0
+DESCENDER = 124.0
+
+_TOKEN = re.compile(r"\s*(?:,|([MLQCZ])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))")
+_PAIRS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}
+_FLATNESS = 0.15  # units that a chord may stray from its curve
+
+
+@dataclass(frozen=True, eq=False)
+class GlyphStroke:
+    """One stroke of a glyph, in glyph units.
+
+    Attributes
+    ----------
+    outline : (N, 2) float64
+        Closed polygon; the last point is not the first one again.
+    median : (M, 2) float64
+        Centre line in writing order.
+    """
+
+    outline: NDArray[np.float64]
+    median: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Glyph:
+    """A character and its strokes in writing order."""
+
+    text: str
+    strokes: tuple[GlyphStroke, ...]
+
+
+def load_glyph(folder: Path | str, text: str) -> Glyph:
+    """Read one character from an unpacked `hanzi-writer-data`.
+
+    Parameters
+    ----------
+    folder : path
+        Holds one JSON file per character.
+    text : str
+        A single character.
+
+    Raises
+    ------
+    InputError
+        If `text` is not one character, the folder has no file for it, or the file is broken.
+    """
+    if len(text) != 1:
+        raise InputError(f"text is {text!r}; expected a single character")
+    file = Path(folder) / f"{text}.json"
+    try:
+        data = json.loads(file.read_text(encoding="utf-8"))
+        paths, medians = data["strokes"], data["medians"]
+    except FileNotFoundError:
+        raise InputError(
+            f"{folder} has no glyph for {text!r}; expected a file {file.name}"
+        ) from None
+    except OSError as cause:
+        raise InputError(f"{file}: {cause.strerror or cause}") from None
+    except (ValueError, KeyError, TypeError) as cause:
+        raise InputError(f"{file}: not a glyph ({cause}); expected strokes and medians") from None
+    if not isinstance(paths, list) or not isinstance(medians, list) or len(paths) != len(medians):
+        raise InputError(f"{file}: expected as many medians as strokes")
+    strokes = []
+    for k, (path, points) in enumerate(zip(paths, medians, strict=True)):
+        median = as_array(points, f"{file}: medians[{k}]", (None, 2))
+        if len(median) < 2:
+            raise InputError(f"{file}: medians[{k}] has {len(median)} points; expected 2 or more")
+        strokes.append(GlyphStroke(flatten_path(path, f"{file}: strokes[{k}]"), median))
+    return Glyph(text, tuple(strokes))
+
+
+def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
+    """Turn an SVG path of absolute M, L, Q, C and Z into a polygon (N, 2).
+
+    Raises
+    ------
+    InputError
+        If the path has other commands, a wrong number of coordinates, more than one closed curve,
+        or fewer than three different points.
+    """
+    points: list[NDArray[np.float64]] = []
+    closed = False
+    for command, numbers in _commands(path, name):
+        if closed or (command == "M") != (not points):
+            raise InputError(f"{name}: {command} out of place; expected one closed curve from M")
+        closed = command == "Z"
+        pairs = np.array(numbers, np.float64).reshape(-1, 2)
+        per = _PAIRS[command]
+        for first in range(0, len(pairs), per or 1):
+            controls = pairs[first : first + per]
+            points.extend(_curve(points[-1], controls) if per > 1 else controls)
+    polygon = np.array(points, np.float64).reshape(-1, 2)
+    if len(polygon):
+        polygon = polygon[np.any(polygon != np.roll(polygon, 1, axis=0), axis=1)]
+    if len(polygon) < 3:
+        raise InputError(f"{name}: {len(polygon)} different points; expected 3 or more")
+    return polygon
+
+
+def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
+    """Split a path into commands with their numbers, checking how many there are."""
+    if not isinstance(path, str):
+        raise InputError(f"{name} is {path!r}; expected an SVG path")
+    commands: list[tuple[str, list[float]]] = []
+    at = 0
+    text = path.strip()
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None or (match[2] and not commands):
+            raise InputError(
+                f"{name}: cannot read {text[at : at + 12].strip()!r}; expected M L Q C or Z"
+            )
+        if match[1]:
+            commands.append((match[1], []))
+        elif match[2]:
+            commands[-1][1].append(float(match[2]))
+        at = match.end()
+    for command, numbers in commands:
+        wanted = 2 * _PAIRS[command]
+        if (wanted == 0 and numbers) or (wanted and (not numbers or len(numbers) % wanted)):
+            raise InputError(f"{name}: {command} has {len(numbers)} numbers; expected {wanted}")
+    return commands
+
+
+def _curve(start: NDArray, controls: NDArray) -> NDArray[np.float64]:
+    """Points of a quadratic or cubic Bezier curve after its start."""
+    hull = np.vstack([start, controls])
+    bend = np.linalg.norm(np.diff(hull, n=2, axis=0), axis=1).max()
+    degree = len(controls)
+    n = max(1, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * _FLATNESS))))
+    t = np.linspace(0.0, 1.0, n + 1)[1:, None]
+    while len(hull) > 1:
+        hull = [(1.0 - t) * a + t * b for a, b in itertools.pairwise(hull)]
+    return hull[0]

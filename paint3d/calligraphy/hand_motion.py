@@ -1,0 +1,185 @@
+"""The hand over an object: planned motions laid on charts, and the ways between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.tuft import Tuft
+from paint3d.calligraphy.timing import Motion, Tempo
+from paint3d.core.frames import quaternions_from_matrices, rotate, slerp
+from paint3d.mesh.chart import SurfaceChart
+from paint3d.mesh.closest_points import ClosestPoints
+
+__all__ = ["HandMotion", "join_motions", "lay_motion", "root_stretch", "travel"]
+
+_PEAK = 1.875  # of a least-jerk move's speed over its mean
+_PEAK_ACCELERATION = 5.78  # of a least-jerk move: times length over time squared
+_PEAK_JERK, _PEAK_JERK_RISE = 60.0, 384.0  # of the move, and of its rise: length over time cubed
+_MOST_RAISES = 12
+
+
+@dataclass(frozen=True, eq=False)
+class HandMotion:
+    """N even samples of the brush over an object at rest.
+
+    Attributes
+    ----------
+    position : (N, 3) float64
+        Of the tuft's root, mm.
+    orientation : (N, 4) float64
+        object_from_pen, unit quaternions, w first.
+    pressure : (N,) float64
+        0 to 1.
+    buttons : (N,) int32
+        2 while the brush is dipped.
+    """
+
+    position: NDArray[np.float64]
+    orientation: NDArray[np.float64]
+    pressure: NDArray[np.float64]
+    buttons: NDArray[np.int32]
+
+
+def lay_motion(motion: Motion, chart: SurfaceChart, em_mm: float, tuft: Tuft) -> HandMotion:
+    """Carry a motion over an em square onto the chart around the square's middle.
+
+    The holder stands on the surface's normal at P'_m wherever it is, so the foot follows the wall.
+
+    Parameters
+    ----------
+    motion : Motion
+        Over a plane; (0, 0) is the em square's lower left corner.
+    chart : SurfaceChart
+    em_mm : float
+    tuft : Tuft
+
+    Raises
+    ------
+    InputError
+        If the handle leaves the chart.
+    """
+    xy = motion.handle - 0.5 * em_mm
+    frames = chart.tangents(xy)
+    bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
+    x = np.einsum("nij,nj->ni", frames[:, :, :2], bend)
+    z = frames[:, :, 2]
+    root = tuft.length + motion.height
+    return HandMotion(
+        chart.points(xy) + root[:, None] * z,
+        quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1)),
+        np.maximum(0.0, -motion.height) / tuft.full_press,
+        motion.buttons,
+    )
+
+
+def root_stretch(points: NDArray, normals: NDArray, tuft: Tuft) -> float:
+    """How much longer than the foot's way the root's is, at most, over a grid of a surface.
+
+    Parameters
+    ----------
+    points, normals : (K, K, 3) float64
+        Places on the surface, and its outward unit normals there.
+    tuft : Tuft
+
+    Returns
+    -------
+    float
+        1 or more: over a hollow the root's way is the shorter one.
+    """
+    roots = points + tuft.length * normals
+    most = 1.0
+    for axis in range(2):
+        ways = np.linalg.norm(np.diff(points, axis=axis), axis=2)
+        root_ways = np.linalg.norm(np.diff(roots, axis=axis), axis=2)
+        most = max(most, float((root_ways / ways).max()))
+    return most
+
+
+def travel(
+    start: HandMotion, end: HandMotion, surface: ClosestPoints, tuft: Tuft, tempo: Tempo
+) -> HandMotion:
+    """The way from the last pose of one motion to the first of the next, clear of the object.
+
+    It is a least-jerk move that is raised until the tip keeps off the surface.
+    """
+    first, last = start.position[-1], end.position[0]
+    up = rotate(np.stack([start.orientation[-1], end.orientation[0]]), np.array([0.0, 0.0, 1.0]))
+    outward = up.sum(axis=0)
+    outward /= max(float(np.linalg.norm(outward)), 1e-9)
+    span = float(np.linalg.norm(last - first))
+    arc = 0.15 * span
+    t = np.linspace(0.0, 1.0, 33)
+    for _ in range(_MOST_RAISES):
+        path = _arc(first, last, arc * outward, t)
+        z = _turned(start, end, t, (0.0, 0.0, 1.0))
+        if _clear(surface, path - tuft.length * z, path, 0.4 * tempo.dip_mm):
+            break
+        arc = 1.5 * arc + 2.0
+    n = max(3, math.ceil(_seconds(span, arc, start, end, tempo) * tempo.rate_hz))
+    t = np.arange(1, n) / n
+    return HandMotion(
+        _arc(first, last, arc * outward, t),
+        slerp(*_ends(start, end, n - 1), _least_jerk(t)),
+        np.zeros(n - 1),
+        np.zeros(n - 1, np.int32),
+    )
+
+
+def _seconds(span: float, arc: float, start: HandMotion, end: HandMotion, tempo: Tempo) -> float:
+    """How long a way takes: as fast as the limits allow but not in a hurry."""
+    cosine = abs(float(start.orientation[-1] @ end.orientation[0]))
+    turn = 2.0 * math.acos(min(1.0, cosine))
+    way = span + 4.0 * arc
+    return max(
+        tempo.lift_s,
+        _PEAK * way / tempo.most_speed,
+        math.sqrt(_PEAK_ACCELERATION * way / (0.6 * tempo.most_acceleration)),
+        ((_PEAK_JERK * span + _PEAK_JERK_RISE * arc) / (0.9 * tempo.most_jerk)) ** (1.0 / 3.0),
+        _PEAK * turn / tempo.most_turn_rate,
+    )
+
+
+def _arc(first: NDArray, last: NDArray, rise: NDArray, t: NDArray) -> NDArray:
+    bump = 64.0 * (t * (1.0 - t)) ** 3
+    return first + _least_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
+
+
+def _least_jerk(t: NDArray) -> NDArray:
+    return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
+
+
+def _ends(start: HandMotion, end: HandMotion, n: int) -> tuple[NDArray, NDArray]:
+    return np.tile(start.orientation[-1], (n, 1)), np.tile(end.orientation[0], (n, 1))
+
+
+def _turned(
+    start: HandMotion, end: HandMotion, t: NDArray, axis: tuple[float, float, float]
+) -> NDArray:
+    return rotate(slerp(*_ends(start, end, len(t)), _least_jerk(t)), np.array(axis))
+
+
+def _clear(surface: ClosestPoints, tips: NDArray, roots: NDArray, least: float) -> bool:
+    """Whether a tuft on its way stays outside of the object and off it."""
+    for points in (tips, 0.5 * (tips + roots), roots):
+        found = surface.find(points)
+        apart = points - found.points
+        distance = np.linalg.norm(apart, axis=1)
+        outside = np.sum(apart * found.normals, axis=1) > 0.0
+        if (distance[1:-1] < least).any() or not outside[1:-1].all():
+            return False
+    return True
+
+
+def join_motions(parts: Sequence[HandMotion]) -> HandMotion:
+    """One motion after the other."""
+    return HandMotion(
+        np.concatenate([part.position for part in parts]),
+        np.concatenate([part.orientation for part in parts]),
+        np.concatenate([part.pressure for part in parts]),
+        np.concatenate([part.buttons for part in parts]),
+    )

@@ -1,0 +1,132 @@
+"""Centre lines of characters from the package `kanjivg` (KanjiVG, CC BY-SA 3.0), if installed.
+
+Each character is an SVG of 109 x 109 units with one path a stroke, in writing order, marked with
+its type: one of the stroke characters from U+31C0 on, sometimes with a letter.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS
+from paint3d.errors import InputError
+
+__all__ = ["LineStroke", "load_lines", "parse_lines"]
+
+_BOX = 109.0
+_TOKEN = re.compile(r"([MmCcSsLlZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|[\s,]+")
+_NUMBERS = {"M": 2, "L": 2, "C": 6, "S": 4, "Z": 0}
+_POINTS_PER_CURVE = 24
+
+
+@dataclass(frozen=True, eq=False)
+class LineStroke:
+    """A stroke without a width.
+
+    Attributes
+    ----------
+    kind : str
+        Its type, such as "㇐" or "㇕b"; empty where the file does not say.
+    line : (N, 2) float64
+        In writing order, glyph units.
+    """
+
+    kind: str
+    line: NDArray[np.float64]
+
+
+def load_lines(folder: Path, text: str) -> list[LineStroke]:
+    """The strokes of one character.
+
+    Raises
+    ------
+    InputError
+        If the folder has no file for the character, or it is broken.
+    """
+    file = folder / f"{ord(text):05x}.svg"
+    try:
+        return parse_lines(file.read_text(encoding="utf-8"), file.name)
+    except FileNotFoundError:
+        raise InputError(f"{folder} has no {file.name} for {text!r}") from None
+    except (OSError, UnicodeDecodeError) as cause:
+        raise InputError(f"{file}: cannot be read ({cause})") from None
+
+
+def parse_lines(svg: str, name: str = "svg") -> list[LineStroke]:
+    """The strokes in the text of a file.
+
+    Raises
+    ------
+    InputError
+        If it is not XML, has no strokes, or one of them is no path of M, L, C and S.
+    """
+    try:
+        root = ElementTree.fromstring(svg)
+    except ElementTree.ParseError as cause:
+        raise InputError(f"{name}: not XML ({cause})") from None
+    strokes = []
+    for path in root.iter("{http://www.w3.org/2000/svg}path"):
+        kinds = [value for key, value in path.attrib.items() if key.endswith("}type")]
+        kind = kinds[0].split("/")[0].strip() if kinds else ""
+        line = _line(path.get("d", ""), f"{name}: stroke {len(strokes) + 1}")
+        strokes.append(LineStroke(kind, line))
+    if not strokes:
+        raise InputError(f"{name}: no strokes; expected paths")
+    return strokes
+
+
+def _line(path: str, name: str) -> NDArray[np.float64]:
+    """Points along a path, in glyph units."""
+    points: list[NDArray] = []
+    control = None  # second control point of the curve before
+    for command, numbers in _commands(path, name):
+        kind = command.upper()
+        if (kind == "M") != (not points) or kind == "Z":
+            raise InputError(f"{name}: {command} out of place; expected one open line")
+        values = np.array(numbers).reshape(-1, _NUMBERS[kind] // 2, 2)
+        for group in values:
+            here = points[-1] if points else np.zeros(2)
+            group = group + here if command.islower() else group
+            if kind in "ML":
+                points.append(group[0])
+                control = None
+                continue
+            first = group[0] if kind == "C" else (here if control is None else 2 * here - control)
+            points.extend(_curve(here, first, group[-2], group[-1]))
+            control = group[-2]
+    line = np.array(points)
+    if len(line) < 2 or not np.ptp(line, axis=0).any():
+        raise InputError(f"{name} has no length; expected a line")
+    scale = EM_UNITS / _BOX
+    return np.column_stack([line[:, 0] * scale, EM_UNITS - DESCENDER - line[:, 1] * scale])
+
+
+def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
+    commands: list[tuple[str, list[float]]] = []
+    at = 0
+    while at < len(path):
+        match = _TOKEN.match(path, at)
+        if match is None or (match[2] and not commands):
+            raise InputError(f"{name}: cannot read {path[at : at + 12]!r}; expected M L C or S")
+        if match[1]:
+            commands.append((match[1], []))
+        elif match[2]:
+            commands[-1][1].append(float(match[2]))
+        at = match.end()
+    for command, numbers in commands:
+        wanted = _NUMBERS[command.upper()]
+        if (wanted == 0 and numbers) or (wanted and (not numbers or len(numbers) % wanted)):
+            raise InputError(f"{name}: {command} has {len(numbers)} numbers; expected {wanted}")
+    return commands
+
+
+def _curve(a: NDArray, b: NDArray, c: NDArray, d: NDArray) -> list[NDArray]:
+    t = np.linspace(0.0, 1.0, _POINTS_PER_CURVE + 1)[1:, None]
+    s = 1.0 - t
+    return list(s**3 * a + 3 * s * s * t * b + 3 * s * t * t * c + t**3 * d)

@@ -1,0 +1,1 @@
+"""The hot loops of planning: distance fields, rasters."""

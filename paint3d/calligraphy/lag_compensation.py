@@ -1,0 +1,111 @@
+"""Planning for a tuft that the paper turns: the inverse of the drag law, and the law itself.
+
+The contact Q lies at the slack l(D_s) from the handle's foot H and moves towards H alone. A
+footprint's centre lies between them, at its reach from H: if the centre shall follow a line, Q
+follows the centre at the distance that is left, and H stands ahead of both. How the tuft really
+turns is then asked of the law itself, and the footprints are fitted to that.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
+
+from paint3d.brush_engine.drag import drag_along
+from paint3d.calligraphy.centre_line import OutlineField
+from paint3d.calligraphy.footprint_table import FootprintLadder
+from paint3d.calligraphy.kernels import planning as kernels
+
+__all__ = ["Pulled", "pull"]
+
+_ROUNDS = 3  # of fitting footprints and pulling them along: the slack depends on the footprint
+_SETTLING = 6.0  # slacks of way in which the light tip turns into the direction it is pulled
+_SHORTEST = 0.15  # of the slack: how near the centre's line may lead the contact
+_REVERSAL = 2.4  # rad of turn within the slack: the brush rises to its tip to turn over
+
+
+class Pulled(NamedTuple):
+    """A dragged course of N poses; see `StrokeCourse`."""
+
+    handle: NDArray[np.float64]
+    azimuth: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    level: NDArray[np.float64]
+
+
+def pull(
+    wanted: NDArray,
+    ladder: FootprintLadder,
+    field: OutlineField,
+    margin: float,
+    start: float,
+) -> Pulled:
+    """Lead the brush so that its footprints' centres follow a line.
+
+    Parameters
+    ----------
+    wanted : (N, 2) float64
+        The line, mm, at even steps.
+    ladder : FootprintLadder
+    field : OutlineField
+    margin : float
+        How far a footprint may leave the outline, mm.
+    start : float
+        Where the tuft points when it lands, rad.
+    """
+    light = _light_poses(wanted, float(ladder.slack[0]))
+    level = np.zeros(len(wanted))
+    for _ in range(_ROUNDS):
+        reach, slack = ladder.centroid_at(level), ladder.slack_at(level)
+        ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
+        bend = _follow(wanted, slack - ahead, start)
+        handle = wanted - ahead[:, None] * bend
+        azimuth = _turned(handle, slack, start)
+        tuft = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+        centre = handle + reach[:, None] * tuft
+        fitting = np.empty(len(wanted))
+        kernels.fit_levels(
+            ladder.points, field.distance, field.grid, centre, azimuth, margin, fitting
+        )
+        level = _steady(np.where(light, np.minimum(fitting, 0.0), fitting))
+    return Pulled(handle, azimuth, centre, level)
+
+
+def _light_poses(wanted: NDArray, slack: float) -> NDArray[np.bool_]:
+    """Where only the tip touches: as the brush lands, and where the line turns back (N,)."""
+    steps = np.diff(wanted, axis=0)
+    length = np.linalg.norm(steps, axis=1)
+    way = np.r_[0.0, np.cumsum(length)]
+    light = way < _SETTLING * slack
+    per_slack = max(1, round(_SETTLING * slack / max(float(length.mean()), 1e-12)))
+    heading = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+    heading = np.r_[heading, heading[-1]]
+    size = 2 * per_slack + 1
+    turn = maximum_filter1d(heading, size, mode="nearest")
+    turn -= minimum_filter1d(heading, size, mode="nearest")
+    return light | (turn > _REVERSAL)
+
+
+def _follow(line: NDArray, slack: NDArray, start: float) -> NDArray[np.float64]:
+    """Directions (N, 2) of what is pulled along a line at a distance (N,)."""
+    first = slack[0] * np.array([np.cos(start), np.sin(start)])
+    pulled = np.empty_like(line)
+    drag_along(line, slack, first[0], first[1], pulled)
+    bend = pulled - line
+    return bend / np.maximum(np.linalg.norm(bend, axis=1, keepdims=True), 1e-12)
+
+
+def _turned(handle: NDArray, slack: NDArray, start: float) -> NDArray[np.float64]:
+    """Azimuth (N,), rad, that the law gives under a track of the handle."""
+    bend = _follow(handle, slack, start)
+    return np.unwrap(np.arctan2(bend[:, 1], bend[:, 0]))
+
+
+def _steady(level: NDArray) -> NDArray[np.float64]:
+    """Levels that rise and fall gently and stay on the paper; never above what fits."""
+    most = np.maximum(level, 0.0)
+    low = minimum_filter1d(most, 7, mode="nearest")
+    return np.minimum(gaussian_filter1d(low, 1.5, truncate=2.0, mode="nearest"), most)

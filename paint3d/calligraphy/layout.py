@@ -1,0 +1,431 @@
+"""Where on an object every character of a text goes: columns right to left, or rows.
+
+The text becomes a grid of em squares. Its rows run along level lines of the surface and its
+columns straight down, so that a text around a body stays level; every square is then laid by
+geodesics around its own middle, so that its character is neither sheared nor stretched. Where
+the lines draw together (down a bowl) the columns start farther apart, until no two squares overlap.
+"""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.place_search import frames_to_try
+from paint3d.errors import InputError, MeshError, Paint3DError
+from paint3d.mesh.chart import SurfaceFrame, frame_at
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.em_square import EmSquare, SquareLimits, lay_square
+from paint3d.mesh.placement import place, upwards
+from paint3d.mesh.walking import SurfaceLine, walk
+
+__all__ = ["LAYOUTS", "Layout", "PlacedCharacter", "lay_out", "split_text"]
+
+LAYOUTS = ("columns", "row")
+
+_TOUCHING = 0.004  # of the em: squares that share this much do not overlap
+_WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
+_LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
+_FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
+_STEPS_PER_EM = 8.0
+_MIDDLE = (0.5, 0.5)
+_MOST_GRIDS = 8  # places without enough room after which the search is given up
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text is laid out.
+
+    Attributes
+    ----------
+    order : {"columns", "row"}
+        Columns from right to left, each from top to bottom; or rows from left to right.
+    at : (float, float), optional
+        Where the text's middle goes, as for `place`; by default in the middle, moved up or down
+        where that makes it fit, or where the surface is smooth enough if it is not there.
+    around : bool
+        Spread the columns (or the letters of a row) evenly all around the body, starting at `at`.
+    side : {"outside", "inside", "top", "bottom"}, optional
+        From where one looks at the object.
+    gap : float
+        Room between two columns or two rows, ems.
+    """
+
+    order: str = "columns"
+    at: tuple[float, float] | None = None
+    around: bool = False
+    side: str | None = None
+    gap: float = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedCharacter:
+    """A character and the em square that it is written in."""
+
+    text: str
+    square: EmSquare
+
+
+@dataclass(frozen=True)
+class _Cell:
+    text: str
+    across: int  # from the left
+    down: int  # from the top
+
+
+def split_text(text: str) -> list[str]:
+    """The lines of a text without white space; line breaks start a new column or row.
+
+    Raises
+    ------
+    InputError
+        If nothing is left.
+    """
+    lines = ["".join(part.split()) for part in unicodedata.normalize("NFC", text).splitlines()]
+    lines = [line for line in lines if line]
+    if not lines:
+        raise InputError("the text is empty; expected at least one character")
+    return lines
+
+
+def lay_out(
+    surface: ClosestPoints,
+    text: str,
+    em_mm: float,
+    layout: Layout | None = None,
+    limits: SquareLimits | None = None,
+) -> list[PlacedCharacter]:
+    """Place every character of a text, in writing order.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+    text : str
+        Line breaks start a new column or row; other white space is passed over.
+    em_mm : float
+        Side of the em squares, mm.
+    layout : Layout, optional
+    limits : SquareLimits, optional
+
+    Raises
+    ------
+    InputError
+        If the text is empty or does not fit; the message says how much would.
+    MeshError
+        If there is no place for a single character.
+    """
+    layout = layout or Layout()
+    if layout.order not in LAYOUTS:
+        raise InputError(f"layout is {layout.order!r}; expected one of {', '.join(LAYOUTS)}")
+    lines = split_text(text)
+    limits = limits or SquareLimits()
+    fixed = layout.at is not None or layout.around
+    fault: Paint3DError
+    try:
+        if layout.at is None:
+            grid = _middle_grid(surface, em_mm, layout, limits)
+        else:
+            middle = place(surface, layout.at, side=layout.side)
+            grid = _Grid(surface, em_mm, layout, limits, middle)
+    except MeshError as cause:
+        fault = cause
+    else:
+        squares = grid.fit(lines)
+        if squares is not None:
+            return squares
+        fits = grid.how_many(lines)
+        fault = _too_long(grid, lines, fits)
+        fixed = fixed or fits > 0
+    if fixed:
+        raise fault
+    return _searched(surface, lines, em_mm, layout, limits, fault)
+
+
+@lru_cache(maxsize=1)
+def _middle_grid(
+    surface: ClosestPoints, em_mm: float, layout: Layout, limits: SquareLimits
+) -> _Grid:
+    """The grid around the middle; the last is kept, as texts on one object often follow."""
+    return _Grid(surface, em_mm, layout, limits, place(surface, _MIDDLE, side=layout.side))
+
+
+def _searched(
+    surface: ClosestPoints,
+    lines: Sequence[str],
+    em_mm: float,
+    layout: Layout,
+    limits: SquareLimits,
+    fault: Paint3DError,
+) -> list[PlacedCharacter]:
+    """The squares of a text at the first place where it fits; the middle has that fault."""
+    roomiest: _Grid | None = None
+    n_seen = n_tried = 0
+    for frame in frames_to_try(surface, layout.side):
+        n_seen += 1
+        try:
+            lay_square(surface, frame, em_mm, limits)
+            grid = _Grid(surface, em_mm, layout, limits, frame)
+        except MeshError:
+            continue
+        squares = grid.fit(lines)
+        if squares is not None:
+            return squares
+        n_tried += 1
+        if roomiest is None or grid.room > roomiest.room:
+            roomiest = grid
+        if n_tried == _MOST_GRIDS:
+            break
+    if roomiest is None:
+        raise type(fault)(f"{fault}; {n_seen} other places were no better") from None
+    raise _too_long(roomiest, lines, roomiest.how_many(lines))
+
+
+def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
+    n = sum(map(len, lines))
+    return InputError(
+        f"the text of {n} characters does not fit on {grid.surface.mesh.name} at an em of "
+        f"{grid.em_mm:g} mm: {fits} would; expected a shorter text, a smaller size or another place"
+    )
+
+
+class _Grid:
+    """The grid of squares around one place of a surface."""
+
+    def __init__(
+        self,
+        surface: ClosestPoints,
+        em_mm: float,
+        layout: Layout,
+        limits: SquareLimits,
+        middle: SurfaceFrame,
+    ) -> None:
+        self.surface, self.em_mm, self.layout, self.limits = surface, em_mm, layout, limits
+        self.middle = middle
+        self.up = upwards(self.middle.normal)
+        self.right = self._walk(self.middle, (1.0, 0.0), None)
+        self.left = self._walk(self.middle, (-1.0, 0.0), None)
+        if layout.around and not self.right.closed:
+            raise MeshError(
+                f"{surface.mesh.name}: the level line of the place does not come back to its "
+                "start; expected a body that can be written around"
+            )
+        gaps = (layout.gap, 0.0) if layout.order == "columns" else (0.0, layout.gap)
+        self.pitch = em_mm * (1.0 + np.array(gaps))
+        self._loose = math.inf if layout.around else 1.0
+        self.span = self._usable_span()
+
+    @property
+    def room(self) -> float:
+        """How much of the surface the grid may use, mm2."""
+        around = 1.0 if self.right.closed else 2.0
+        return around * self.right.length * (self.span[1] - self.span[0] + self.em_mm)
+
+    # -- how many fit -----------------------------------------------------------------------
+
+    def _usable_span(self) -> tuple[float, float]:
+        """Lowest and highest place (mm up from the middle) where a square can be laid."""
+        start = self._first_usable()
+        return self._reach(start, -1.0), self._reach(start, 1.0)
+
+    def _first_usable(self) -> float:
+        """The place nearest to the middle, up or down, where a square can be laid."""
+        if self.layout.at is not None:
+            self._square(self.middle.origin)
+            return 0.0
+        lines = [self._walk(self.middle, (0.0, sign), 1.6 * self.em_mm) for sign in (1.0, -1.0)]
+        fault: MeshError | None = None
+        for away in 0.25 * self.em_mm * np.arange(7):
+            for line, sign in zip(lines, (1.0, -1.0), strict=True):
+                try:
+                    self._square(line.at(min(away, line.length)))
+                except MeshError as cause:
+                    fault = fault or cause
+                else:
+                    return sign * min(away, line.length)
+        raise fault or MeshError(f"{self.surface.mesh.name}: no place to write")
+
+    def _reach(self, start: float, sign: float) -> float:
+        """How far up or down (mm up from the middle) squares can be laid, to a 40th of the em."""
+        line = self._walk(self.middle, (0.0, sign), None)
+        known, step = start, 0.5 * self.em_mm
+        while step > self.em_mm / 50.0:
+            distance = sign * known + step
+            if distance < 0.0 or (distance <= line.length and self._usable(line.at(distance))):
+                known += sign * step
+            else:
+                step *= 0.5
+        return known
+
+    def _usable(self, point: NDArray) -> bool:
+        try:
+            self._square(point)
+        except MeshError:
+            return False
+        return True
+
+    def _square(self, point: NDArray) -> EmSquare:
+        return lay_square(self.surface, self._frame(point), self.em_mm, self.limits)
+
+    def _frame(self, point: NDArray) -> SurfaceFrame:
+        try:
+            return frame_at(self.surface, point, self.up)
+        except InputError:
+            raise MeshError(
+                f"{self.surface.mesh.name}: the surface lies level at {point.round(1).tolist()}; "
+                "expected a place with an upwards"
+            ) from None
+
+    def _walk(
+        self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None
+    ) -> SurfaceLine:
+        step = max(self.em_mm / _STEPS_PER_EM, 0.1)
+        most = _FARTHEST * self.em_mm if most is None else most
+        return walk(self.surface, start, self.up, bearing, most, step)
+
+    def _has_room(self, shape: tuple[int, int], pitch: NDArray) -> bool:
+        """Whether so many squares fit, across and down, by the lines through the middle alone."""
+        low, high = self.span
+        down = (shape[1] - 1) * pitch[1] <= high - low + 0.02 * pitch[1]
+        if self.right.closed:
+            return down and shape[0] * pitch[0] <= self.right.length * (1.0 + 1e-9)
+        room = 2.0 * min(self.right.length, self.left.length)
+        return down and (shape[0] - 1) * pitch[0] + self.em_mm <= room * (1.0 + 1e-6)
+
+    def how_many(self, lines: Sequence[str]) -> int:
+        """How many characters of the text fit."""
+        few, many = 0, sum(map(len, lines))
+        while many - few > 1:
+            n = (few + many) // 2
+            if self.fit(_cut(lines, n)) is None:
+                many = n
+            else:
+                few = n
+        return few
+
+    # -- placing ----------------------------------------------------------------------------
+
+    def fit(self, lines: Sequence[str]) -> list[PlacedCharacter] | None:
+        """The squares of a text, or None where it does not fit."""
+        for widest in _WIDEST_PITCHES:
+            for broken in self._ways_to_break(lines):
+                cells = self._cells(broken)
+                shape = 1 + max(c.across for c in cells), 1 + max(c.down for c in cells)
+                placed = self._fit_cells(cells, shape, widest)
+                if placed is not None:
+                    return placed
+        return None
+
+    def _ways_to_break(self, lines: Sequence[str]) -> list[list[str]]:
+        """The lines as they are, or one line as columns of even length, the best first."""
+        if self.layout.order == "row" or len(lines) > 1:
+            return [list(lines)]
+        text, n = lines[0], len(lines[0])
+        most = 1 + int((self.span[1] - self.span[0]) / self.pitch[1] + 0.02)
+        heights = {math.ceil(n / math.ceil(n / tall)) for tall in range(1, most + 1)}
+        ordered = sorted(heights, reverse=not self.layout.around)
+        return [[text[k : k + tall] for k in range(0, n, tall)] for tall in ordered]
+
+    def _fit_cells(
+        self, cells: Sequence[_Cell], shape: tuple[int, int], widest: float
+    ) -> list[PlacedCharacter] | None:
+        """Lay a grid as narrow as it can be; None where it does not fit."""
+        wide, tall = shape
+        pitch = self.pitch.copy()
+        if self.layout.around:
+            pitch[0] = self.right.length / wide
+        sample = [_Cell("", x, y) for x in range(min(wide, 2)) for y in {0, 1, tall - 1} - {tall}]
+        while self._has_room(shape, pitch) and pitch.max() <= widest * self.em_mm * self._loose:
+            try:
+                apart = self._overlaps(sample, self._placed(sample, shape, pitch), wide)
+                if not apart.any():
+                    placed = self._placed(cells, shape, pitch)
+                    apart = self._overlaps(cells, placed, wide)
+            except MeshError:
+                return None
+            if not apart.any():
+                squares = zip(cells, placed, strict=True)
+                return [PlacedCharacter(cell.text, square) for cell, square in squares]
+            if self.layout.around and apart[0] > 0.0:
+                return None
+            least = np.array([_LEAST_WIDENING, _LEAST_HEIGHTENING]) * self.em_mm
+            pitch += np.where(apart > 0.0, np.maximum(1.2 * apart, least), 0.0)
+        return None
+
+    def _cells(self, lines: Sequence[str]) -> list[_Cell]:
+        """Which place in the grid each character has."""
+        columns, longest = self.layout.order == "columns", max(map(len, lines))
+        wide = len(lines) if columns else longest
+        cells = []
+        for k, line in enumerate(lines):
+            for j, text in enumerate(line):
+                cells.append(_Cell(text, wide - 1 - k, j) if columns else _Cell(text, j, k))
+        return cells
+
+    def _placed(
+        self, cells: Sequence[_Cell], shape: tuple[int, int], pitch: NDArray
+    ) -> list[EmSquare]:
+        """The squares of cells of a grid; MeshError where one cannot be laid."""
+        block = (shape[1] - 1) * pitch[1]
+        top, left = self._top(block), self._left(shape[0], pitch[0])
+        lines: dict[int, tuple[SurfaceLine, SurfaceLine]] = {}
+        squares = []
+        for cell in cells:
+            if cell.across not in lines:
+                lines[cell.across] = self._column(left + cell.across * pitch[0], top, top - block)
+            height = top - cell.down * pitch[1]
+            line = lines[cell.across][0 if height >= 0.0 else 1]
+            if abs(height) > line.length + _TOUCHING * self.em_mm:
+                raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+            squares.append(self._square(line.at(min(abs(height), line.length))))
+        return squares
+
+    def _column(self, across: float, top: float, bottom: float) -> tuple[SurfaceLine, SurfaceLine]:
+        """The lines up and down from the place so many mm to the right of the middle."""
+        level = self.right if across >= 0.0 or self.right.closed else self.left
+        distance = across if self.right.closed else abs(across)
+        if not level.closed and distance > level.length:
+            raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+        frame = self._frame(level.at(distance))
+        up = self._walk(frame, (0.0, 1.0), max(top, 0.0))
+        return up, self._walk(frame, (0.0, -1.0), max(-bottom, 0.0))
+
+    def _top(self, block: float) -> float:
+        """Height (mm up from the middle) of the first row; the block is moved until it fits."""
+        top = 0.5 * block
+        if self.layout.at is None:
+            low, high = self.span
+            top = min(max(top, low + block), high)
+        return top
+
+    def _left(self, wide: int, pitch: float) -> float:
+        if not self.layout.around:
+            return -0.5 * (wide - 1) * pitch
+        return -(wide - 1) * pitch if self.layout.order == "columns" else 0.0
+
+    def _overlaps(self, cells: Sequence[_Cell], squares: Sequence[EmSquare], wide: int) -> NDArray:
+        """The largest overlaps (mm) of neighbours in a row or diagonally, and in a column."""
+        at = {(c.across, c.down): square for c, square in zip(cells, squares, strict=True)}
+        worst = np.zeros(2)
+        for (across, down), square in at.items():
+            right = (across + 1) % wide if self.layout.around else across + 1
+            for key in ((right, down), (right, down + 1), (right, down - 1), (across, down + 1)):
+                other = at.get(key)
+                if other is not None and other is not square:
+                    way = int(key[0] == across)
+                    worst[way] = max(worst[way], square.overlap(other), other.overlap(square))
+        return np.where(worst > _TOUCHING * self.em_mm, worst, 0.0)
+
+
+def _cut(lines: Sequence[str], n: int) -> list[str]:
+    """The first n characters of the lines."""
+    kept = []
+    for line in lines:
+        kept.append(line[:n])
+        n -= len(kept[-1])
+    return [line for line in kept if line]

@@ -1,0 +1,168 @@
+"""How like its copybook a painted character is.
+
+Both are drawn on a raster of 512 pixels an em, each pixel from 4 by 4 samples; a pixel belongs to
+the character where at least half of it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import binary_erosion, distance_transform_edt
+
+from paint3d.calligraphy.kernels import raster
+from paint3d.core.arrays import as_array, as_number
+from paint3d.errors import InputError
+
+__all__ = ["MARGIN", "PIXELS", "Likeness", "compare", "copybook_mask", "painted_mask"]
+
+PIXELS = 512
+"""Pixels to a side of the em square."""
+SAMPLES = 4
+"""Samples to a side of a pixel."""
+MARGIN = 32
+"""Pixels around the em square that belong to the raster: what strays there counts too."""
+
+_SIDE = PIXELS + 2 * MARGIN
+_FLAT = 0.6  # slope of the distance below which a point lies on the middle line between two edges
+_THINNEST = 1.5  # pixels of half width: thinner, and there is no middle line
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """What two shapes have in common.
+
+    Attributes
+    ----------
+    iou : float
+        Area of the intersection over that of the union.
+    precision, recall : float
+        Share of the painted shape that is wanted, and of the wanted shape that is painted.
+    hausdorff95 : float
+        The distance, in shares of the em, within which 95 % of either edge lies from the other:
+        the greater of the two directions.
+    width_error : float
+        Mean difference of the full widths along the middle line of the wanted shape, in shares of
+        the em: twice the distances from there to the two edges.
+    """
+
+    iou: float
+    precision: float
+    recall: float
+    hausdorff95: float
+    width_error: float
+
+
+def copybook_mask(outlines: Sequence[ArrayLike], em_mm: float) -> NDArray[np.bool_]:
+    """Pixels (576, 576) of a character's outlines: row 0 lowest, the em square in the middle.
+
+    Parameters
+    ----------
+    outlines : sequence of (N, 2) array_like
+        Closed polygons, mm from the em square's lower left corner; non-zero rule.
+    em_mm : float
+        Side of the em square, mm.
+
+    Raises
+    ------
+    InputError
+        If an outline is not an array of points, or the em is not positive.
+    """
+    fine = np.zeros((_SIDE * SAMPLES, _SIDE * SAMPLES), np.bool_)
+    for k, outline in enumerate(outlines):
+        points = as_array(outline, f"outline {k + 1}", (None, 2))
+        if len(points) > 2:
+            raster.fill_polygon(_in_samples(points, em_mm), fine)
+    return _shares(fine) >= 0.5
+
+
+def painted_mask(
+    points: ArrayLike, coverage: ArrayLike, faces: ArrayLike, em_mm: float
+) -> NDArray[np.bool_]:
+    """Pixels of a painted surface, whose coverage is linear between the vertices.
+
+    Parameters
+    ----------
+    points : (V, 2) array_like
+        Vertices, mm from the em square's lower left corner in the character's own plane; NaN for
+        those that are not near it.
+    coverage : (V,) array_like
+        Share of each vertex's area that is under paint.
+    faces : (F, 3) array_like
+    em_mm : float
+
+    Raises
+    ------
+    InputError
+        If the arrays do not belong together, or the em is not positive.
+    """
+    points, faces = np.asarray(points, np.float64), np.asarray(faces, np.int32)
+    coverage = np.asarray(coverage, np.float32)
+    if points.ndim != 2 or points.shape[1] != 2 or coverage.shape != (len(points),):
+        raise InputError(
+            f"points has shape {points.shape} and coverage {coverage.shape}; "
+            "expected (V, 2) and (V,)"
+        )
+    fine = np.zeros((_SIDE * SAMPLES, _SIDE * SAMPLES), np.float32)
+    touched = faces[(coverage[faces] > 0.0).any(axis=1)]
+    raster.fill_triangles(_in_samples(points, em_mm), coverage, touched, fine)
+    return _shares(fine) >= 0.5
+
+
+def compare(painted: NDArray[np.bool_], wanted: NDArray[np.bool_]) -> Likeness:
+    """Compare two masks of the same raster.
+
+    Raises
+    ------
+    InputError
+        If the masks differ in shape, or one of them is empty.
+    """
+    if painted.shape != wanted.shape:
+        raise InputError(f"the masks are {painted.shape} and {wanted.shape}; expected the same")
+    if not painted.any() or not wanted.any():
+        which = "painted" if wanted.any() else "wanted"
+        raise InputError(f"the {which} shape is empty; expected pixels to compare")
+    both = int((painted & wanted).sum())
+    return Likeness(
+        iou=both / int((painted | wanted).sum()),
+        precision=both / int(painted.sum()),
+        recall=both / int(wanted.sum()),
+        hausdorff95=_hausdorff95(painted, wanted) / PIXELS,
+        width_error=_width_error(painted, wanted) / PIXELS,
+    )
+
+
+def _in_samples(points: NDArray, em_mm: float) -> NDArray[np.float64]:
+    scale = PIXELS * SAMPLES / as_number(em_mm, "em (mm)", low=1e-6)
+    return np.ascontiguousarray(points * scale + MARGIN * SAMPLES)
+
+
+def _shares(fine: NDArray) -> NDArray[np.float32]:
+    """Mean over each pixel's samples."""
+    blocks = fine.reshape(_SIDE, SAMPLES, _SIDE, SAMPLES)
+    return blocks.mean(axis=(1, 3), dtype=np.float32)
+
+
+def _edge(mask: NDArray) -> NDArray[np.bool_]:
+    return mask & ~binary_erosion(mask)
+
+
+def _hausdorff95(a: NDArray, b: NDArray) -> float:
+    """Pixels: 95 % of each edge lie nearer than this to the other edge."""
+    one, two = _edge(a), _edge(b)
+    there = np.percentile(distance_transform_edt(~two)[one], 95.0)
+    back = np.percentile(distance_transform_edt(~one)[two], 95.0)
+    return float(max(there, back))
+
+
+def _width_error(painted: NDArray, wanted: NDArray) -> float:
+    """Pixels: mean difference of full widths along the wanted shape's middle line."""
+    depth, other = distance_transform_edt(wanted), distance_transform_edt(painted)
+    slope = np.hypot(*np.gradient(depth))
+    middle = (depth > _THINNEST) & (slope < _FLAT)
+    if not middle.any():
+        middle = depth == depth.max()
+    return 2.0 * float(np.abs(depth[middle] - other[middle]).mean())

@@ -1,0 +1,174 @@
+"""Following a centre line: the course of the brush that covers most of the outline along it.
+
+Dynamic programming picks the bend directions, trading the width left bare against a trailing tip
+and calm turns; the course is smoothed, balanced between both edges, and the pressure limited again
+at every pose, so that nothing leaves the outline.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
+
+from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smoothed
+from paint3d.calligraphy.footprint_table import FootprintLadder
+from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.calligraphy.lag_compensation import pull
+from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
+
+__all__ = ["Follower", "StrokeCourse"]
+
+_SPAN = 0.12  # of the width: how far a course steps aside to lie in the middle
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeCourse:
+    """The way of the brush through one stroke: N poses with an upright holder, in order.
+
+    Attributes
+    ----------
+    handle : (N, 2) float64
+        P'_m on the paper, mm.
+    azimuth : (N,) float64
+        Bend direction, rad, without jumps of a turn.
+    descent : (N,) float64
+        D_s, mm; 0 at both ends.
+    centre : (N, 2) float64
+        Centroid of the footprint, mm.
+    level : (N,) float64
+        Place on the ladder of footprints, -1 where the brush is off.
+    """
+
+    handle: NDArray[np.float64]
+    azimuth: NDArray[np.float64]
+    descent: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    level: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Follower:
+    """What stays the same while one stroke's course is improved; see `plan_stroke`."""
+
+    field: OutlineField
+    ladder: FootprintLadder
+    settings: PlanSettings
+    em_mm: float
+    start: float | None
+
+    def follow(self, line: CentreLine) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
+        """Return the course along a line (None: nothing fits), and what it leaves bare."""
+        azimuth, shift = _balanced(line, self, *_choose_course(line, self))
+        centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
+        level = np.empty(len(centre))
+        margin = self.settings.margin * self.em_mm
+        kernels.fit_levels(
+            self.ladder.points, self.field.distance, self.field.grid, centre, azimuth, margin, level
+        )
+        touching = np.flatnonzero(level >= 0.0)
+        if len(touching) < 2:
+            return None, self.field.inside
+        kept = slice(touching[0], touching[-1] + 1)
+        if self.settings.azimuth == "dragged":
+            start = azimuth[kept][0] if self.start is None else self.start
+            pulled = pull(centre[kept], self.ladder, self.field, margin, start)
+            course = _touched(*pulled, self.ladder)
+        else:
+            course = _course(centre[kept], azimuth[kept], _calm(level[kept]), self.ladder)
+        painted = np.zeros(self.field.distance.shape, np.bool_)
+        kernels.cover(
+            self.ladder.points, course.level, course.centre, course.azimuth, *self.field.grid,
+            painted,
+        )  # fmt: skip
+        return course, self.field.inside & ~painted
+
+
+def _choose_course(line: CentreLine, plan: Follower) -> tuple[NDArray, NDArray]:
+    """Return the azimuth (rad) and the side step (mm) for every sample of the line."""
+    settings, ladder = plan.settings, plan.ladder
+    n, shifts = settings.n_directions, np.array(settings.shifts)
+    gap = np.empty((len(line.points), n, len(shifts)))
+    sparse = np.ascontiguousarray(ladder.points[:, ::2])  # directions are only compared
+    kernels.rate(
+        sparse, ladder.support, plan.field.distance, plan.field.grid, line.points, line.headings,
+        line.room, shifts, settings.margin * plan.em_mm, gap,
+    )  # fmt: skip
+    directions = 2.0 * np.pi * np.arange(n) / n
+    ahead = directions[None, :] - line.headings[:, None]
+    cost = gap / line.width + _cost_of_bend(ahead, settings)[:, :, None]
+    per_width = line.step / line.width
+    turn = settings.turning * (2.0 * np.pi / n / per_width) ** 2
+    aside = settings.shifting * ((shifts[1] - shifts[0]) / per_width) ** 2
+    angle, side = np.empty(len(gap), np.int64), np.empty(len(gap), np.int64)
+    kernels.best_course(cost, turn, aside, 3, angle, side)
+    return np.unwrap(directions[angle]), shifts[side] * line.room.min(axis=1)
+
+
+def _cost_of_bend(ahead: NDArray, settings: PlanSettings) -> NDArray[np.float64]:
+    """Cost of bends at angles from the heading (rad), in stroke widths left bare."""
+    technique = "zhongfeng" if settings.azimuth == "dragged" else settings.technique
+    if technique is None:
+        return settings.trailing * (0.5 + 0.5 * np.cos(ahead))
+    wanted = TECHNIQUES[technique]
+    off = np.maximum(np.cos(ahead - wanted), np.cos(ahead + wanted))
+    return settings.holding * (0.5 - 0.5 * off)
+
+
+def _balanced(
+    line: CentreLine, plan: Follower, azimuth: NDArray, shift: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Smooth the chosen course, and step aside until both edges are reached alike."""
+    sigma = 0.2 * line.width / line.step
+    azimuth = smoothed(azimuth[:, None], sigma)[:, 0]
+    shift = smoothed(shift[:, None], sigma)[:, 0]
+    kernels.balance(
+        plan.ladder.points, plan.ladder.support, plan.field.distance, plan.field.grid, line.points,
+        line.headings, line.room, azimuth, plan.settings.margin * plan.em_mm,
+        _SPAN * line.width, shift,
+    )  # fmt: skip
+    return azimuth, smoothed(shift[:, None], 0.5 * sigma)[:, 0]
+
+
+def _smooth_course(
+    line: CentreLine, azimuth: NDArray, shift: NDArray, step: float
+) -> tuple[NDArray, NDArray]:
+    """Interpolate the chosen course at the final step: centres (N, 2) and azimuths (N,)."""
+    centre = line.points + shift[:, None] * line.normals
+    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centre, axis=0), axis=1))]
+    at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
+    dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
+    sigma = line.step / step
+    smooth = smoothed(np.stack(dense, axis=1), sigma)
+    return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
+
+
+def _calm(level: NDArray, half_window: int = 3) -> NDArray[np.float64]:
+    """Smooth the levels from below: never above what fits."""
+    low = minimum_filter1d(level, 2 * half_window + 1, mode="nearest")
+    calm = gaussian_filter1d(low, 0.5 * half_window, truncate=2.0, mode="nearest")
+    return np.minimum(calm, level)
+
+
+def _course(
+    centre: NDArray, azimuth: NDArray, level: NDArray, ladder: FootprintLadder
+) -> StrokeCourse:
+    """Place the handle behind the footprints."""
+    bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    handle = centre - ladder.centroid_at(level)[:, None] * bend
+    return _touched(handle, azimuth, centre, level, ladder)
+
+
+def _touched(
+    handle: NDArray, azimuth: NDArray, centre: NDArray, level: NDArray, ladder: FootprintLadder
+) -> StrokeCourse:
+    """Add the touch before and the lift after."""
+    pick = np.r_[0, np.arange(len(level)), len(level) - 1]
+    level = level[pick]
+    descent = ladder.descent_at(level)
+    descent[[0, -1]] = 0.0
+    level[[0, -1]] = -1.0
+    return StrokeCourse(handle[pick], azimuth[pick], descent, centre[pick], level)

@@ -1,0 +1,130 @@
+"""Planning strokes: from an outline to the course of the brush that fills it.
+
+The method is that of contained footprints. Along the stroke's centre line every bend direction is
+rated by how much of the width the largest footprint leaves bare that still lies within the outline;
+a course is chosen among them and followed (`following`), and the line is then bent out into the
+largest corners that are still bare. The handle stands at P'_m, the foot of the root node, not at
+the footprint's centre.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, label, maximum
+
+from paint3d.calligraphy.centre_line import bend_towards, centre_line, outline_field
+from paint3d.calligraphy.footprint_table import FootprintLadder
+from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
+from paint3d.calligraphy.path_fit import Follower, StrokeCourse
+from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
+from paint3d.errors import InputError
+
+__all__ = ["TECHNIQUES", "PlanSettings", "StrokeCourse", "on_paper", "plan_glyph", "plan_stroke"]
+
+
+def on_paper(points: NDArray, em_mm: float) -> NDArray[np.float64]:
+    """Carry glyph units (N, 2) to millimetres from the em square's lower left corner."""
+    return em_mm / EM_UNITS * (np.asarray(points, np.float64) + np.array([0.0, DESCENDER]))
+
+
+def plan_glyph(
+    glyph: Glyph, em_mm: float, ladder: FootprintLadder, settings: PlanSettings | None = None
+) -> list[StrokeCourse]:
+    """Plan all strokes of a glyph, in writing order.
+
+    Parameters
+    ----------
+    glyph : Glyph
+    em_mm : float
+        Side of the em square, mm.
+    ladder : FootprintLadder
+        Footprints of the brush.
+    settings : PlanSettings, optional
+
+    Raises
+    ------
+    InputError
+        If a stroke is too fine for the brush.
+    """
+    courses: list[StrokeCourse] = []
+    for k, stroke in enumerate(glyph.strokes):
+        outline, median = on_paper(stroke.outline, em_mm), on_paper(stroke.median, em_mm)
+        name = f"stroke {k + 1} of {glyph.text}"
+        start = float(courses[-1].azimuth[-1]) if courses else None
+        courses.append(plan_stroke(outline, median, em_mm, ladder, settings, name, start))
+    return courses
+
+
+def plan_stroke(
+    outline: NDArray,
+    median: NDArray,
+    em_mm: float,
+    ladder: FootprintLadder,
+    settings: PlanSettings | None = None,
+    name: str = "stroke",
+    start: float | None = None,
+) -> StrokeCourse:
+    """Plan one stroke.
+
+    Parameters
+    ----------
+    outline : (N, 2) float64
+        Closed polygon, mm.
+    median : (M, 2) float64
+        Centre line in writing order, mm.
+    em_mm : float
+        Side of the em square, mm: the scale of `settings`.
+    ladder : FootprintLadder
+    settings : PlanSettings, optional
+    name : str
+        What to call the stroke in messages.
+    start : float, optional
+        Where a dragged tuft points when it lands, rad; by default where it will be needed.
+
+    Raises
+    ------
+    InputError
+        If no footprint of the brush fits anywhere.
+    """
+    settings = settings or PlanSettings()
+    field = outline_field(outline, em_mm / 512)
+    step = field.grid[2]
+    if not field.inside.any():
+        raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
+    line = centre_line(median, field, settings.sample_step * em_mm)
+    plan = Follower(field, ladder, settings, em_mm, start)
+    best, bare = plan.follow(line)
+    tried = np.zeros_like(bare)
+    for _ in range(settings.detours):
+        corner, tried = _largest_corner(bare & ~tried, tried, line.width / step)
+        if corner is None:
+            break
+        detour = bend_towards(line, field.grid[:2] + step * corner, field)
+        course, left = plan.follow(detour)
+        if left.sum() < bare.sum() * (1.0 - settings.worth):
+            line, best, bare = detour, course, left
+    if best is None:
+        raise InputError(f"{name} is too fine for this brush at an em of {em_mm:g} mm")
+    return best
+
+
+def _largest_corner(
+    bare: NDArray, tried: NDArray, width: float
+) -> tuple[NDArray | None, NDArray[np.bool_]]:
+    """Return the outermost pixel (x, y) of the largest bare patch, or None, and what was tried.
+
+    A patch counts where a disc of an eighth of the stroke's width (in pixels) would fit in.
+    """
+    depth = distance_transform_edt(bare)
+    labels, n = label(bare)
+    if n == 0:
+        return None, tried
+    deepest = maximum(depth, labels, np.arange(1, n + 1))
+    areas = np.bincount(labels.ravel())[1:] * (deepest > width / 16.0)
+    k = int(np.argmax(areas))
+    if areas[k] < (width / 6.0) ** 2:
+        return None, tried
+    patch = labels == k + 1
+    row, column = np.unravel_index(np.argmax(depth * patch), depth.shape)
+    return np.array([column, row], np.float64), tried | patch

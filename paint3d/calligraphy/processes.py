@@ -1,0 +1,109 @@
+"""Work for processes of their own, side by side, whose results come in order.
+
+A process that is started here ends with the one that started it, however that ends: being killed
+leaves nothing behind. An interrupt is the starter's affair; it ends the others at once.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import NamedTuple, TypeVar
+
+from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
+from paint3d.errors import Paint3DError
+
+__all__ = ["in_processes"]
+
+_Given, _Found = TypeVar("_Given"), TypeVar("_Found")
+
+
+class _Worker(NamedTuple):
+    process: BaseProcess
+    connection: Connection
+
+
+def in_processes(
+    work: Callable[[_Given], _Found], items: Sequence[_Given], n: int
+) -> Iterator[_Found]:
+    """Yield what `work` gives for each item, in their order, found by `n` processes.
+
+    All of it must be such as can be sent to another process.
+
+    Raises
+    ------
+    Paint3DError
+        If a process dies. What `work` raises is raised here.
+    """
+    workers = _start(work, n)
+    left, found = iter(enumerate(items)), {}
+    try:
+        busy = {w.connection: w for w in workers if _give(w, left)}
+        for k in range(len(items)):
+            while k not in found:
+                for connection in wait(list(busy)):
+                    worker = busy.pop(connection)
+                    number, result, fault = _answer(worker)
+                    if fault is not None:
+                        raise fault
+                    found[number] = result
+                    if _give(worker, left):
+                        busy[connection] = worker
+            yield found.pop(k)
+    finally:
+        for worker in workers:
+            worker.process.terminate()
+        for worker in workers:
+            worker.process.join()
+            worker.connection.close()
+
+
+def _start(work: Callable, n: int) -> list[_Worker]:
+    context = multiprocessing.get_context("spawn")
+    workers = []
+    with holding_interrupts():
+        for _ in range(n):
+            ours, theirs = context.Pipe()
+            process = context.Process(target=_serve, args=(work, theirs), daemon=True)
+            process.start()
+            theirs.close()
+            workers.append(_Worker(process, ours))
+    return workers
+
+
+def _give(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:
+    """Give a worker the next item; False where there is none."""
+    for numbered in left:
+        with suppress(OSError):  # it has died: `_answer` will find out
+            worker.connection.send(numbered)
+        return True
+    return False
+
+
+def _answer(worker: _Worker) -> tuple[int, object, Exception | None]:
+    try:
+        return worker.connection.recv()
+    except (EOFError, ConnectionError):
+        worker.process.join()
+        raise Paint3DError(
+            f"a process that was started to help died (exit status {worker.process.exitcode})"
+        ) from None
+
+
+def _serve(work: Callable, connection: Connection) -> None:
+    """Do what comes until the other end is closed."""
+    ignore_interrupts()
+    end_with_parent()
+    while True:
+        try:
+            number, item = connection.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer = (number, work(item), None)
+        except Exception as fault:
+            answer = (number, None, fault)
+        connection.send(answer)

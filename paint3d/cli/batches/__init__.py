@@ -1,0 +1,1 @@
+"""Many paintings from a table: rows, workers, job files."""

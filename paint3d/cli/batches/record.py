@@ -1,0 +1,82 @@
+"""What a batch has finished, so that it can go on after an interruption."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from paint3d.cli.batches.rows import Row, fingerprint
+from paint3d.errors import ExportError
+
+__all__ = ["FinishedRows"]
+
+
+class FinishedRows:
+    """A file of one JSON object a line, appended to when a row is finished.
+
+    Parameters
+    ----------
+    path : Path
+        Made with the first row. Lines that cannot be read, such as one cut short by a crash,
+        are passed over.
+    folder : str
+        From which the files of the rows are counted.
+    """
+
+    def __init__(self, path: Path, folder: str = os.curdir) -> None:
+        self.path, self._folder = path, os.path.abspath(folder)
+        self._known: dict[str, tuple[int, int]] = {}
+        self._seconds: dict[str, float] = {}
+        self._cut_short = False
+        try:
+            text = path.read_text(encoding="utf-8", errors="replace")
+        except FileNotFoundError:
+            return
+        except OSError as cause:
+            raise ExportError(f"{path}: cannot read it: {cause.strerror or cause}") from None
+        self._cut_short = not text.endswith("\n")
+        for line in text.splitlines():
+            try:
+                entry = json.loads(line)
+                self._known[str(entry["row"])] = (int(entry["size"]), int(entry["changed_ns"]))
+                self._seconds[str(entry["output"])] = float(entry["seconds"])
+            except (ValueError, KeyError, TypeError, RecursionError):
+                continue  # what came before the fault counts: older records know no seconds
+
+    def has(self, row: Row) -> bool:
+        """Whether the row was finished as it stands, and its output has not been touched since."""
+        return self._known.get(fingerprint(row, self._folder), ()) == self._state(row)
+
+    def seconds(self, row: Row) -> float | None:
+        """How long the row's output took when it was last made; None where that is not known."""
+        return self._seconds.get(row.output)
+
+    def add(self, row: Row, seconds: float) -> None:
+        """Note that a row is finished, and in what time.
+
+        Raises
+        ------
+        ExportError
+            If the file cannot be written.
+        """
+        state = self._state(row)
+        if state is None:
+            return
+        entry = {"row": fingerprint(row, self._folder), "output": row.output}
+        entry |= {"size": state[0], "changed_ns": state[1], "seconds": round(seconds, 3)}
+        try:
+            with open(self.path, "a", encoding="utf-8") as file:
+                file.write("\n" * self._cut_short + json.dumps(entry) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+            self._cut_short = False
+        except OSError as cause:
+            raise ExportError(f"{self.path}: cannot write: {cause.strerror or cause}") from None
+
+    def _state(self, row: Row) -> tuple[int, int] | None:
+        try:
+            found = os.stat(os.path.join(self._folder, row.output))
+        except (OSError, ValueError):
+            return None
+        return found.st_size, found.st_mtime_ns

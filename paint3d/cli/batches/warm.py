@@ -1,0 +1,31 @@
+"""What painting a row needs, imported once, by the server that a batch's processes are forked from.
+
+Importing takes a second, forking ten milliseconds. Nothing here starts a thread: a fork copies only
+the thread that forks. An interrupt meant for the batch is kept from the server until here.
+"""
+
+from __future__ import annotations
+
+import gc
+import sys
+import warnings
+from importlib import import_module
+
+from paint3d.core.machine import ignore_interrupts
+
+_NEEDED = (
+    "paint3d.cli.batches.workers",
+    "paint3d.files.export",
+    "paint3d.files.load",
+    "paint3d.painter.painter",
+    "paint3d.calligraphy.glyph_sources",
+    "paint3d.calligraphy.writing",
+    "paint3d.surface.painted_surface",
+)
+
+ignore_interrupts()  # the batch stops what it has started
+if not sys.warnoptions:
+    warnings.simplefilter("ignore")
+for _name in _NEEDED:
+    import_module(_name)
+gc.freeze()  # what is shared stays shared: collecting would write to it

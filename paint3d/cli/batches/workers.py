@@ -1,0 +1,115 @@
+"""Rows in processes of this machine."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import sys
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import BaseContext
+from multiprocessing.process import BaseProcess
+
+from paint3d.cli.batches.rows import Outcome, Row, run_row
+from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
+
+__all__ = ["run_here"]
+
+_WARM = "paint3d.cli.batches.warm"
+
+
+def run_here(rows: Sequence[Row], processes: int) -> Iterator[Outcome]:
+    """Run rows in so many processes; yield each outcome as it comes.
+
+    A process that dies costs the row it was at, and another takes its place.
+    """
+    left = list(reversed(rows))
+    workers = [_Worker() for _ in range(min(processes, len(rows)))]
+    try:
+        for worker in workers:
+            worker.start(left.pop())
+        while busy := {w.connection: w for w in workers if w.row is not None}:
+            for connection in wait(list(busy)):
+                worker = busy[connection]
+                yield worker.outcome()
+                if left:
+                    worker.start(left.pop())
+    finally:
+        for worker in workers:
+            worker.stop()
+
+
+def _context() -> BaseContext:
+    """How processes come to be: forked from one that has imported all, where that is safe."""
+    if not sys.platform.startswith("linux"):  # elsewhere system libraries do not survive a fork
+        return multiprocessing.get_context("spawn")
+    from multiprocessing import forkserver
+
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([_WARM])
+    with holding_interrupts():  # no traceback where the server is interrupted while it imports
+        forkserver.ensure_running()
+    return context
+
+
+class _Worker:
+    """A process that runs one row after the other; started anew when it has died."""
+
+    def __init__(self) -> None:
+        self.row: Row | None = None
+        self.connection: Connection | None = None
+        self._process: BaseProcess | None = None
+
+    def start(self, row: Row) -> None:
+        if self._process is None:
+            context = _context()
+            self.connection, theirs = context.Pipe()
+            process = context.Process(target=_serve, args=(theirs,), daemon=False)
+            with holding_interrupts():  # what is half asked for would fail, and tell so
+                process.start()
+                self._process = process
+                theirs.close()
+        self.row = row
+        with suppress(OSError):  # it has died: `outcome` will find out
+            self.connection.send(tuple(row))
+
+    def outcome(self) -> Outcome:
+        """Return how the row went, when the connection is ready."""
+        row, self.row = self.row, None
+        try:
+            return Outcome(*self.connection.recv())
+        except (EOFError, ConnectionError):
+            self._process.join()
+            code = self._process.exitcode or 0
+            how = signal.Signals(-code).name if code < 0 else f"exit status {code}"
+            self.connection.close()
+            self._process = None
+            return Outcome(row.line, f"its process died ({how})", 0.0, "")
+
+    def stop(self) -> None:
+        if self._process is not None:
+            self.connection.close()
+            if self.row is not None:
+                self._process.terminate()
+            self._process.join()
+            self._process = None
+
+
+def _serve(connection: Connection) -> None:
+    """Run rows until the other end is closed."""
+    ignore_interrupts()  # the parent stops us
+    end_with_parent()
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
+    while True:
+        try:
+            row = Row(*connection.recv())
+        except (EOFError, OSError):
+            return
+        outcome = run_row(row)
+        try:
+            connection.send(tuple(outcome))
+        except OSError:
+            return

@@ -1,0 +1,1 @@
+"""The hot loops of colour: Kubelka-Munk over many vertices and bands."""

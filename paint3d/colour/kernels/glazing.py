@@ -1,0 +1,167 @@
+"""Wet paint over what each vertex itself has below: dried layers, or the colours of a mesh.
+
+The formula is that of `colour.kernels.kubelka_munk`, with a backing of its own for every vertex and
+band. A vertex's ground is, in this order: the spectrum of its dried layers, the spectrum of the
+colour that its mesh came with (`docs/ink.md`), the material. Single precision in blocks of
+vertices, elementwise, so a vertex gets the same bits whatever its place in the list.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.colour.kernels.kubelka_munk import BLOCK, fill_layers, mix_paints, shine
+from paint3d.core.kernel import kernel
+
+__all__ = ["SPECTRUM_STEPS", "Ground", "add_between", "dry_vertices", "glazed_colours"]
+
+SPECTRUM_STEPS = 65535
+"""Steps of a reflectance from 0 to 1 as it is kept: 8e-6 is a hundredth of an sRGB code."""
+
+
+class Ground(NamedTuple):
+    """What lies below the wet paint (cap: room for vertices, D: dried vertices)."""
+
+    slots: NDArray  # (cap,) int32, row of each vertex in `spectra`, -1 for none; or (0,)
+    spectra: NDArray  # (D, 31) uint16, reflectance as measured, in steps of 1/65535
+    linear_rgb: NDArray  # (cap, 3) float32, colour that the mesh came with; or (0, 3)
+    primaries: NDArray  # (31, 3) float32, spectra of red, green and blue
+    material: NDArray  # (31,) float32
+
+
+@kernel(error_model="numpy")
+def _fill_ground(ids, start, size, ground, backing):
+    """Reflectance as measured (W, BLOCK) of what lies below a block of vertices."""
+    n_bands = backing.shape[0]
+    scale = np.float32(1.0 / SPECTRUM_STEPS)
+    rows = ground.slots.shape[0] > 0
+    coloured = ground.linear_rgb.shape[0] > 0
+    for j in range(size):
+        v = ids[start + j]
+        row = ground.slots[v] if rows else -1
+        if row >= 0:
+            for w in range(n_bands):
+                backing[w, j] = scale * np.float32(ground.spectra[row, w])
+        elif coloured:
+            red, green, blue = ground.linear_rgb[v]
+            for w in range(n_bands):
+                parts = ground.primaries[w]
+                backing[w, j] = red * parts[0] + green * parts[1] + blue * parts[2]
+        else:
+            for w in range(n_bands):
+                backing[w, j] = ground.material[w]
+    for w in range(n_bands):
+        backing[w, size:] = np.float32(0.0)
+
+
+@kernel(error_model="numpy")
+def _shine_block(ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown):
+    """Reflectance as measured (W, BLOCK) of a block: covered and bare light mixed by area."""
+    one, zero = np.float32(1.0), np.float32(0.0)
+    outer, inner = gloss[0], gloss[1]
+    passed = (one - outer) * (one - inner)
+    black, white, cover = work[0], work[1], work[2]
+    _fill_ground(ids, start, size, ground, shown)
+    cover[:] = zero
+    fill_layers(ids, start, size, amounts, coverage, layer, cover)
+    for w in range(paints.shape[0]):
+        mix_paints(paints[w], layer, black, white)
+        for j in range(BLOCK):
+            bare = shown[w, j]
+            below = bare - outer
+            below = max(below, zero) / (passed + inner * below)
+            top, bottom = shine(black[j], white[j], below)
+            painted = outer + passed * top / (bottom - inner * top)
+            shown[w, j] = bare + cover[j] * (painted - bare)
+
+
+@kernel(error_model="numpy")
+def glazed_colours(
+    vertex_ids, amounts, coverage, paints, weights, gloss, ground, codes, out_rgb, out_srgb
+):
+    """Colour of vertices with wet paint over grounds of their own.
+
+    Cost: 120 ns a vertex at P = 3, with 31 bands.
+
+    Parameters
+    ----------
+    vertex_ids : (N,) i32
+    amounts : (V, P) f32
+        Coats times covered fraction, >= 0.
+    coverage : (V,) f32
+        Covered fraction in [0, 1].
+    paints : (W, P, 2) f32
+        K and S of each pigment per coat.
+    weights : (W, 3) f32
+        Of each band in R, G, B.
+    gloss : (2,) f32
+        Saunderson's k1 and k2 of the wet film; 0 for matt paint.
+    ground : Ground
+        What lies below (`colour.glazing`).
+    codes : (T,) u8
+        sRGB code of linear value i/(T - 1); values outside [0, 1] take the nearest end.
+    out_rgb : (V, 3) f32
+        Linear RGB; only the rows named by `vertex_ids` are written. Length 0 to skip.
+    out_srgb : (V, 3) u8
+        The same, encoded.
+    """
+    n_paints, n_bands = paints.shape[1], paints.shape[0]
+    layer = np.zeros((n_paints, BLOCK), np.float32)
+    work = np.empty((3, BLOCK), np.float32)
+    shown = np.empty((n_bands, BLOCK), np.float32)
+    scale = np.float32(codes.size - 1)
+    half, zero, one = np.float32(0.5), np.float32(0.0), np.float32(1.0)
+    for start in range(0, vertex_ids.size, BLOCK):
+        size = min(BLOCK, vertex_ids.size - start)
+        _shine_block(
+            vertex_ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown
+        )
+        for h in range(3):
+            rgb = work[h]
+            rgb[:] = zero
+            for w in range(n_bands):
+                part = weights[w, h]
+                for j in range(BLOCK):
+                    rgb[j] += part * shown[w, j]
+            for j in range(size):
+                v = vertex_ids[start + j]
+                if out_rgb.size:
+                    out_rgb[v, h] = rgb[j]
+                value = min(max(rgb[j], zero), one)
+                out_srgb[v, h] = codes[np.int32(value * scale + half)]
+
+
+@kernel(error_model="numpy")
+def dry_vertices(vertex_ids, amounts, coverage, paints, gloss, ground, rows):
+    """Make what vertices look like now, under all bands, the ground of what comes next.
+
+    Arguments as in `glazed_colours`; `rows` (N,) i32 are the rows of `ground.spectra` to fill,
+    which may be those that the vertices' grounds are read from.
+    """
+    n_paints, n_bands = paints.shape[1], paints.shape[0]
+    layer = np.zeros((n_paints, BLOCK), np.float32)
+    work = np.empty((3, BLOCK), np.float32)
+    shown = np.empty((n_bands, BLOCK), np.float32)
+    steps, half = np.float32(SPECTRUM_STEPS), np.float32(0.5)
+    zero, one = np.float32(0.0), np.float32(1.0)
+    for start in range(0, vertex_ids.size, BLOCK):
+        size = min(BLOCK, vertex_ids.size - start)
+        _shine_block(
+            vertex_ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown
+        )
+        for j in range(size):
+            row = ground.spectra[rows[start + j]]
+            for w in range(n_bands):
+                row[w] = np.uint16(min(max(shown[w, j], zero), one) * steps + half)
+
+
+@kernel
+def add_between(parents, first, last, encoded):
+    """sRGB (0 to 1, encoded) of vertices first..last-1: halfway between those of their parents."""
+    half = np.float32(0.5)
+    for v in range(first, last):
+        for h in range(3):
+            encoded[v, h] = half * (encoded[parents[v, 0], h] + encoded[parents[v, 1], h])

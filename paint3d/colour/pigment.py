@@ -1,0 +1,65 @@
+"""One pigment: how it absorbs and scatters light, by wavelength, and where that is from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.arrays import as_array
+from paint3d.errors import PigmentError
+
+__all__ = ["BANDS_NM", "Pigment"]
+
+BANDS_NM = np.arange(400.0, 701.0, 10.0)
+"""(31,) wavelengths of K and S, nm."""
+BANDS_NM.flags.writeable = False
+_STRONGEST = 1e6  # K and S of a coat; measured inks stay below 100
+
+
+@dataclass(frozen=True, eq=False)
+class Pigment:
+    """One pigment, ink or paint.
+
+    Parameters
+    ----------
+    name, chinese : str
+    K, S : (31,) array_like
+        Absorption and scattering per full coat at 400, 410, ... 700 nm, 0 to a million.
+    source, basis, licence : str
+        Whose measurement; how K and S came from it, and for what it stands in; its terms.
+    saunderson : bool
+        Whether K and S describe the film below its gloss, so that Saunderson's correction leads
+        to what is measured. Otherwise they give the measured reflectance themselves.
+
+    Raises
+    ------
+    PigmentError
+        If the name is empty, or K or S has the wrong length or is not between 0 and a million.
+    """
+
+    name: str
+    chinese: str
+    K: NDArray
+    S: NDArray
+    source: str = ""
+    basis: str = ""
+    licence: str = ""
+    saunderson: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise PigmentError("a pigment has no name")
+        for letter in "KS":
+            values = as_array(
+                getattr(self, letter), f"{letter} of {self.name}", (31,), error=PigmentError
+            ).copy()
+            if not 0.0 <= values.min() <= values.max() <= _STRONGEST:
+                worst = int(values.argmin() if values.min() < 0.0 else values.argmax())
+                raise PigmentError(
+                    f"{letter} of {self.name} is {values[worst]:g} at {BANDS_NM[worst]:.0f} nm; "
+                    f"expected 0 to {_STRONGEST:g}"
+                )
+            values.flags.writeable = False
+            object.__setattr__(self, letter, values)

@@ -1,0 +1,125 @@
+"""Tables of pigments: CSV of K and S by wavelength, or of the reflectance of a masstone."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.colour.masstone import masstone_strengths
+from paint3d.colour.pigment import BANDS_NM, Pigment
+from paint3d.errors import PigmentError
+
+__all__ = ["load_pigments_csv"]
+
+_BAND = re.compile(r"\s*([KSR])_(\d+(?:\.\d+)?)\s*")
+
+
+def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
+    """Read a table of pigments, one a row, as a read-only mapping by name.
+
+    Parameters
+    ----------
+    path : str or Path
+        CSV in UTF-8 with a header: ``name``, and either ``K_<nm>`` and ``S_<nm>``, per full coat,
+        or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
+        wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
+        where wanted ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no).
+
+    Raises
+    ------
+    PigmentError
+        Naming file and line, if it cannot be read, holds no pigment, a name is empty or occurs
+        twice, the wavelengths do not rise or cover 400-700 nm, K or S is negative, not finite
+        or not a number, or R is not between 0 and 1.
+    """
+    path = Path(path)
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            reader = csv.DictReader(stream)
+            header = list(reader.fieldnames or [])
+            rows = [(reader.line_num, row) for row in reader]
+    except (OSError, UnicodeDecodeError, csv.Error) as cause:
+        raise PigmentError(f"{path}: cannot be read as a table of pigments: {cause}") from None
+    if "name" not in header:
+        raise PigmentError(f"{path}:1: has no column 'name'")
+    nm, columns = _read_bands(header, path)
+    pigments: dict[str, Pigment] = {}
+    for line, row in rows:
+        pigment = _read_row(row, f"{path}:{line}", nm, columns)
+        if pigment.name in pigments:
+            raise PigmentError(f"{path}:{line}: {pigment.name!r} occurs twice")
+        pigments[pigment.name] = pigment
+    if not pigments:
+        raise PigmentError(f"{path}: holds no pigment; expected at least one row")
+    return MappingProxyType(pigments)
+
+
+def _read_bands(header: list[str], path: Path) -> tuple[NDArray, dict[str, list[str]]]:
+    """Wavelengths and columns of each letter: K and S for the same wavelengths, or R alone."""
+    columns: dict[str, list[str]] = {"K": [], "S": [], "R": []}
+    for column in header:
+        match = _BAND.fullmatch(column)
+        if match:
+            columns[match[1]].append(column)
+    bands = {a: [float(_BAND.fullmatch(c)[2]) for c in columns[a]] for a in columns}
+    masstone = bool(bands["R"]) and not (bands["K"] or bands["S"])
+    if not masstone and (bands["R"] or not bands["K"] or bands["K"] != bands["S"]):
+        raise PigmentError(
+            f"{path}:1: has {len(bands['K'])} columns K_<nm>, {len(bands['S'])} columns S_<nm> "
+            f"and {len(bands['R'])} columns R_<nm>; expected K and S for the same wavelengths, "
+            "or R alone"
+        )
+    nm = bands["R" if masstone else "K"]
+    if sorted(set(nm)) != nm:
+        raise PigmentError(f"{path}:1: wavelengths are not in rising order")
+    if nm[0] > BANDS_NM[0] or nm[-1] < BANDS_NM[-1]:
+        raise PigmentError(
+            f"{path}:1: wavelengths are {nm[0]:g} to {nm[-1]:g} nm; expected to cover 400 to 700"
+        )
+    return np.array(nm), {a: names for a, names in columns.items() if names}
+
+
+def _read_row(row: dict, where: str, nm: NDArray, columns: dict[str, list[str]]) -> Pigment:
+    spectra = {a: _read_spectrum(row, where, nm, names) for a, names in columns.items()}
+    words = {key: (row.get(key) or "").strip() for key in ("name", "chinese", "source", "basis")}
+    words["licence"] = (row.get("licence") or "").strip()
+    if not words["name"]:
+        raise PigmentError(f"{where}: name is empty")
+    gloss = (row.get("saunderson") or "no").strip().lower()
+    if gloss not in ("yes", "no"):
+        raise PigmentError(f"{where}: saunderson is {gloss!r}; expected yes or no")
+    if "R" in spectra:
+        worst = int(np.abs(spectra["R"] - 0.5).argmax())
+        if not 0.0 < spectra["R"][worst] < 1.0:
+            raise PigmentError(
+                f"{where}: R is {spectra['R'][worst]:g} at {BANDS_NM[worst]:.0f} nm; "
+                "expected a reflectance between 0 and 1"
+            )
+        if gloss == "yes":
+            raise PigmentError(f"{where}: saunderson is yes; expected no for a masstone")
+        strengths = masstone_strengths(spectra["R"])
+        words["basis"] = words["basis"] or "masstone"
+    else:
+        strengths = spectra["K"], spectra["S"]
+    return Pigment(**words, K=strengths[0], S=strengths[1], saunderson=gloss == "yes")
+
+
+def _read_spectrum(row: dict, where: str, nm: NDArray, columns: list[str]) -> NDArray:
+    """Values (31,) of one letter's columns, checked one by one."""
+    values = np.empty(nm.size)
+    for i, column in enumerate(columns):
+        try:
+            values[i] = float(row[column])
+        except (TypeError, ValueError):
+            raise PigmentError(f"{where}: {column} is {row[column]!r}; expected a number") from None
+        if not (np.isfinite(values[i]) and values[i] >= 0):
+            raise PigmentError(
+                f"{where}: {column} is {values[i]:g}; expected a finite number of at least 0"
+            )
+    return np.interp(BANDS_NM, nm, values)

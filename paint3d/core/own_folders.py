@@ -1,0 +1,64 @@
+"""Folders of the user's own: the home, or where there is none to write to, a private one.
+
+Service accounts, containers that are run with another user's number and read-only homes have no
+place for what a program keeps. What it keeps can be programs (compiled kernels), so the folder that
+takes the home's place must be one that nobody else can have put anything into.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+from paint3d.core.machine import is_private, user_number
+from paint3d.errors import ExportError
+
+__all__ = ["can_write", "find_home", "private_folder"]
+
+
+def find_home() -> Path | None:
+    """The user's home, which need not be there; None where the system knows of none."""
+    try:
+        home = Path.home()
+    except RuntimeError:  # a user without an entry in the list of users, and no HOME
+        return None
+    return home if home.is_absolute() else None
+
+
+def can_write(folder: Path) -> bool:
+    """Whether files can be made in a folder, or, where it is yet to be made, where it would be."""
+    there = os.fspath(folder)
+    while not os.path.lexists(there) and there != os.path.dirname(there):
+        there = os.path.dirname(there)
+    try:
+        tempfile.TemporaryFile(dir=there).close()
+    except OSError:
+        return False
+    return True
+
+
+@cache
+def private_folder() -> Path:
+    """Return a folder among the temporary files that only this user can enter.
+
+    It is the same at the next start, unless somebody else has made one of its name, or has been let
+    into it: then it is a fresh one.
+
+    Raises
+    ------
+    ExportError
+        If no temporary folder can be written.
+    """
+    try:
+        own = Path(tempfile.gettempdir()) / f"paint3d-{user_number()}"
+        with suppress(FileExistsError):
+            own.mkdir(mode=0o700)
+        return own if is_private(own) else Path(tempfile.mkdtemp(prefix="paint3d-"))
+    except OSError as cause:
+        raise ExportError(
+            "neither the home nor a temporary folder can be written "
+            f"({cause.strerror or cause}); expected HOME or TMPDIR to name a folder that can"
+        ) from None

@@ -1,0 +1,143 @@
+"""Devices that push back, as loops: some call us, others are asked, so each backend owns its loop.
+
+A port is handed a loop whose `step` makes a force of a pose (or of None, where the device was
+silent), and runs until it is told to stop or the device goes. Whatever happens, the last thing that
+it sends is no force.
+"""
+
+from __future__ import annotations
+
+import select
+import socket
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Protocol
+
+from paint3d.device.force.haptic_stylus import PoseNumbers, decode_numbers, encode_force
+from paint3d.device.hid_link import DeviceGoneError, open_node
+from paint3d.device.hid_nodes import HidNode
+from paint3d.errors import DeviceError
+
+__all__ = ["ForceLoop", "ForcePort", "HidForcePort", "SocketForcePort"]
+
+_WAIT_MS = 2
+_NOTHING = (0.0, 0.0, 0.0)
+_LAST_WORD_S = 1.0  # to wait for room for the last force, where the other side is slow to read
+
+
+class ForceLoop(Protocol):
+    """What a port needs of the servo."""
+
+    def step(self, pose: PoseNumbers | None, now_ns: int) -> tuple[float, float, float]:
+        """The force in the device's frame, N, after a pose or a silence."""
+
+    def sent(self) -> None:
+        """The force has gone out: the time to keep books."""
+
+    def refused(self) -> None:
+        """A report came that cannot be."""
+
+    def stopped(self) -> bool:
+        """Whether the loop must end."""
+
+
+class ForcePort(Protocol):
+    """A force device that has yet to be opened: it travels to the servo's process."""
+
+    def run(self, loop: ForceLoop) -> None:
+        """Open the device and run until it goes or the loop is stopped."""
+
+
+def answer(
+    reports: list[tuple[int, bytes]], send: Callable[[bytes], None], loop: ForceLoop
+) -> None:
+    """Answer the newest readable report of a batch, or a silence, with a force.
+
+    Every report is handed to the loop, so that none is missing from the painting, but only the
+    last force is sent.
+    """
+    sequence, force = 0, None
+    for time_ns, report in reports:
+        try:
+            pose = decode_numbers(report, time_ns)
+        except DeviceError:
+            loop.refused()
+            continue
+        if force is not None:
+            loop.sent()
+        sequence, force = pose.sequence, loop.step(pose, time.monotonic_ns())
+    if force is None:
+        force = loop.step(None, time.monotonic_ns())
+    send(encode_force(force, sequence))
+    loop.sent()
+
+
+@dataclass(frozen=True)
+class HidForcePort:
+    """paint3d's HID haptic stylus, by hidapi."""
+
+    node: HidNode
+
+    def run(self, loop: ForceLoop) -> None:
+        """See `ForcePort`.
+
+        Raises
+        ------
+        DeviceError
+            If it cannot be opened, or goes.
+        """
+        link = open_node(self.node)
+        try:
+            while not loop.stopped():
+                answer(link.read(_WAIT_MS), link.write, loop)
+        finally:
+            with suppress(DeviceGoneError):
+                link.write(encode_force(_NOTHING))
+            link.close()
+
+
+@dataclass(frozen=True)
+class SocketForcePort:
+    """The same reports over a socket that keeps messages apart: a stylus that is a program."""
+
+    socket: socket.socket
+
+    def run(self, loop: ForceLoop) -> None:
+        """See `ForcePort`.
+
+        Raises
+        ------
+        DeviceError
+            If the other side closes it.
+        """
+        self.socket.setblocking(False)
+        try:
+            while not loop.stopped():
+                answer(self._read(), self._write, loop)
+        finally:
+            self.socket.settimeout(_LAST_WORD_S)
+            with suppress(OSError, DeviceError):
+                self._write(encode_force(_NOTHING))
+            self.socket.close()
+
+    def _read(self) -> list[tuple[int, bytes]]:
+        select.select([self.socket], [], [], _WAIT_MS * 1e-3)
+        reports = []
+        try:
+            while report := self.socket.recv(64):
+                reports.append((time.monotonic_ns(), report))
+        except BlockingIOError:
+            return reports
+        except OSError as cause:
+            raise DeviceGoneError(f"the virtual stylus has gone ({cause})") from None
+        raise DeviceGoneError("the virtual stylus has gone")
+
+    def _write(self, report: bytes) -> None:
+        try:
+            self.socket.send(report)
+        except BlockingIOError:
+            return  # it does not read: the next force is newer anyway
+        except OSError as cause:
+            raise DeviceGoneError(f"the virtual stylus has gone ({cause})") from None

@@ -1,0 +1,219 @@
+"""3D Systems Touch and Phantom devices through OpenHaptics' HD library.
+
+NOT TRIED ON HARDWARE: written against the public HD interface (OpenHaptics 3) and tested against a
+library that stands in for it.
+
+The library calls us back a thousand times a second from a thread of its own. Its frame has x to the
+right, y up and z towards the user, lengths in mm; the stylus' z axis runs up the handle, as ours.
+`WORLD_FROM_OPENHAPTICS` turns it into x right, y away, z up.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import threading
+import time
+from dataclasses import dataclass, field
+
+from paint3d.device.force.force_port import ForceLoop
+from paint3d.device.force.haptic_stylus import MAX_FORCE_N, PoseNumbers
+from paint3d.errors import DeviceError
+
+__all__ = ["WORLD_FROM_OPENHAPTICS", "OpenHapticsPort"]
+
+WORLD_FROM_OPENHAPTICS = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
+"""Rotation for a `DeviceCalibration`: a quarter turn about x."""
+
+_BUTTONS, _TRANSFORM, _MAX_FORCE, _FORCE = 0x2000, 0x2052, 0x2603, 0x2700
+_FORCE_OUTPUT, _FORCE_CLAMPING = 0x4000, 0x4001
+_NO_DEVICE = 0xFFFFFFFF
+_DONE, _GO_ON = 0, 1
+_PRIORITY = 0xFFFF
+_PATIENCE_S = 0.05
+_SILENCE_NS = 1_000_000_000
+_Callback = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_void_p)
+
+
+class _Error(ctypes.Structure):
+    _fields_ = (
+        ("code", ctypes.c_uint),
+        ("internal", ctypes.c_int),
+        ("device", ctypes.c_uint),
+    )
+
+
+@dataclass(frozen=True)
+class OpenHapticsPort:
+    """A force port of the HD library.
+
+    Parameters
+    ----------
+    name : str
+        As configured in the maker's setup program; empty is the default device.
+    library : str
+        The shared library.
+    """
+
+    name: str = ""
+    library: str = "libHD.so"
+
+    def run(self, loop: ForceLoop) -> None:
+        """See `paint3d.device.force.force_port.ForcePort`.
+
+        Raises
+        ------
+        DeviceError
+            If the library is missing, the device cannot be opened, or it fails.
+        """
+        hd = _load(self.library)
+        handle = hd.hdInitDevice(self.name.encode() or None)
+        if handle == _NO_DEVICE or (code := hd.hdGetError().code):
+            reason = "" if handle == _NO_DEVICE else f" (error {code:#x})"
+            raise DeviceError(f"OpenHaptics cannot open {self.name or 'the device'}{reason}")
+        session = _Session(hd, handle, loop)
+        callback = _Callback(session.call)
+        try:
+            hd.hdEnable(_FORCE_OUTPUT)
+            hd.hdEnable(_FORCE_CLAMPING)
+            session.read_limit()
+            ticket = hd.hdScheduleAsynchronous(callback, None, _PRIORITY)
+            hd.hdStartScheduler()
+            while not session.over.wait(_PATIENCE_S):
+                session.check_beat()
+            hd.hdStopScheduler()
+            hd.hdUnschedule(ticket)
+        finally:
+            hd.hdDisable(_FORCE_OUTPUT)
+            hd.hdDisableDevice(handle)
+        if session.failure is not None:
+            raise session.failure
+
+
+@dataclass
+class _Session:
+    """What the callback works with; nothing is made anew in it."""
+
+    hd: ctypes.CDLL
+    handle: int
+    loop: ForceLoop
+    over: threading.Event = field(default_factory=threading.Event)
+    failure: DeviceError | None = None
+    limit: float = 0.0
+    called_ns: int = 0
+
+    def __post_init__(self) -> None:
+        self._transform = (ctypes.c_double * 16)()
+        self._force = (ctypes.c_double * 3)()
+        self._held = (ctypes.c_int * 1)()
+
+    def read_limit(self) -> None:
+        """What the device itself can do, N."""
+        most = (ctypes.c_double * 1)()
+        self.hd.hdGetDoublev(_MAX_FORCE, most)
+        if not 0.0 < most[0] <= 1000.0:
+            raise DeviceError(f"OpenHaptics says the greatest force is {most[0]} N")
+        self.limit = min(most[0], MAX_FORCE_N)
+        self.called_ns = time.monotonic_ns()
+
+    def check_beat(self) -> None:
+        """End where the library has stopped calling: nobody would be told to stop."""
+        if time.monotonic_ns() - self.called_ns > _SILENCE_NS:
+            self.failure = DeviceError("OpenHaptics has stopped calling: the device has gone")
+            self.over.set()
+
+    def call(self, _: int | None) -> int:
+        """One servo tick; an exception must not reach the library."""
+        hd = self.hd
+        self.called_ns = now_ns = time.monotonic_ns()
+        hd.hdBeginFrame(self.handle)
+        force, go_on = (0.0, 0.0, 0.0), _DONE
+        try:
+            if not self.loop.stopped():
+                hd.hdGetDoublev(_TRANSFORM, self._transform)
+                hd.hdGetIntegerv(_BUTTONS, self._held)
+                pose = _pose(self._transform, self._held[0], now_ns)
+                force, go_on = self._bounded(self.loop.step(pose, now_ns)), _GO_ON
+        except Exception as cause:
+            self.failure = DeviceError(f"the servo failed: {cause!r}")
+            force, go_on = (0.0, 0.0, 0.0), _DONE
+        self._force[:] = force
+        hd.hdSetDoublev(_FORCE, self._force)
+        hd.hdEndFrame(self.handle)
+        if go_on == _GO_ON and (code := hd.hdGetError().code):
+            self.failure, go_on = DeviceError(f"OpenHaptics reports error {code:#x}"), _DONE
+        if go_on == _GO_ON:
+            self.loop.sent()
+        else:
+            self.over.set()
+        return go_on
+
+    def _bounded(self, force: tuple[float, float, float]) -> tuple[float, float, float]:
+        size = math.hypot(*force)
+        if not math.isfinite(size):
+            raise DeviceError("a force that is not finite")
+        scale = min(1.0, self.limit / size) if size > 0.0 else 1.0
+        return force[0] * scale, force[1] * scale, force[2] * scale
+
+
+def _pose(matrix, buttons: int, time_ns: int) -> PoseNumbers:
+    """Position and quaternion out of a column-major 4 x 4 matrix."""
+    m = [[matrix[4 * column + row] for column in range(3)] for row in range(3)]
+    trace = m[0][0] + m[1][1] + m[2][2]
+    if trace > 0.0:
+        w = 0.5 * math.sqrt(1.0 + trace)
+        q = (
+            w,
+            (m[2][1] - m[1][2]) / (4.0 * w),
+            (m[0][2] - m[2][0]) / (4.0 * w),
+            (m[1][0] - m[0][1]) / (4.0 * w),
+        )
+    else:
+        i = max(range(3), key=lambda k: m[k][k])
+        j, k = (i + 1) % 3, (i + 2) % 3
+        big = 0.5 * math.sqrt(max(0.0, 1.0 + m[i][i] - m[j][j] - m[k][k]))
+        parts = [0.0] * 3
+        parts[i] = big
+        parts[j] = (m[j][i] + m[i][j]) / (4.0 * big)
+        parts[k] = (m[k][i] + m[i][k]) / (4.0 * big)
+        q = ((m[k][j] - m[j][k]) / (4.0 * big), *parts)
+    length = math.hypot(*q)
+    unit = (q[0] / length, q[1] / length, q[2] / length, q[3] / length)
+    return PoseNumbers(time_ns, (matrix[12], matrix[13], matrix[14]), unit, buttons & 0xFF, 0)
+
+
+def _load(library: str) -> ctypes.CDLL:
+    try:
+        hd = ctypes.CDLL(library)
+    except OSError as cause:
+        raise DeviceError(
+            f"OpenHaptics' library {library} cannot be loaded ({cause}); it comes with the maker's "
+            "driver"
+        ) from None
+    doubles, unsigned = ctypes.POINTER(ctypes.c_double), ctypes.c_uint
+    for name, result, arguments in (
+        ("hdInitDevice", unsigned, [ctypes.c_char_p]),
+        ("hdDisableDevice", None, [unsigned]),
+        ("hdEnable", None, [unsigned]),
+        ("hdDisable", None, [unsigned]),
+        ("hdBeginFrame", None, [unsigned]),
+        ("hdEndFrame", None, [unsigned]),
+        ("hdGetDoublev", None, [unsigned, doubles]),
+        ("hdSetDoublev", None, [unsigned, doubles]),
+        ("hdGetIntegerv", None, [unsigned, ctypes.POINTER(ctypes.c_int)]),
+        ("hdGetError", _Error, []),
+        ("hdStartScheduler", None, []),
+        ("hdStopScheduler", None, []),
+        (
+            "hdScheduleAsynchronous",
+            ctypes.c_ulong,
+            [_Callback, ctypes.c_void_p, ctypes.c_ushort],
+        ),
+        ("hdUnschedule", None, [ctypes.c_ulong]),
+    ):
+        try:
+            function = getattr(hd, name)
+        except AttributeError:
+            raise DeviceError(f"{library} has no {name}: not OpenHaptics' HD library") from None
+        function.restype, function.argtypes = result, arguments
+    return hd

@@ -1,0 +1,1 @@
+"""Sessions and journals: a painting with its way back."""

@@ -1,0 +1,251 @@
+"""A painting as the writers take it: plain arrays, checked, in the file's unit and axes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.arrays import as_array
+from paint3d.errors import MeshError
+from paint3d.files.export_options import ExportOptions
+from paint3d.files.load import UNITS_MM
+from paint3d.files.progress import Progress, part_of
+from paint3d.files.project.position_steps import find_steps
+from paint3d.files.writers.filaments import (
+    choose_filaments,
+    choose_for_triangles,
+    split_by_filament,
+)
+from paint3d.files.writers.texture import Detail, bake_detail
+from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
+
+__all__ = ["Exportable", "Painting", "PlainSurface", "Untextured", "read_painting"]
+
+UNIT_LENGTH = 1e-6  # a normal nearer to length 1 than this is left as it is
+
+
+class Exportable(Protocol):
+    """What can be exported: a PaintedSurface, or anything with its arrays and material."""
+
+    @property
+    def material(self) -> object:
+        """The material; its ``name`` goes into the file and chooses the shine."""
+        ...
+
+    @property
+    def srgb(self) -> NDArray[np.uint8]:
+        """Codes of every vertex, (V, 3)."""
+        ...
+
+    @property
+    def vertex_areas(self) -> NDArray[np.float64]:
+        """Area that each vertex stands for, (V,) mm2."""
+        ...
+
+    def export_arrays(
+        self,
+        tolerance: float | None = 1.0,
+        srgb: NDArray[np.uint8] | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Return vertices (K, 3) mm, faces (F, 3), unit normals (K, 3) and sRGB codes (K, 3).
+
+        Parameters
+        ----------
+        tolerance : float or None
+            dE00 by which colours may be missed; None for all vertices.
+        srgb : (V, 3) uint8, optional
+            Codes to export instead of the painting's own.
+        progress : callable, optional
+            Called with the share done, now and then; what it raises stops it.
+        """
+        ...
+
+
+class Painting(NamedTuple):
+    """Arrays of a painting, names of its material and file, its texture or filaments if any.
+
+    `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
+    `paint3d.files.project.position_steps`.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    normals: NDArray[np.float32]
+    srgb: NDArray[np.uint8]
+    material: str
+    title: str = "painting"
+    uv: NDArray[np.float32] | None = None
+    image: NDArray[np.uint8] | None = None
+    palette: NDArray[np.uint8] | None = None
+    face_filaments: NDArray[np.int32] | None = None
+    steps: NDArray[np.float32] | None = None
+
+    def placed(self, unit: str, up_axis: str) -> Painting:
+        """Return the painting in another unit, with another axis up; it is in mm with z up."""
+        vertices, normals, steps = self.vertices, self.normals, None
+        if up_axis == "y":  # a turn by -90 degrees about x
+            vertices, normals = (
+                np.stack([v[:, 0], v[:, 2], -v[:, 1]], axis=1) for v in (vertices, normals)
+            )
+        if unit != "mm":
+            in_mm, vertices = vertices, (vertices / UNITS_MM[unit]).astype(np.float32)
+            steps = find_steps(in_mm, vertices) if unit == "m" else None
+        return self._replace(vertices=vertices, normals=normals, steps=steps)
+
+
+class PlainSurface:
+    """A mesh with the colours that it came with, as something to export; white without colours."""
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        self.mesh = mesh
+        self.material = None
+        white = np.full((mesh.n_vertices, 3), 255, np.uint8)
+        self.srgb = white if mesh.colours is None else mesh.colours
+
+    @property
+    def vertex_areas(self) -> NDArray[np.float64]:
+        """(V,) mm2."""
+        areas = np.zeros(self.mesh.n_vertices)
+        for corner in range(3):
+            np.add.at(areas, self.mesh.faces[:, corner], self.mesh.double_areas / 6.0)
+        return areas
+
+    def export_arrays(
+        self,
+        tolerance: float | None = 1.0,
+        srgb: NDArray[np.uint8] | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Return the mesh's arrays as they are; none of its vertices was added for painting."""
+        mesh = self.mesh
+        normals = _smooth_normals(mesh) if mesh.normals is None else mesh.normals
+        return mesh.vertices, mesh.faces, normals, self.srgb if srgb is None else srgb
+
+    def detail_arrays(self) -> tuple[NDArray, ...]:
+        """Return the mesh, and the mesh again as what is painted on it."""
+        mesh = self.mesh
+        vertices, faces, normals, srgb = self.export_arrays()
+        sound = mesh.double_areas > 0.0
+        owners = np.arange(np.count_nonzero(sound), dtype=np.int32)
+        return vertices, faces[sound], normals, vertices, faces[sound], owners, srgb
+
+
+def _smooth_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return vertex normals (V, 3), not yet of length 1: the faces' by area."""
+    normals = np.zeros((mesh.n_vertices, 3))
+    weighted = mesh.face_normals * mesh.double_areas[:, None]
+    for corner in range(3):
+        np.add.at(normals, mesh.faces[:, corner], weighted)
+    return normals
+
+
+class Untextured(NamedTuple):
+    """A surface's arrays whose colours are still to be baked into a texture."""
+
+    detail: Detail
+    size: int | None
+    material: str
+
+    def baked(self) -> Painting:
+        """Return the painting with its texture; on a large object this takes long."""
+        vertices, faces, normals, uv, image = bake_detail(self.detail, self.size)
+        white = np.full((len(vertices), 3), 255, np.uint8)
+        painting = _checked((vertices, faces, normals, white), self.material)
+        return painting._replace(uv=uv, image=image)
+
+
+def read_painting(
+    surface: Exportable | TriangleMesh,
+    options: ExportOptions,
+    progress: Progress | None = None,
+) -> Painting | Untextured:
+    """Return what is to be written of a surface, checked; it may be painted on afterwards.
+
+    `progress` is told the share done; what it raises stops it.
+
+    Raises
+    ------
+    MeshError
+        If its arrays do not fit each other.
+    """
+    if isinstance(surface, TriangleMesh):
+        surface = PlainSurface(surface)
+    material = str(getattr(surface.material, "name", "painting"))
+    if options.texture:
+        size = None if options.texture is True else int(options.texture)
+        detail = tuple(np.array(array) for array in surface.detail_arrays())
+        return Untextured(detail, size, material)
+    if options.filaments is None:
+        tolerance = None if options.exact else options.tolerance
+        return _checked(surface.export_arrays(tolerance, **_told(progress)), material)
+    filaments = choose_filaments(surface.srgb, surface.vertex_areas, options.filaments)
+    codes = filaments.palette[filaments.chosen]
+    told = _told(part_of(progress, 0.3, 1.0))
+    arrays = surface.export_arrays(None if options.exact else 0.0, codes, **told)
+    return _in_filaments(_checked(arrays, material), filaments.palette)
+
+
+def _told(progress: Progress | None) -> dict[str, Progress]:
+    """What `export_arrays` is given besides; a surface need not know of progress."""
+    return {} if progress is None else {"progress": progress}
+
+
+def _in_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:
+    """Return a painting whose codes are of the palette, with one filament a triangle."""
+    weights = np.array([65536, 256, 1])
+    packed, order = palette @ weights, np.argsort(palette @ weights, kind="stable")
+    chosen = order[np.searchsorted(packed, painting.srgb @ weights, sorter=order)]
+    face_filaments = choose_for_triangles(painting.faces, chosen, palette)
+    ids, faces, filament = split_by_filament(painting.faces, face_filaments, len(palette))
+    return painting._replace(
+        vertices=painting.vertices[ids],
+        faces=faces,
+        normals=painting.normals[ids],
+        srgb=palette[filament],
+        palette=palette,
+        face_filaments=face_filaments,
+    )
+
+
+def _checked(arrays: tuple[NDArray, NDArray, NDArray, NDArray], material: str) -> Painting:
+    vertices = as_array(arrays[0], "vertices", (None, 3), np.float32, MeshError)
+    faces = as_array(arrays[1], "faces", (None, 3), np.int32, MeshError)
+    shape = (len(vertices), 3)
+    if len(faces) == 0:
+        raise MeshError("there are no faces; expected at least one triangle")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        bad = faces.min() if faces.min() < 0 else faces.max()
+        raise MeshError(f"a face refers to vertex {bad}; expected 0 to {len(vertices) - 1}")
+    farthest = np.abs(vertices).max()
+    if farthest > MAX_COORDINATE_MM:
+        raise MeshError(f"a coordinate is {farthest:g} mm; expected {MAX_COORDINATE_MM:g} at most")
+    return Painting(
+        vertices,
+        faces,
+        _unit(as_array(arrays[2], "normals", shape, np.float32, MeshError)),
+        _codes(arrays[3], shape),
+        material,
+    )
+
+
+def _codes(srgb: NDArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
+    srgb = np.ascontiguousarray(srgb)
+    if srgb.dtype != np.uint8 or srgb.shape != shape:
+        raise MeshError(f"srgb is {srgb.dtype} {srgb.shape}; expected uint8 {shape}")
+    return srgb
+
+
+def _unit(normals: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return normals of length 1; vertices without one, which no face uses, point up."""
+    length = np.sqrt(np.einsum("ij,ij->i", normals, normals, dtype=np.float64))
+    off = np.flatnonzero(np.abs(length - 1.0) > UNIT_LENGTH)
+    if len(off) == 0:
+        return normals
+    unit = normals.copy()
+    none = length[off] == 0.0
+    unit[off] = normals[off] / np.where(none, 1.0, length[off])[:, None]
+    unit[off[none]] = (0.0, 0.0, 1.0)
+    return unit

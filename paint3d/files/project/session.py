@@ -1,0 +1,274 @@
+"""Sessions (.p3d): a painting as it stands, to go on with, in one file.
+
+An archive (`array_archive`) with the object, the surface's state, the recordings it came from and
+the settings. What each part holds, version by version, is in docs/sessions.md.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.atomic import write_atomically
+from paint3d.device.recorded import Recording, checked_header
+from paint3d.errors import ExportError, Paint3DError, SessionError
+from paint3d.files.progress import Progress, part_of
+from paint3d.files.project.array_archive import read_archive, write_archive
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.state import restore_surface, surface_state
+
+__all__ = [
+    "SESSION_SUFFIX",
+    "VERSION",
+    "Session",
+    "is_session_path",
+    "load_session",
+    "save_session",
+]
+
+FORMAT = "paint3d-session"
+VERSION = 2
+SESSION_SUFFIX = ".p3d"
+MAX_RECORDINGS = 10_000
+MESH = ("vertices", "faces", "colours", "normals")
+SAMPLES = (
+    "time_ns", "position", "orientation", "pressure", "buttons",
+    "object_position", "object_orientation", "contact",
+)  # fmt: skip
+_MAY_LACK = {"pressure": (), "contact": (3,)}  # and the shape of one that does
+
+Parts = tuple[dict[str, object], dict[str, NDArray]]
+UPGRADES: dict[int, Callable[[Parts], Parts]] = {
+    1: lambda parts: ({**parts[0], "strokes": []}, {**parts[1], **_packed(())}),
+}
+"""For each old version the step to the next one; `load_session` takes them in turn."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """A painting, and how it came about.
+
+    Attributes
+    ----------
+    surface : PaintedSurface
+    recordings : sequence of Recording
+        What was painted, in order.
+    settings : mapping
+        Anything that JSON can hold: brush, ink, the command's options.
+    strokes : sequence of Recording
+        What was painted by hand, stroke by stroke, with what is known of each in its header;
+        there may be very many.
+    undone : sequence of Recording
+        Strokes that were taken back and can be done again, the next one last.
+    history : mapping or None
+        How strokes are taken back and done again: words, numbers, arrays, and mappings of these
+        (`app.model.persistence.saved_history`). What was read may come from a stranger and was not
+        checked.
+    """
+
+    surface: PaintedSurface
+    recordings: Sequence[Recording] = ()
+    settings: Mapping[str, object] = field(default_factory=dict)
+    strokes: Sequence[Recording] = ()
+    undone: Sequence[Recording] = ()
+    history: Mapping[str, object] | None = None
+
+
+def is_session_path(path: str | os.PathLike[str]) -> bool:
+    """Whether a file's name is that of a session."""
+    return os.fspath(path).lower().endswith(SESSION_SUFFIX)
+
+
+def save_session(
+    session: Session, path: str | os.PathLike[str], progress: Progress | None = None
+) -> None:
+    """Save a session: after any failure the file is as it was.
+
+    The same session gives the same bytes.
+
+    Parameters
+    ----------
+    session : Session
+    path : path-like
+    progress : callable, optional
+        Called with the share done, and with 1 before the file takes its place; what it raises
+        leaves everything as it was.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written, or a setting or header is nothing that JSON can hold.
+    """
+    path = Path(path)
+    text, arrays = _parts(session)
+    with write_atomically(path, progress) as temporary:
+        try:
+            write_archive(temporary, text, arrays, part_of(progress, 0.2, 0.95))
+        except (TypeError, ValueError) as cause:
+            raise ExportError(f"{path}: settings cannot be saved: {cause}") from None
+
+
+def _parts(session: Session) -> Parts:
+    mesh, state = session.surface.source, surface_state(session.surface)
+    arrays = {f"mesh/{name}": getattr(mesh, name) for name in MESH}
+    arrays |= {f"surface/{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
+    for k, recording in enumerate(session.recordings):
+        arrays |= {f"recordings/{k}/{name}": getattr(recording, name) for name in SAMPLES}
+    arrays |= _packed(session.strokes)
+    more: dict[str, object] = {}
+    if session.history is not None:
+        more["history"], own = _split(session.history, "history/")
+        more["undone"] = [_own_words(recording.header) for recording in session.undone]
+        arrays |= own | _packed(session.undone, "undone/")
+    text = {
+        "format": FORMAT,
+        "version": VERSION,
+        "object": mesh.name,
+        "surface": {k: v for k, v in state.items() if not isinstance(v, np.ndarray)},
+        "recordings": [dict(recording.header) for recording in session.recordings],
+        "settings": dict(session.settings),
+        "strokes": [_own_words(recording.header) for recording in session.strokes],
+        **more,
+    }
+    return text, {name: array for name, array in arrays.items() if array is not None}
+
+
+def _split(state: Mapping[str, object], prefix: str) -> tuple[dict, dict[str, NDArray]]:
+    """Words and numbers by themselves, and the arrays by their way through the mappings."""
+    words, arrays = {}, {}
+    for name, value in state.items():
+        if isinstance(value, np.ndarray):
+            arrays[f"{prefix}{name}"] = value
+        elif isinstance(value, Mapping):
+            words[name], own = _split(value, f"{prefix}{name}/")
+            arrays |= own
+        else:
+            words[name] = value
+    return words, dict(sorted(arrays.items()))
+
+
+def _joined(words: Mapping[str, object], arrays: Mapping[str, NDArray], prefix: str) -> dict:
+    """What `_split` took apart: the arrays of this prefix, and those of one mapping in it."""
+    state: dict[str, object] = {}
+    for name, value in words.items():
+        own = f"{prefix}{name}/"
+        inner = {k.removeprefix(own): v for k, v in arrays.items() if k.startswith(own)}
+        state[name] = {**value, **inner} if inner and isinstance(value, Mapping) else value
+    own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+    return state | {name: array for name, array in own.items() if "/" not in name}
+
+
+def _packed(strokes: Sequence[Recording], prefix: str = "strokes/") -> dict[str, NDArray]:
+    """All strokes in one column each: an archive has no room for an entry a stroke."""
+    starts = np.concatenate([[0], np.cumsum([len(s) for s in strokes], dtype=np.int64)])
+    arrays = {f"{prefix}starts": starts.astype(np.int64)}
+    for name in SAMPLES if strokes else ():
+        columns = [getattr(s, name) for s in strokes]
+        if name in _MAY_LACK:
+            columns = [
+                np.full((len(s), *_MAY_LACK[name]), np.nan) if column is None else column
+                for s, column in zip(strokes, columns, strict=True)
+            ]
+        arrays[f"{prefix}{name}"] = np.concatenate(columns)
+    return arrays
+
+
+def _own_words(header: Mapping[str, object]) -> dict[str, object]:
+    """A header without what every header says."""
+    common = checked_header({})
+    return {k: v for k, v in header.items() if k not in common or v != common[k]}
+
+
+def _strokes(
+    headers: Sequence[Mapping], arrays: dict[str, NDArray], prefix: str = "strokes/"
+) -> tuple[Recording, ...]:
+    starts = arrays[f"{prefix}starts"]
+    n = len(arrays[f"{prefix}time_ns"]) if len(headers) else 0
+    whole = starts.dtype == np.int64 and starts.shape == (len(headers) + 1,)
+    if not whole or starts[0] != 0 or starts[-1] != n or (np.diff(starts) <= 0).any():
+        raise SessionError(f"its {len(headers)} strokes do not share out {n} samples")
+    strokes = []
+    for k, header in enumerate(headers):
+        own = slice(int(starts[k]), int(starts[k + 1]))
+        given = [name for name in SAMPLES if f"{prefix}{name}" in arrays]
+        columns = {name: arrays[f"{prefix}{name}"][own] for name in given}
+        if np.isnan(columns["pressure"]).all():
+            columns["pressure"] = None
+        strokes.append(Recording(**columns, header=dict(header)))
+    return tuple(strokes)
+
+
+def load_session(path: str | os.PathLike[str], progress: Progress | None = None) -> Session:
+    """Open a session of this version or an older one; it may come from a stranger.
+
+    Parameters
+    ----------
+    path : path-like
+    progress : callable, optional
+        Called with the share done, now and then; what it raises stops it.
+
+    Raises
+    ------
+    SessionError
+        ``file: what is wrong``: it is damaged, incomplete, or newer than this program.
+    """
+    path = Path(path)
+    try:
+        return _session(_upgraded(read_archive(path, part_of(progress, 0.0, 0.3))), progress)
+    except SessionError as cause:
+        raise SessionError(f"{path}: {_one_line(cause)}") from None
+    except Paint3DError as cause:
+        raise SessionError(f"{path}: it cannot be used: {_one_line(cause)}") from None
+    except (KeyError, TypeError, AttributeError, ValueError) as cause:
+        raise SessionError(f"{path}: it is incomplete near {_one_line(cause)}") from None
+    except MemoryError:
+        raise SessionError(f"{path}: it does not fit into memory") from None
+
+
+def _one_line(cause: BaseException) -> str:
+    return " ".join(str(cause).split())
+
+
+def _upgraded(parts: Parts) -> Parts:
+    text = parts[0]
+    version = text.get("version")
+    if text.get("format") != FORMAT or type(version) is not int or version < 1:
+        raise SessionError(f"it says it is {text.get('format')!r:.40}; expected {FORMAT!r}")
+    if version > VERSION:
+        raise SessionError(f"its version is {version}; this program knows up to {VERSION}")
+    for old in range(version, VERSION):
+        parts = UPGRADES[old](parts)
+    return parts
+
+
+def _session(parts: Parts, progress: Progress | None = None) -> Session:
+    text, arrays = parts
+    mesh = TriangleMesh(
+        arrays["mesh/vertices"],
+        arrays["mesh/faces"],
+        arrays.get("mesh/colours"),
+        str(text["object"]),
+        arrays.get("mesh/normals"),
+    )
+    headers, settings = text["recordings"], text["settings"]
+    if len(headers) > MAX_RECORDINGS:
+        raise SessionError(f"it has {len(headers):,} recordings; expected {MAX_RECORDINGS:,}")
+    recordings = []
+    for k, header in enumerate(headers):
+        columns = {name: arrays.get(f"recordings/{k}/{name}") for name in SAMPLES}
+        recordings.append(Recording(**columns, header=dict(header)))
+    prefix = "surface/"
+    state = dict(text["surface"])
+    state |= {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+    strokes, undone, history = _strokes(text["strokes"], arrays), (), None
+    if isinstance(text.get("history"), Mapping):
+        undone = _strokes(text["undone"], arrays, "undone/")
+        history = _joined(text["history"], arrays, "history/")
+    surface = restore_surface(mesh, state, part_of(progress, 0.35, 0.9))
+    return Session(surface, tuple(recordings), dict(settings), strokes, undone, history)

@@ -1,0 +1,1 @@
+"""Reading meshes and their looks, format by format."""

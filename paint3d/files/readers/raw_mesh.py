@@ -1,0 +1,137 @@
+"""What every mesh reader hands back: polygons as the file has them, not yet checked."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.files.readers.textures import Look
+
+__all__ = ["RawMesh", "check_count", "index_array", "left_out", "parse_numbers"]
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """A file's polygons.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float64
+        In the file's unit and axes.
+    corners : (N,) int64
+        Vertex indices of all polygons, one after the other.
+    sizes : (P,) int64
+        Corners of each polygon.
+    colours : (V, 3) uint8 or None
+        sRGB codes.
+    normals : (V, 3) float64 or None
+    unit_mm : float or None
+        Millimetres in one unit, where the format or the file says so.
+    up : {"y", "z"} or None
+        The axis that points up, where the format says so.
+    announces : str
+        What the file speaks of besides points, such as faces, even if it holds none: without
+        triangles it is no point cloud then.
+    notes : tuple of str
+        What the user should know, such as a texture that was left out.
+    looks : tuple of Look
+        The materials that were read.
+    look_of : (P,) int64 or None
+        Of each polygon, -1 for none; None where no material was read.
+    uv : (N, 2) float64 or None
+        Place of every corner on its polygon's picture, from the upper left; nan where unknown.
+    corner_colours : (N, 3) uint8 or None
+        sRGB codes of every corner, where those of one vertex may differ; they count where looks
+        are read, and `colours` elsewhere.
+    """
+
+    vertices: NDArray[np.float64]
+    corners: NDArray[np.int64]
+    sizes: NDArray[np.int64]
+    colours: NDArray[np.uint8] | None = None
+    normals: NDArray[np.float64] | None = None
+    unit_mm: float | None = None
+    up: str | None = None
+    announces: str = ""
+    notes: tuple[str, ...] = ()
+    looks: tuple[Look, ...] = ()
+    look_of: NDArray[np.int64] | None = None
+    uv: NDArray[np.float64] | None = None
+    corner_colours: NDArray[np.uint8] | None = None
+
+    @classmethod
+    def of_triangles(cls, vertices: NDArray, faces: NDArray, **others: object) -> RawMesh:
+        """Return a raw mesh with (F, 3) triangles."""
+        faces = np.asarray(faces, np.int64).reshape(-1, 3)
+        return cls(vertices, faces.ravel(), np.full(len(faces), 3), **others)
+
+
+def left_out(what: Iterable[str]) -> tuple[str, ...]:
+    """Return one note on what a file says and paint3d does not take; none where there is none."""
+    named = sorted(what)
+    return (f"left out: {', '.join(named)}",) if named else ()
+
+
+def parse_numbers(text: bytes, what: str) -> NDArray[np.float64]:
+    """Return all numbers of a white-space separated text.
+
+    Raises
+    ------
+    MeshError
+        Naming the first word that is not a number.
+    """
+    if not text.strip():
+        return np.empty(0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            return np.fromstring(text.decode("latin-1"), sep=" ")
+        except (DeprecationWarning, ValueError):
+            pass
+    numbers = []
+    for word in text.split():
+        try:
+            numbers.append(float(word))
+        except ValueError:
+            shown = word[:20].decode("ascii", "replace")
+            raise MeshError(f"{what} has {shown!r} where a number was expected") from None
+    return np.array(numbers)
+
+
+def index_array(numbers: NDArray, what: str) -> NDArray[np.int64]:
+    """Return numbers read as text as indices.
+
+    Raises
+    ------
+    MeshError
+        If one is not a whole number or beyond 2^53.
+    """
+    whole = np.isfinite(numbers) & (np.abs(numbers) < 2.0**53)
+    whole &= np.floor(np.where(whole, numbers, 0.5)) == numbers
+    if not whole.all():
+        raise MeshError(f"{what} has {numbers[~whole][0]:g} where a vertex index was expected")
+    return numbers.astype(np.int64)
+
+
+def check_count(count: float, n_bytes_each: float, n_bytes: int, what: str) -> None:
+    """Refuse a count that the rest of the file cannot hold, before memory is taken for it.
+
+    Raises
+    ------
+    MeshError
+        If there is not enough data.
+    """
+    room = math.floor(n_bytes / n_bytes_each)
+    if count < 0:
+        raise MeshError(f"it says it has {count} {what}; expected 0 or more")
+    if count > room:
+        raise MeshError(
+            f"it says it has {count:,} {what}, but what follows has room for {room:,} at most; "
+            "the file is cut short or its header is wrong"
+        )

@@ -1,0 +1,236 @@
+"""3MF: the build items of the package's model as one mesh, with colours where it has them."""
+
+from __future__ import annotations
+
+import io
+import posixpath
+import zipfile
+import zlib
+from dataclasses import dataclass, field, replace
+from functools import partial
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.files.readers.colours_3mf import CORE, Paint3mf, Seen
+from paint3d.files.readers.contents import parse_xml
+from paint3d.files.readers.raw_mesh import RawMesh, left_out
+from paint3d.files.readers.textures import Look
+
+__all__ = ["read_3mf"]
+
+UNITS_MM = {
+    "micron": 1e-3,
+    "millimeter": 1.0,
+    "centimeter": 10.0,
+    "inch": 25.4,
+    "foot": 304.8,
+    "meter": 1000.0,
+}
+LATTICE = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
+PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
+MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+MAX_UNPACKED = 1 << 30
+MAX_PARTS = 10_000
+
+
+@dataclass
+class Package:
+    """An opened archive: model parts already parsed, and pieces of mesh found so far."""
+
+    archive: zipfile.ZipFile
+    paint: Paint3mf
+    models: dict[str, ElementTree.Element] = field(default_factory=dict)
+    pieces: list[RawMesh] = field(default_factory=list)
+
+    def model(self, part: str) -> ElementTree.Element:
+        """Return the root of a model part."""
+        if part not in self.models:
+            self.models[part] = parse_xml(read_part(self.archive, part), part)
+        return self.models[part]
+
+
+def read_part(archive: zipfile.ZipFile, part: str) -> bytes:
+    """Return the bytes of a part.
+
+    Raises
+    ------
+    MeshError
+        If there is none of that name.
+    """
+    try:
+        return archive.read(part.lstrip("/"))
+    except KeyError:
+        raise MeshError(f"it refers to {part!r:.80}, which it does not contain") from None
+
+
+def read_3mf(data: bytes, texture: bool = False) -> RawMesh:
+    """Read a 3MF package: core, materials (colours, textures), components in other parts.
+
+    A vertex whose corners have different colours gets their mean; the corners' are handed on.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+    texture : bool
+        Whether pictures are read, and colours of corners kept apart.
+
+    Raises
+    ------
+    MeshError
+        If the archive is broken, encrypted or packed in an unusual way, over 1 GiB unpacked, or
+        has no build items with triangles.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            _check_entries(archive)
+            paint = Paint3mf(partial(read_part, archive), texture)
+            raw = _read_package(Package(archive, paint))
+            return raw if texture else replace(raw, looks=(), look_of=None, uv=None)
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError) as cause:
+        raise MeshError(f"it is not a readable 3MF archive: {cause}") from None
+
+
+def _check_entries(archive: zipfile.ZipFile) -> None:
+    """Refuse what is too large, and what the Open Packaging Conventions (ECMA-376-2) forbid."""
+    entries = archive.infolist()
+    if sum(entry.file_size for entry in entries) > MAX_UNPACKED:
+        raise MeshError(f"it unpacks to over {MAX_UNPACKED >> 30} GiB; expected less")
+    for entry in entries:
+        if entry.flag_bits & 1 or entry.compress_type not in PACKINGS:
+            how = "encrypted" if entry.flag_bits & 1 else f"packed by method {entry.compress_type}"
+            raise MeshError(f"its {entry.filename!r:.60} is {how}; expected it plain or deflated")
+
+
+def _read_package(package: Package) -> RawMesh:
+    start = _start_part(package.archive)
+    model = package.model(start)
+    unit = model.get("unit", "millimeter")
+    if unit not in UNITS_MM:
+        raise MeshError(f"its unit is {unit!r}; expected one of {', '.join(UNITS_MM)}")
+    for item in model.iterfind(f"{CORE}build/{CORE}item"):
+        part = item.get(f"{PRODUCTION}path", start)
+        _place(package, part, item.get("objectid"), _matrix(item.get("transform")), ())
+    if not package.pieces:
+        raise MeshError("it has no build items with triangles; expected a surface")
+    raw = _merged(package.pieces, UNITS_MM[unit], package.paint.looks)
+    notes, dropped = tuple(dict.fromkeys(package.paint.notes)), package.paint.dropped
+    if len(raw.sizes):
+        dropped = dropped | ({"beam lattices"} if _has_beams(package) else set())
+        return replace(raw, notes=notes + left_out(dropped))
+    what = "a beam lattice, which is not read" if _has_beams(package) else "a mesh"
+    return replace(raw, announces=what, notes=notes + left_out(dropped))
+
+
+def _has_beams(package: Package) -> bool:
+    objects = f"{CORE}resources/{CORE}object/{CORE}mesh/{LATTICE}"
+    return any(root.find(objects) is not None for root in package.models.values())
+
+
+def _start_part(archive: zipfile.ZipFile) -> str:
+    try:
+        relations = parse_xml(archive.read("_rels/.rels"), "_rels/.rels")
+    except KeyError:
+        raise MeshError("it has no _rels/.rels; expected a 3MF package") from None
+    for relation in relations:
+        if relation.get("Type") == MODEL_RELATION:
+            return posixpath.join("/", relation.get("Target", ""))
+    raise MeshError("it names no 3-D model part; expected a 3MF package")
+
+
+def _place(
+    package: Package,
+    part: str,
+    object_id: str | None,
+    matrix: NDArray[np.float64],
+    inside: tuple[tuple[str, str | None], ...],
+) -> None:
+    """Append an object, and the objects it is made of, to the package's pieces."""
+    if (part, object_id) in inside or len(package.pieces) > MAX_PARTS:
+        raise MeshError(f"object {object_id} contains itself or too many parts")
+    model = package.model(part)
+    found = (o for o in model.iterfind(f"{CORE}resources/{CORE}object") if o.get("id") == object_id)
+    solid = next(found, None)
+    if solid is None:
+        raise MeshError(f"it refers to object {object_id}, which it does not contain")
+    mesh = solid.find(f"{CORE}mesh")
+    if mesh is not None:
+        package.pieces.append(_mesh(package, part, solid, mesh, matrix))
+    for component in solid.iterfind(f"{CORE}components/{CORE}component"):
+        inner = component.get(f"{PRODUCTION}path", part)
+        local = _matrix(component.get("transform")) @ matrix
+        _place(package, inner, component.get("objectid"), local, (*inside, (part, object_id)))
+
+
+def _matrix(text: str | None) -> NDArray[np.float64]:
+    """Return the 4 x 4 matrix for row vectors, p' = p M, of 12 numbers row by row."""
+    matrix = np.eye(4)
+    if text is not None:
+        matrix[:, :3] = np.array(text.split(), np.float64).reshape(4, 3)
+    return matrix
+
+
+def _mesh(
+    package: Package,
+    part: str,
+    solid: ElementTree.Element,
+    mesh: ElementTree.Element,
+    matrix: NDArray[np.float64],
+) -> RawMesh:
+    points = [[v.get(k, "nan") for k in "xyz"] for v in mesh.iter(f"{CORE}vertex")]
+    vertices = np.array(points, np.float64).reshape(-1, 3) @ matrix[:3, :3] + matrix[3, :3]
+    triangles = list(mesh.iter(f"{CORE}triangle"))
+    ids = [[t.get(k, "-1") for k in ("v1", "v2", "v3")] for t in triangles]
+    faces = np.array(ids, np.int64).reshape(-1, 3)
+    if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
+        bad = faces.min() if faces.min() < 0 else faces.max()
+        raise MeshError(f"a triangle refers to vertex {bad}; expected 0 to {len(vertices) - 1}")
+    seen = package.paint.see(part, package.model(part), solid, triangles)
+    corners = None if seen.colours is None else seen.colours.reshape(-1, 3, 3)
+    uv = seen.uv.reshape(-1, 3, 2)
+    colours = None if corners is None else _means(seen, faces, len(vertices))
+    if np.linalg.det(matrix[:3, :3]) < 0.0:
+        faces, uv = faces[:, ::-1], uv[:, ::-1]
+        corners = None if corners is None else corners[:, ::-1]
+    return RawMesh.of_triangles(
+        vertices, faces, colours=colours, look_of=seen.look_of, uv=uv.reshape(-1, 2),
+        corner_colours=None if corners is None else corners.reshape(-1, 3).astype(np.uint8),
+    )  # fmt: skip
+
+
+def _means(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.uint8]:
+    """Return the mean colour of each vertex's corners, white where there is none."""
+    corners = faces[seen.coloured].ravel()
+    codes = seen.colours.reshape(-1, 3, 3)[seen.coloured].reshape(-1, 3)
+    weight = np.bincount(corners, minlength=n_vertices)[:, None]
+    total = [np.bincount(corners, codes[:, k], n_vertices) for k in range(3)]
+    mean = np.where(weight > 0, np.stack(total, axis=1) / np.maximum(weight, 1), 255.0)
+    return np.floor(mean + 0.5).astype(np.uint8)
+
+
+def _merged(pieces: list[RawMesh], unit_mm: float, looks: list[Look]) -> RawMesh:
+    first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    coloured = any(piece.colours is not None for piece in pieces)
+    plain = bool(looks) or coloured  # faces without a picture are seen as they are coloured
+    return RawMesh(
+        np.concatenate([piece.vertices for piece in pieces]),
+        np.concatenate([p.corners + n for p, n in zip(pieces, first, strict=False)]),
+        np.concatenate([piece.sizes for piece in pieces]),
+        _all(pieces, "colours", "vertices") if coloured else None,
+        unit_mm=unit_mm,
+        up="z",
+        looks=(*looks, Look()) if plain else (),
+        look_of=np.concatenate([piece.look_of for piece in pieces]),
+        uv=np.concatenate([piece.uv for piece in pieces]),
+        corner_colours=_all(pieces, "corner_colours", "corners") if coloured else None,
+    )
+
+
+def _all(pieces: list[RawMesh], name: str, of: str) -> NDArray[np.uint8]:
+    """Colours of all pieces, white where one has none."""
+    found = [(getattr(piece, name), len(getattr(piece, of))) for piece in pieces]
+    return np.concatenate([np.full((n, 3), 255, np.uint8) if c is None else c for c, n in found])

@@ -1,0 +1,211 @@
+"""glTF 2.0 (.gltf, .glb): a scene's triangles as one mesh, colours from linear to sRGB."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.files.gltf_buffers import GltfFile
+from paint3d.files.project.position_steps import METRE_MM, STEPS, take_steps
+from paint3d.files.readers.gltf_materials import GltfPaint
+from paint3d.files.readers.raw_mesh import RawMesh, left_out
+from paint3d.files.readers.textures import srgb_from_linear
+
+__all__ = ["read_gltf"]
+
+TRIANGLES, STRIP, FAN = 4, 5, 6
+THIN = {0: "points"} | dict.fromkeys((1, 2, 3), "lines")  # modes of what has no surface
+LIGHTS = "KHR_lights_punctual"
+
+
+def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
+    """Read the default scene, with the transforms of its nodes applied.
+
+    Points and lines are passed over, as are skins and animations; that and what else is dropped
+    is noted. COLOR_0 is linear by the specification and comes back as sRGB codes.
+
+    Parameters
+    ----------
+    data : bytes
+        A .gltf or .glb file.
+    folder : Path
+        Where the buffers and pictures of a .gltf lie; others are not followed.
+    texture : bool
+        Whether the materials' base colours and their pictures are read.
+
+    Raises
+    ------
+    MeshError
+        If the file is broken, or compressed by an extension.
+    """
+    file = GltfFile(data, folder)
+    paint = GltfPaint(file)
+    parts = []
+    for matrix, mesh in _placed_meshes(file):
+        for primitive in mesh.get("primitives", []):
+            part = _primitive(file, primitive, paint, texture)
+            if part is not None:
+                parts.append(_transformed(part, matrix))
+    if not parts:
+        raise MeshError("its scene has no triangles; expected a surface")
+    return _merged(parts, paint, _dropped(file))
+
+
+def _dropped(file: GltfFile) -> set[str]:
+    """What a document says besides its meshes and materials."""
+    dropped = {kind for kind in ("animations", "skins", "cameras") if file.document.get(kind)}
+    if LIGHTS in file.document.get("extensions", {}):
+        dropped.add("lights")
+    for mesh in file.document.get("meshes", []):
+        for primitive in mesh.get("primitives", []):
+            dropped |= {"morph targets"} if "targets" in primitive else set()
+            mode = primitive.get("mode", TRIANGLES)
+            dropped |= {THIN[mode]} if mode in THIN else set()
+    return dropped
+
+
+def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict]]:
+    """Yield each mesh of the scene with its world_from_mesh matrix (4, 4)."""
+    if not file.document.get("scenes"):
+        raise MeshError("it has no scene, so no triangles; expected a surface")
+    scene = file.item("scenes", file.document.get("scene", 0))
+    stack = [(index, np.eye(4)) for index in reversed(scene.get("nodes", []))]
+    seen: set[int] = set()
+    while stack:
+        index, world_from_parent = stack.pop()
+        node = file.item("nodes", index)
+        if index in seen:
+            raise MeshError(f"node {index} is reached twice; expected a tree of nodes")
+        seen.add(index)
+        world_from_node = world_from_parent @ _local(node)
+        if "mesh" in node:
+            yield world_from_node, file.item("meshes", node["mesh"])
+        stack += [(child, world_from_node) for child in reversed(node.get("children", []))]
+
+
+def _local(node: dict) -> NDArray[np.float64]:
+    if "matrix" in node:
+        return np.array(node["matrix"], np.float64).reshape(4, 4).T
+    x, y, z, w = np.array(node.get("rotation", (0.0, 0.0, 0.0, 1.0)), np.float64)
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation * np.array(node.get("scale", (1.0, 1.0, 1.0)), np.float64)
+    matrix[:3, 3] = node.get("translation", (0.0, 0.0, 0.0))
+    return matrix
+
+
+def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint, texture: bool) -> RawMesh | None:
+    """Return one primitive in its own frame, or None for points and lines."""
+    mode = primitive.get("mode", TRIANGLES)
+    if mode not in (TRIANGLES, STRIP, FAN):
+        return None
+    if "KHR_draco_mesh_compression" in primitive.get("extensions", {}):
+        raise MeshError("it is compressed with Draco; expected an uncompressed file")
+    attributes = primitive["attributes"]
+    if "POSITION" not in attributes:
+        raise MeshError("a primitive has no positions, so no triangles; expected a surface")
+    vertices = file.numbers(attributes["POSITION"]).astype(np.float64)
+    if "indices" in primitive:
+        indices = file.numbers(primitive["indices"]).astype(np.int64).ravel()
+    else:
+        indices = np.arange(len(vertices))
+    others = {"NORMAL": None, "COLOR_0": None, STEPS: None}
+    for name in others:
+        if name in attributes:
+            others[name] = file.numbers(attributes[name]).astype(np.float64)[:, :3]
+            if len(others[name]) != len(vertices):
+                raise MeshError(f"a primitive has {len(vertices)} positions but "
+                                f"{len(others[name])} of {name}")  # fmt: skip
+    if others[STEPS] is not None:
+        vertices = take_steps(vertices, others[STEPS][:, 0])
+    colours = others["COLOR_0"]
+    if colours is not None:
+        known = np.isfinite(colours).all(axis=1)
+        if not known.all():
+            paint.notes.append(f"{(~known).sum():,} vertex colours are no numbers: made white")
+        colours = srgb_from_linear(np.where(known[:, None], colours, 1.0))
+    faces = _triangles(indices, mode)
+    number, uv = paint.look_of(primitive, len(vertices), texture)
+    if uv is not None:
+        uv = uv[np.clip(faces, 0, len(vertices) - 1).ravel()]
+    return RawMesh.of_triangles(
+        vertices, faces, colours=colours, normals=others["NORMAL"],
+        look_of=np.full(len(faces), number), uv=uv,
+    )  # fmt: skip
+
+
+def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
+    if mode == TRIANGLES:
+        if len(indices) % 3:
+            raise MeshError(f"a primitive has {len(indices)} indices; expected a multiple of 3")
+        return indices.reshape(-1, 3)
+    n = max(len(indices) - 2, 0)
+    k = np.arange(n)
+    if mode == FAN:
+        columns = (np.zeros(n, np.int64), k + 1, k + 2)
+    else:
+        columns = (k, k + 1 + k % 2, k + 2 - k % 2)
+    return indices[np.stack(columns, axis=1)]
+
+
+def _transformed(part: RawMesh, matrix: NDArray[np.float64]) -> RawMesh:
+    turn = matrix[:3, :3]
+    vertices = part.vertices @ turn.T + matrix[:3, 3]
+    faces = part.corners.reshape(-1, 3)
+    normals, uv = part.normals, part.uv
+    mirrored = np.linalg.det(turn) < 0.0
+    if mirrored:
+        faces = faces[:, ::-1]
+        uv = None if uv is None else uv.reshape(-1, 3, 2)[:, ::-1].reshape(-1, 2)
+    if normals is not None:
+        cofactor = np.stack([np.cross(turn[(k + 1) % 3], turn[(k + 2) % 3]) for k in range(3)])
+        normals = normals @ cofactor.T * (-1.0 if mirrored else 1.0)
+    return RawMesh.of_triangles(
+        vertices, faces, colours=part.colours, normals=normals, look_of=part.look_of, uv=uv
+    )
+
+
+def _merged(parts: list[RawMesh], paint: GltfPaint, dropped: set[str]) -> RawMesh:
+    first = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    for part in parts:  # checked here: after merging, a wrong index would hit another part
+        if len(part.corners) and int(part.corners.max()) >= len(part.vertices):
+            raise MeshError(
+                f"a face refers to vertex {int(part.corners.max())}; "
+                f"expected 0 to {len(part.vertices) - 1}"
+            )
+    corners = [part.corners + start for part, start in zip(parts, first, strict=False)]
+    colours = None
+    if any(part.colours is not None for part in parts):
+        white = [np.full((len(p.vertices), 3), 255, np.uint8) for p in parts]
+        colours = [w if p.colours is None else p.colours for p, w in zip(parts, white, strict=True)]
+        colours = np.concatenate(colours)
+    normals = None
+    if all(part.normals is not None for part in parts):
+        normals = np.concatenate([part.normals for part in parts])
+    return RawMesh(
+        np.concatenate([part.vertices for part in parts]),
+        np.concatenate(corners),
+        np.concatenate([part.sizes for part in parts]),
+        colours,
+        normals,
+        unit_mm=METRE_MM,
+        up="y",
+        notes=(*dict.fromkeys(paint.notes), *left_out(dropped | paint.dropped)),
+        looks=tuple(paint.looks),
+        look_of=np.concatenate([part.look_of for part in parts]) if paint.looks else None,
+        uv=np.concatenate([_uv(part) for part in parts]) if paint.looks else None,
+    )
+
+
+def _uv(part: RawMesh) -> NDArray[np.float64]:
+    return np.full((len(part.corners), 2), np.nan) if part.uv is None else part.uv

@@ -1,0 +1,137 @@
+"""OFF and COFF in ASCII: polygons, comments anywhere, vertex colours."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.files.readers.contents import plain_text
+from paint3d.files.readers.raw_mesh import RawMesh, check_count, index_array, parse_numbers
+from paint3d.files.readers.vertex_colours import colour_codes
+
+__all__ = ["read_off"]
+
+KIND = re.compile(rb"(?i:(?P<kind>(ST)?C?N?OFF))(?=[\s\d]|$)")
+WITH_DIMENSION = re.compile(rb"(?i:(ST)?C?N?(4n?|n)OFF)\b")
+ROWS = {b"OFF": (3,), b"COFF": (7, 6), b"NOFF": (6,), b"CNOFF": (10, 9)}  # numbers of a vertex
+LEAST_VERTEX_BYTES, LEAST_FACE_BYTES = 6, 2
+
+
+def read_off(data: bytes) -> RawMesh:
+    """Read an OFF file; colours of faces are passed over.
+
+    The word OFF may be missing, as the format allows, and a face may go on in the next line.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+
+    Raises
+    ------
+    MeshError
+        If it is not OFF in text form, or holds less than its counts promise.
+    """
+    lines = [line.partition(b"#")[0] for line in plain_text(data).split(b"\n")]
+    lines = [line for line in lines if line.strip()]
+    kind, lines = _kind(lines)
+    rows = [line.split() for line in lines]
+    n_vertices, n_faces = _counts(rows, len(data))
+    table, rest = rows[1 : 1 + n_vertices], rows[1 + n_vertices : 1 + n_vertices + n_faces]
+    if len(rest) < n_faces or not _are_faces(rest):
+        table, rest = _over_lines(rows, kind, n_vertices, n_faces)
+    corners, sizes = _faces(rest)
+    colours, notes = _colours(table) if kind == b"COFF" else (None, ())
+    return RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours, notes=notes)
+
+
+def _kind(lines: list[bytes]) -> tuple[bytes, list[bytes]]:
+    """Return the word that begins an OFF file, in capitals and without ST, and what follows."""
+    first = lines[0].strip() if lines else b""
+    found = KIND.match(first)
+    if found is None:
+        if WITH_DIMENSION.match(first):
+            raise MeshError("it has vertices of other than three dimensions; expected three")
+        words = first.split()
+        if len(words) != 3 or not all(word.isdigit() for word in words):
+            raise MeshError("it does not start with 'OFF'; expected an OFF file")
+        return b"OFF", lines
+    rest = first[found.end() :].strip()
+    if rest.upper().startswith(b"BINARY"):
+        raise MeshError("it is a binary OFF file; expected OFF in text form")
+    kind = found["kind"].upper().removeprefix(b"ST")
+    return kind, [rest, *lines[1:]] if rest else lines[1:]
+
+
+def _are_faces(rows: list[list[bytes]]) -> bool:
+    """Whether each of the rows holds as many corners as it says."""
+    return all(row[0].isdigit() and len(row) > int(row[0]) for row in rows)
+
+
+def _over_lines(
+    rows: list[list[bytes]], kind: bytes, n_vertices: int, n_faces: int
+) -> tuple[list[list[bytes]], list[list[bytes]]]:
+    """Return the rows of vertices and faces of a file whose lines end anywhere.
+
+    Raises
+    ------
+    MeshError
+        If its words are not just as many as that takes.
+    """
+    words = [word for row in rows for word in row]
+    for width in ROWS[kind]:
+        at = 3 + width * n_vertices
+        faces: list[list[bytes]] = []
+        while len(faces) < n_faces and at < len(words) and words[at].isdigit():
+            after = at + 1 + int(words[at])
+            faces.append(words[at:after])
+            at = after
+        if len(faces) == n_faces and at == len(words):
+            vertices = [words[3 + width * k : 3 + width * (k + 1)] for k in range(n_vertices)]
+            return vertices, faces
+    n_lines = len(rows) - 1
+    if n_lines < n_vertices + n_faces:
+        raise MeshError(
+            f"it promises {n_vertices} vertices and {n_faces} faces but has {n_lines} lines; "
+            "the file is cut short"
+        )
+    if all(row[0].isdigit() for row in rows[1 + n_vertices : 1 + n_vertices + n_faces]):
+        raise MeshError("a face has fewer corners than it says; the file is cut short or damaged")
+    raise MeshError("a face line does not start with its number of corners")
+
+
+def _counts(lines: list[list[bytes]], n_bytes: int) -> tuple[int, int]:
+    words = lines[0] if lines else []
+    if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
+        raise MeshError("the line after 'OFF' is not a count of vertices, faces and edges")
+    n_vertices, n_faces = int(words[0]), int(words[1])
+    check_count(n_vertices, LEAST_VERTEX_BYTES, n_bytes, "vertices")
+    check_count(n_faces, LEAST_FACE_BYTES, n_bytes, "faces")
+    return n_vertices, n_faces
+
+
+def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
+    width = columns.stop - columns.start
+    if any(len(words) < columns.stop for words in table):
+        short = min(table, key=len)
+        shown = b" ".join(short)[:40].decode("ascii", "replace")
+        raise MeshError(f"a vertex line holds {shown!r}; expected {columns.stop} numbers")
+    words = [word for row in table for word in row[columns]]
+    return parse_numbers(b" ".join(words), "a vertex").reshape(-1, width)
+
+
+def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+    if any(len(words) < 6 for words in table):
+        return None, ()
+    rgb = _columns(table, slice(3, 6))
+    whole = all(b"." not in word for words in table for word in words[3:6])
+    return colour_codes(rgb / 255.0 if whole else rgb)
+
+
+def _faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    sizes = np.array([int(words[0]) for words in table], np.int64)
+    words = [word for row, n in zip(table, sizes, strict=True) for word in row[1 : 1 + n]]
+    return index_array(parse_numbers(b" ".join(words), "a face"), "a face"), sizes

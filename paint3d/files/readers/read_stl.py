@@ -1,0 +1,77 @@
+"""STL, binary and ASCII. The format repeats every corner; equal positions become one vertex."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.files.readers.raw_mesh import RawMesh, check_count, parse_numbers
+
+__all__ = ["read_stl"]
+
+HEADER = 84
+FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+VERTEX = re.compile(rb"^\s*vertex\s+(\S+\s+\S+\s+\S+)", re.IGNORECASE | re.MULTILINE)
+FACETS = re.compile(rb"^\s*facet\b", re.IGNORECASE | re.MULTILINE)
+ENDS = re.compile(rb"^\s*endfacet\b", re.IGNORECASE | re.MULTILINE)
+
+
+def read_stl(data: bytes) -> RawMesh:
+    """Read an STL file.
+
+    A file whose length fits the triangle count at byte 80 is binary, whatever its header says:
+    many programs start a binary header with "solid".
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+
+    Raises
+    ------
+    MeshError
+        If it is neither kind, or cut short.
+    """
+    binary = len(data) >= HEADER and len(data) == HEADER + FACET.itemsize * _count(data)
+    if not binary and data[:512].lstrip().lower().startswith(b"solid") and FACETS.search(data):
+        corners = _read_ascii(data)
+    else:
+        corners = _read_binary(data)
+    vertices, faces = _merge(corners)
+    return RawMesh.of_triangles(vertices, faces)
+
+
+def _count(data: bytes) -> int:
+    return int.from_bytes(data[80:HEADER], "little")
+
+
+def _read_binary(data: bytes) -> NDArray[np.float32]:
+    if len(data) < HEADER:
+        raise MeshError(f"it has {len(data)} bytes; a binary STL has at least {HEADER}")
+    check_count(_count(data), FACET.itemsize, len(data) - HEADER, "triangles")
+    return np.frombuffer(data, FACET, _count(data), HEADER)["corners"].reshape(-1, 3)
+
+
+def _read_ascii(data: bytes) -> NDArray[np.float64]:
+    found = VERTEX.findall(data)
+    n_facets, n_ends = len(FACETS.findall(data)), len(ENDS.findall(data))
+    if len(found) != 3 * n_facets or n_ends != n_facets:
+        raise MeshError(
+            f"it has {n_facets} facets, {n_ends} of them ended, with {len(found)} vertices; "
+            f"expected {3 * n_facets}: the file is cut short or damaged"
+        )
+    return parse_numbers(b"\n".join(found), "a vertex").reshape(-1, 3)
+
+
+def _merge(corners: NDArray) -> tuple[NDArray, NDArray]:
+    """Return the distinct positions in order of appearance, and the faces that refer to them."""
+    keys = np.ascontiguousarray(corners + 0.0)  # makes -0.0 equal to 0.0, byte by byte
+    rows = keys.view(np.dtype((np.void, keys.dtype.itemsize * 3))).ravel()
+    _, first, back = np.unique(rows, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return keys[first[order]].astype(np.float64), rank[back].reshape(-1, 3)

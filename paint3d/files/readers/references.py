@@ -1,0 +1,87 @@
+"""Which other files a mesh file speaks of: its pictures, materials and buffers."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from paint3d.errors import MeshError
+from paint3d.files.gltf_buffers import GltfFile
+from paint3d.files.readers.contents import path_beside, plain_text, read_contents
+from paint3d.files.readers.obj_materials import MAX_LIBRARY
+
+__all__ = ["refers_to"]
+
+_LIBRARIES = re.compile(rb"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
+_MAPS = re.compile(rb"^[ \t]*(?:map_\w+|bump|norm|disp|decal|refl)[ \t]+(.+)$", re.MULTILINE | re.I)
+_PLY_PICTURES = re.compile(rb"^comment[ \t]+TextureFile[ \t]+(.+)$", re.MULTILINE)
+_PLY_END = b"end_header"
+_MOST_WORDS = 40  # of a line in which names are looked for
+
+
+def refers_to(mesh: Path, file: Path) -> bool:
+    """Whether a mesh file speaks of another one, directly or in its materials.
+
+    What cannot be read speaks of nothing: whoever reads the mesh says what is wrong with it.
+
+    Parameters
+    ----------
+    mesh, file : Path
+        `file` need not lie in the mesh's folder: then it is not spoken of.
+    """
+    wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
+    try:
+        if not os.path.isfile(wanted) or os.path.commonpath([top, wanted]) != top:
+            return False
+        names = _NAMED.get(_suffix(mesh))
+        return names is not None and _any_is(wanted, top, names(read_contents(mesh), Path(top)))
+    except (MeshError, MemoryError, OSError, AttributeError, LookupError, TypeError, ValueError):
+        return False
+
+
+def _suffix(mesh: Path) -> str:
+    inner = Path(mesh.stem) if mesh.suffix.lower() in (".gz", ".bz2") else mesh
+    return inner.suffix.lower()
+
+
+def _any_is(wanted: str, top: str, names: Iterable[str]) -> bool:
+    return any(path_beside(top, name) == wanted for name in names)
+
+
+def _tails(line: bytes) -> Iterator[str]:
+    """Whatever at the end of a line may be a file name, which options or others stand before."""
+    words = line.strip().split()[:_MOST_WORDS]
+    at = 0
+    for word in words:
+        at = line.index(word, at)
+        yield line[at:].strip().decode("utf-8", "surrogateescape")
+        yield word.decode("utf-8", "surrogateescape")
+        at += len(word)
+
+
+def _of_obj(data: bytes, folder: Path) -> Iterator[str]:
+    for line in _LIBRARIES.findall(plain_text(data)):
+        for name in _tails(line):
+            yield name
+            library = Path(path_beside(str(folder), name))
+            if library.is_file():
+                for told in _MAPS.findall(plain_text(read_contents(library, MAX_LIBRARY))):
+                    yield from _tails(told)
+
+
+def _of_ply(data: bytes, _: Path) -> Iterator[str]:
+    for name in _PLY_PICTURES.findall(plain_text(data.partition(_PLY_END)[0])):
+        yield name.strip().decode("utf-8", "surrogateescape")
+
+
+def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
+    document = GltfFile(data, folder).document
+    for kind in ("buffers", "images"):
+        for entry in document.get(kind, ()):
+            if "uri" in entry and not entry["uri"].startswith("data:"):
+                yield entry["uri"]
+
+
+_NAMED = {".obj": _of_obj, ".ply": _of_ply, ".gltf": _of_gltf, ".glb": _of_gltf}

@@ -1,0 +1,1 @@
+"""Strangers' files are read in a process of their own, with limits."""

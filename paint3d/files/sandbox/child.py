@@ -1,0 +1,45 @@
+"""The child process in which one mesh file of a stranger is read: `python -m` with a request.
+
+It limits itself before it looks at the file, so that whatever the file does to a reader, it ends
+here: memory, processor time and the size of what is handed back.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+from paint3d.core.machine import from_parent, limit_process
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Read the file of the request (JSON in the first argument) and hand its mesh over."""
+    request = json.loads(sys.argv[1])
+    limit_process(int(request["memory"]), int(request["seconds"]))
+
+    from paint3d.errors import MeshError
+    from paint3d.files.sandbox.handover import send
+    from paint3d.files.sandbox.reading import Wanted, read_surface
+
+    path = Path(os.fsdecode(bytes.fromhex(request["path"])))
+    descriptor = from_parent(int(request["file"]))
+    try:
+        reading = read_surface(path, Wanted(*request["wanted"]))
+    except MeshError as cause:
+        send(descriptor, {}, {"error": str(cause)})
+        return
+    mesh = reading.mesh
+    arrays = {"vertices": mesh.vertices, "faces": mesh.faces}
+    arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
+    arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
+    facts = {"name": mesh.name, "notes": list(reading.notes)}
+    facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm}
+    send(descriptor, arrays, facts)
+
+
+if __name__ == "__main__":
+    main()

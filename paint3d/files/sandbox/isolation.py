@@ -1,0 +1,153 @@
+"""Reading a stranger's file in a process of its own, which may crash alone.
+
+A reader may be wrong about a file nobody has seen before: it may loop, ask for all memory, or
+take the process down with it. Started afresh (a fork of a process with threads is not safe), the
+child costs about 0.2 s and loads NumPy and one reader.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from paint3d.core.machine import handed_to_child, make_memory_file
+from paint3d.errors import MeshError
+from paint3d.files.progress import Progress
+from paint3d.files.sandbox.handover import receive
+from paint3d.files.sandbox.patience import Watch
+from paint3d.files.sandbox.reading import Reading, Wanted
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["MAX_IDLE_SECONDS", "MAX_MEMORY", "MAX_SECONDS", "PICTURE_SECONDS", "read_apart"]
+
+MAX_MEMORY = 2 << 30
+MAX_SECONDS = 20  # of computing
+MAX_IDLE_SECONDS = 60  # without computing: asleep, or waiting for a disk
+LOOK_S = 0.05  # how often it is looked what the child does, and whether it is still wanted
+START_S, BYTES_A_SECOND = 0.4, 20e6  # what reading takes, about
+PICTURE_SECONDS = 60  # where a mesh is made fine enough for its pictures
+START = "import sys, json; sys.path[:] = json.loads(sys.argv.pop()); \
+from paint3d.files.sandbox.child import main; main()"
+
+
+def read_apart(
+    path: Path,
+    wanted: Wanted,
+    seconds: float | None = None,
+    progress: Progress | None = None,
+    idle_seconds: float = MAX_IDLE_SECONDS,
+) -> Reading:
+    """Read a mesh file in a child process with 2 GiB of memory and 20 s, with pictures 60 s.
+
+    The seconds are of computing; waiting for a core costs none, and of standing still, as for a
+    slow disk, there may be `idle_seconds` besides. `progress` is told a share guessed from the
+    file's size; what it raises ends the child.
+
+    Raises
+    ------
+    MeshError
+        As the reader says, or that it crashed, took too long or needed too much memory.
+    """
+    if seconds is None:
+        seconds = PICTURE_SECONDS if wanted.texture else MAX_SECONDS
+    descriptor = make_memory_file()
+    try:
+        _run(path, wanted, descriptor, (seconds, idle_seconds), progress)
+        return _received(path, descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _run(
+    path: Path,
+    wanted: Wanted,
+    descriptor: int,
+    limits: tuple[float, float],
+    progress: Progress | None,
+) -> None:
+    number, handed = handed_to_child(descriptor)
+    request = {
+        "path": os.fsencode(path).hex(),
+        "wanted": list(wanted),
+        "file": number,
+        "memory": MAX_MEMORY,
+        "seconds": math.ceil(limits[0]),  # where its parent cannot look, or is gone
+    }
+    command = [sys.executable, "-I", "-W", "ignore", "-c", START]
+    command += [json.dumps(request), json.dumps([os.path.abspath(entry) for entry in sys.path])]
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,  # nothing comes, but its end tells at once that the child ended
+        stderr=subprocess.DEVNULL,
+        **handed,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # its threads reserve memory
+    ) as child:
+        try:
+            _wait(child, path, limits, progress)
+        except BaseException:
+            child.kill()
+            raise
+    if child.returncode < 0:
+        number = -child.returncode
+        if number == signal.SIGXCPU:
+            raise _too_long(path, limits[0])
+        if number == signal.SIGKILL:
+            raise MeshError(f"{path}: reading it took too long or too much memory")
+        raise MeshError(f"{path}: reading it crashed ({signal.Signals(number).name})")
+
+
+def _wait(
+    child: subprocess.Popen, path: Path, limits: tuple[float, float], progress: Progress | None
+) -> None:
+    """Wait for a child to end, telling how far it should be by now."""
+    began, expected = time.monotonic(), START_S + path.stat().st_size / BYTES_A_SECOND
+    watch, (seconds, idle_seconds) = Watch(child.pid), limits
+    while True:
+        try:
+            child.communicate(timeout=LOOK_S)
+            return
+        except subprocess.TimeoutExpired:
+            watch.look()
+        if watch.computed >= seconds:
+            raise _too_long(path, seconds)
+        if watch.idle >= idle_seconds:
+            raise MeshError(
+                f"{path}: reading it has stood still for {idle_seconds:g} s; "
+                "expected a file on a disk that answers"
+            )
+        if progress is not None:
+            gone = time.monotonic() - began
+            progress(gone / (gone + expected))
+
+
+def _too_long(path: Path, seconds: float) -> MeshError:
+    return MeshError(
+        f"{path}: reading it took longer than {seconds:g} s of computing; expected a simpler file"
+    )
+
+
+def _received(path: Path, descriptor: int) -> Reading:
+    try:
+        arrays, facts = receive(descriptor)
+    except MeshError as cause:
+        raise MeshError(
+            f"{path}: {cause}: it takes more than {MAX_MEMORY >> 30} GiB, or its reader failed"
+        ) from None
+    if "error" in facts:
+        raise MeshError(str(facts["error"]))
+    mesh = TriangleMesh(
+        arrays["vertices"],
+        arrays["faces"],
+        arrays.get("colours"),
+        str(facts["name"]),
+        arrays.get("normals"),
+    )
+    notes = tuple(map(str, facts["notes"]))
+    return Reading(mesh, notes, bool(facts["knows_up"]), float(facts["unit_mm"]))

@@ -1,0 +1,223 @@
+"""From a mesh file to checked triangles, in one process; `isolation` runs this in a child."""
+
+from __future__ import annotations
+
+import codecs
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.files.detail import show_pictures
+from paint3d.files.readers.contents import PACKED, plain_text, read_contents
+from paint3d.files.readers.raw_mesh import RawMesh
+from paint3d.mesh.polygons import triangulate
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
+
+__all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface"]
+
+UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
+READERS |= {".glb": "gltf", ".gltf": "gltf"}
+UNREAD = {  # what other programs read, and ours does not
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
+    **dict.fromkeys((".wrl", ".vrml", ".x3d"), "VRML"),
+    **{".fbx": "FBX", ".dae": "COLLADA", ".blend": "a .blend file"},
+}
+BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
+MESH_SUFFIXES = tuple(READERS)
+WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+# What damaged structure makes a reader stumble over; the careful messages come before these.
+SURPRISES = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+
+
+class Wanted(NamedTuple):
+    """How to read a file; see `paint3d.files.load.load_mesh`."""
+
+    unit: str | None = None
+    from_points: bool | None = None
+    texture: bool = False
+    up: str | None = None
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A mesh, and what is known of it.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+    notes : tuple of str
+        What its reader has to tell the user.
+    knows_up : bool
+        Whether the file, or who asked, said which way is up.
+    unit_mm : float
+        Millimetres that one unit of the file was taken for.
+    """
+
+    mesh: TriangleMesh
+    notes: tuple[str, ...] = ()
+    knows_up: bool = False
+    unit_mm: float = 1.0
+
+    @cached_property
+    def likely_up(self) -> Upright | None:
+        """Which way is up, likely; None where it is known."""
+        return None if self.knows_up else guess_up(self.mesh)
+
+
+AS_IT_IS = Wanted()
+
+
+def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
+    """Read a file, check its polygons and turn them into a mesh in mm, z up.
+
+    Raises
+    ------
+    MeshError
+        One line with file, reason and what was expected, whatever the file holds.
+    """
+    try:
+        with np.errstate(all="ignore"):  # what is not finite in the end is refused
+            return _finish(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
+    except MeshError as cause:
+        raise MeshError(f"{path}: {_one_line(cause)}") from None
+    except MemoryError:
+        raise MeshError(f"{path}: it does not fit into memory") from None
+    except SURPRISES as cause:
+        raise MeshError(f"{path}: its structure is damaged: {_in_words(cause)}") from None
+
+
+def read_raw(path: Path, texture: bool = False) -> RawMesh:
+    """Return a file's polygons as it has them, by the reader that its suffix names.
+
+    Raises
+    ------
+    MeshError
+        If the suffix is not known or the reader refuses the file; the file is not named.
+    """
+    kind, read = _reader(path)
+    data = read_contents(path)
+    if data.startswith(WIDE):
+        data = plain_text(data)
+    if kind in BESIDE:
+        return read(data, path.parent, texture)
+    return read(data, texture) if kind == "3mf" else read(data)
+
+
+def _in_words(cause: Exception) -> str:
+    """What damaged structure made a reader stumble over, for people."""
+    if isinstance(cause, KeyError):
+        return f"it lacks {_one_line(cause):.60}"
+    if isinstance(cause, IndexError):
+        return "it refers to something that it does not have"
+    if isinstance(cause, AttributeError | TypeError):
+        return "a part of it is of another kind than is expected there"
+    if isinstance(cause, RecursionError):
+        return "its parts are nested too deeply"
+    return f"near {_one_line(cause):.160}"
+
+
+def _one_line(cause: BaseException) -> str:
+    return " ".join(str(cause).split())
+
+
+def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
+    inner = Path(path.stem) if path.suffix.lower() in PACKED else path
+    suffix = inner.suffix.lower()
+    if suffix not in READERS:
+        wanted = " ".join(MESH_SUFFIXES)
+        shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
+        if suffix in UNREAD:
+            shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
+        raise MeshError(f"{shown}; expected one of {wanted}")
+    kind = READERS[suffix]
+    return kind, getattr(import_module(f"paint3d.files.readers.read_{kind}"), f"read_{kind}")
+
+
+def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
+    _check_raw(raw)
+    turn = turn_up(wanted.up or raw.up or "z")
+    raw = replace(
+        raw,
+        vertices=turn_rows(raw.vertices, turn),
+        normals=None if raw.normals is None else turn_rows(raw.normals, turn),
+    )
+    unit_mm = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
+    reading = _checked_mesh(raw, raw.vertices * unit_mm, name, wanted)
+    return replace(reading, knows_up=(wanted.up or raw.up) is not None, unit_mm=unit_mm)
+
+
+def _checked_mesh(
+    raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: Wanted
+) -> Reading:
+    if len(raw.sizes) == 0:
+        return _without_faces(raw, vertices, name, wanted.from_points)
+    pictured = raw.look_of is not None and len(raw.looks) > 0
+    corners = np.arange(len(raw.corners)) if pictured else raw.corners
+    faces = triangulate(vertices[raw.corners] if pictured else vertices, corners, raw.sizes)
+    corners, faces = faces, raw.corners[faces] if pictured else faces
+    distinct = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    notes = raw.notes
+    if not distinct.all() and distinct.any():
+        notes += (f"left out {(~distinct).sum():,} faces that name a vertex twice",)
+        faces, corners = faces[distinct], corners[distinct]
+    normals = _unit_normals(raw.normals)
+    if not pictured:
+        return Reading(TriangleMesh(vertices, faces, raw.colours, name, normals), notes)
+    polygon = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
+    shown = show_pictures(
+        vertices, faces, raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks,
+        raw.colours, normals,
+        corner_colours=None if raw.corner_colours is None else raw.corner_colours[corners],
+    )  # fmt: skip
+    normals = _unit_normals(shown.normals)
+    return Reading(TriangleMesh(*shown[:3], name, normals), notes)
+
+
+def _check_raw(raw: RawMesh) -> None:
+    if len(raw.vertices) == 0:
+        raise MeshError("it has no vertices and no triangles; expected a surface")
+    bad = np.flatnonzero(~np.isfinite(raw.vertices).all(axis=1))
+    if len(bad):
+        where = ", ".join(f"{x:g}" for x in raw.vertices[bad[0]])
+        raise MeshError(f"vertex {bad[0]} is ({where}); expected finite numbers")
+    n = len(raw.vertices)
+    outside = np.flatnonzero((raw.corners < 0) | (raw.corners >= n))
+    if len(outside):
+        face = int(np.searchsorted(np.cumsum(raw.sizes), outside[0], side="right"))
+        index = int(raw.corners[outside[0]])
+        raise MeshError(f"face {face} refers to vertex {index}; expected 0 to {n - 1}")
+
+
+def _without_faces(
+    raw: RawMesh, vertices: NDArray[np.float64], name: str, from_points: bool | None
+) -> Reading:
+    if from_points is None and raw.announces:
+        raise MeshError(
+            f"it has {len(vertices):,} points but no triangles, though it says it has "
+            f"{raw.announces}; expected a surface (--from-points builds one through the points)"
+        )
+    if from_points is False:
+        raise MeshError(f"it has {len(vertices):,} points but no triangles; expected a surface")
+    from paint3d.files.readers.points import surface_through
+
+    faces = surface_through(vertices, raw.normals)
+    note = f"it is a point cloud: built {len(faces):,} triangles through {len(vertices):,} points"
+    return Reading(TriangleMesh(vertices, faces, raw.colours, name), (*raw.notes, note))
+
+
+def _unit_normals(normals: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+    """Return normals of length 1, or None where the file's are not usable as such."""
+    if normals is None or not np.isfinite(normals).all():
+        return None
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / length if (length > 1e-6).all() else None

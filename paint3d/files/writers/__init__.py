@@ -1,0 +1,1 @@
+"""Writing painted objects, format by format."""

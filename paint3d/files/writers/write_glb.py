@@ -1,0 +1,170 @@
+"""Binary glTF 2.0 with the colours at the vertices (linear), or in a texture (sRGB)."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.colour.spectra import decode_srgb
+from paint3d.files.glb_container import (
+    INDEX_DATA,
+    VERTEX_DATA,
+    material,
+    vertex_accessor,
+    write_container,
+)
+from paint3d.files.project.position_steps import STEPS
+
+__all__ = ["write_glb", "write_textured_glb"]
+
+UNSIGNED_SHORT, UNSIGNED_INT = 5123, 5125
+LINEAR, MIPMAPS, CLAMP = 9729, 9987, 33071
+WHITE = [1, 1, 1, 1]
+PNG_COMPRESSION = 6
+
+
+def write_glb(
+    path: Path,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32],
+    srgb: NDArray[np.uint8],
+    *,
+    name: str = "painting",
+    roughness: float = 0.5,
+    unlit: bool = False,
+    steps: NDArray[np.float32] | None = None,
+) -> None:
+    """Write one mesh with vertex colours.
+
+    COLOR_0 is linear by the specification, and 16 bits wide: 8-bit linear codes would keep only
+    183 of the 256 sRGB ones.
+
+    Parameters
+    ----------
+    path : Path
+    vertices : (V, 3) float32
+        As in the file; by the specification metres, y up.
+    faces : (F, 3) int32
+    normals : (V, 3) float32
+        Unit.
+    srgb : (V, 3) uint8
+    name : str
+        Of mesh and material.
+    roughness : float
+        Of the material, 0 to 1.
+    unlit : bool
+        Show the colours without light (KHR_materials_unlit).
+    steps : (V,) float32, optional
+        From `paint3d.files.project.position_steps`.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    attributes = {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}
+    colours = {"bufferView": 2, "componentType": UNSIGNED_SHORT, "count": len(srgb)}
+    accessors = [
+        vertex_accessor(0, vertices, limits=True),
+        vertex_accessor(1, normals),
+        colours | {"type": "VEC4", "normalized": True},
+        _index_accessor(faces),
+    ]
+    blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear(srgb), VERTEX_DATA)]
+    blocks.append((faces.astype("<u4"), INDEX_DATA))
+    _add_steps(steps, attributes, accessors, blocks)
+    document = {
+        "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
+        "materials": [material(name, roughness, unlit, baseColorFactor=WHITE)],
+        "accessors": accessors,
+    }
+    write_container(path, document, blocks)
+
+
+def write_textured_glb(
+    path: Path,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32],
+    uv: NDArray[np.float32],
+    image: NDArray[np.uint8],
+    *,
+    name: str = "painting",
+    roughness: float = 0.5,
+    unlit: bool = False,
+    steps: NDArray[np.float32] | None = None,
+) -> None:
+    """Write one mesh with its colours in a texture.
+
+    Parameters
+    ----------
+    path, vertices, faces, normals, name, roughness, unlit, steps
+        As for `write_glb`.
+    uv : (V, 2) float32
+        From the texture's top left, 0 to 1.
+    image : (H, W, 3) uint8
+        sRGB.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    from PIL import Image
+
+    png = io.BytesIO()
+    Image.fromarray(image).save(png, "PNG", compress_level=PNG_COMPRESSION)
+    attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
+    colour = {"baseColorFactor": WHITE, "baseColorTexture": {"index": 0}}
+    accessors = [
+        vertex_accessor(0, vertices, limits=True),
+        vertex_accessor(1, normals),
+        vertex_accessor(2, uv),
+        _index_accessor(faces),
+    ]
+    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, uv)]
+    blocks += [(faces.astype("<u4"), INDEX_DATA), (png.getvalue(), None)]
+    _add_steps(steps, attributes, accessors, blocks)
+    document = {
+        "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
+        "materials": [material(name, roughness, unlit, **colour)],
+        "textures": [{"sampler": 0, "source": 0}],
+        "images": [{"bufferView": 4, "mimeType": "image/png"}],
+        "samplers": [{"magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP, "wrapT": CLAMP}],
+        "accessors": accessors,
+    }
+    write_container(path, document, blocks)
+
+
+def _linear(srgb: NDArray[np.uint8]) -> NDArray[np.uint16]:
+    """Return linear RGBA, (V, 4) normalised uint16, of sRGB codes."""
+    curve = decode_srgb(np.arange(256, dtype=np.uint8))
+    table = np.floor(65535.0 * curve + 0.5).astype("<u2")
+    rgba = np.full((len(srgb), 4), 65535, "<u2")
+    rgba[:, :3] = table[srgb]
+    return rgba
+
+
+def _primitive(attributes: dict[str, int]) -> dict:
+    return {"attributes": attributes, "indices": 3, "material": 0, "mode": 4}
+
+
+def _index_accessor(faces: NDArray[np.int32]) -> dict:
+    return {"bufferView": 3, "componentType": UNSIGNED_INT, "count": faces.size, "type": "SCALAR"}
+
+
+def _add_steps(
+    steps: NDArray[np.float32] | None,
+    attributes: dict[str, int],
+    accessors: list[dict],
+    blocks: list[tuple[NDArray | bytes, int | None]],
+) -> None:
+    """Add the attribute that leads back to millimetres, if there is any."""
+    if steps is not None:
+        attributes[STEPS] = len(accessors)
+        accessors.append(vertex_accessor(len(blocks), steps))
+        blocks.append((steps, VERTEX_DATA))

@@ -1,0 +1,68 @@
+"""Strokes on a plane as SVG: one path a stroke, in millimetres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.atomic import write_atomically
+from paint3d.errors import ExportError
+
+__all__ = ["write_svg"]
+
+
+def write_svg(
+    path: Path,
+    strokes: Sequence[Sequence[NDArray]],
+    bounds: tuple[float, float, float, float],
+    colour: str,
+    title: str = "",
+) -> None:
+    """Write the outlines of strokes.
+
+    Parameters
+    ----------
+    path : Path
+    strokes : sequence of sequences of (N, 2) arrays
+        The rings of every stroke, mm, y upwards; holes run the other way round.
+    bounds : (low x, low y, high x, high y)
+        Of the sheet, mm.
+    colour : str
+        As ``#rrggbb``.
+    title : str
+
+    Raises
+    ------
+    ExportError
+        If there is nothing to write, or the file cannot be written.
+    """
+    if not strokes:
+        raise ExportError(f"{path}: there are no strokes; expected at least one")
+    x, y, right, top = bounds
+    width, height = right - x, top - y
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '
+        f'viewBox="{x:g} {-top:g} {width:g} {height:g}">',
+        f"<title>{_escaped(title)}</title>",
+        f'<g fill="{colour}" fill-rule="nonzero">',
+        *(f'<path d="{"".join(map(_ring, rings))}"/>' for rings in strokes),
+        "</g>",
+        "</svg>",
+    ]
+    with write_atomically(path) as part:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _ring(points: NDArray) -> str:
+    flipped = np.round(np.asarray(points) * [1.0, -1.0], 4) + 0.0
+    first, *others = (f"{px:.7g} {py:.7g}" for px, py in flipped)
+    return f"M{first}L{' '.join(others)}Z"
+
+
+def _escaped(text: str) -> str:
+    kept = "".join(c if c.isprintable() else " " for c in text)
+    return kept.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

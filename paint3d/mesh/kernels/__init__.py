@@ -1,0 +1,1 @@
+"""The hot loops of meshes: trees, lattices, refinement, topology."""

@@ -1,0 +1,273 @@
+"""Sheets: the connected pieces of surface in each cell, their measures and their links."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.core.kernel import kernel
+from paint3d.mesh.kernels.facing_pairs import INFLATION
+from paint3d.mesh.kernels.grid import find_pair, lookup
+
+__all__ = ["link_sheets", "locate_vertices", "measure_sheets", "split_sheets"]
+
+
+@kernel
+def _segment_meets_box(points, a, b, x, y, z, half):
+    """Whether the edge from vertex a to b meets the cube around (x, y, z)."""
+    enter = 0.0
+    leave = 1.0
+    for axis, middle in ((0, x), (1, y), (2, z)):
+        p = points[a, axis] - middle
+        d = np.float64(points[b, axis]) - np.float64(points[a, axis])
+        if d == 0.0:
+            if abs(p) > half:
+                return False
+            continue
+        s = (-half - p) / d
+        t = (half - p) / d
+        enter = max(enter, min(s, t))
+        leave = min(leave, max(s, t))
+    return enter <= leave
+
+
+@kernel
+def _find(parent, i):
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@kernel
+def split_sheets(
+    points, triangles, radial, origin, size, places, cell_pairs, pair_root, pair_sheet, cell_sheets
+):
+    """Number the sheets: triangles of a cell joined by an edge that passes through the cell.
+
+    Returns the number of sheets; they are numbered cell by cell, in the order of their first
+    triangle, so that `cell_sheets` (C + 1) is their run.
+    """
+    half = size * (0.5 + INFLATION)
+    parent = np.empty(pair_root.shape[0], np.int64)
+    last_cell = np.full(triangles.shape[0], -1, np.int32)
+    pair_of = np.empty(triangles.shape[0], np.int64)
+    n_sheets = 0
+    for c in range(places.shape[0]):
+        x = origin[0] + (places[c, 0] + 0.5) * size
+        y = origin[1] + (places[c, 1] + 0.5) * size
+        z = origin[2] + (places[c, 2] + 0.5) * size
+        for p in range(cell_pairs[c], cell_pairs[c + 1]):
+            parent[p] = p
+            last_cell[pair_root[p]] = c
+            pair_of[pair_root[p]] = p
+        for p in range(cell_pairs[c], cell_pairs[c + 1]):
+            t = pair_root[p]
+            for edge in range(3):
+                g = radial[3 * t + edge]
+                if g == 3 * t + edge:
+                    continue
+                met = -1
+                while g != 3 * t + edge:
+                    if last_cell[g // 3] == c:
+                        if met < 0:
+                            a = triangles[t, edge]
+                            b = triangles[t, (edge + 1) % 3]
+                            met = 1 if _segment_meets_box(points, a, b, x, y, z, half) else 0
+                        if met == 1:
+                            u = _find(parent, p)
+                            v = _find(parent, pair_of[g // 3])
+                            if u < v:
+                                parent[v] = u
+                            else:
+                                parent[u] = v
+                    g = radial[g]
+        cell_sheets[c] = n_sheets
+        for p in range(cell_pairs[c], cell_pairs[c + 1]):
+            r = _find(parent, p)
+            if r == p:
+                pair_sheet[p] = n_sheets
+                n_sheets += 1
+            else:
+                pair_sheet[p] = pair_sheet[r]
+    cell_sheets[places.shape[0]] = n_sheets
+    return n_sheets
+
+
+@kernel
+def _clip(polygon, n, axis, bound, sign, out):
+    """Keep the part of a polygon (n points) with sign * (coordinate - bound) <= 0."""
+    m = 0
+    for i in range(n):
+        j = (i + 1) % n
+        a = sign * (polygon[i, axis] - bound)
+        b = sign * (polygon[j, axis] - bound)
+        if a <= 0.0:
+            out[m] = polygon[i]
+            m += 1
+        if (a < 0.0 and b > 0.0) or (a > 0.0 and b < 0.0):
+            s = a / (a - b)
+            for k in range(3):
+                out[m, k] = polygon[i, k] + s * (polygon[j, k] - polygon[i, k])
+            m += 1
+    return m
+
+
+@kernel
+def measure_sheets(
+    points, normals, triangles, origin, size, places, cell_pairs, pair_root, pair_sheet,
+    area, normal, centre,
+):  # fmt: skip
+    """Area, area times mean normal, and centre of every sheet, by clipping triangles to cells."""
+    one = np.empty((12, 3))
+    two = np.empty((12, 3))
+    mid = np.empty(3)
+    weights = np.empty(3)
+    for c in range(places.shape[0]):
+        for p in range(cell_pairs[c], cell_pairs[c + 1]):
+            t = pair_root[p]
+            s = pair_sheet[p]
+            inside = True
+            for corner in range(3):
+                for axis in range(3):
+                    q = np.float64(points[triangles[t, corner], axis])
+                    one[corner, axis] = q
+                    at = (q - origin[axis]) / size - places[c, axis]
+                    inside = inside and 0.0 <= at <= 1.0
+            n = 3
+            if not inside:
+                for axis in range(3):
+                    low = origin[axis] + places[c, axis] * size
+                    n = _clip(one, n, axis, low, -1.0, two)
+                    n = _clip(two, n, axis, low + size, 1.0, one)
+                if n < 3:
+                    continue
+            whole = _polygon(one, n, mid)
+            if whole <= 0.0:
+                continue
+            _weights_at(points, triangles, t, mid, weights)
+            area[s] += whole
+            for axis in range(3):
+                centre[s, axis] += whole * mid[axis]
+            x, y, z = 0.0, 0.0, 0.0
+            for corner in range(3):
+                v = triangles[t, corner]
+                x += weights[corner] * normals[v, 0]
+                y += weights[corner] * normals[v, 1]
+                z += weights[corner] * normals[v, 2]
+            length = np.sqrt(x * x + y * y + z * z)
+            if length > 0.0:
+                normal[s, 0] += whole * x / length
+                normal[s, 1] += whole * y / length
+                normal[s, 2] += whole * z / length
+    for s in range(area.shape[0]):
+        if area[s] > 0.0:
+            for axis in range(3):
+                centre[s, axis] /= area[s]
+
+
+@kernel
+def _polygon(polygon, n, mid):
+    """Area of a plane polygon, and its centre."""
+    whole = 0.0
+    mid[:] = 0.0
+    for i in range(1, n - 1):
+        ux = polygon[i, 0] - polygon[0, 0]
+        uy = polygon[i, 1] - polygon[0, 1]
+        uz = polygon[i, 2] - polygon[0, 2]
+        vx = polygon[i + 1, 0] - polygon[0, 0]
+        vy = polygon[i + 1, 1] - polygon[0, 1]
+        vz = polygon[i + 1, 2] - polygon[0, 2]
+        x = uy * vz - uz * vy
+        y = uz * vx - ux * vz
+        z = ux * vy - uy * vx
+        part = 0.5 * np.sqrt(x * x + y * y + z * z)
+        whole += part
+        for k in range(3):
+            mid[k] += part * (polygon[0, k] + polygon[i, k] + polygon[i + 1, k]) / 3.0
+    if whole > 0.0:
+        for k in range(3):
+            mid[k] /= whole
+    return whole
+
+
+@kernel
+def _weights_at(points, triangles, t, mid, weights):
+    """Barycentric weights of a point of triangle t."""
+    d00, d01, d11, d20, d21 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        a = np.float64(points[triangles[t, 0], k])
+        u = points[triangles[t, 1], k] - a
+        v = points[triangles[t, 2], k] - a
+        w = mid[k] - a
+        d00 += u * u
+        d01 += u * v
+        d11 += v * v
+        d20 += w * u
+        d21 += w * v
+    det = d00 * d11 - d01 * d01
+    if det <= 0.0:
+        weights[:] = 1.0 / 3.0
+        return
+    weights[1] = (d11 * d20 - d01 * d21) / det
+    weights[2] = (d00 * d21 - d01 * d20) / det
+    weights[0] = 1.0 - weights[1] - weights[2]
+
+
+@kernel
+def link_sheets(
+    table, places, root_pairs, pair_order, pair_cell, cell_pairs, pair_root, pair_sheet, links
+):
+    """List links (n, 2) between sheets of neighbouring cells that share a triangle.
+
+    `pair_order` lists the pairs triangle by triangle, `root_pairs` is each triangle's run in it.
+    As many are listed as there is room for; returns how many there are.
+    """
+    n = 0
+    room = links.shape[0]
+    for t in range(root_pairs.shape[0] - 1):
+        first = root_pairs[t]
+        last = root_pairs[t + 1]
+        for a in range(first, last):
+            p = pair_order[a]
+            c = pair_cell[p]
+            if last - first <= 8:
+                for b in range(a + 1, last):
+                    q = pair_order[b]
+                    d = pair_cell[q]
+                    near = True
+                    for axis in range(3):
+                        near = near and abs(places[c, axis] - places[d, axis]) <= 1
+                    if near:
+                        if n < room:
+                            links[n, 0] = pair_sheet[p]
+                            links[n, 1] = pair_sheet[q]
+                        n += 1
+                continue
+            for step in range(14, 27):
+                i = places[c, 0] + step // 9 - 1
+                j = places[c, 1] + step // 3 % 3 - 1
+                k = places[c, 2] + step % 3 - 1
+                d = lookup(table, places, i, j, k)
+                if d < 0:
+                    continue
+                q = find_pair(cell_pairs, pair_root, d, t)
+                if q >= 0:
+                    if n < room:
+                        links[n, 0] = pair_sheet[p]
+                        links[n, 1] = pair_sheet[q]
+                    n += 1
+    return n
+
+
+@kernel
+def locate_vertices(
+    points, root_of, origin, size, places, table, cell_pairs, pair_root, pair_sheet, cells, sheets
+):
+    """Find the cell and the sheet of every base vertex, given one triangle of each."""
+    for v in range(points.shape[0]):
+        i = int(np.floor((points[v, 0] - origin[0]) / size))
+        j = int(np.floor((points[v, 1] - origin[1]) / size))
+        k = int(np.floor((points[v, 2] - origin[2]) / size))
+        c = lookup(table, places, i, j, k)
+        cells[v] = c
+        sheets[v] = pair_sheet[find_pair(cell_pairs, pair_root, c, root_of[v])]

@@ -1,0 +1,80 @@
+"""Cracks: open edges that lie so near to other surface that a brush does not know of them.
+
+Two halves of a body that were mirrored and never joined, a face whose long edge has a corner of
+its neighbours in the middle: nothing says that such faces belong together, but paint goes over.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.core.kernel import kernel
+from paint3d.mesh.kernels.closest_points import closest_on
+from paint3d.mesh.kernels.grid import find_pair, lookup
+
+__all__ = ["link_cracks"]
+
+_STEP = 0.25  # of a cell: places along an open edge
+
+
+@kernel
+def link_cracks(
+    points, triangles, radial, origin, size, table, places, cell_pairs, pair_root, pair_sheet,
+    widest, links,
+):  # fmt: skip
+    """List links (n, 2) between sheets of a cell, one of which ends beside the other.
+
+    Parameters
+    ----------
+    points, triangles, radial : arrays of `BaseSurface`
+    origin, size, table, places, cell_pairs, pair_root, pair_sheet : arrays of the lattice
+    widest : float
+        Of a crack, mm.
+    links : (N, 2) int32
+        Filled as far as there is room; a link may come more than once.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    n = 0
+    room = links.shape[0]
+    place = np.empty(3)
+    for h in range(radial.shape[0]):
+        if radial[h] != h:
+            continue
+        t = h // 3
+        start = triangles[t, h % 3]
+        end = triangles[t, (h % 3 + 1) % 3]
+        length = 0.0
+        for axis in range(3):
+            length += (np.float64(points[end, axis]) - np.float64(points[start, axis])) ** 2
+        steps = max(1, int(np.ceil(np.sqrt(length) / (_STEP * size))))
+        for k in range(steps):
+            share = (k + 0.5) / steps
+            for axis in range(3):
+                place[axis] = (1.0 - share) * points[start, axis] + share * points[end, axis]
+            cell = lookup(
+                table,
+                places,
+                int(np.floor((place[0] - origin[0]) / size)),
+                int(np.floor((place[1] - origin[1]) / size)),
+                int(np.floor((place[2] - origin[2]) / size)),
+            )
+            own = find_pair(cell_pairs, pair_root, cell, t) if cell >= 0 else -1
+            if own < 0:
+                continue
+            sheet = pair_sheet[own]
+            for other in range(cell_pairs[cell], cell_pairs[cell + 1]):
+                if pair_sheet[other] == sheet:
+                    continue
+                a, b, c = triangles[pair_root[other]]
+                _v, _w, away2 = closest_on(points, a, b, c, place[0], place[1], place[2])
+                if away2 > widest * widest:
+                    continue
+                if n < room:
+                    links[n, 0] = sheet
+                    links[n, 1] = pair_sheet[other]
+                n += 1
+    return n

@@ -1,0 +1,535 @@
+"""A mesh to paint on: vertices appear where the paint is, the surface never changes.
+
+Colours live on vertices, so a coarse object needs more of them, but only under the paint.
+`PaintMesh` holds the base triangles as roots of a bisection forest (`mesh.kernels.refine`), the
+lattice of cells in which they are refined and found (`mesh.kernels.grid`), and everything in flat
+arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import MeshError
+from paint3d.mesh.base_surface import BaseSurface, make_base_surface
+from paint3d.mesh.kernels.cell_components import (
+    link_sheets,
+    locate_vertices,
+    measure_sheets,
+    split_sheets,
+)
+from paint3d.mesh.kernels.cracks import link_cracks
+from paint3d.mesh.kernels.facing_pairs import fill_pairs
+from paint3d.mesh.kernels.grid import build_table
+from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, SurfaceField
+from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE, activate_cell, longest_edges
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["PaintMesh"]
+
+_REFINED_CELL = 5.0  # a cell's size over the longest edge wanted: cells are refined as a whole
+_PLAIN_CELL = 12.0  # where nothing is refined, fewer and larger cells are found faster
+_MOST_CELLS = 4e6  # a gigabyte; of larger objects the cells are larger, up to:
+_COARSEST_CELL = 256.0  # edges: refining one takes a second and 20 MB
+_SOFT_EDGE_PER_EDGE = 0.6  # mean vertex spacing over the longest edge, nearly
+_BLOCK_STEPS = 16  # places along a cell that order its vertices
+_LATTICE = 1 << 20  # cells along an axis that Morton codes can hold
+_AREA_BITS = 61
+_STEPS_PER_EDGE = 8  # float32 steps that a shortest edge must span
+_PATH = 1 << 16
+_CELLS_A_STEP = 256  # refined between two reports of progress
+_MOST_PAIRS = 2**26  # of cells and the triangles in them: a gigabyte
+_PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # room that is nearly always enough
+_CRACK_MM = 0.1  # a gap that no hair gets into: paint goes over it
+_PER_VERTEX = (
+    "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
+    "next_in_cell",
+)  # fmt: skip
+_ROOM = 1 << 15  # vertices that a fresh mesh can grow by
+
+
+class PaintMesh:
+    """The lazily refined vertex store; build it with `PaintMesh.build`.
+
+    Attributes
+    ----------
+    arrays : SurfaceField
+        What kernels work on. Replaced, not changed, when it grows.
+    base_faces : (R, 3) int32
+        The roots: the triangles of the source that have an area, on this mesh's own vertices.
+    source_vertices : (B,) int32
+        The source's vertex for each base vertex; a vertex on a crease has several.
+    """
+
+    @classmethod
+    def build(cls, mesh: TriangleMesh, resolution: float | None) -> PaintMesh:
+        """Index a mesh and make it ready for refinement to edges of at most `resolution` mm.
+
+        With None the mesh keeps its own vertices. Cost: about 2 us a triangle.
+
+        Raises
+        ------
+        MeshError
+            If more triangles share one edge than can be refined, the object is too large for the
+            resolution (some 130,000 edges along either side of a square), or it lies so far from
+            the origin that float32 coordinates are coarser than the resolution.
+
+        Notes
+        -----
+        What is painted is refined cell by cell. A cell is 5 edges long, longer where the surface
+        would take more than some millions of them: memory and time follow what is painted, and
+        the object's area only up to a gigabyte and some ten seconds.
+        """
+        return cls(make_base_surface(mesh), resolution)
+
+    def __init__(self, base: BaseSurface, resolution: float | None) -> None:
+        edges = base.longest_edges()
+        self.resolution = float(resolution) if resolution is not None else float(np.median(edges))
+        self.refines = resolution is not None and bool(edges.max() > self.resolution)
+        if self.refines:
+            _check_precision(base.points, self.resolution)
+        order, lattice = _Lattice.build(base, self._cell_size(float(base.areas.sum())))
+        self.source_vertices = base.source_vertices[order]
+        rank = np.empty(len(order), np.int32)
+        rank[order] = np.arange(len(order), dtype=np.int32)
+        self.base_faces = rank[base.faces]
+        self.n_base_vertices = len(order)
+        self._lattice = lattice
+        self._make_arrays(base, order, edges)
+
+    def _cell_size(self, area: float) -> float:
+        """Return the size of cells, mm, for a surface of `area` mm2.
+
+        Raises
+        ------
+        MeshError
+            If they would be too large to be refined as a whole.
+        """
+        edges_per_cell = _REFINED_CELL if self.refines else _PLAIN_CELL
+        least = math.sqrt(_PAIRS_PER_CELL * area / _MOST_CELLS)
+        if self.refines and least > _COARSEST_CELL * self.resolution:
+            raise MeshError(
+                f"the object's surface of {1e-6 * area:.3g} m2 is too large for vertices every "
+                f"{self.resolution:g} mm; expected another unit (--unit) if it is not so large, or "
+                f"at least {least / _COARSEST_CELL:.2g} mm (--resolution)"
+            )
+        return max(edges_per_cell * self.resolution, least)
+
+    def _make_arrays(self, base: BaseSurface, order: NDArray, edges: NDArray) -> None:
+        n, roots = self.n_base_vertices, len(self.base_faces)
+        points, normals = base.points[order], base.normals[order]
+        shift = 2 * max(0, int(np.ceil(np.log2(float(edges.max()) / self.resolution)))) + 6
+        shift = shift if self.refines else 0
+        sixth = base.areas / 6.0
+        # the sum over the whole surface fits, so any vertex does, however many triangles it has
+        unit = 2.0 * float(sixth.sum()) / 2.0 ** (_AREA_BITS - shift)
+        node_area = np.maximum(np.rint(sixth / unit), 1.0).astype(np.int64) << shift
+        area_units = np.zeros(n, np.int64)
+        for corner in range(3):
+            np.add.at(area_units, self.base_faces[:, corner], 2 * node_area)
+        forest = roots if self.refines else 0
+        lattice = self._lattice
+        size = lattice.size
+        self.arrays = SurfaceField(
+            counts=np.array([n, forest], np.int64),
+            numbers=np.array(
+                [
+                    self.resolution,
+                    size,
+                    _SOFT_EDGE_PER_EDGE * self.resolution,
+                    unit / 2.0**shift,
+                ]
+            ),
+            **{f"p{a}": np.ascontiguousarray(points[:, i]) for i, a in enumerate("xyz")},
+            **{f"n{a}": np.ascontiguousarray(normals[:, i]) for i, a in enumerate("xyz")},
+            key=_position_keys(points),
+            parents=np.full((n, 2), -1, np.int32),
+            vertex_sheet=lattice.vertex_sheets,
+            area_units=area_units,
+            next_in_cell=np.full(n, -1, np.int32),
+            node_vertices=self.base_faces[:forest].copy(),
+            node_root=np.arange(forest, dtype=np.int32),
+            child=np.full(forest, -1, np.int32),
+            longest=np.zeros(forest, np.int8),
+            radial=base.radial[: 3 * forest].copy(),
+            node_area=node_area[:forest].copy(),
+            head=np.full(lattice.n_cells, -1, np.int32),
+            done=np.full(lattice.n_cells, 0 if self.refines else 1, np.uint8),
+            path=np.empty(_PATH, np.int32),
+            **lattice.arrays,
+        )
+        if self.refines:
+            longest_edges(self.arrays, self.arrays.longest)
+            self.reserve()
+
+    # -- growth -----------------------------------------------------------------------------
+
+    def reserve(self, extra: int | None = None) -> None:
+        """Make room for `extra` more vertices (None: about as many again as there are)."""
+        field = self.arrays
+        n, nodes = (int(x) for x in field.counts)
+        if extra is None:
+            extra = max(_ROOM, (n - self.n_base_vertices) // 2)
+        vertices = n + extra + MOST_AROUND_EDGE
+        # a vertex on an edge halves two triangles: four nodes
+        room = nodes + 4 * extra + 4 * MOST_AROUND_EDGE
+        grown = {name: _grow(getattr(field, name), n, vertices) for name in _PER_VERTEX}
+        for name in ("node_vertices", "node_root", "child", "longest", "node_area"):
+            grown[name] = _grow(getattr(field, name), nodes, room)
+        grown["radial"] = _grow(field.radial, 3 * nodes, 3 * room)
+        self.arrays = field._replace(**grown)
+
+    def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
+        """Refine every cell: what lazy refinement must agree with wherever it went.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the share done, now and then, and at last with 1; what it raises stops
+            between two cells, and leaves the mesh as it was.
+        """
+        before = None
+        if progress is not None:
+            before = self.arrays._replace(**{k: v.copy() for k, v in self.arrays._asdict().items()})
+        try:
+            for cell in range(self.n_cells):
+                while activate_cell(self.arrays, cell) < 0:
+                    self.reserve()
+                if progress is not None and cell % _CELLS_A_STEP == 0:
+                    progress(cell / self.n_cells)
+            if progress is not None:
+                progress(1.0)
+        except BaseException:
+            if before is not None:
+                self.arrays = before
+            raise
+
+    # -- what there is ----------------------------------------------------------------------
+
+    @property
+    def n_vertices(self) -> int:
+        """Vertices there are now, V."""
+        return int(self.arrays.counts[0])
+
+    @property
+    def capacity(self) -> int:
+        """Vertices there is room for."""
+        return len(self.arrays.px)
+
+    @property
+    def n_cells(self) -> int:
+        """Cells that the surface meets."""
+        return len(self.arrays.head)
+
+    @property
+    def n_blocks(self) -> int:
+        """Blocks of neighbouring base vertices."""
+        return len(self.arrays.block_balls)
+
+    @property
+    def n_sheets(self) -> int:
+        """Connected pieces of surface, cell by cell."""
+        return len(self.arrays.sheet_cell)
+
+    @property
+    def vertices(self) -> NDArray:
+        """(V, 3) float32 positions, mm: base vertices in the order of their cells, then added."""
+        n = self.n_vertices
+        return np.stack([getattr(self.arrays, a)[:n] for a in ("px", "py", "pz")], axis=1)
+
+    @property
+    def normals(self) -> NDArray:
+        """(V, 3) float32 unit normals."""
+        n = self.n_vertices
+        return np.stack([getattr(self.arrays, a)[:n] for a in ("nx", "ny", "nz")], axis=1)
+
+    @property
+    def vertex_areas(self) -> NDArray:
+        """(V,) float64, mm2: a third of the triangles around each vertex."""
+        return self.arrays.area_units[: self.n_vertices] * self.arrays.numbers[3]
+
+    def leaf_faces(self) -> NDArray:
+        """(F, 3) int32: the triangles there are now."""
+        if not self.refines:
+            return self.base_faces
+        nodes = int(self.arrays.counts[1])
+        return self.arrays.node_vertices[:nodes][self.arrays.child[:nodes] < 0]
+
+    def leaf_roots(self) -> NDArray:
+        """(F,) int32: the base face that each of the `leaf_faces` lies in."""
+        if not self.refines:
+            return np.arange(len(self.base_faces), dtype=np.int32)
+        nodes = int(self.arrays.counts[1])
+        return self.arrays.node_root[:nodes][self.arrays.child[:nodes] < 0]
+
+    def source_order(self) -> NDArray:
+        """(V,) int32: base vertices as the source has them, then added ones as they came."""
+        base = np.argsort(self.source_vertices, kind="stable").astype(np.int32)
+        return np.concatenate(
+            [base, np.arange(self.n_base_vertices, self.n_vertices, dtype=np.int32)]
+        )
+
+
+def _check_precision(points: NDArray, resolution: float) -> None:
+    farthest = float(np.abs(points).max())
+    step = float(np.spacing(np.float32(farthest)))
+    if _STEPS_PER_EDGE * step > resolution:
+        span = float(np.ptp(points, axis=0).max())
+        if _STEPS_PER_EDGE * float(np.spacing(np.float32(0.5 * span))) > resolution:
+            raise MeshError(
+                f"the object is {span:g} mm long, where float32 has steps of {step:g} mm, too "
+                f"coarse for vertices every {resolution:g} mm; expected another unit (--unit) if "
+                f"it is not so long, or at least {_STEPS_PER_EDGE * step:.2g} mm (--resolution)"
+            )
+        raise MeshError(
+            f"a coordinate is {farthest:g} mm, where float32 has steps of {step:g} mm; "
+            f"expected steps of at most {resolution / _STEPS_PER_EDGE:g} mm at this resolution: "
+            f"move the object to the origin"
+        )
+
+
+def _grow(array: NDArray, used: int, room: int) -> NDArray:
+    grown = np.empty((room, *array.shape[1:]), array.dtype)
+    grown[:used] = array[:used]
+    return grown
+
+
+def _position_keys(points: NDArray) -> NDArray:
+    """uint64 keys that depend on the position alone, so that both sides of a seam agree."""
+    bits = (np.ascontiguousarray(points) + np.float32(0.0)).view(np.uint32).astype(np.uint64)
+    with np.errstate(over="ignore"):
+        key = bits[:, 0] * np.uint64(0x9E3779B97F4A7C15)
+        key ^= bits[:, 1] * np.uint64(0xC2B2AE3D27D4EB4F) + np.uint64(1)
+        key ^= (bits[:, 2] * np.uint64(0x165667B19E3779F9) + np.uint64(7)) << np.uint64(1)
+        key ^= key >> np.uint64(29)
+        key *= np.uint64(0xBF58476D1CE4E5B9)
+    return key ^ (key >> np.uint64(32))
+
+
+class _Lattice:
+    """Cells, sheets and their links, as arrays for `SurfaceField`."""
+
+    def __init__(self, size: float, arrays: dict[str, NDArray], vertex_sheets: NDArray) -> None:
+        self.size = size
+        self.arrays = arrays
+        self.vertex_sheets = vertex_sheets
+        self.n_cells = len(arrays["cell_place"])
+
+    @classmethod
+    def build(cls, base: BaseSurface, size: float) -> tuple[NDArray, _Lattice]:
+        """Return the base vertices' new order (cell by cell) and the lattice."""
+        low = base.points.min(axis=0).astype(np.float64)
+        span = float((base.points.max(axis=0) - low).max())
+        if span / size > _LATTICE - 4:
+            raise MeshError(
+                f"the object is {span:g} mm long; expected at most {_LATTICE * size:g} mm "
+                f"at this resolution"
+            )
+        # off the lattice of round numbers, so that flat faces do not lie between two cells
+        origin = low - 0.6180339887 * size
+        places, pair_root, cell_pairs = _pairs_by_cell(base, origin, size)
+        n_cells = len(places)
+        table = np.full(1 << int(np.ceil(np.log2(2 * n_cells + 1))), -1, np.int32)
+        build_table(places, table)
+        pair_sheet = np.empty(len(pair_root), np.int32)
+        cell_sheets = np.empty(n_cells + 1, np.int32)
+        n_sheets = split_sheets(
+            base.points, base.faces, base.radial, origin, size, places,
+            cell_pairs, pair_root, pair_sheet, cell_sheets,
+        )  # fmt: skip
+        area, normal, centre = np.zeros(n_sheets), np.zeros((n_sheets, 3)), np.zeros((n_sheets, 3))
+        with ThreadPoolExecutor(1) as beside:  # a third of the time, and what follows another
+            measured = beside.submit(
+                measure_sheets, base.points, base.normals, base.faces, origin, size, places,
+                cell_pairs, pair_root, pair_sheet, area, normal, centre,
+            )  # fmt: skip
+            pair_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cell_pairs))
+            cracks = _over_cracks(
+                base, origin, size, table, places, cell_pairs, pair_root, pair_sheet
+            )
+            sheet_links, linked = _links(
+                table, places, len(base.faces), pair_cell, cell_pairs, pair_root, pair_sheet,
+                n_sheets, cracks,
+            )  # fmt: skip
+            order, starts, vertex_sheets = _sort_vertices(
+                base, origin, size, places, table, cell_pairs, pair_root, pair_sheet
+            )
+            measured.result()
+        sheet_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cell_sheets))
+        arrays = {
+            "origin": origin,
+            "table": table,
+            "cell_place": places,
+            "cell_pairs": cell_pairs,
+            "pair_root": pair_root,
+            "pair_sheet": pair_sheet,
+            "cell_sheets": cell_sheets,
+            "base_start": starts,
+            **_blocks(base.points[order], starts),
+            "sheet_cell": sheet_cell,
+            "sheet_place": np.column_stack([places[sheet_cell], sheet_cell]).astype(np.int32),
+            "sheet_area": area,
+            "sheet_normal": normal,
+            "sheet_centre": centre,
+            "sheet_pack": np.column_stack([normal, area, centre, np.zeros(n_sheets)]).astype(
+                np.float32
+            ),
+            "sheet_links": sheet_links,
+            "linked_sheet": linked,
+        }
+        return order, cls(size, arrays, vertex_sheets)
+
+
+def _pairs_by_cell(
+    base: BaseSurface, origin: NDArray, size: float
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Cells (C, 3) in Morton order, the roots that meet them, and each cell's run of roots."""
+    room = int(_PAIRS_PER_FACE * len(base.faces) + _PAIRS_PER_CELL * base.areas.sum() / size**2)
+    n = room + 1
+    while n > room:  # counting first would take as long as listing, so we guess
+        room = max(room, n)
+        if room > _MOST_PAIRS:
+            raise MeshError(
+                f"the object's surface of {1e-6 * float(base.areas.sum()):.3g} m2 would take about "
+                f"{room:.2g} cells at this resolution; expected at most {_MOST_PAIRS:.2g}: a "
+                "coarser resolution or, if it is not so large, another unit"
+            )
+        places, roots = np.empty((room, 3), np.int32), np.empty(room, np.int32)
+        n = fill_pairs(base.points, base.faces, origin, size, places, roots)
+    places, roots = places[:n], roots[:n]
+    code = _morton(places)
+    order = np.argsort(code, kind="stable")
+    code, places, roots = code[order], places[order], roots[order]
+    first = np.flatnonzero(np.concatenate([[True], code[1:] != code[:-1]]))
+    runs = np.append(first, n).astype(np.int64)
+    return np.ascontiguousarray(places[first]), roots, runs
+
+
+def _morton(places: NDArray) -> NDArray:
+    """Interleave the bits of lattice places (n, 3) into int64 codes."""
+    code = np.zeros(len(places), np.int64)
+    for axis in range(3):
+        bits = places[:, axis].astype(np.int64)
+        for shift, mask in (
+            (32, 0x1F00000000FFFF),
+            (16, 0x1F0000FF0000FF),
+            (8, 0x100F00F00F00F00F),
+            (4, 0x10C30C30C30C30C3),
+            (2, 0x1249249249249249),
+        ):
+            bits = (bits | (bits << shift)) & mask
+        code |= bits << axis
+    return code
+
+
+def _links(
+    table: NDArray,
+    places: NDArray,
+    n_roots: int,
+    pair_cell: NDArray,
+    cell_pairs: NDArray,
+    pair_root: NDArray,
+    pair_sheet: NDArray,
+    n_sheets: int,
+    others: NDArray,
+) -> tuple[NDArray, NDArray]:
+    """The sheets' graph as runs (S + 1,) and neighbours, each link once in either direction.
+
+    `others` (M, 2) are links besides those of triangles in two cells.
+    """
+    pair_order = np.argsort(pair_root, kind="stable")
+    root_pairs = np.concatenate([[0], np.cumsum(np.bincount(pair_root, minlength=n_roots))])
+    arguments = (
+        table, places, root_pairs.astype(np.int64), pair_order, pair_cell,
+        cell_pairs, pair_root, pair_sheet,
+    )  # fmt: skip
+    room = _LINKS_PER_PAIR * len(pair_root)
+    n = room + 1
+    while n > room:
+        room = max(room, n)
+        links = np.empty((room, 2), np.int32)
+        n = link_sheets(*arguments, links)
+    links = np.concatenate([links[:n], others]).astype(np.int64)
+    codes = np.concatenate(
+        [links[:, 0] * n_sheets + links[:, 1], links[:, 1] * n_sheets + links[:, 0]]
+    )
+    codes.sort()
+    codes = codes[np.diff(codes, prepend=-1) != 0]
+    runs = np.searchsorted(codes, np.arange(n_sheets + 1, dtype=np.int64) * n_sheets)
+    return runs.astype(np.int64), (codes % n_sheets).astype(np.int32)
+
+
+def _over_cracks(
+    base: BaseSurface,
+    origin: NDArray,
+    size: float,
+    table: NDArray,
+    places: NDArray,
+    cell_pairs: NDArray,
+    pair_root: NDArray,
+    pair_sheet: NDArray,
+) -> NDArray:
+    """(n, 2) int32: sheets that end beside one another, at most a hair's breadth away."""
+    room = 0
+    links = np.empty((room, 2), np.int32)
+    if not (base.radial == np.arange(len(base.radial), dtype=np.int32)).any():
+        return links
+    while True:
+        n = link_cracks(
+            base.points, base.faces, base.radial, origin, size, table, places, cell_pairs,
+            pair_root, pair_sheet, _CRACK_MM, links,
+        )  # fmt: skip
+        if n <= room:
+            return np.unique(links[:n], axis=0)
+        room = n
+        links = np.empty((room, 2), np.int32)
+
+
+def _sort_vertices(
+    base: BaseSurface,
+    origin: NDArray,
+    size: float,
+    places: NDArray,
+    table: NDArray,
+    cell_pairs: NDArray,
+    pair_root: NDArray,
+    pair_sheet: NDArray,
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Order of the base vertices by cell and place in it, each cell's run, every vertex's sheet."""
+    root_of = np.empty(len(base.points), np.int32)
+    for corner in range(3):
+        root_of[base.faces[:, corner]] = np.arange(len(base.faces), dtype=np.int32)
+    cells = np.empty(len(base.points), np.int32)
+    sheets = np.empty(len(base.points), np.int32)
+    locate_vertices(
+        base.points, root_of, origin, size, places, table,
+        cell_pairs, pair_root, pair_sheet, cells, sheets,
+    )  # fmt: skip
+    within = ((base.points - origin) / (size / _BLOCK_STEPS)).astype(np.int64) % _BLOCK_STEPS
+    order = np.argsort(cells * np.int64(_BLOCK_STEPS**3) + _morton(within), kind="stable")
+    starts = np.searchsorted(cells[order], np.arange(len(places) + 1)).astype(np.int32)
+    return order, starts, sheets[order]
+
+
+def _blocks(points: NDArray, starts: NDArray) -> dict[str, NDArray]:
+    """Cut every cell's run of vertices (B, 3) into blocks; a ball around each."""
+    counts = -(-np.diff(starts) // BLOCK_VERTICES)
+    cell_blocks = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+    at = np.arange(cell_blocks[-1]) - np.repeat(cell_blocks[:-1], counts)
+    first = np.repeat(starts[:-1], counts) + at * BLOCK_VERTICES
+    if len(first) == 0:
+        return {"cell_blocks": cell_blocks, "block_balls": np.zeros((0, 4), np.float32)}
+    low = np.minimum.reduceat(points, first).astype(np.float64)
+    high = np.maximum.reduceat(points, first).astype(np.float64)
+    centre = (0.5 * (low + high)).astype(np.float32)
+    sizes = np.diff(np.append(first, len(points)))
+    reach = np.linalg.norm(points - np.repeat(centre, sizes, axis=0), axis=1)
+    # a little more: rounding must not leave a vertex out
+    radius = 1.0001 * np.maximum.reduceat(reach, first)
+    balls = np.column_stack([centre, radius]).astype(np.float32)
+    return {"cell_blocks": cell_blocks, "block_balls": balls}

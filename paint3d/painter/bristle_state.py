@@ -1,0 +1,110 @@
+"""The hairs in a painter's hand: their ink and what they remember, and painting with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.bristles import build_bristles
+from paint3d.brush.spec import BrushSpec
+from paint3d.brush_engine.bristles.ink import sum_hairs
+from paint3d.brush_engine.bristles.state import MEMORY_SIZE, WAY, Hairs, make_hairs
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["HairTuft"]
+
+
+class HairTuft:
+    """A tuft of single hairs (B) with ink (P pigments) in each.
+
+    Parameters
+    ----------
+    brush : BrushSpec
+    hairs : BristleSpec
+
+    Attributes
+    ----------
+    load : (B, P) float64
+        Ink in each hair, coats x mm2.
+    memory : (5,) float64
+        See `brush_engine.bristles.state`: the bend that stays, how far clumps have parted, and
+        ways.
+
+    Raises
+    ------
+    BrushError
+        If the bending of this brush cannot be solved.
+    """
+
+    def __init__(self, brush: BrushSpec, hairs: BristleSpec) -> None:
+        self.spec = hairs
+        self.bristles = build_bristles(brush, hairs)
+        self.load = np.zeros((hairs.n_hairs, 0))
+        self.memory = np.zeros(MEMORY_SIZE)
+        self._work: Hairs | None = None
+
+    def shape(self) -> None:
+        """Bring the tuft to a point: no bend is left in it, and its clumps join."""
+        self.memory[:WAY] = 0.0
+
+    def dip(self, load: NDArray, reach: float = 1.0) -> NDArray:
+        """Let every hair hold its share of `load` (P,) up to `reach` of its length.
+
+        Above that it keeps what it held; either part mixes along the hair. Returns the sum (P,).
+        """
+        self._fit(len(load))
+        self.memory[WAY:] = 0.0
+        self.load *= 1.0 - reach
+        self.load += reach * load / len(self.load)
+        return self.held()
+
+    def held(self) -> NDArray:
+        """Ink in all hairs (P,)."""
+        held = np.empty(self.load.shape[1])
+        sum_hairs(self.load, held)  # the same sum as while painting, to the bit
+        return held
+
+    def hold(self, load: NDArray) -> None:
+        """Let the hairs hold `load` (P,) in all, each as much of it as it had before."""
+        self._fit(len(load))
+        held = self.held()
+        for p in np.flatnonzero(held != load):
+            if held[p] > 0.0:
+                self.load[:, p] *= load[p] / held[p]
+            else:
+                self.load[:, p] = load[p] / len(self.load)
+
+    def _fit(self, n_pigments: int) -> None:
+        missing = n_pigments - self.load.shape[1]
+        if missing > 0:
+            self.load = np.pad(self.load, ((0, 0), (0, missing)))
+
+    def keep(self) -> dict[str, NDArray]:
+        """What `restore` takes: the ink of every hair, and what the tuft remembers."""
+        return {"load": self.load.copy(), "memory": self.memory.copy()}
+
+    def restore(self, kept: Mapping[str, NDArray]) -> None:
+        """Be as when it was kept."""
+        self.load = kept["load"].copy()
+        self.memory[:] = kept["memory"]
+        self._work = None
+
+    def work(self, surface: PaintedSurface) -> Hairs:
+        """Arrays for the kernels, with what the surface says that the brush holds."""
+        ink, capacity = surface.ink, surface.paint_mesh.capacity
+        if self.load.shape[1] != len(ink.load) or (self.held() != ink.load).any():
+            self.hold(ink.load)
+            ink.load[:] = self.held()
+        work = self._work
+        if work is None or work.load is not self.load:
+            new = make_hairs(self.bristles, self.load, self.memory, capacity)
+            if work is not None and work.load.shape == self.load.shape:  # a stroke goes on
+                for name in ("pace", "roll", "turned", "track"):
+                    getattr(new, name)[:] = getattr(work, name)
+            self._work = new
+        elif len(work.lanes) != capacity + 1:
+            self._work = work._replace(lanes=np.zeros(capacity + 1, np.int16))
+        return self._work

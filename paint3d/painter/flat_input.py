@@ -1,0 +1,162 @@
+"""Laying a recording from a flat pad on a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
+from paint3d.device.recorded import Recording
+from paint3d.errors import InputError, RecordingError
+from paint3d.mesh.chart import SurfaceChart
+
+__all__ = ["DIP", "LaidPad", "dipped", "lay", "size_of"]
+
+DIP = 2  # button bit: the brush is dipped, on a lifted sample
+
+
+def lay(recording: Recording, chart: SurfaceChart) -> Recording:
+    """Carry a pad recording onto a surface; the object stays at rest in the world.
+
+    A sample at (x, y, z) of the pad goes to the chart's point at (x, y) plus z mm along the
+    normal there, and its orientation is taken relative to the chart's directions there. With a
+    pressure that point is the place that the hand meant: the pad's own pen drew there.
+
+    Parameters
+    ----------
+    recording : Recording
+        In pad space.
+    chart : SurfaceChart
+
+    Returns
+    -------
+    Recording
+        In world space, the world being the object's frame.
+
+    Raises
+    ------
+    RecordingError
+        If the recording is not a pad's, or leaves the chart.
+    """
+    if not recording.is_pad:
+        raise RecordingError("the recording's space is 'world'; expected 'pad'")
+    xy = recording.position[:, :2]
+    try:
+        points, frames = chart.points(xy), chart.tangents(xy)
+    except InputError as cause:
+        raise RecordingError(f"the recording does not fit: {cause}") from None
+    world_from_pad = quaternions_from_matrices(frames)
+    return Recording(
+        recording.time_ns,
+        points + recording.position[:, 2:] * frames[..., 2],
+        multiply_quaternions(world_from_pad, recording.orientation),
+        recording.pressure,
+        recording.buttons,
+        header={**recording.header, "space": "world"},
+        contact=None if recording.pressure is None else points,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class LaidPad:
+    """A pad recording on a surface, carried there part by part as it is asked for.
+
+    Ten million samples laid at once would take four times the memory of what was read.
+
+    Attributes
+    ----------
+    pad : Recording
+    chart : SurfaceChart
+    middle : (2,) float64
+        What point of the pad comes to lie at the chart's origin.
+    scale : float
+        mm on the surface per mm of the pad.
+    """
+
+    pad: Recording
+    chart: SurfaceChart
+    middle: NDArray
+    scale: float = 1.0
+
+    def __len__(self) -> int:
+        return len(self.pad)
+
+    @property
+    def time_ns(self) -> NDArray:
+        """(N,) int64, as on the pad."""
+        return self.pad.time_ns
+
+    @property
+    def pressure(self) -> NDArray | None:
+        """(N,) float64 in [0, 1], as on the pad."""
+        return self.pad.pressure
+
+    @property
+    def header(self) -> dict[str, object]:
+        """The pad's, in the world's space."""
+        return {**self.pad.header, "space": "world"}
+
+    def part(self, first: int, last: int) -> Recording:
+        """The samples from `first` to before `last`, laid on the surface.
+
+        Raises
+        ------
+        RecordingError
+            If they leave the chart.
+        """
+        part = self.pad.part(first, last)
+        position = part.position.copy()
+        position[:, :2] = (position[:, :2] - self.middle) * self.scale
+        return lay(replace(part, position=position), self.chart)
+
+    def whole(self) -> Recording:
+        """All samples, laid on the surface; as `part` raises."""
+        return self.part(0, len(self))
+
+
+def size_of(recording: Recording, width_mm: float | None = None) -> tuple[NDArray, NDArray, float]:
+    """Where a pad recording's middle is, and how large it is to be laid.
+
+    Parameters
+    ----------
+    recording : Recording
+    width_mm : float, optional
+        How wide; as it was drawn unless told.
+
+    Returns
+    -------
+    middle, half : (2,) float64
+        mm: the middle on the pad, and how far it reaches from there on the surface.
+    scale : float
+        mm on the surface per mm of the pad.
+
+    Raises
+    ------
+    RecordingError
+        If the recording is not a pad's, or has no width to scale.
+    """
+    if not recording.is_pad:
+        raise RecordingError("the recording's space is 'world'; expected 'pad'")
+    low, high = recording.position[:, :2].min(axis=0), recording.position[:, :2].max(axis=0)
+    scale = 1.0
+    if width_mm is not None:
+        if high[0] <= low[0]:
+            raise RecordingError("the recording has no width; expected one to scale")
+        scale = width_mm / (high[0] - low[0])
+    middle = 0.5 * (low + high)
+    return middle, np.maximum(middle - low, high - middle) * scale, scale
+
+
+def dipped(recording: Recording) -> Recording:
+    """The recording with the brush dipped before every stroke, if it is never dipped in it.
+
+    A pad knows no ink: what was drawn with a pen that never ran dry would fade out under a brush.
+    """
+    pressure = recording.pressure
+    if pressure is None or ((recording.buttons & DIP) != 0).any():
+        return recording
+    buttons = recording.buttons.copy()
+    buttons[:-1][(pressure[:-1] <= 0.0) & (pressure[1:] > 0.0)] |= DIP
+    return replace(recording, buttons=buttons)

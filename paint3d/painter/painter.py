@@ -1,0 +1,580 @@
+"""The painter: a brush, an ink, a surface, and poses in time.
+
+One way through the stages, readable here in one screen: samples are turned into object-frame poses
+(`pose`), and `brush_engine.stroke_loop` walks along them: foot point and bent brush, enclosing
+sphere and plane, outline, sweep, ink. Nothing here has a clock, a file or a random source; the same
+samples give the same painting to the bit, for any number of threads and any chunking.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.dynamics import build_curves
+from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.brush_engine import placement
+from paint3d.brush_engine import stroke_loop as stroke
+from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
+from paint3d.brush_engine.brush_load import level_stations
+from paint3d.brush_engine.contact import Contact, find_contact
+from paint3d.brush_engine.deposit import PAINTED
+from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
+from paint3d.brush_engine.scratch import Room, grow_room, make_room
+from paint3d.brush_engine.vertex_query import VISITED
+from paint3d.colour.pigments import Pigment, load_pigment
+from paint3d.core.arrays import as_number
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import InputError
+from paint3d.painter.ahead import ahead
+from paint3d.painter.bristle_state import HairTuft
+from paint3d.painter.flat_input import DIP, LaidPad
+from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
+from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
+from paint3d.pose.interpolation import joined_samples, velocities
+from paint3d.recording.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["Painter"]
+
+_PART = 1 << 16  # samples of a recording that are made ready at once
+_CHUNK = 2000  # samples between two calls of `progress`
+_STATIONS = 12  # pieces of a tuft that is loaded differently along its length
+
+
+class Painter:
+    """Paints on a surface with one brush.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    brush : str or BrushSpec
+    ink : str, Pigment, mapping or None
+        What the brush is dipped in; see `dip`. None: it holds what the surface says that it held,
+        as after opening a session.
+    azimuth : {"commanded", "dragged"}
+        Whether the pose's roll turns the tuft, or the surface pulls it.
+    pickup : float, optional
+        Share of the wet ink under the brush that it takes back per mm of travel at full pressure
+        (0.05 is a thirsty brush); 0: it stays clean. None: as before, 0 on a new surface.
+    hairs : int or BristleSpec, optional
+        Paint with so many single hairs, or with these; 0 for a solid tuft. None: as the brush is.
+
+    Raises
+    ------
+    UnknownNameError
+        For a brush or an ink that is not known.
+    InputError
+        For no ink where the surface has never seen one.
+    """
+
+    def __init__(
+        self,
+        surface: PaintedSurface,
+        brush: str | BrushSpec = "full",
+        ink: str | Pigment | Mapping | None = "pine soot",
+        azimuth: str = "commanded",
+        pickup: float | None = None,
+        hairs: int | BristleSpec | None = None,
+    ) -> None:
+        if azimuth not in ("commanded", "dragged"):
+            raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
+        self.surface = surface
+        self.brush = load_brush(brush) if isinstance(brush, str) else brush
+        self.tuft = build_tuft(self.brush)
+        self._curves = build_curves(self.brush.inputs)
+        self._wanted_hairs = hairs
+        self.hairs = self._make_hairs()
+        self.azimuth = azimuth
+        self.loaded = 0.0
+        self.seconds = {"poses": 0.0, "stroke": 0.0, "colour": 0.0}
+        self._counters = np.zeros(8, np.int64)
+        self._progress = stroke.make_progress()
+        self._pose = np.zeros(9)
+        self._held: list[DeviceSample] = []
+        self._origin_ns = 0
+        self._n_samples = 0
+        self._dip_down = False
+        if pickup is not None:
+            surface.ink.habit[PICKUP] = as_number(pickup, "pickup (1/mm)", 0.0)
+        if ink is None:
+            self._take_up()
+        else:
+            self.dip(ink)
+
+    # -- the brush --------------------------------------------------------------------------
+
+    def dip(self, ink: str | Pigment | Mapping | None = None, reach: float | None = None) -> None:
+        """Rinse the brush and load it fully with `ink` (None: the same again).
+
+        Parameters
+        ----------
+        ink : str, Pigment or mapping, optional
+            An ink, or parts of several that are stirred: ``{"pine soot": 0.2, "water": 0.8}``.
+        reach : float, optional
+            Dip only so much of the tuft's length, from the tip, 0 to 1; the rest keeps what it
+            holds: first the belly in light ink, then the tip in dark. In a tuft of single hairs
+            both mix along every hair. A whole dip also brings these to a point.
+
+        Raises
+        ------
+        InputError
+            If a part is not a number above 0, or the reach is not between 0 and 1.
+        """
+        parts = self._mixture(self._dipped if ink is None else ink)
+        share = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
+        if self.hairs is not None:
+            self._hold(self.hairs.dip(parts * self.tuft.load, share))
+            if reach is None:
+                self.hairs.shape()
+        elif reach is not None:
+            self._dip_tip(parts, share)
+        else:
+            self._hold(parts * self.tuft.load)
+        if ink is not None:
+            self._dipped = ink
+            self.ink = self.surface.main_pigment(parts)
+        self._room = self._make_room()
+
+    def _take_up(self) -> None:
+        """Take the brush as it lies there: with what it holds, or dry."""
+        surface = self.surface
+        if not surface.pigments:
+            raise InputError("ink is None and this surface has never seen any; expected an ink")
+        held = surface.ink.load
+        parts = held / held.sum() if held.any() else np.eye(len(held))[-1]
+        self._dipped = {p: w for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-9}
+        self.ink = surface.main_pigment(parts)
+        self._room = self._make_room()
+        accounts = self.ledger()
+        self.loaded = sum(accounts.values()) - accounts["loaded"]
+
+    def rinse(self) -> None:
+        """Wash the brush out and shake it dry: it holds nothing."""
+        self._hold(np.zeros(len(self.surface.pigments)))
+
+    def wipe(self, share: float = 0.5) -> None:
+        """Wipe a share of what the brush holds off, 0 to 1; what stays is what it was.
+
+        Raises
+        ------
+        InputError
+            If the share is not between 0 and 1.
+        """
+        share = as_number(share, "share", 0.0, 1.0)
+        ink = self.surface.ink
+        if self.hairs is not None:
+            self.hairs.hold(ink.load * (1.0 - share))
+            self._hold(self.hairs.held())
+        elif len(ink.stations) > 1:
+            self._hold_along(ink.stations * (1.0 - share))
+        else:
+            self._hold(ink.load * (1.0 - share))
+
+    def change_brush(self, brush: str | BrushSpec) -> None:
+        """Take another brush into the hand, loaded fully with the same ink.
+
+        Raises
+        ------
+        UnknownNameError, BrushError
+            For a brush that is not known, or cannot be bent.
+        """
+        brush = load_brush(brush) if isinstance(brush, str) else brush
+        self.tuft = build_tuft(brush)
+        self.brush = brush
+        self._curves = build_curves(brush.inputs)
+        self.hairs = self._make_hairs()
+        self.dip()
+
+    def _make_hairs(self) -> HairTuft | None:
+        wanted = self._wanted_hairs
+        if wanted is None:
+            wanted = self.brush.bristles
+        elif isinstance(wanted, int) and not isinstance(wanted, bool) and wanted != 0:
+            wanted = dataclasses.replace(self.brush.bristles or BristleSpec(), n_hairs=wanted)
+        if wanted is None or (wanted == 0 and not isinstance(wanted, bool)):
+            return None
+        if not isinstance(wanted, BristleSpec):
+            raise InputError(f"hairs is {wanted!r:.60}; expected a number or a BristleSpec")
+        return HairTuft(self.brush, wanted)
+
+    def shape(self) -> None:
+        """Bring a tuft of single hairs to a point, as on the rim of an inkstone."""
+        if self.hairs is not None:
+            self.hairs.shape()
+
+    @property
+    def dipped(self) -> str | Pigment | Mapping:
+        """What the brush was dipped in last."""
+        return self._dipped
+
+    def keep(self) -> dict[str, object]:
+        """What `restore` takes: all that is remembered between strokes, apart from the surface."""
+        names = ("brush", "tuft", "loaded", "ink", "_dipped", "hairs", "_curves")
+        kept = {name: getattr(self, name) for name in names}
+        return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
+
+    def restore(self, kept: Mapping[str, object]) -> None:
+        """Be as when it was kept; the surface is brought back by `surface.undo`."""
+        of_hairs = kept.get("of_hairs")
+        for name, value in kept.items():
+            if name != "of_hairs":
+                setattr(self, name, value)
+        if self.hairs is not None and of_hairs is not None:
+            self.hairs.restore(of_hairs)
+        self._room = self._make_room()
+
+    def _mixture(self, ink: str | Pigment | Mapping) -> NDArray:
+        """(P,) parts of the pigments on the surface, of sum 1."""
+        stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
+        if not stirred:
+            raise InputError("the brush is dipped in nothing; expected an ink")
+        columns, weights = [], []
+        for name, weight in stirred.items():
+            pigment = load_pigment(name) if isinstance(name, str) else name
+            columns.append(self.surface.column_of(pigment))
+            weights.append(as_number(weight, f"part of {pigment.name}", 1e-9))
+        parts = np.zeros(len(self.surface.pigments))
+        np.add.at(parts, columns, np.array(weights) / sum(weights))
+        return parts
+
+    def _hold(self, load: NDArray) -> None:
+        """Let the brush hold `load` (P,), alike all along the tuft."""
+        surface = self.surface
+        self.loaded += surface.lasting(load - surface.ink.load)
+        surface.ink.load[:] = load
+        surface.ink.habit[CAPACITY] = self.tuft.load
+        surface.ink = surface.ink._replace(stations=np.zeros((1, len(load))))
+
+    def _hold_along(self, stations: NDArray) -> None:
+        """Let the brush hold `stations` (N, P) along the tuft, tip first."""
+        surface = self.surface
+        stations = np.ascontiguousarray(stations)
+        level_stations(stations)
+        load = stations.sum(axis=0)
+        self.loaded += surface.lasting(load - surface.ink.load)
+        surface.ink.load[:] = load
+        surface.ink.habit[CAPACITY] = self.tuft.load
+        surface.ink.habit[REACH] = self.brush.length_mm / len(stations)
+        surface.ink = surface.ink._replace(stations=stations)
+
+    def _dip_tip(self, parts: NDArray, reach: float) -> None:
+        held = self.surface.ink.stations
+        if len(held) == 1:
+            held = np.repeat(self.surface.ink.load[None] / _STATIONS, _STATIONS, axis=0)
+        middle = (np.arange(len(held)) + 0.5) / len(held)
+        dipped = middle < reach
+        held = np.where(dipped[:, None], parts * self.tuft.load / len(held), held)
+        self._hold_along(held)
+
+    def in_brush(self) -> float:
+        """Pigment in the brush, coats x mm2."""
+        return self.surface.lasting(self.surface.ink.load)
+
+    def contact(
+        self,
+        position: ArrayLike,
+        orientation: ArrayLike,
+        pressure: float | None = None,
+        place: ArrayLike | None = None,
+    ) -> Contact | None:
+        """How the brush would stand on the surface in one pose; see `find_contact`."""
+        surface = self.surface
+        return find_contact(
+            self.tuft, surface.paint_mesh, surface.contact_tree, position, orientation, pressure,
+            place,
+        )  # fmt: skip
+
+    # -- painting ---------------------------------------------------------------------------
+
+    def replay(
+        self,
+        recording: Recording | LaidPad,
+        progress: Callable[[float], None] | None = None,
+        frame_rate: float | None = None,
+        wet: bool = False,
+        rest_s: float = 0.0,
+    ) -> None:
+        """Paint a whole recording.
+
+        Parameters
+        ----------
+        recording : Recording or LaidPad
+            However long: 65,536 samples at a time are made ready for painting, the next ones while
+            these are painted.
+        progress : callable, optional
+            Called with the fraction done, a few times a second, after every frame and piece of
+            time.
+        frame_rate : float, optional
+            Bring the colours up to date this often, Hz of the recording's own time, as a live
+            view would; the painting is the same without.
+        wet : bool
+            Let the ink spread and dry meanwhile, in the recording's own time, as in the studio
+            (`painter.ink_time`). Otherwise no time passes.
+        rest_s : float
+            Of the ink's time after the last sample, s, if it is wet.
+
+        Raises
+        ------
+        InputError
+            If the rest is not a finite number of at least 0.
+        """
+        rest_s = as_number(rest_s, "rest (s)", 0.0)
+        self.finish()
+        n, first, passed = len(recording), 0, 0
+        origin, at = int(recording.time_ns[0]), self._progress.at
+        ready = ahead(partial(self._prepare, recording, *span, origin) for span in _spans(n))
+        while True:
+            last = min(n, first + _PART)
+            times_ns, samples, dips = next(ready)
+            known = last - first - 1 - (LOOKAHEAD if last < n else 0)
+            pauses = Pauses(times_ns, samples.joined, passed - first)
+            for stop, is_frame in _stops(samples.time, int(at[0]), known, frame_rate):
+                for pause, pieces in pauses.until(stop) if wet else ():
+                    self._paint(samples, pause, dips)
+                    self._let_pass(pieces, progress, max(0, first + pause + 1) / n)
+                self._paint(samples, stop, dips)
+                is_end = first + stop == n - 1
+                if frame_rate is not None and (is_frame or is_end):
+                    self._refresh()
+                if progress is not None:
+                    progress((first + stop + 1) / n)
+            if last == n:
+                break
+            passed = first + pauses.passed
+            first += known - LOOKAHEAD
+            at[0] = LOOKAHEAD
+        if wet:
+            self._rest(int(recording.time_ns[-1]), rest_s, progress)
+        self._n_samples += n
+        self._begin()
+
+    def _let_pass(
+        self, pieces: int, progress: Callable[[float], None] | None, share: float
+    ) -> bool:
+        """Let pieces of time pass for the ink; whether it is dry, so that nothing more changes."""
+        for _ in range(pieces):
+            self.surface.follow_time(PIECE_S)
+            if progress is not None:
+                progress(share)
+            if self.surface.flow.is_dry:
+                return True
+        return False
+
+    def _rest(self, last_ns: int, seconds: float, progress: Callable[[float], None] | None) -> None:
+        """Let the ink have so much time after the last sample, however long it takes to follow."""
+        left = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
+        is_dry = False
+        while left and not is_dry:
+            left -= self.surface.keeps_up  # else no time passes
+            is_dry = self._let_pass(1, progress, 1.0)
+
+    def _prepare(
+        self, recording: Recording | LaidPad, first: int, last: int, origin_ns: int
+    ) -> tuple[NDArray, stroke.Samples, NDArray]:
+        """A part's times, its samples with time counted from `origin_ns`, and their dips."""
+        started = time.perf_counter()
+        part = recording.part(first, last)
+        path = brush_poses(part)
+        path = dataclasses.replace(path, time_s=(part.time_ns - origin_ns) * 1e-9)
+        prepared = part.time_ns, _samples(path), _dips(path.buttons)
+        self.seconds["poses"] += time.perf_counter() - started
+        return prepared
+
+    def advance(self, samples: Iterable[DeviceSample]) -> None:
+        """Paint live: the interval before the last two samples waits for what comes next."""
+        if not self._held:
+            samples = list(samples)
+            self._origin_ns = samples[0].time_ns if samples else 0
+        self._held.extend(samples)
+        self._paint_held(len(self._held) - 1 - LOOKAHEAD)
+
+    def lift(self) -> None:
+        """Paint what still waits though the stroke goes on: its next sample is not joined to it."""
+        self._paint_held(len(self._held) - 1)
+
+    def finish(self) -> None:
+        """Paint what still waits, and lift the brush."""
+        self._paint_held(len(self._held) - 1)
+        self._n_samples += len(self._held)
+        self._held = []
+        self._begin()
+
+    def abandon(self) -> None:
+        """Forget what still waits, and lift the brush; what was painted stays."""
+        self._held = []
+        self._begin()
+
+    def _begin(self) -> None:
+        self._progress.at[:] = 0
+        self._progress.before.values[:] = 0.0
+        self._room.warm[0] = 0.0
+
+    def _paint_held(self, last: int) -> None:
+        if last <= int(self._progress.at[0]):
+            return
+        started = time.perf_counter()
+        path = object_poses(self._held)
+        # counted from the stroke's first sample, as in a replay: not a bit may differ
+        since = np.array([sample.time_ns - self._origin_ns for sample in self._held], np.int64)
+        path = dataclasses.replace(path, time_s=since * 1e-9)
+        self.seconds["poses"] += time.perf_counter() - started
+        self._paint(_samples(path), last, _dips(path.buttons))
+        done = max(0, int(self._progress.at[0]) - LOOKAHEAD)
+        self._n_samples += done
+        self._held = self._held[done:]
+        self._progress.at[0] -= done
+
+    def _paint(self, samples: stroke.Samples, last: int, dips: NDArray) -> None:
+        """Paint up to sample `last`, dipping the brush where the recording does."""
+        at = self._progress.at
+        first = int(at[0])
+        for stop in dips[(dips > first) & (dips <= last)]:
+            self._run(samples, int(stop))
+            self.dip()
+        self._run(samples, last)
+
+    def _run(self, samples: stroke.Samples, last: int) -> None:
+        started = time.perf_counter()
+        surface = self.surface
+        room = self._room  # the surface may have grown, or another brush brought a pigment
+        if len(room.found) != surface.paint_mesh.capacity + 1 or len(room.part) != len(
+            surface.pigments
+        ):
+            self._room = self._make_room()
+        while True:
+            state = self._run_kernel(samples, last)
+            if state == stroke.FINISHED:
+                break
+            surface.make_room()
+            self._room = self._make_room()
+        surface.ink.habit[CAPACITY] = self.tuft.load  # whatever curves made of it
+        self.seconds["stroke"] += time.perf_counter() - started
+
+    def _run_kernel(self, samples: stroke.Samples, last: int) -> int:
+        surface, dragged = self.surface, self.azimuth == "dragged"
+        tree, field = surface.contact_tree, surface.paint_mesh.arrays
+        work = (self._progress, self._counters, self._pose, self._room)
+        if self.hairs is None:
+            return stroke.paint_samples(
+                samples, last, dragged, self.tuft, self._curves, tree, field, surface.ink, *work
+            )
+        hairs = self.hairs.work(surface)
+        return paint_with_hairs(
+            samples, last, dragged, self.tuft, self._curves, self.hairs.bristles, tree, field,
+            surface.ink, *work, hairs,
+        )  # fmt: skip
+
+    def _make_room(self) -> Room:
+        mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
+        old = getattr(self, "_room", None)
+        return make_room(mesh, pigments) if old is None else grow_room(old, mesh, pigments)
+
+    # -- accounts ---------------------------------------------------------------------------
+
+    def ledger(self) -> dict[str, float]:
+        """Where the ink is, coats x mm2: loaded = in_brush + wet + dry + off_surface."""
+        return {
+            "loaded": self.loaded,
+            "in_brush": self.in_brush(),
+            "wet": self.surface.wet_ink(),
+            "dry": self.surface.dry_ink(),
+            "off_surface": self.surface.lasting(self.surface.ink.off_surface),
+        }
+
+    def _refresh(self) -> None:
+        started = time.perf_counter()
+        self.surface.refresh()
+        self.seconds["colour"] += time.perf_counter() - started
+
+    def report(self) -> dict:
+        """Counts, seconds by stage, and the ink ledger, ready for JSON."""
+        self._refresh()
+        return {
+            "brush": self.brush.name,
+            "ink": self.ink.name,
+            "azimuth": self.azimuth,
+            "hairs": 0 if self.hairs is None else self.hairs.spec.n_hairs,
+            "samples": self._n_samples,
+            "samples_in_contact": int(self._counters[stroke.SAMPLES]),
+            "footprints": int(self._counters[stroke.FOOTPRINTS]),
+            "vertices": self.surface.n_vertices,
+            "vertices_visited": int(self._counters[VISITED]),
+            "vertices_painted": int(np.count_nonzero(self.surface.painted)),
+            "deposits": int(self._counters[PAINTED]),
+            "tilt_limited": int(self._counters[placement.TILT_LIMITED]),
+            "overpressed": int(self._counters[placement.OVERPRESSED]),
+            "seconds": dict(self.seconds),
+            "ink_ledger": self.ledger(),
+        }
+
+
+def _spans(n: int) -> Iterator[tuple[int, int]]:
+    """First samples and ends of the parts of a recording that are made ready at once.
+
+    They overlap: an interval waits for the samples beyond it, and needs those before it again.
+    """
+    first = 0
+    while first + _PART < n:
+        yield first, first + _PART
+        first += _PART - 1 - 2 * LOOKAHEAD
+    yield first, n
+
+
+def _dips(buttons: NDArray) -> NDArray:
+    """Samples at which the dip button goes down."""
+    down = (np.asarray(buttons) & DIP) != 0
+    return np.flatnonzero(down[1:] & ~down[:-1]) + 1
+
+
+def _stops(
+    time_s: NDArray, first: int, last: int, frame_rate: float | None
+) -> Iterator[tuple[int, bool]]:
+    """Samples after `first`, up to `last`, that are painted up to, and whether a frame ends there.
+
+    Without a rate these are every 2000 samples; times are counted from the recording's start.
+    """
+    if frame_rate is None:
+        ends = np.arange(first + _CHUNK, last, _CHUNK)
+    else:
+        start = first + 1 if first else 0  # what ended at the last part's end has ended
+        frames = np.floor(time_s[start : last + 2] * frame_rate).astype(np.int64)
+        ends = start + np.flatnonzero(np.diff(frames))
+    for end in ends:
+        yield int(end), frame_rate is not None
+    if not len(ends) or ends[-1] != last:
+        yield last, False
+
+
+def _samples(path: BrushPath) -> stroke.Samples:
+    """Make a path ready for interpolation."""
+    pressure = path.pressure
+    if pressure is None:
+        pressure = np.full(len(path.time_s), np.nan)
+    joined = joined_samples(path)
+    return stroke.Samples(
+        time=np.ascontiguousarray(path.time_s, np.float64),
+        position=np.ascontiguousarray(path.way, np.float64),
+        velocity=velocities(path, joined),
+        orientation=_one_hemisphere(path.orientation),
+        pressure=np.array(pressure, np.float64),  # one that is read-only would be compiled anew
+        joined=joined,
+        on_surface=path.has_contact,
+    )
+
+
+def _one_hemisphere(quaternions: NDArray) -> NDArray:
+    """Flip signs so that neighbouring quaternions (N, 4) lie less than a right angle apart."""
+    q = np.array(quaternions, dtype=np.float64)
+    flips = np.sum(q[1:] * q[:-1], axis=1) < 0.0
+    signs = np.where(np.cumsum(flips) % 2 == 1, -1.0, 1.0)
+    q[1:] *= signs[:, None]
+    return q

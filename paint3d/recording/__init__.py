@@ -1,0 +1,1 @@
+"""Recordings of strokes: what they hold, and the formats they are read from."""

@@ -1,0 +1,1 @@
+"""The hot loop of reading: rows of numbers."""

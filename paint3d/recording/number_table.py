@@ -1,0 +1,215 @@
+"""Numbers of a large table by column, with the line that each row came from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.errors import RecordingError
+from paint3d.recording.kernels.number_rows import read_rows
+from paint3d.recording.text_lines import TextLines
+
+__all__ = ["NumberTable"]
+
+_FEWEST = 1 << 16  # rows that a column has room for
+_MOST = 1 << 22  # rows in one piece: so much memory goes back to the system when it is let go
+_LARGEST = 2.0**62
+
+
+class NumberTable:
+    """A table of numbers in named columns.
+
+    Blocks of rows that are plain numbers are read by a kernel; others row by row, so that the one
+    that is wrong is named.
+
+    Parameters
+    ----------
+    names : list of str
+        Of the columns.
+    name : str
+        Of the file, for messages.
+    exact : set of str
+        Columns that hold integers.
+    may_lack : collection of str
+        Columns in which an empty cell stands for NaN.
+    """
+
+    def __init__(
+        self, names: list[str], name: str, exact: Iterable[str] = (), may_lack: Iterable[str] = ()
+    ) -> None:
+        self.names, self.name = names, name
+        self._exact = np.array([column in set(exact) for column in names])
+        self._may_lack = np.array([column in set(may_lack) for column in names])
+        self._lines: list[range | NDArray] = []
+        self._columns = {
+            column: _Column(np.int64 if exact else np.float64)
+            for column, exact in zip(names, self._exact, strict=True)
+        }
+
+    def __len__(self) -> int:
+        return sum(map(len, self._lines))
+
+    def read(
+        self,
+        lines: TextLines,
+        delimiter: str | None,
+        split: Callable[[str], list[str] | None],
+        comment: str | None = None,
+    ) -> None:
+        """Add all rows.
+
+        Parameters
+        ----------
+        lines : TextLines
+        delimiter : str, optional
+            What stands between plain cells; None for white space.
+        split : callable
+            Cuts a line into cells; None for a line that is passed over.
+        comment : str, optional
+            Plain lines that begin with it are passed over.
+
+        Raises
+        ------
+        RecordingError
+            ``name:line: what is X; expected Y``.
+        """
+        plain = (ord(delimiter) if delimiter else 0, ord(comment) if comment else -1)
+        values, at = np.empty((len(self.names), 0)), np.empty(0, np.int32)
+        while True:
+            first, data = lines.block()
+            if not data:
+                break
+            shortest = 2 * len(self.names) - int(np.count_nonzero(self._may_lack))  # row, bytes
+            room = 1 + min(data.count(b"\n"), len(data) // max(1, shortest))
+            if room > len(at):
+                values, at = np.empty((len(self.names), room)), np.empty(room, np.int32)
+            whole = values.view(np.int64)
+            text = np.frombuffer(data, np.uint8)
+            n = read_rows(text, *plain, self._exact, self._may_lack, values, whole, at)
+            if n < 0:
+                n = self._read_singly(lines.cut(first, data), split, first, values, at)
+            self._lines.append(_told_briefly(first, at[:n]))
+            for k, column in enumerate(self.names):
+                self._columns[column].add((whole if self._exact[k] else values)[k, :n])
+
+    def _read_singly(
+        self,
+        lines: Iterable[tuple[int, str]],
+        split: Callable[[str], list[str] | None],
+        first: int,
+        values: NDArray,
+        at: NDArray,
+    ) -> int:
+        """Fill a block's numbers and lines row by row, so that the one that is wrong is named."""
+        whole = values.view(np.int64)
+        n = 0
+        for line, text in lines:
+            cells = split(text)
+            if cells is None:
+                continue
+            for k, number in enumerate(self._numbers(line, cells)):
+                (whole if self._exact[k] else values)[k, n] = number
+            at[n] = line - first
+            n += 1
+        return n
+
+    def _numbers(self, line: int, cells: list[str]) -> tuple[float, ...]:
+        if len(cells) != len(self.names):
+            raise RecordingError(
+                f"{self.name}:{line}: there are {len(cells)} columns; expected {len(self.names)}"
+            )
+        return tuple(self._number(line, k, cell) for k, cell in enumerate(cells))
+
+    def _number(self, line: int, column: int, cell: str) -> float:
+        name, exact = self.names[column], self._exact[column]
+        if not cell and self._may_lack[column]:
+            return math.nan
+        try:
+            value = int(cell) if exact else float(cell)
+            if math.isfinite(value) and abs(value) < _LARGEST:
+                return value
+        except (ValueError, OverflowError):
+            pass
+        kind = "an integer" if exact else "a finite number"
+        raise RecordingError(
+            f"{self.name}:{line}: {name} is {cell.strip()[:40]!r}; expected {kind}"
+        )
+
+    def line(self, row: int) -> int:
+        """The line that a row came from."""
+        for lines in self._lines:
+            if row < len(lines):
+                return int(lines[row])
+            row -= len(lines)
+        raise IndexError(row)
+
+    def column(self, *names: str) -> tuple[str, NDArray] | None:
+        """The first of the named columns that is there, and its values."""
+        for name in names:
+            if name in self._columns:
+                return name, self._columns[name].values()
+        return None
+
+    def let_go(self, *names: str) -> None:
+        """Forget the values of columns that are not asked for again."""
+        for name in names:
+            self._columns.pop(name, None)
+
+    def check(self, name: str, values: NDArray, low: float, high: float) -> NDArray:
+        """Return values that lie between bounds.
+
+        Raises
+        ------
+        RecordingError
+            If one does not; it names its line.
+        """
+        bad = np.flatnonzero((values < low) | (values > high))
+        if len(bad):
+            raise RecordingError(
+                f"{self.name}:{self.line(bad[0])}: {name} is {values[bad[0]]:.6g}; "
+                f"expected {low:g} to {high:g}"
+            )
+        return values
+
+
+def _told_briefly(first: int, lines: NDArray) -> range | NDArray:
+    """Numbers of lines, from those counted in a block that begins with line `first`."""
+    if len(lines) == 0 or lines[-1] - lines[0] == len(lines) - 1:  # they rise: all in between
+        start = first + int(lines[0]) if len(lines) else first
+        return range(start, start + len(lines))
+    return lines + np.int32(first)
+
+
+class _Column:
+    """Numbers that grow, in pieces: an array that grew as a whole would be there twice."""
+
+    def __init__(self, kind: type) -> None:
+        self._kind = kind
+        self._pieces: list[NDArray] = []
+        self._n_last = 0  # in the last piece
+
+    def add(self, block: NDArray) -> None:
+        while len(block):
+            if not self._pieces or self._n_last == len(self._pieces[-1]):
+                room = 2 * len(self._pieces[-1]) if self._pieces else _FEWEST
+                self._pieces.append(np.empty(min(room, _MOST), self._kind))
+                self._n_last = 0
+            piece = self._pieces[-1]
+            n = min(len(block), len(piece) - self._n_last)
+            piece[self._n_last : self._n_last + n] = block[:n]
+            self._n_last += n
+            block = block[n:]
+
+    def values(self) -> NDArray:
+        """All of them in one array."""
+        last = self._pieces[-1:]
+        if last and self._n_last < len(last[0]):
+            last = [last[0][: self._n_last]]
+        if len(self._pieces) != 1 or last[0] is not self._pieces[0]:
+            whole = [*self._pieces[:-1], *last]
+            self._pieces = [np.concatenate(whole) if whole else np.empty(0, self._kind)]
+            self._n_last = len(self._pieces[0])
+        return self._pieces[0]

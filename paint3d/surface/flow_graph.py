@@ -1,0 +1,356 @@
+"""The graph on which liquids move over a surface: who touches whom, how strongly.
+
+It is made block by block where liquid comes. A block is a cube of the lattice's cells; it is
+*open* once the ways from its nodes are known, for which it and the cells around are refined first:
+vertices and triangles there never change again (`mesh.kernels.refine`). What is known of a block
+depends on the block alone, not on when and with which others it was opened.
+
+Vertices at the same place on both sides of a crease are one node. Weights are the cotangents of the
+intrinsic Delaunay triangulation of the block and a margin (`surface.kernels.intrinsic_delaunay`);
+areas are those of the paint mesh, so that what is counted here is what is counted there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.surface.kernels.block_groups import group_blocks
+from paint3d.surface.kernels.diffusion import activate_cells
+from paint3d.surface.kernels.intrinsic_delaunay import (
+    cotangent_weights,
+    flip_to_delaunay,
+    pair_edges,
+)
+from paint3d.surface.kernels.wet_graph import (
+    count_vertices,
+    leaves_in_box,
+    list_vertices,
+    pick_nodes,
+)
+
+__all__ = ["FlowGraph", "graph_of_triangles", "with_room"]
+
+_BLOCK_CELLS = 3  # along an axis
+_MARGIN_EDGES = 2.5  # around a block: flips that reach it start nearer than that
+
+
+class FlowGraph:
+    """N nodes, L links in either direction, C vertices (some share a node on a crease), B blocks.
+
+    Arrays may be longer than what they hold.
+
+    Parameters
+    ----------
+    mesh : PaintMesh
+    make_room : callable
+        Lets the mesh grow.
+
+    Attributes
+    ----------
+    n_nodes, n_places, n_links : int
+        N, C and L.
+    vertices, node_of : (C,) int32
+        Ids in the paint mesh, and the node of each.
+    points : (N, 3) float64
+        mm.
+    area : (N,) float64
+        mm2.
+    block : (N,) int32
+    closed : (N,) uint8
+        1 where the links of a node are not known.
+    first, last : (N,) int64
+        The run of each node's links.
+    links, weights : (L,) int32, (L,) float64
+        Weights are >= 0.
+    owner : (L,) int32
+        The node whose link it is.
+    first_beside, last_beside : (B,) int64
+        The run of each open block's neighbours.
+    beside : (M,) int32
+        The blocks that share a link with it.
+    block_open : (B,) bool
+    block_nodes : (B,) int64
+        How many nodes of each are known.
+    """
+
+    def __init__(self, mesh: PaintMesh, make_room: Callable[[], None]) -> None:
+        self._mesh, self._make_room = mesh, make_room
+        place = mesh.arrays.cell_place // _BLOCK_CELLS
+        self._block_places, block = np.unique(place, axis=0, return_inverse=True)
+        self._cell_block = block.ravel().astype(np.int32)
+        self._cells = np.argsort(self._cell_block, kind="stable").astype(np.int32)  # by blocks
+        self._cell_runs = np.searchsorted(
+            self._cell_block[self._cells], np.arange(self.n_blocks + 1)
+        )
+        self._rims: dict[int, NDArray] = {}
+        self.beside, self._n_beside = np.zeros(0, np.int32), 0
+        self.first_beside, self.last_beside = np.zeros((2, self.n_blocks), np.int64)
+        self._heads = np.full(self.n_blocks, -1, np.int32)
+        self.block_open = np.zeros(self.n_blocks, bool)
+        self.block_nodes = np.zeros(self.n_blocks, np.int64)
+        self._known = np.zeros(mesh.n_cells, bool)
+        self._start, self._stop = np.zeros((2, mesh.n_cells), np.int64)
+        self._place = np.zeros(0, np.int32)  # of each vertex among those known, plus 1
+        self.n_nodes = self.n_places = self.n_links = 0
+        self.vertices, self.node_of = np.zeros((2, 0), np.int32)
+        self.points = np.zeros((0, 3))
+        self.area = np.zeros(0)
+        self.block, self.closed = np.zeros(0, np.int32), np.zeros(0, np.uint8)
+        self.first, self.last = np.zeros((2, 0), np.int64)
+        self.links, self.owner = np.zeros((2, 0), np.int32)
+        self.weights = np.zeros(0)
+
+    @property
+    def n_blocks(self) -> int:
+        """Blocks that the surface meets, B."""
+        return len(self._block_places)
+
+    # -- where things are -------------------------------------------------------------------
+
+    def places(self, ids: NDArray) -> NDArray:
+        """(N,) place of vertices among those known, -1 for others."""
+        known = ids < len(self._place)  # the mesh may have grown since
+        place = np.full(len(ids), -1, np.int32)
+        place[known] = self._place[ids[known]] - 1
+        return place
+
+    def cells_of(self, ids: NDArray) -> NDArray:
+        """The cells in which some vertices (N,) lie, rising."""
+        fields = self._mesh.arrays
+        marks = np.zeros(self._mesh.n_cells, bool)
+        marks[fields.sheet_cell[fields.vertex_sheet[ids]]] = True
+        return np.flatnonzero(marks)
+
+    def block_of(self, ids: NDArray) -> NDArray:
+        """(N,) int32 block in which each of some vertices lies."""
+        fields = self._mesh.arrays
+        return self._cell_block[fields.sheet_cell[fields.vertex_sheet[ids]]]
+
+    def blocks_of(self, cells: NDArray) -> NDArray:
+        """The blocks of some cells (K,), rising."""
+        return np.unique(self._cell_block[cells])
+
+    def around(self, cells: NDArray) -> NDArray:
+        """Some cells (K,) and those that the surface goes on into from there, rising."""
+        fields = self._mesh.arrays
+        marks = np.zeros(self._mesh.n_cells, bool)
+        marks[cells] = True
+        sheets = _runs(fields.cell_sheets, cells)
+        linked = fields.linked_sheet[_runs(fields.sheet_links, sheets)]
+        marks[fields.sheet_cell[linked]] = True
+        return np.flatnonzero(marks)
+
+    def blocks_around(self, blocks: NDArray) -> NDArray:
+        """Some blocks (K,) and those next to them, rising."""
+        return self.blocks_of(self.around(self._cells[_runs(self._cell_runs, blocks)]))
+
+    def apart(self, blocks: NDArray) -> list[NDArray]:
+        """Some open blocks (K,), rising, in groups that no block lies next to two of."""
+        group = np.empty(len(blocks), np.int32)
+        count = group_blocks(
+            blocks, self.first_beside, self.last_beside, self.beside, self._heads, group
+        )
+        order = np.argsort(group, kind="stable")
+        ends = np.cumsum(np.bincount(group, minlength=count))[:-1]
+        return np.split(blocks[order], ends)
+
+    def nodes_of(self, blocks: NDArray) -> NDArray:
+        """The known nodes of some blocks (K,), rising: always in the same order."""
+        cells = self._cells[_runs(self._cell_runs, blocks)]
+        cells = cells[self._known[cells]]
+        starts, stops = self._start[cells], self._stop[cells]
+        nodes = np.empty(int((stops - starts).sum()), np.int32)
+        pick_nodes(starts, stops, nodes)
+        return nodes
+
+    def rims_of(self, blocks: NDArray) -> NDArray:
+        """Nodes (R,) next to those of some open blocks (K,): always in the same order.
+
+        Some of them may come twice, or be of these blocks.
+        """
+        rims = [self._rims[block] for block in blocks.tolist()]
+        return np.concatenate([np.zeros(0, np.int32), *rims])
+
+    # -- growth -----------------------------------------------------------------------------
+
+    def know(self, cells: NDArray) -> None:
+        """Refine some cells (K,), and give their vertices nodes."""
+        cells = cells[~self._known[cells]]
+        done = 0
+        while done < len(cells):
+            done = activate_cells(self._mesh.arrays, cells, done)
+            if done < len(cells):
+                self._make_room()
+        if len(cells):
+            self._add_nodes(cells)
+
+    def _add_nodes(self, cells: NDArray) -> None:
+        fields = self._mesh.arrays
+        ids = np.empty(count_vertices(fields, cells), np.int32)
+        number = np.empty(len(ids), np.int32)
+        list_vertices(fields, cells, ids, number)
+        order = np.lexsort((fields.key[ids], number))
+        ids, number = ids[order], number[order]
+        key = fields.key[ids]
+        new = np.ones(len(ids), bool)
+        new[1:] = (key[1:] != key[:-1]) | (number[1:] != number[:-1])
+        node = self.n_nodes + np.cumsum(new) - 1
+        n, c = self.n_nodes + int(new.sum()), self.n_places + len(ids)
+        for name in ("points", "area", "block", "closed", "first", "last"):
+            setattr(self, name, with_room(getattr(self, name), n))
+        for name in ("vertices", "node_of"):
+            setattr(self, name, with_room(getattr(self, name), c))
+        here, at = slice(self.n_nodes, n), ids[new]
+        self.points[here] = np.column_stack([fields.px[at], fields.py[at], fields.pz[at]])
+        unit = fields.numbers[3]
+        areas = np.bincount(node - self.n_nodes, fields.area_units[ids] * unit, n - self.n_nodes)
+        self.area[here] = areas
+        self.block[here] = self._cell_block[cells[number[new]]]
+        self.closed[here] = 1
+        counts = np.bincount(number[new], minlength=len(cells))
+        self._stop[cells] = self.n_nodes + np.cumsum(counts)
+        self._start[cells] = self._stop[cells] - counts
+        self.vertices[self.n_places : c] = ids
+        self.node_of[self.n_places : c] = node
+        if len(self._place) < self._mesh.capacity:
+            place = np.zeros(self._mesh.capacity, np.int32)
+            place[: len(self._place)] = self._place
+            self._place = place
+        self._place[ids] = np.arange(self.n_places + 1, c + 1, dtype=np.int32)
+        np.add.at(self.block_nodes, self._cell_block[cells], counts)
+        self._known[cells] = True
+        self.n_nodes, self.n_places = n, c
+
+    def open(self, blocks: NDArray) -> None:
+        """Learn the ways from all nodes of some blocks (K,)."""
+        for block in blocks[~self.block_open[blocks]]:
+            self._open(int(block))
+
+    def _open(self, block: int) -> None:
+        own = self._cells[self._cell_runs[block] : self._cell_runs[block + 1]]
+        around = self.around(own)
+        self.know(around)
+        faces = self._faces_near(block, around)
+        fields = self._mesh.arrays
+        far = self.cells_of(faces.ravel())
+        if not self._known[far].all():  # triangles longer than cells
+            self.know(far)
+            fields = self._mesh.arrays
+        nodes = self.node_of[self._place[faces] - 1]
+        ids, inverse = np.unique(nodes, return_inverse=True)
+        key = fields.key[self.vertices[self._first_place(ids)]]
+        order = np.argsort(key, kind="stable")
+        rank = np.empty(len(ids), np.int32)
+        rank[order] = np.arange(len(ids), dtype=np.int32)
+        ids = ids[order]
+        runs, links, weights = graph_of_triangles(
+            self.points[ids], _in_order(rank[inverse.ravel()].reshape(-1, 3))
+        )
+        rows = np.flatnonzero(self.block[ids] == block)
+        taken = _runs(runs, rows)
+        counts = runs[rows + 1] - runs[rows]
+        n = self.n_links + len(taken)
+        for name in ("links", "owner", "weights"):
+            setattr(self, name, with_room(getattr(self, name), n))
+        self.links[self.n_links : n] = ids[links[taken]]
+        is_rim = np.zeros(len(ids), bool)
+        is_rim[links[taken]] = True
+        is_rim[rows] = False
+        self._rims[block] = ids[is_rim]
+        around = np.unique(self.block[self._rims[block]])
+        m = self._n_beside + len(around)
+        self.beside = with_room(self.beside, m)
+        self.beside[self._n_beside : m] = around
+        self.first_beside[block], self.last_beside[block] = self._n_beside, m
+        self._n_beside = m
+        self.weights[self.n_links : n] = weights[taken]
+        at = ids[rows]
+        self.last[at] = self.n_links + np.cumsum(counts)
+        self.first[at] = self.last[at] - counts
+        self.owner[self.n_links : n] = np.repeat(at, counts)
+        self.closed[self.nodes_of(np.array([block]))] = 0
+        self.n_links = n
+        self.block_open[block] = True
+
+    def _first_place(self, nodes: NDArray) -> NDArray:
+        """A place of each of some nodes (N,)."""
+        return np.searchsorted(self.node_of[: self.n_places], nodes)
+
+    def _faces_near(self, block: int, cells: NDArray) -> NDArray:
+        """(F, 3) vertices of the triangles in a block and a margin."""
+        mesh = self._mesh
+        fields = mesh.arrays
+        size = fields.numbers[1]
+        margin = min(_MARGIN_EDGES * fields.numbers[0], size)
+        low = fields.origin + self._block_places[block] * (_BLOCK_CELLS * size) - margin
+        high = low + _BLOCK_CELLS * size + 2.0 * margin
+        roots = np.unique(fields.pair_root[_runs(fields.cell_pairs, cells)])
+        corners = fields.node_vertices if mesh.refines else mesh.base_faces
+        out = np.empty(4096, np.int32)
+        while (n := leaves_in_box(fields, roots, corners, low, high, out)) < 0:
+            out = np.empty(2 * len(out), np.int32)
+        return corners[out[:n]]
+
+
+def graph_of_triangles(points: NDArray, faces: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Links of a triangle mesh: points (N, 3), faces (F, 3) to `runs`, `links`, `weights`.
+
+    Triangles without an area are left out. Cost: about 1.5 us a triangle.
+    """
+    faces = np.array(faces, np.int32)
+    corners = points[faces].astype(np.float64)
+    lengths = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+    longest = lengths.max(axis=1)
+    solid = (lengths.sum(axis=1) - 2.0 * longest > 1e-9 * longest) & (lengths.min(axis=1) > 0.0)
+    faces, lengths = np.ascontiguousarray(faces[solid]), np.ascontiguousarray(lengths[solid])
+    n = len(points)
+    ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2).astype(np.int64)
+    keys = ends.min(axis=1) * n + ends.max(axis=1)
+    mates = np.empty(len(keys), np.int64)
+    pair_edges(np.argsort(keys, kind="stable"), keys, mates)
+    flip_to_delaunay(faces, lengths, mates)
+    halves = np.empty(lengths.shape)
+    cotangent_weights(lengths, halves)
+    return _links(n, faces.ravel(), np.roll(faces, -1, axis=1).ravel(), halves.ravel())
+
+
+def _links(n: int, a: NDArray, b: NDArray, halves: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Add up the weights of half-edges a-b; negative ones, at borders alone, become 0."""
+    key = np.concatenate([a.astype(np.int64) * n + b, b.astype(np.int64) * n + a])
+    weight = np.concatenate([halves, halves])
+    order = np.argsort(key, kind="stable")
+    key, weight = key[order], weight[order]
+    first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]])) if len(key) else key
+    weight = np.add.reduceat(weight, first) if len(key) else weight
+    key = key[first]
+    kept = (weight > 0.0) & (key // n != key % n)
+    key, weight = key[kept], weight[kept]
+    runs = np.searchsorted(key, np.arange(n + 1, dtype=np.int64) * n)
+    return runs.astype(np.int64), (key % n).astype(np.int32), weight
+
+
+def with_room(array: NDArray, n: int) -> NDArray:
+    """An array that starts alike and is at least `n` long, 0 beyond."""
+    if len(array) >= n:
+        return array
+    longer = np.zeros((max(n, 2 * len(array)), *array.shape[1:]), array.dtype)
+    longer[: len(array)] = array
+    return longer
+
+
+def _runs(starts: NDArray, chosen: NDArray) -> NDArray:
+    """All places in some runs (K,) of `starts` (N + 1,), run after run."""
+    first = starts[chosen].astype(np.int64)
+    counts = starts[chosen + 1].astype(np.int64) - first
+    return np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))
+
+
+def _in_order(faces: NDArray) -> NDArray:
+    """Triangles (F, 3) each from its first corner on, sorted: whatever order they came in."""
+    turn = faces.argmin(axis=1)[:, None] + np.arange(3)
+    faces = np.take_along_axis(faces, turn % 3, axis=1)
+    return np.ascontiguousarray(faces[np.lexsort(faces.T[::-1])])

@@ -1,0 +1,81 @@
+"""Ink in an absorbent surface: water flows, pigment rides on it, the rest dries.
+
+One unknown tells where the water is: its depth T, mm, which is also its volume in ul per mm2. The
+pores hold up to the capacity c; below the residual saturation r nothing moves; between them the
+potential is that of a porous medium, and what is over c lies on top as a film:
+
+    psi(T) = c D / 3 (1 - r) s^3,  s = (min(T, c) - r c) / (c - r c),   + D (T - c) where T > c,
+    dT/dt = div grad psi(T) - evaporation.
+
+psi is flat below r c, so the front is sharp (the porous medium equation: Vazquez, *The Porous
+Medium Equation*, 2007; saturation cubed for the conductivity of a porous sheet: Brooks, Corey
+1964). What is dry takes water only where psi is above an entry potential, that of a depth a c,
+a > r: the front stops there and is pinned while the water behind it can still move, and is drawn
+to the border, where it dries fastest: rims get darker (Deegan et al., Nature 389, 1997; wetting
+and draining of a porous body differ: Haines 1930). Weights are those of the intrinsic Delaunay
+triangulation (`surface.kernels.intrinsic_delaunay`), which cannot create new extremes.
+
+`surface.kernels.wet_step` is a step of it; here is what else happens to the water.
+
+Time goes on block by block (`surface.flow_graph`): where much moves in short steps, where little
+does in long ones. The water of an edge between two blocks runs whenever either takes its step, for
+the time since one of them last did: no time is lost or counted twice, and what leaves one is what
+enters the other (local time stepping: Osher, Sanders 1983). Neighbours' steps are much alike, for
+what comes into a block that is not moved stays at its border until it is.
+"""
+
+from __future__ import annotations
+
+from paint3d.core.kernel import kernel
+from paint3d.mesh.kernels.refine import activate_cell
+
+__all__ = ["activate_cells", "evaporate", "solve_edges"]
+
+
+@kernel(error_model="numpy")
+def solve_edges(wet, area, first, last, links, weights, totals, reach, sweeps, inside):
+    """How deep inside the wet region nodes lie: 0 beyond its border, 1 well within.
+
+    (1 - reach^2 Laplacian) inside = 1 on the wet nodes (W,), 0 elsewhere: at a distance x from a
+    straight border 1 - exp(-x / reach). Gauss-Seidel from what `inside` (N,) f32 holds, which
+    is 0 beyond the wet nodes.
+    """
+    square = reach * reach
+    for sweep in range(sweeps):
+        for n in range(wet.shape[0]):
+            i = wet[n] if sweep % 2 == 0 else wet[wet.shape[0] - 1 - n]
+            inflow = 0.0
+            for e in range(first[i], last[i]):
+                inflow += weights[e] * inside[links[e]]
+            inside[i] = (area[i] + square * inflow) / (area[i] + square * totals[i])
+
+
+@kernel(error_model="numpy")
+def evaporate(wet, block, owed, rest, rate, gain, inside, dry, water, dried, still_wet):
+    """Let water go from wet nodes (W,), for the time that each one's block is owed over `rest`.
+
+    `rate` mm/s well inside, 1 + `gain` times that at the border (`inside`, see `solve_edges`).
+    At `dry` mm or less a node is dry: `dried` (W,) is filled, `still_wet` (B,) set for the
+    blocks of others. Returns how many are dry.
+    """
+    n_dried = 0
+    for n in range(wet.shape[0]):
+        i = wet[n]
+        b = block[i]
+        water[i] -= max(0.0, owed[b] - rest) * rate * (1.0 + gain * (1.0 - inside[i]))
+        if water[i] <= dry:
+            water[i] = 0.0
+            dried[n_dried] = i
+            n_dried += 1
+        else:
+            still_wet[b] = True
+    return n_dried
+
+
+@kernel
+def activate_cells(field, cells, first):
+    """Refine cells (C,) from the first-th on; return how many are done: fewer for want of room."""
+    for n in range(first, cells.shape[0]):
+        if field.done[cells[n]] == 0 and activate_cell(field, cells[n]) < 0:
+            return n
+    return cells.shape[0]

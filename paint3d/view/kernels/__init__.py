@@ -1,0 +1,1 @@
+"""The hot loops of pictures: depth, chunks, shine, draping."""

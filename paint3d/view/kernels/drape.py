@@ -1,0 +1,121 @@
+"""Dropping points onto a surface: where shadows fall, and where an outline lies."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paint3d.core.kernel import kernel
+from paint3d.mesh.kernels.bvh import LEAF_SIZE
+
+__all__ = ["drape_points"]
+
+_STACK = 64
+_BELOW = 3.0  # mm: a point so far below the surface, or less, lies on it
+_SLACK = 1e-5  # of a distance, for rounding
+
+
+@kernel(error_model="numpy")
+def _enters(boxes, node, x, y, z, dx, dy, dz, near, far):
+    """Where a ray enters a box between two distances along it; inf where it misses it."""
+    for low, high, way in (
+        (boxes[node, 0] - x, boxes[node, 3] - x, dx),
+        (boxes[node, 1] - y, boxes[node, 4] - y, dy),
+        (boxes[node, 2] - z, boxes[node, 5] - z, dz),
+    ):
+        if low > high:  # of an empty node
+            return np.inf
+        if way == 0.0:
+            if low > 0.0 or high < 0.0:
+                return np.inf
+            continue
+        first = min(low / way, high / way)
+        last = max(low / way, high / way)
+        near = max(near, first - _SLACK * abs(first))
+        far = min(far, last + _SLACK * abs(last))
+    return near if near <= far else np.inf
+
+
+@kernel(error_model="numpy")
+def _meets(points, a, b, c, x, y, z, dx, dy, dz):
+    """Where a ray meets the front of triangle abc, and the weights there; inf where it does not."""
+    ax, ay, az = points[a, 0] - x, points[a, 1] - y, points[a, 2] - z
+    bx, by, bz = points[b, 0] - x, points[b, 1] - y, points[b, 2] - z
+    cx, cy, cz = points[c, 0] - x, points[c, 1] - y, points[c, 2] - z
+    u = dx * (by * cz - bz * cy) + dy * (bz * cx - bx * cz) + dz * (bx * cy - by * cx)
+    v = dx * (cy * az - cz * ay) + dy * (cz * ax - cx * az) + dz * (cx * ay - cy * ax)
+    w = dx * (ay * bz - az * by) + dy * (az * bx - ax * bz) + dz * (ax * by - ay * bx)
+    total = u + v + w  # twice the area seen along the ray, below 0 from the front
+    if u > 0.0 or v > 0.0 or w > 0.0 or not total < 0.0:
+        return np.inf, 0.0, 0.0, 0.0
+    u, v, w = u / total, v / total, w / total
+    t = (u * ax + v * bx + w * cx) * dx + (u * ay + v * by + w * cy) * dy
+    return t + (u * az + v * bz + w * cz) * dz, u, v, w
+
+
+@kernel(error_model="numpy")
+def drape_points(tree, points, direction, reach, out, landed):
+    """Let points fall along a direction until they meet the surface.
+
+    A point that begins up to 3 mm below it lies where it would have met it.
+
+    Parameters
+    ----------
+    tree : ContactTree
+    points : (N, 3) float64
+        mm.
+    direction : (3,) float64
+        Unit; only what faces against it is met.
+    reach : float
+        Farthest fall, mm.
+    out : (N, 6) float64
+        Filled with the place and the unit normal there.
+    landed : (N,) uint8
+        1 where there is one.
+    """
+    dx, dy, dz = direction[0], direction[1], direction[2]
+    n_leaves = tree.boxes.shape[0] // 2
+    stack = np.empty(_STACK, np.int64)
+    for i in range(points.shape[0]):
+        x = points[i, 0] - _BELOW * dx
+        y = points[i, 1] - _BELOW * dy
+        z = points[i, 2] - _BELOW * dz
+        best, found, at = reach, -1, 0.0
+        wa, wb, wc = 0.0, 0.0, 0.0
+        depth = 0
+        stack[0] = 1
+        while depth >= 0:
+            node = stack[depth]
+            depth -= 1
+            near, far = max(0.0, _BELOW - best), _BELOW + best
+            if _enters(tree.boxes, node, x, y, z, dx, dy, dz, near, far) == np.inf:
+                continue
+            if node < n_leaves:
+                left = _enters(tree.boxes, 2 * node, x, y, z, dx, dy, dz, near, far)
+                right = _enters(tree.boxes, 2 * node + 1, x, y, z, dx, dy, dz, near, far)
+                first = 2 * node + (right < left)
+                if max(left, right) < np.inf:
+                    depth += 1
+                    stack[depth] = 4 * node + 1 - first
+                if min(left, right) < np.inf:
+                    depth += 1
+                    stack[depth] = first
+                continue
+            begin = (node - n_leaves) * LEAF_SIZE
+            for k in range(begin, min(begin + LEAF_SIZE, tree.triangles.shape[0])):
+                a, b, c = tree.triangles[k, 0], tree.triangles[k, 1], tree.triangles[k, 2]
+                t, u, v, w = _meets(tree.points, a, b, c, x, y, z, dx, dy, dz)
+                if t >= 0.0 and abs(t - _BELOW) < best:
+                    best, found, at = abs(t - _BELOW), k, t
+                    wa, wb, wc = u, v, w
+        landed[i] = found >= 0
+        if found < 0:
+            continue
+        a, b, c = tree.triangles[found, 0], tree.triangles[found, 1], tree.triangles[found, 2]
+        length = 0.0
+        for k in range(3):
+            out[i, k] = points[i, k] + (at - _BELOW) * direction[k]
+            normal = wa * tree.normals[a, k] + wb * tree.normals[b, k] + wc * tree.normals[c, k]
+            out[i, 3 + k] = normal
+            length += normal * normal
+        for k in range(3):
+            out[i, 3 + k] /= max(np.sqrt(length), 1e-12)
