@@ -20,7 +20,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from tests.app.monkey import Fault, Monkey
+from tests.support.app.monkey import Fault, Monkey
 
 
 def numbers(texts: list[str]) -> list[int]:

@@ -26,10 +26,10 @@ from paint3d.app.window.studio import StudioWindow
 from paint3d.errors import Paint3DError
 from paint3d.files.load import BUILT_IN_OBJECTS, load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from tests.app.event_player import open_for
-from tests.app.marks import inked_share, largest_jump, off_the_way, stations, stray
-from tests.app.random_strokes import random_strokes
-from tests.app.trials import blind, try_strokes
+from tests.support.app.event_player import open_for
+from tests.support.app.marks import inked_share, largest_jump, off_the_way, stations, stray
+from tests.support.app.random_strokes import random_strokes
+from tests.support.app.trials import blind, try_strokes
 
 HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 REACH = 10.0

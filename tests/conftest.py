@@ -7,16 +7,16 @@ import os
 import pytest
 from hypothesis import settings
 
-from tests.compiling import compile_each_kernel_once
+from tests.support.compiling import compile_each_kernel_once
 
 # Begun in this order, all others after them: first one each that compiles what paints with a solid
 # tuft, with hairs, and what spreads, then what takes longest, so that no process is left with it.
 _FIRST = (
-    "unit/test_engine.py",
-    "unit/test_hair_painting.py",
-    "unit/test_diffusion.py",
-    "devices/test_under_hidapi.py",
-    "devices/test_servo.py",
+    "painter/test_painter.py",
+    "painter/test_hair_painting.py",
+    "surface/test_diffusion.py",
+    "device/test_under_hidapi.py",
+    "haptics/test_servo.py",
     "app/test_own_objects.py",
     "app/test_pen_marks.py",
     "e2e/test_painting.py",
@@ -27,21 +27,23 @@ _FIRST = (
     "e2e/test_bad_input.py",
     "e2e/test_batch.py",
     "e2e/test_writing.py",
-    "unit/test_bench.py",
+    "bench/test_bench.py",
     "app/test_monkey.py",
     "app/test_window.py",
     "app/test_steering.py",
-    "unit/test_view_picture.py",
+    "view/test_view_picture.py",
     "app/test_document.py",
-    "unit/test_export_options.py",
-    "unit/test_load_meshes.py",
+    "files/test_export_options.py",
+    "files/test_load_meshes.py",
     "app/test_one_device.py",
-    "unit/test_live_view.py",
+    "view/test_live_view.py",
     "app/test_previews.py",
     "app/test_window_settings.py",
     "app/test_window_files.py",
     "app/test_busy_painting.py",
 )
+pytest_plugins = ("tests.support.plugged",)
+
 _MORE = "PAINT3D_MORE_EXAMPLES"  # set by scripts/check --long
 
 if "PYTEST_XDIST_WORKER" in os.environ:

@@ -423,7 +423,7 @@ def _check_table(suffix: str, content: bytes) -> None:
 
 
 def _device_seeds() -> list[tuple[str, bytes]]:
-    from tests.devices.descriptors import SPACENAVIGATOR, combined_mouse, pen, split_mouse
+    from tests.support.descriptors import SPACENAVIGATOR, combined_mouse, pen, split_mouse
 
     descriptors = [SPACENAVIGATOR, split_mouse(), combined_mouse(), pen()]
     reports = b"".join(bytes([k]) + bytes(range(40 * k, 40 * k + 15)) for k in range(1, 4))

@@ -20,7 +20,14 @@ from PySide6 import QtCore
 
 from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
-from tests.app.event_player import EventPlayer, EventRecording, open_for, pixel_of, process, settle
+from tests.support.app.event_player import (
+    EventPlayer,
+    EventRecording,
+    open_for,
+    pixel_of,
+    process,
+    settle,
+)
 
 WINDOW = (1280, 800)  # as the recordings of shares of the picture are meant
 NAMES = (

@@ -13,7 +13,7 @@ import pytest
 from paint3d.app.model.persistence import settings
 from paint3d.view import live_light
 from paint3d.view.studio import light_samples
-from tests.app.screens import start_screen
+from tests.support.app.screens import start_screen
 
 _WET_AT_FIRST = settings.WET_AT_FIRST
 _LONGEST_S = 1200.0
@@ -31,7 +31,7 @@ def dry_at_first() -> Iterator[None]:
 def few_lights() -> Iterator[None]:
     """Light what is opened by every eighth of the studio's lights: all take 2 s, hundreds of times.
 
-    Light itself is tested with all of them, in tests/unit.
+    Light itself is tested with all of them, in tests/view.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(live_light, "light_samples", lambda n: light_samples(n)[::8])

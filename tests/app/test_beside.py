@@ -19,7 +19,7 @@ from paint3d.mesh.upright import guess_up
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_light import LiveLight
 from paint3d.view.live_patches import LivePatches
-from tests.app.windows import opened
+from tests.support.app.windows import opened
 
 LONG = (ClosestPoints, LiveLight, LivePatches)  # to be made: seconds a million triangles
 
@@ -29,8 +29,8 @@ FIRST = """
 import sys, threading
 from numba.core.dispatcher import Dispatcher
 from paint3d.app.window.start import make_program
-from tests.app.gestures import BUTTON, drag, pen_stroke
-from tests.app.windows import opened, settled
+from tests.support.app.gestures import BUTTON, drag, pen_stroke
+from tests.support.app.windows import opened, settled
 
 make_ready, found = Dispatcher.compile, []
 

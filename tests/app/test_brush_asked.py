@@ -8,7 +8,7 @@ from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.brush.presets import load_brush
 from paint3d.mesh.closest_points import ClosestPoints
-from tests.app.hands import small_plane
+from tests.support.app.hands import small_plane
 
 MS = 1_000_000
 

@@ -12,8 +12,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.window.jobs.job import run_beside
-from tests.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen
-from tests.app.windows import opened, settled
+from tests.support.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen
+from tests.support.app.windows import opened, settled
 
 
 @pytest.fixture(scope="module")

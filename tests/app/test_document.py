@@ -10,7 +10,7 @@ from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project.session import load_session, save_session
 from paint3d.painter.ink_time import PIECE_NS
-from tests.app.hands import line, paint, same_vertices, sample, small_plane
+from tests.support.app.hands import line, paint, same_vertices, sample, small_plane
 
 
 def test_a_stroke_paints_and_is_remembered():

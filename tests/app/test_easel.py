@@ -8,7 +8,7 @@ import pytest
 
 from paint3d.app.model.easel import Easel
 from paint3d.errors import InputError
-from tests.app.hands import line, paint, same_vertices, small_plane
+from tests.support.app.hands import line, paint, same_vertices, small_plane
 
 
 @pytest.fixture

@@ -21,9 +21,9 @@ from paint3d.brush_engine.tuft import (
     trace_outline,
 )
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from tests.app.event_player import DeviceEvent, EventRecording, open_for, pixel_of
-from tests.app.marks import off_the_way, stations, stray
-from tests.app.trials import blind_window, faults, try_strokes
+from tests.support.app.event_player import DeviceEvent, EventRecording, open_for, pixel_of
+from tests.support.app.marks import off_the_way, stations, stray
+from tests.support.app.trials import blind_window, faults, try_strokes
 
 LENGTH_MM = 140.0
 # beside an outline, at 1 mm: half its soft edge, from a vertex with paint towards a bare one as far

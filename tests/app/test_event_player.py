@@ -14,7 +14,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.studio import StudioWindow
-from tests.app.event_player import (
+from tests.support.app.event_player import (
     FOLDER,
     DeviceEvent,
     EventPlayer,

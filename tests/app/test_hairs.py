@@ -14,7 +14,7 @@ from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.errors import BrushError, SessionError
-from tests.app.hands import line, paint, same_vertices, small_plane
+from tests.support.app.hands import line, paint, same_vertices, small_plane
 
 HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=40))
 

@@ -18,7 +18,7 @@ from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.brush_shape import BrushStand
-from tests.app.hands import line, paint, sample, small_plane
+from tests.support.app.hands import line, paint, sample, small_plane
 
 BRUSH = load_brush("full")
 MS = 1_000_000

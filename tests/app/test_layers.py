@@ -12,7 +12,7 @@ from paint3d.errors import InputError, SessionError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.state import restore_surface, surface_state
-from tests.app.hands import line, paint, same_vertices, small_plane
+from tests.support.app.hands import line, paint, same_vertices, small_plane
 
 ACROSS, ALONG = ((-20, 0), (20, 0)), ((0, -20), (0, 20))
 

@@ -7,7 +7,7 @@ import pytest
 
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from tests.app.marks import (
+from tests.support.app.marks import (
     Mark,
     Way,
     begins_and_goes_on,

@@ -10,7 +10,7 @@ from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, region_faces
 from paint3d.errors import InputError
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from tests.app.hands import line, paint, same_vertices, small_plane
+from tests.support.app.hands import line, paint, same_vertices, small_plane
 
 UP = (0.0, 0.0, 1.0)
 

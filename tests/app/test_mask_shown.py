@@ -9,8 +9,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.model.input.navigation import picture_axes
 from paint3d.app.model.mask import AngleMask, Mask
-from tests.app.gestures import drag, live
-from tests.app.windows import opened, settled
+from tests.support.app.gestures import drag, live
+from tests.support.app.windows import opened, settled
 
 
 @pytest.fixture(scope="module")

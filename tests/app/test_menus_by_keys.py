@@ -9,8 +9,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
-from tests.app.gestures import live, wait_for
-from tests.app.windows import opened, settled
+from tests.support.app.gestures import live, wait_for
+from tests.support.app.windows import opened, settled
 
 KEY = QtCore.Qt.Key
 

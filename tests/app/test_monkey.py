@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from tests.app.monkey import Monkey
+from tests.support.app.monkey import Monkey
 
 ACTIONS = 120
 BY_THE_CLOCK = {"slow", "stuck"}  # which is no matter of a test: kernels may still be compiled

@@ -10,9 +10,9 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input.navigation import picture_axes, roll_of
-from tests.app.gestures import BUTTON, KIND, NO_KEY, PEN, drag, live, mouse, wait_for
-from tests.app.pointers import Touching, pen_drag, tap
-from tests.app.windows import faults, opened, settled
+from tests.support.app.gestures import BUTTON, KIND, NO_KEY, PEN, drag, live, mouse, wait_for
+from tests.support.app.pointers import Touching, pen_drag, tap
+from tests.support.app.windows import faults, opened, settled
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 

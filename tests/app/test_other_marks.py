@@ -20,10 +20,18 @@ from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.painter.painter import Painter
 from paint3d.recording.flat_recording import orientations_from_angles
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.app.event_player import DeviceEvent, EventRecording, open_for, settle, surface_of
-from tests.app.marks import Way, ink_per_mm, take_mark
-from tests.app.random_strokes import random_strokes
-from tests.app.trials import Trial, blind_window, faults, mark_now, player_of, try_strokes, ways_of
+from tests.support.app.event_player import DeviceEvent, EventRecording, open_for, settle, surface_of
+from tests.support.app.marks import Way, ink_per_mm, take_mark
+from tests.support.app.random_strokes import random_strokes
+from tests.support.app.trials import (
+    Trial,
+    blind_window,
+    faults,
+    mark_now,
+    player_of,
+    try_strokes,
+    ways_of,
+)
 
 STEP_MS = 10
 SPEED_MM_S = 80.0

@@ -25,8 +25,8 @@ from paint3d.files.readers import colours_3mf, gltf_materials, obj_materials, re
 from paint3d.files.sandbox.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import turn_mesh, turn_up
-from tests.app.gestures import answer, drag, live, wait_for
-from tests.unit.test_upright import jug
+from tests.mesh.test_upright import jug
+from tests.support.app.gestures import answer, drag, live, wait_for
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.window.studio import StudioWindow
-from tests.app import event_player
-from tests.app.event_player import EventRecording, look, open_for, settle
-from tests.app.hands import same_vertices
-from tests.app.marks import (
+from tests.support.app import event_player
+from tests.support.app.event_player import EventRecording, look, open_for, settle
+from tests.support.app.hands import same_vertices
+from tests.support.app.marks import (
     begins_and_goes_on,
     beyond,
     ink_per_mm,
@@ -24,8 +24,8 @@ from tests.app.marks import (
     stations,
     strongest_spot,
 )
-from tests.app.random_strokes import random_strokes
-from tests.app.trials import (
+from tests.support.app.random_strokes import random_strokes
+from tests.support.app.trials import (
     HALF_FOOTPRINT,
     blind_window,
     faults,

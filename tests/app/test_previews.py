@@ -10,8 +10,8 @@ from paint3d.app.window.panels import brush_panel
 from paint3d.app.window.previews import sorted_parts, stroke_preview
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
-from tests.app.gestures import KIND, drag, live, mouse, wait_for
-from tests.app.windows import faults, opened, settled
+from tests.support.app.gestures import KIND, drag, live, mouse, wait_for
+from tests.support.app.windows import faults, opened, settled
 
 
 @pytest.fixture(scope="module")

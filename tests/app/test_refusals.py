@@ -9,8 +9,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from paint3d.app.model.document import Document
 from paint3d.app.window.wording import choose_language, say_error
 from paint3d.errors import InputError
-from tests.app.gestures import drag, live, wait_for
-from tests.app.windows import opened, settled
+from tests.support.app.gestures import drag, live, wait_for
+from tests.support.app.windows import opened, settled
 
 
 def test_a_layer_is_refused_in_the_language_that_is_spoken() -> None:

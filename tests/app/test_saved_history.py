@@ -16,7 +16,7 @@ from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.errors import InputError
 from paint3d.files.project.session import load_session, save_session
-from tests.app.hands import paint, same_vertices, small_plane
+from tests.support.app.hands import paint, same_vertices, small_plane
 
 ACTIONS = st.sampled_from(
     ["stroke", "stroke", "stroke", "undo", "undo", "redo", "dry", "time", "dip", "tip", "wipe",

@@ -13,7 +13,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from tests.app.screens import start_screen
+from tests.support.app.screens import start_screen
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_everything_is_on_the_screen_and_the_mark_under_the_pen(
     display, server = start_screen(size)
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "tests.app.on_a_screen"],
+            [sys.executable, "-m", "tests.support.app.on_a_screen"],
             capture_output=True, text=True, cwd=Path(__file__).parents[2], timeout=600, check=False,
             env={**os.environ, "DISPLAY": display, "QT_SCALE_FACTOR": str(ratio)},
         )  # fmt: skip

@@ -18,9 +18,9 @@ from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
 from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
 from paint3d.colour.pigments import WATER, load_pigment
-from tests.app.gestures import KIND, answer, live, mouse, wait_for
-from tests.app.pointers import Touching
-from tests.app.windows import faults, opened, settled
+from tests.support.app.gestures import KIND, answer, live, mouse, wait_for
+from tests.support.app.pointers import Touching
+from tests.support.app.windows import faults, opened, settled
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, SessionError
 from paint3d.files.project.journal import Journal, read_events
-from tests.app.hands import line, same_vertices, small_plane
+from tests.support.app.hands import line, same_vertices, small_plane
 
 MIRROR = Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),))
 
@@ -208,7 +208,7 @@ import sys, time
 from pathlib import Path
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.persistence.sitting import Sitting
-from tests.app.hands import line, paint, small_plane
+from tests.support.app.hands import line, paint, small_plane
 paint(small_plane(), (0, 0), (20, 0))  # compiled, as in a program that has painted before
 document = small_plane()
 easel = Easel(document, sitting=Sitting(document, Path(sys.argv[1])))

@@ -14,9 +14,9 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.model.input.navigation import picture_axes, roll_of
-from tests.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, wait_for
-from tests.app.pointers import HAND, Touching, pen, pen_drag, tap
-from tests.app.windows import faults, opened, settled
+from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, wait_for
+from tests.support.app.pointers import HAND, Touching, pen, pen_drag, tap
+from tests.support.app.windows import faults, opened, settled
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas

@@ -13,7 +13,7 @@ from paint3d.cli.study import table_lines
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.recording.recording import save_recording
-from tests.app.hands import UPRIGHT, paint, small_plane
+from tests.support.app.hands import UPRIGHT, paint, small_plane
 
 
 def test_the_defaults_are_the_papers():

@@ -15,7 +15,7 @@ from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import InputError
 from paint3d.mesh.solids import make_plane
 from paint3d.pose.two_hands import TwoHands
-from tests.app.hands import UPRIGHT, line, sample
+from tests.support.app.hands import UPRIGHT, line, sample
 
 MS = 1_000_000
 

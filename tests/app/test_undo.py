@@ -10,7 +10,7 @@ from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
 from paint3d.surface.vertex_sets import union
-from tests.app.hands import line
+from tests.support.app.hands import line
 
 ACTIONS = st.sampled_from(
     ["stroke", "stroke", "time", "long time", "dry", "dip", "tip", "wipe", "look"]

@@ -20,7 +20,7 @@ from paint3d.painter import painter as engine
 from paint3d.painter.ink_time import PIECE_NS, PIECE_S
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.app.hands import line, paint, same_vertices, small_plane
+from tests.support.app.hands import line, paint, same_vertices, small_plane
 
 
 class Clockwork:

@@ -13,9 +13,16 @@ from PySide6 import QtTest
 
 from paint3d.app.model import easel as easels
 from paint3d.app.window.input import canvas as canvases
-from tests.app.event_player import PAUSE_MS, EventRecording, hand_over, open_for, process, settle
-from tests.app.hands import same_vertices
-from tests.app.trials import blind_window, player_of
+from tests.support.app.event_player import (
+    PAUSE_MS,
+    EventRecording,
+    hand_over,
+    open_for,
+    process,
+    settle,
+)
+from tests.support.app.hands import same_vertices
+from tests.support.app.trials import blind_window, player_of
 
 WAYS = (("pictures", 5.0), ("pictures", 120.0), ("one by one", 0.0), ("burst", 0.0))
 

@@ -16,10 +16,10 @@ from paint3d.files.project.session import load_session
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import load_recording
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.app.event_player import EventRecording, open_for, settle
-from tests.app.hands import same_vertices
 from tests.app.test_wet_marks import Wall, play
-from tests.app.trials import blind_window
+from tests.support.app.event_player import EventRecording, open_for, settle
+from tests.support.app.hands import same_vertices
+from tests.support.app.trials import blind_window
 
 RESOLUTION = 1.2
 RESTS_MS = (90, 4730, 620)  # between strokes: they come soon, late, and as they mostly do

@@ -30,7 +30,7 @@ from paint3d.files.project.session import load_session
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.steering import ObjectPose
 from paint3d.view.camera import Camera
-from tests.app.gestures import (
+from tests.support.app.gestures import (
     ALT,
     BUTTON,
     KIND,
@@ -42,14 +42,14 @@ from tests.app.gestures import (
     pen_stroke,
     wait_for,
 )
-from tests.app.windows import opened, settled
+from tests.support.app.windows import opened, settled
 
 ROOT = Path(__file__).parents[2]
 PAINTING = """
 import sys
 from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
-from tests.app.gestures import drag, live
+from tests.support.app.gestures import drag, live
 window = StudioWindow(make_program())
 window.show()
 window.files.open_path("plane", 1.5, "xuan", asked=True)

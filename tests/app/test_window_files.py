@@ -23,8 +23,8 @@ from paint3d.app.window.dialogs.target_dialog import TargetDialog
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
-from tests.app.gestures import answer, drag, live, when
-from tests.app.windows import opened, settled
+from tests.support.app.gestures import answer, drag, live, when
+from tests.support.app.windows import opened, settled
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from PySide6 import QtCore, QtTest
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.app.window.studio import StudioWindow
 from paint3d.files.project.session import load_session, save_session
-from tests.app.gestures import live, pen_stroke, wait_for
+from tests.support.app.gestures import live, pen_stroke, wait_for
 
 ROWS = (0.42, 0.47, 0.52, 0.57)
 

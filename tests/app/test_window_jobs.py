@@ -24,8 +24,8 @@ from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.jobs import opening, saving
 from paint3d.app.window.jobs.job import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
-from tests.app.gestures import answer, answer_bar, drag, live, wait_for
-from tests.app.windows import settled
+from tests.support.app.gestures import answer, answer_bar, drag, live, wait_for
+from tests.support.app.windows import settled
 
 
 @pytest.fixture(autouse=True)

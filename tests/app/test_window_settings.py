@@ -13,8 +13,8 @@ from paint3d.app.model.persistence.settings import Settings, load_settings
 from paint3d.app.window.dialogs.questions import PreferencesDialog
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_unit, say_length
-from tests.app.gestures import answer, live
-from tests.app.windows import settled
+from tests.support.app.gestures import answer, live
+from tests.support.app.windows import settled
 
 
 @pytest.fixture(autouse=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.forked import COMMANDS, LIMIT_S, run_forked
+from tests.support.forked import COMMANDS, LIMIT_S, run_forked
 
 MORE = "PAINT3D_MORE_EXAMPLES"  # set by scripts/check --long
 Run = Callable[..., subprocess.CompletedProcess[str]]

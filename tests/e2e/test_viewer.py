@@ -9,7 +9,7 @@ import trimesh
 from paint3d.errors import ExportError
 from paint3d.files.export import export
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from tests.e2e.browser import PROGRAM, Browser
+from tests.support.browser import PROGRAM, Browser
 
 GROUND = (143, 139, 133)
 MIDDLE = (320, 240)

@@ -20,7 +20,7 @@ from paint3d.app.model.document import Document
 from paint3d.cli.main import main
 from paint3d.files.export import EXPORT_SUFFIXES
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.app.hands import line, small_plane
+from tests.support.app.hands import line, small_plane
 
 __all__ = ["CASES", "outcome"]
 

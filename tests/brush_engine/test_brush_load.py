@@ -1,0 +1,221 @@
+"""What the brush holds: mixtures, dips of the tip, dirt from wet paint, and running dry."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from paint3d.brush_engine.brush_load import level_stations
+from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import load_pigment
+from paint3d.errors import InputError
+from paint3d.painter.painter import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.surface_cases import UPRIGHT, flat, poses, sheet
+
+UP = (0.0, 0.0, 1.0)
+
+
+def surface(material="porcelain", resolution=0.8) -> PaintedSurface:
+    return PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), resolution, material)
+
+
+def stroke(n=30, pressure=0.4, y=0.0, along=(0.0, 1.0, 0.0), length=30.0):
+    x = np.linspace(-length / 2, length / 2, n)
+    points = np.column_stack([x, np.full(n, y), np.zeros(n)])
+    pressures = np.full(n, pressure)
+    pressures[[0, -1]] = 0.0
+    return poses(points, UP, along, pressures, tilt=UPRIGHT)
+
+
+def balanced(painter):
+    ledger = painter.ledger()
+    parts = ledger["in_brush"] + ledger["wet"] + ledger["dry"] + ledger["off_surface"]
+    assert parts == pytest.approx(ledger["loaded"], rel=1e-6, abs=1e-9)
+    return ledger
+
+
+def wet_of(painter, name):
+    column = painter.surface.column_of(load_pigment(name))
+    return float(painter.surface.vertex_areas @ painter.surface.amounts[:, column])
+
+
+def test_a_clean_brush_stays_clean_and_a_thirsty_one_gets_dirty():
+    loads = {}
+    for pickup in (0.0, 0.05):
+        painter = Painter(surface(), "full", "pine soot", pickup=pickup)
+        painter.replay(stroke())
+        painter.rinse()
+        painter.dip("cinnabar")
+        painter.replay(stroke(y=2.0))
+        balanced(painter)
+        loads[pickup] = painter.surface.ink.load.copy()
+    assert loads[0.0][0] == 0.0
+    assert loads[0.05][0] > 0.1
+    assert loads[0.05][1] > 10.0 * loads[0.05][0]
+
+
+def test_a_rinsed_brush_wipes_paint_off():
+    painter = Painter(surface(), "full", "pine soot", pickup=0.05)
+    painter.replay(stroke())
+    before = wet_of(painter, "pine soot")
+    painter.rinse()
+    assert painter.in_brush() == 0.0
+    painter.replay(stroke())
+    after = balanced(painter)
+    assert after["wet"] < 0.9 * before
+    assert after["in_brush"] > 0.0
+    assert painter.surface.amounts.min() >= 0.0
+
+
+def test_dry_paint_is_not_taken_up():
+    painter = Painter(surface(), "full", "pine soot", pickup=0.2)
+    painter.replay(stroke())
+    painter.surface.dry()
+    painter.rinse()
+    painter.dip("cinnabar")
+    painter.replay(stroke())
+    ledger = balanced(painter)
+    assert painter.surface.ink.load[0] == 0.0
+    assert ledger["dry"] > 0.0
+
+
+@pytest.mark.parametrize("pickup", [0.05, 1e6])
+def test_pick_up_conserves_at_any_rate_and_reading(pickup):
+    taken = []
+    for n in (31, 121, 481):
+        painter = Painter(surface(), "full", "pine soot", pickup=pickup)
+        painter.replay(stroke())
+        painter.dip("cinnabar")
+        painter.replay(stroke(n, y=1.0))
+        balanced(painter)
+        assert painter.surface.amounts.min() >= 0.0
+        assert painter.in_brush() <= painter.tuft.load * (1 + 1e-9)
+        taken.append(painter.surface.ink.load[0])
+    if pickup < 1.0:
+        assert taken[1] == pytest.approx(taken[2], rel=0.05)
+        assert taken[0] == pytest.approx(taken[2], rel=0.1)
+
+
+def test_stirred_ink_and_water():
+    dark, light = Painter(surface()), Painter(surface(), ink={"pine soot": 0.2, "water": 0.8})
+    assert light.loaded == pytest.approx(0.2 * dark.loaded)
+    assert light.ink.name == "pine soot"
+    dark.replay(stroke())
+    light.replay(stroke())
+    assert balanced(light)["wet"] == pytest.approx(0.2 * balanced(dark)["wet"], rel=1e-5)
+    covered = light.surface.coverage == 1.0
+    assert light.surface.srgb[covered].mean() > dark.surface.srgb[covered].mean() + 20
+    light.surface.dry()
+    balanced(light)
+
+
+def across(painter, name, y):
+    column = painter.surface.column_of(load_pigment(name))
+    points = painter.surface.paint_mesh.vertices
+    row = (np.abs(points[:, 0]) < 6.0) & (np.abs(points[:, 1] - y) < 0.8)
+    row &= painter.surface.coverage == 1.0
+    return painter.surface.amounts[row, column].mean()
+
+
+def test_tip_dark_belly_light():
+    """A brush laid across its way paints dark where the tip is and light where the belly is."""
+    painter = Painter(surface(), ink={"pine soot": 0.1, "water": 0.9})
+    painter.dip("pine soot", reach=0.2)
+    assert painter.surface.ink.stations[0, 0] > 5 * painter.surface.ink.stations[-1, 0]
+    painter.replay(stroke(along=(0.0, 1.0, 0.0)))
+    balanced(painter)
+    points = painter.surface.paint_mesh.vertices
+    full = (np.abs(points[:, 0]) < 6.0) & (painter.surface.coverage == 1.0)
+    low, high = points[full, 1].min(), points[full, 1].max()
+    ends = [across(painter, "pine soot", y) for y in (low + 1.0, high - 1.0)]
+    assert max(ends) > 1.5 * min(ends)
+    total = painter.surface.amounts[full].sum(axis=1)
+    plain = Painter(surface())
+    plain.replay(stroke(along=(0.0, 1.0, 0.0)))
+    np.testing.assert_allclose(total, plain.surface.amounts[full, 0], rtol=2e-3)
+
+
+def test_stations_that_are_alike_paint_like_one():
+    plain, along = Painter(surface()), Painter(surface())
+    along.dip("pine soot", reach=1.0)
+    assert len(along.surface.ink.stations) > 1
+    plain.replay(stroke())
+    along.replay(stroke())
+    balanced(along)
+    np.testing.assert_allclose(along.surface.amounts, plain.surface.amounts, rtol=1e-4, atol=1e-6)
+    along.rinse()
+    assert along.in_brush() == 0.0
+    balanced(along)
+
+
+def test_levelling_conserves_and_levels():
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        stations = rng.uniform(0, 1, (12, 3)) * (rng.uniform(size=(12, 1)) < 0.6)
+        before = stations.sum(axis=0)
+        level_stations(stations)
+        assert stations.min() >= 0.0
+        np.testing.assert_allclose(stations.sum(axis=0), before, rtol=1e-12)
+        np.testing.assert_allclose(stations.sum(axis=1), before.sum() / 12, rtol=1e-6)
+
+
+def test_wiping_keeps_the_mixture():
+    painter = Painter(surface(), ink={"pine soot": 0.25, "cinnabar": 0.75})
+    painter.wipe(0.6)
+    assert painter.in_brush() == pytest.approx(0.4 * painter.tuft.load)
+    load = painter.surface.ink.load
+    assert load[1] == pytest.approx(3.0 * load[0])
+    painter.dip("oil soot", reach=0.3)
+    painter.wipe(0.5)
+    balanced(painter)
+
+
+def dried_stroke(material, wiped, resolution=0.8):
+    painter = Painter(surface(material, resolution))
+    painter.wipe(wiped)
+    painter.replay(stroke())
+    balanced(painter)
+    return painter
+
+
+def test_a_dry_brush_skips_where_the_grain_is_low():
+    paper = load_material("xuan")
+    covers = []
+    for wiped in (0.0, 0.8, 0.9, 0.95):
+        painter = dried_stroke(paper, wiped)
+        covers.append(float(painter.surface.vertex_areas @ painter.surface.coverage))
+    assert covers[1] < covers[0]
+    assert covers[2] < 0.8 * covers[0]
+    assert covers[3] < 0.8 * covers[2]
+    glaze = [dried_stroke("porcelain", wiped).surface.coverage for wiped in (0.0, 0.95)]
+    assert (glaze[0] == glaze[1]).all()
+    rough = dried_stroke(dataclasses.replace(paper, grain=1.0), 0.8)
+    assert float(rough.surface.vertex_areas @ rough.surface.coverage) < 0.9 * covers[1]
+
+
+def test_skipping_depends_on_the_place_and_not_on_the_vertices():
+    coarse, fine = (dried_stroke("xuan", 0.9, resolution) for resolution in (0.6, 0.3))
+    areas = [float(p.surface.vertex_areas @ p.surface.coverage) for p in (coarse, fine)]
+    assert areas[0] == pytest.approx(areas[1], rel=0.05)
+    again = dried_stroke("xuan", 0.9, 0.6)
+    assert (again.surface.amounts == coarse.surface.amounts).all()
+
+
+@pytest.mark.parametrize(
+    ("do", "message"),
+    [
+        (lambda p: p.dip({}), "dipped in nothing"),
+        (lambda p: p.dip({"pine soot": -1.0}), "part of pine soot is -1"),
+        (lambda p: p.dip({"pine soot": float("nan")}), "part of pine soot is nan"),
+        (lambda p: p.dip("pine soot", reach=2.0), "reach is 2"),
+        (lambda p: p.wipe(-0.1), "share is -0.1"),
+        (lambda p: p.dip("mud"), "unknown ink 'mud'"),
+        (lambda p: Painter(p.surface, pickup=-1.0), "pickup"),
+    ],
+)
+def test_bad_handling_is_named(do, message):
+    with pytest.raises(InputError, match=message):
+        do(Painter(surface()))

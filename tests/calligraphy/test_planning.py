@@ -1,0 +1,304 @@
+import functools
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.hand_motion import root_stretch
+from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph, plan_stroke
+from paint3d.calligraphy.timing import Tempo, time_courses
+from paint3d.errors import InputError
+from tests.support.planned_strokes import EM, band, boundary, overlap, signed_distance
+
+RATE = 250.0
+
+
+@functools.cache
+def ladder(brush="xiaokai"):
+    return build_ladder(build_tuft(load_brush(brush)), 0.2 * EM)
+
+
+@functools.cache
+def example(angle=0.0, brush="xiaokai"):
+    return plan_stroke(*band(angle, 12.0, 1.4, 0.6), EM, ladder(brush))
+
+
+@given(
+    angle=st.floats(-3.1, 3.1),
+    length=st.floats(4.0, 14.0),
+    width=st.floats(0.7, 2.5),
+    bend=st.floats(-1.2, 1.2),
+)
+@settings(deadline=None, max_examples=12)
+def test_nothing_leaves_the_outline(angle, length, width, bend):
+    outline, median = band(angle, length, width, bend)
+    course = plan_stroke(outline, median, EM, ladder())
+    allowed = PlanSettings().margin * EM + 0.5 * EM / 512  # half a pixel of the field
+    for i in range(1, len(course.level) - 1, 5):
+        assert signed_distance(outline, boundary(course, ladder(), i)).min() > -allowed
+
+
+@pytest.mark.parametrize(("brush", "least"), [("xiaokai", 0.94), ("full", 0.95)])
+@pytest.mark.parametrize("angle", [0.0, -1.4, 2.5])
+def test_stroke_is_covered(angle, brush, least):
+    course = example(angle, brush)
+    assert overlap(course, ladder(brush), band(angle, 12.0, 1.4, 0.6)[0]) > least
+
+
+def test_quarter_turn_of_the_paper_turns_the_course():
+    a, b = example(0.3), example(0.3 + 0.5 * math.pi)
+    assert b.descent.max() == pytest.approx(a.descent.max(), rel=0.05)
+    assert overlap(b, ladder(), band(0.3 + 0.5 * math.pi, 12.0, 1.4, 0.6)[0]) == pytest.approx(
+        overlap(a, ladder(), band(0.3, 12.0, 1.4, 0.6)[0]), abs=0.02
+    )
+
+
+def test_handle_stands_behind_the_footprint():
+    course = example()
+    bend = np.stack([np.cos(course.azimuth), np.sin(course.azimuth)], axis=1)
+    reach = np.sum((course.centre - course.handle) * bend, axis=1)
+    assert np.allclose(course.handle + reach[:, None] * bend, course.centre, atol=1e-12)
+    touching = course.level >= 0
+    assert np.allclose(reach[touching], ladder().centroid_at(course.level[touching]), atol=1e-9)
+    assert np.allclose(course.descent[touching], ladder().descent_at(course.level[touching]))
+
+
+def test_course_starts_and_ends_lifted_and_turns_evenly():
+    course = example()
+    assert course.descent[0] == course.descent[-1] == 0.0
+    assert (course.descent[1:-1] > 0.0).all()
+    assert np.abs(np.diff(course.azimuth)).max() < 0.2
+
+
+def test_trailing_tip_is_preferred_in_the_middle():
+    course = example()
+    middle = slice(len(course.level) // 3, 2 * len(course.level) // 3)
+    ahead = np.gradient(course.centre, axis=0)[middle]
+    heading = np.arctan2(ahead[:, 1], ahead[:, 0])
+    assert np.cos(course.azimuth[middle] - heading).mean() < -0.8
+
+
+@pytest.mark.parametrize(
+    ("technique", "degrees"), [("zhongfeng", 180.0), ("cefeng", 135.0), ("pianfeng", 90.0)]
+)
+def test_technique_holds_the_bend_against_the_motion(technique, degrees):
+    asked = PlanSettings(technique=technique)
+    course = plan_stroke(*band(0.2, 14.0, 1.4), EM, ladder("slender"), asked)
+    middle = slice(len(course.level) // 3, 2 * len(course.level) // 3)
+    ahead = np.gradient(course.centre, axis=0)[middle]
+    angle = course.azimuth[middle] - np.arctan2(ahead[:, 1], ahead[:, 0])
+    held = np.degrees(np.arccos(np.cos(angle)))
+    assert held == pytest.approx(degrees, abs=15.0)
+    assert (course.level[middle] > 0.0).all()
+
+
+def test_unknown_technique_is_refused():
+    with pytest.raises(InputError, match="technique is 'sidewise'; expected one of 'zhongfeng'"):
+        PlanSettings(technique="sidewise")
+
+
+def test_planning_repeats_to_the_bit():
+    again = plan_stroke(*band(0.0, 12.0, 1.4, 0.6), EM, ladder())
+    assert np.array_equal(again.handle, example().handle)
+    assert np.array_equal(again.descent, example().descent)
+
+
+def test_stroke_too_fine_for_the_brush_is_refused():
+    outline, median = band(0.3, 12.0, 0.06)
+    with pytest.raises(InputError, match="stroke 3 is too fine"):
+        plan_stroke(outline, median, EM, ladder("baiyun"), name="stroke 3")
+
+
+def test_outline_without_an_inside_is_refused():
+    outline, median = band(0.0, 12.0, 0.0)
+    with pytest.raises(InputError, match="stroke 3 is finer"):
+        plan_stroke(outline, median, EM, ladder(), name="stroke 3")
+
+
+@pytest.mark.parametrize(
+    ("median", "words"), [([[1, 1], [2, 1]], "outside the outline"), ([[10, 10]] * 2, "no length")]
+)
+def test_bad_medians_are_refused(median, words):
+    with pytest.raises(InputError, match=words):
+        plan_stroke(band(0.0, 12.0, 1.4)[0], np.array(median, float), EM, ladder())
+
+
+def test_paper_frame_puts_the_em_square_at_the_origin():
+    corners = on_paper([[0.0, -124.0], [1024.0, 900.0]], 10.0)
+    assert np.allclose(corners, [[0.0, 0.0], [10.0, 10.0]])
+
+
+def test_ladder_rises_and_keeps_to_the_brush():
+    steps = ladder()
+    assert (np.diff(steps.descents) > 0.0).all()
+    widths = np.ptp(steps.points[:, :, 1], axis=1)
+    assert (np.diff(widths) > -1e-9).all()
+    assert widths[-1] == pytest.approx(0.2 * EM, rel=0.05)
+    with pytest.raises(InputError, match="expected more than 0"):
+        build_ladder(build_tuft(load_brush("full")), 0.0)
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=4 * 6 * 3, max_size=4 * 6 * 3))
+@settings(deadline=None, max_examples=20)
+def test_best_course_is_the_cheapest_of_all(numbers):
+    cost = np.array(numbers).reshape(4, 6, 3)
+    angle, shift = np.empty(4, np.int64), np.empty(4, np.int64)
+    kernels.best_course(cost, 0.05, 0.03, 1, angle, shift)
+
+    def price(states):
+        total = sum(cost[s, a, o] for s, (a, o) in enumerate(states))
+        for (a, o), (b, p) in itertools.pairwise(states):
+            turn = (b - a + 3) % 6 - 3
+            if abs(turn) > 1 or abs(o - p) > 1:
+                return math.inf
+            total += 0.05 * turn * turn + 0.03 * (o - p) ** 2
+        return total
+
+    states = list(itertools.product(range(6), range(3)))
+    best = {state: cost[0][state] for state in states}
+    for s in range(1, 4):
+        best = {
+            now: cost[s][now]
+            + min(best[b] + price([b, now]) - cost[0][b] - cost[1][now] for b in states)
+            for now in states
+        }
+    chain = list(zip(angle.tolist(), shift.tolist(), strict=True))
+    assert price(chain) == pytest.approx(min(best.values()))
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(deadline=None, max_examples=20)
+def test_distances_equal_the_slow_twin(seed):
+    rng = np.random.default_rng(seed)
+    turn = np.sort(rng.uniform(0, 2 * math.pi, 9))
+    polygon = rng.uniform(2, 5, (9, 1)) * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    field = np.empty((25, 23))
+    kernels.signed_distances(polygon, -6.1, -6.3, 0.5, field)
+    x, y = -6.1 + 0.5 * np.arange(23), -6.3 + 0.5 * np.arange(25)
+    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    true = signed_distance(polygon, points)
+    near = np.abs(true) < 0.5
+    assert np.allclose(field.ravel()[near], true[near], atol=1e-9)
+    assert np.array_equal(field.ravel() > 0.0, true > 0.0)
+    beyond = np.abs(field.ravel()) - np.abs(true)  # a distance to some edge: never too short
+    assert beyond.min() > -1e-9
+    assert beyond.max() < 0.1
+
+
+def test_cover_fills_the_area_of_a_footprint():
+    steps, step = ladder(), 0.01
+    mask = np.zeros((600, 600), np.bool_)
+    level = np.array([30.0, -1.0])
+    kernels.cover(steps.points, level, np.full((2, 2), 3.0), np.array([0.7, 0.0]), 0, 0, step, mask)
+    x, y = steps.points[30].T
+    area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+    assert mask.sum() * step**2 == pytest.approx(area, rel=0.01)
+
+
+# -- timing -------------------------------------------------------------------------------------
+
+
+@functools.cache
+def motion():
+    return time_courses([[example(0.0), example(-1.4)], [example(2.5)]], EM)
+
+
+def derivative(values):
+    return np.diff(values, axis=0) * RATE
+
+
+def test_motion_keeps_the_hand_s_limits():
+    path = np.column_stack([motion().handle, motion().height])
+    speed, acceleration = derivative(path), derivative(derivative(path))
+    assert np.linalg.norm(speed, axis=1).max() <= 120.0
+    assert np.linalg.norm(acceleration, axis=1).max() <= 1000.0
+    assert np.linalg.norm(derivative(acceleration), axis=1).max() <= 10000.0
+    assert np.abs(derivative(motion().azimuth)).max() <= 6.0
+    assert np.allclose(np.diff(motion().time_s), 1.0 / RATE)
+
+
+def test_brush_touches_once_a_stroke_and_is_lifted_between():
+    down = motion().height < 0.0
+    assert np.count_nonzero(down[1:] & ~down[:-1]) == 3
+    assert not down[0]
+    assert not down[-1]
+
+
+def test_motion_follows_the_course():
+    down = motion().height < 0.0
+    stroke = np.cumsum(np.r_[0, np.diff(down.astype(int)) == 1])
+    for k, course in enumerate((example(0.0), example(-1.4), example(2.5))):
+        planned = np.column_stack([course.handle, -course.descent])
+        at = np.arange(0, len(planned) - 1, 0.1)
+        planned = np.stack([np.interp(at, np.arange(len(planned)), c) for c in planned.T], axis=1)
+        timed = np.column_stack([motion().handle, motion().height])[down & (stroke == k + 1)]
+        apart = np.linalg.norm(timed[::5, None] - planned, axis=2).min(axis=1)
+        assert apart.max() < 0.06  # mm
+        assert np.median(apart) < 0.01
+
+
+def test_brush_is_dipped_before_each_character_and_only_lifted():
+    dipped = motion().buttons == 2
+    assert (motion().height[dipped] > 5.0).all()
+    runs = np.count_nonzero(np.diff(np.r_[0, dipped.astype(int)]) == 1)
+    assert runs == 2
+    assert set(motion().group.tolist()) == {0, 1}
+
+
+def test_slow_hand_takes_longer():
+    slow = time_courses([[example(0.0)]], EM, Tempo(cruise=0.1))
+    assert slow.time_s[-1] > 1.3 * time_courses([[example(0.0)]], EM).time_s[-1]
+
+
+@pytest.mark.parametrize(
+    ("limit", "value"),
+    [("most_speed", 1001.0), ("most_acceleration", 2.1e4), ("most_jerk", 7e5), ("rate_hz", 0.0)],
+)
+def test_limits_that_no_hand_reaches_are_refused(limit, value):
+    with pytest.raises(InputError, match=limit):
+        Tempo(**{limit: value})
+
+
+def test_tempo_leaves_room_for_a_root_that_goes_farther():
+    tempo = Tempo().slower(1.25)
+    assert (tempo.most_speed, tempo.most_acceleration, tempo.most_jerk) == (96.0, 800.0, 8000.0)
+    assert tempo.most_turn_rate == Tempo().most_turn_rate
+    with pytest.raises(InputError, match="factor"):
+        Tempo().slower(0.9)
+
+
+@pytest.mark.parametrize(("radius", "stretch"), [(75.0, 97.0 / 75.0), (-75.0, 1.0)])
+def test_root_goes_farther_over_a_ball_and_no_farther_in_a_hollow(radius, stretch):
+    angle = np.linspace(-0.2, 0.2, 9)
+    u, v = np.meshgrid(np.tan(angle), np.tan(angle), indexing="ij")
+    normals = np.stack([u, v, np.ones_like(u)], axis=-1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    tuft = build_tuft(load_brush("xiaokai"))
+    assert tuft.length == 22.0
+    assert root_stretch(radius * normals, normals, tuft) == pytest.approx(stretch)
+
+
+def test_nothing_to_write_is_refused():
+    with pytest.raises(InputError, match="no stroke"):
+        time_courses([], EM)
+
+
+def test_glyph_is_planned_stroke_by_stroke():
+    scale = 1024.0 / EM
+    strokes = []
+    for angle in (0.0, 1.2):
+        outline, median = band(angle, 12.0, 1.4, 0.6)
+        strokes.append(GlyphStroke(outline * scale - [0, 124], median * scale - [0, 124]))
+    courses = plan_glyph(Glyph("二", tuple(strokes)), EM, ladder())
+    assert len(courses) == 2
+    outline = on_paper(strokes[1].outline, EM)
+    alone = plan_stroke(outline, on_paper(strokes[1].median, EM), EM, ladder())
+    assert np.array_equal(courses[1].handle, alone.handle)

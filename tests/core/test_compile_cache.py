@@ -1,0 +1,218 @@
+"""Compiled kernels whose source, or that of a kernel they call, has changed are dropped."""
+
+import json
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paint3d.brush_engine.stroke_loop import paint_samples
+from paint3d.core import compile_cache
+from paint3d.core.compile_cache import compiled_folder, drop_stale, is_compiled
+from paint3d.painter.painter import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.surface_cases import flat, poses, sheet
+
+SOURCES = {
+    "mesh/kernels/leaf": "import numpy as np\n",
+    "core/branch": "from paint3d.mesh.kernels.leaf import a\n",
+    "brush_engine/tree": "from paint3d.core import stamp\nfrom paint3d.core import branch as b\n",
+    "brush_engine/wide": "from paint3d.core.other import (\n    x,\n    y,\n)  # fmt: skip\n",
+    "core/many": "from paint3d.mesh.kernels.leaf import a\n"
+    "from paint3d.brush_engine import (\n    tall,\n    wide,\n)\n",
+    "core/other": "# from paint3d.mesh.kernels.leaf import a\n",
+}
+PACKAGE = Path(compile_cache.__file__).parents[1]
+
+
+class Tree:
+    """A package of sources, and compiled kernels of each folder elsewhere."""
+
+    def __init__(self, root: Path) -> None:
+        self.package, self.compiled = root / "package", root / "cache"
+        for name, text in SOURCES.items():
+            path = self.source(name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        self.drop_stale()
+        self.compile_all()
+
+    def source(self, name: str) -> Path:
+        return self.package / f"{name}.py"
+
+    def compiled_folder(self, sources: Path) -> Path:
+        return self.compiled / sources.relative_to(self.package)
+
+    def drop_stale(self) -> None:
+        drop_stale(self.package, self.compiled_folder)
+
+    def compile_all(self) -> None:
+        for name in SOURCES:
+            folder, _, module = name.rpartition("/")
+            compiled = self.compiled_folder(self.package / folder)
+            compiled.mkdir(parents=True, exist_ok=True)
+            for suffix in ("nbi", "1.nbc"):
+                (compiled / f"{module}.run-7.py311.{suffix}").write_bytes(b"code")
+
+    def kept(self) -> set[str]:
+        index, code = (
+            {
+                f"{path.parent.relative_to(self.compiled).as_posix()}/{path.name.partition('.')[0]}"
+                for path in self.compiled.rglob(suffix)
+            }
+            for suffix in ("*.nbi", "*.nbc")
+        )
+        assert index == code
+        return index
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Tree:
+    return Tree(tmp_path)
+
+
+def test_nothing_is_dropped_while_nothing_changes(tree) -> None:
+    tree.drop_stale()
+    assert tree.kept() == set(SOURCES)
+    others = [path.name for path in tree.compiled.rglob("*.*") if ".nb" not in path.name]
+    assert others == ["sources.json"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "stay"),
+    [
+        ("mesh/kernels/leaf", {"brush_engine/wide", "core/other"}),
+        ("core/branch", set(SOURCES) - {"core/branch", "brush_engine/tree"}),
+        ("core/other", {"mesh/kernels/leaf", "core/branch", "brush_engine/tree"}),
+        ("brush_engine/tree", set(SOURCES) - {"brush_engine/tree"}),
+    ],
+)
+def test_what_calls_the_changed_is_dropped_with_it(tree, changed, stay) -> None:
+    rewrite(tree.source(changed), SOURCES[changed])
+    tree.drop_stale()
+    assert tree.kept() == stay
+    tree.compile_all()
+    tree.drop_stale()
+    assert tree.kept() == set(SOURCES)
+
+
+def test_a_source_that_has_gone_counts_as_changed(tree) -> None:
+    tree.source("mesh/kernels/leaf").unlink()
+    tree.drop_stale()
+    assert tree.kept() == {"brush_engine/wide", "core/other"}
+
+
+@pytest.mark.parametrize(
+    "record", [b"", b"[1]", b"\xff", b'{"core/other": 3}', b'{"core/other": [3, 4]}']
+)
+def test_without_a_record_everything_is_dropped(tree, record) -> None:
+    (tree.compiled / "core" / "sources.json").write_bytes(record)
+    tree.drop_stale()
+    assert tree.kept() == set()
+
+
+def test_a_folder_that_cannot_be_written_is_left_alone(tree) -> None:
+    nowhere = tree.source("mesh/kernels/leaf")  # a file: nothing can be kept in it
+    drop_stale(tree.package, lambda sources: nowhere)
+    assert nowhere.read_text() == SOURCES["mesh/kernels/leaf"]
+
+
+TUPLE = "class Room(NamedTuple):\n    low: int\n    high: int  # mm\n\n\ndef make():\n    pass\n"
+LATER = 1_000_000  # ns
+
+
+def rewrite(path: Path, text: str) -> None:
+    """Write a source again, at a later time."""
+    time = path.stat().st_mtime_ns + LATER
+    path.write_text(text)
+    os.utime(path, ns=(time, time))
+
+
+def test_where_a_tuple_has_other_fields_all_is_dropped(tree) -> None:
+    changed = tree.source("mesh/kernels/leaf")
+    rewrite(changed, TUPLE)
+    tree.drop_stale()
+    tree.compile_all()
+    rewrite(changed, TUPLE.replace("mm", "cm").replace("pass", "return 1"))
+    tree.drop_stale()  # its fields are what they were
+    assert tree.kept() == {"brush_engine/wide", "core/other"}
+    tree.compile_all()
+    rewrite(changed, TUPLE.replace("low", "x").replace("high", "low").replace("x", "high"))
+    tree.drop_stale()
+    assert tree.kept() == set()
+    tree.compile_all()
+    tree.drop_stale()
+    assert tree.kept() == set(SOURCES)
+
+
+PROGRAM = """
+import sys
+from pathlib import Path
+sys.path[:0] = [{root!r}, {tree!r}]
+from paint3d.core.compile_cache import drop_stale
+drop_stale(Path({tree!r}) / "made")
+from made.brush_engine.leaf import low_of
+from made.core.types import Room
+print(low_of(Room(low=1.0, high=2.0)), sum(low_of.stats.cache_hits.values()))
+"""
+
+
+def test_code_is_compiled_anew_where_a_tuple_of_another_folder_has_changed(tmp_path) -> None:
+    """Without that a kernel would take the one field for the other."""
+    for folder in ("made/core", "made/brush_engine"):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / "__init__.py").touch()
+    types = tmp_path / "made" / "core" / "types.py"
+    types.write_text(f"from typing import NamedTuple\n\n\n{TUPLE}")
+    (tmp_path / "made" / "brush_engine" / "leaf.py").write_text(
+        "from numba import njit\n\n\n@njit(cache=True)\ndef low_of(room):\n    return room.low\n"
+    )
+    program = PROGRAM.format(root=str(PACKAGE.parent), tree=str(tmp_path))
+    without = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA")}
+
+    def said() -> str:
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, env=without)
+        return done.stdout
+
+    assert said() == "1.0 0\n"
+    assert said() == "1.0 1\n"  # kept
+    text = types.read_text()
+    rewrite(types, text.replace("low", "x").replace("high", "low").replace("x", "high"))
+    assert said() == "1.0 0\n"
+
+
+def test_every_kernel_and_every_tuple_that_one_takes_is_looked_at() -> None:
+    """Told from what is compiled: all that ever ran here, at least a stroke."""
+    points = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
+    stroke = poses(points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.array([0.2, 0.2]))
+    Painter(PaintedSurface(sheet(flat, (9.0, 9.0), 5.0), 1.0)).replay(stroke)
+    record = compiled_folder(PACKAGE / "core") / "sources.json"
+    looked_at = json.loads(record.read_text())
+    for path in PACKAGE.rglob("*.py"):
+        if "@kernel" in path.read_text():
+            assert path.relative_to(PACKAGE).with_suffix("").as_posix() in looked_at
+    seen = set()
+    for folder in {name.rpartition("/")[0] for name in looked_at}:
+        for path in compiled_folder(PACKAGE / folder).glob("*.nbi"):
+            with open(path, "rb") as file:
+                pickle.load(file)  # numba's version
+                _, compiled = pickle.loads(file.read())
+            for signature, *_ in compiled:
+                seen |= {one.instance_class for one in signature if hasattr(one, "instance_class")}
+    assert {"Room", "InkField", "SurfaceField"} <= {one.__name__ for one in seen}
+    for one in seen:
+        name = one.__module__.removeprefix("paint3d.").replace(".", "/")
+        assert looked_at[name][2][one.__name__] == list(one._fields)
+
+
+def test_numba_keeps_kernels_where_they_are_looked_for() -> None:
+    points = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
+    stroke = poses(points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.array([0.2, 0.2]))
+    Painter(PaintedSurface(sheet(flat, (9.0, 9.0), 5.0), 1.0)).replay(stroke)
+    assert is_compiled(paint_samples)
+    assert list(compiled_folder(PACKAGE / "brush_engine").glob("stroke_loop.paint_samples-*.nbi"))

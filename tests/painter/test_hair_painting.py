@@ -1,0 +1,408 @@
+"""Painting with single hairs: ink in each, imprints near enough, streaks, memory, repeats."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import os
+import subprocess
+import sys
+from argparse import ArgumentTypeError
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
+from paint3d.brush.presets import load_brush
+from paint3d.brush_engine.bristles.bend import BLOCK
+from paint3d.brush_engine.bristles.contact import FINDINGS, GIVES, HELD
+from paint3d.brush_engine.bristles.imprint_cache import TOUCHING
+from paint3d.brush_engine.bristles.ink import settle_gifts, sum_hairs
+from paint3d.brush_engine.bristles.state import PARTED
+from paint3d.cli.options import parse_hairs
+from paint3d.colour.difference import delta_e, lab_from_srgb
+from paint3d.core.frames import quaternions_from_matrices
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import InputError
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.surface_cases import ball, bowl, flat, poses, sheet
+
+UP = (0.0, 0.0, 1.0)
+MIDDLE = 8.0  # mm to either side of the middle of a stroke, where it is as wide as it gets
+
+
+def plane(resolution=0.5, half=(60.0, 25.0), material="porcelain"):
+    return PaintedSurface(sheet(flat, half, 5.0), resolution, material)
+
+
+def stroke(press=0.4, start=-30.0, end=30.0, y=0.0, brush="full", n=40, along=(-1.0, 0.0, 0.0)):
+    x, share = np.linspace(start, end, n), np.linspace(0.0, 1.0, n)
+    points = np.column_stack([x, np.full(n, y), np.zeros(n)])
+    pressure = press * np.clip(6.0 * np.minimum(share, 1.0 - share), 0.0, 1.0)
+    return poses(points, UP, along, pressure, brush, rate=125.0)
+
+
+def paint(*recordings, surface=None, hairs=400, brush="full", wipe=0.0, **options):
+    painter = Painter(surface or plane(), brush, hairs=hairs, **options)
+    painter.wipe(wipe)
+    for recording in recordings:
+        painter.replay(recording)
+    return painter
+
+
+def balance(painter):
+    ledger = painter.ledger()
+    there = sum(ledger[k] for k in ("in_brush", "wet", "dry", "off_surface"))
+    return abs(there / ledger["loaded"] - 1.0)
+
+
+@pytest.mark.parametrize("hairs", [50, 0])
+def test_who_presses_paints_from_any_height(hairs):
+    """Where the hand says how hard it presses, the position says only where."""
+    recording = stroke()
+    painted = []
+    for height in (0.0, 200.0):
+        away = recording.position + np.array([0.0, 0.0, height])
+        painter = paint(dataclasses.replace(recording, position=away), hairs=hairs)
+        painted.append(painter.surface.coverage)
+    assert painted[0].any()
+    np.testing.assert_allclose(painted[0], painted[1], atol=2e-3)
+
+
+def bytes_of(painter):
+    surface = painter.surface
+    arrays = (surface.amounts, surface.coverage, surface.srgb, surface.paint_mesh.vertices)
+    return b"".join(a.tobytes() for a in arrays)
+
+
+def covered(painter, least=0.5):
+    return painter.surface.mesh.vertices[painter.surface.coverage > least].astype(float)
+
+
+def widths(painter):
+    """Length of what was painted; from side to side, and its mean width, in the middle, mm."""
+    points = covered(painter)
+    sides = points[np.abs(points[:, 0]) < MIDDLE, 1]
+    middle = np.abs(painter.surface.mesh.vertices[:, 0]) < MIDDLE
+    area = (painter.surface.vertex_areas * painter.surface.coverage)[middle].sum()
+    return np.array([np.ptp(points[:, 0]), np.ptp(sides), area / (2.0 * MIDDLE)])
+
+
+@pytest.mark.parametrize(
+    ("brush", "press"),
+    [("full", 0.25), ("full", 0.7), ("zhongkai", 0.5), ("xiaokai", 0.5), ("slender", 0.3),
+     ("slender", 0.5), ("slender", 0.7)],
+)  # fmt: skip
+def test_hairs_and_solid_tuft_agree_in_width_and_length(brush, press):
+    fine = {"xiaokai": 0.2, "slender": 0.15}.get(brush, 0.4)
+    solid, bristles = (
+        widths(paint(stroke(press, brush=brush), surface=plane(fine), hairs=n, brush=brush))
+        for n in (0, 1000)
+    )
+    assert bristles == pytest.approx(solid, rel=0.1)
+
+
+def test_a_full_tuft_gives_what_a_solid_one_gives():
+    solid, hairs = (paint(stroke(), hairs=n).ledger()["wet"] for n in (0, 400))
+    assert hairs == pytest.approx(solid, rel=0.1)
+
+
+def share_at_the_sides(painter):
+    """Ink beyond three quarters of a stroke's half width, over all, in the middle of the stroke."""
+    vertices = painter.surface.mesh.vertices
+    middle = np.abs(vertices[:, 0]) < MIDDLE
+    ink = painter.surface.amounts.sum(axis=1) * painter.surface.vertex_areas * middle
+    across = np.abs(vertices[:, 1])
+    half_width = 0.5 * widths(painter)[2]
+    return ink[across > 0.75 * half_width].sum() / ink.sum()
+
+
+@pytest.mark.parametrize("press", [0.3, 0.42, 0.6])
+def test_the_sides_of_a_stroke_get_their_ink(press):
+    solid, hairs = (
+        share_at_the_sides(paint(stroke(press), surface=plane(0.3), hairs=n, wipe=0.5))
+        for n in (0, 1000)
+    )
+    assert 0.61 < hairs / solid < 1.4
+
+
+@pytest.mark.parametrize("wipe", [0.0, 0.8])
+@pytest.mark.parametrize("pickup", [0.0, 0.05])
+def test_ink_is_kept(wipe, pickup):
+    painter = Painter(plane(), "full", "pine soot", hairs=200, pickup=pickup, azimuth="dragged")
+    painter.wipe(wipe)
+    painter.replay(stroke(y=24.5))  # half of it over the edge
+    painter.dip("cinnabar", reach=0.5)
+    painter.replay(stroke(y=4.0, along=(0.0, 1.0, 0.0)))
+    painter.dip({"cinnabar": 0.3, "water": 0.7})
+    painter.replay(stroke(y=-4.0))
+    assert balance(painter) < 1e-6
+    assert painter.ledger()["off_surface"] > 0.0
+    assert painter.surface.amounts.min() >= 0.0
+    assert painter.hairs.load.min() >= 0.0
+    np.testing.assert_allclose(painter.hairs.held(), painter.surface.ink.load)
+
+
+def test_hairs_that_touch_more_give_more():
+    painter = paint(stroke(), hairs=BristleSpec(n_hairs=400, levelling_mm=1e4))
+    held = painter.hairs.load[:, 0]
+    assert held.min() < 0.9 * held.max()
+
+
+def streaks(painter):
+    """Covered share (lanes, steps) over the middle of a stroke along x."""
+    vertices = painter.surface.mesh.vertices
+    seen = np.abs(vertices[:, 0]) < 15.0
+    x, y = vertices[seen, 0], vertices[seen, 1]
+    bins = [np.linspace(-3.0, 3.0, 16), np.linspace(-15.0, 15.0, 16)]
+    total = np.histogram2d(y, x, bins, weights=painter.surface.coverage[seen])[0]
+    return total / np.maximum(np.histogram2d(y, x, bins)[0], 1.0)
+
+
+def test_a_wet_stroke_is_closed_and_a_dry_one_breaks_into_streaks():
+    wet, dry = (
+        streaks(paint(stroke(), surface=plane(0.3), hairs=1000, wipe=w)) for w in (0.0, 0.9)
+    )
+    assert wet.min() > 0.98
+    assert 0.05 < dry.mean() < 0.8
+    across, along = dry.mean(axis=1).std(), dry.std(axis=1).mean()
+    assert across > 0.15
+    assert across > along  # streaks run along the stroke
+
+
+def test_a_long_stroke_runs_dry_hair_by_hair():
+    there = [stroke(y=y, start=-50.0, end=50.0) for y in (-12.0, -4.0, 4.0, 12.0)]
+    painter = Painter(plane(0.5, (70.0, 25.0)), "full", hairs=400)
+    painter.wipe(0.82)
+    shares = []
+    for recording in there:
+        before = painter.surface.coverage.copy()
+        painter.replay(recording)
+        y = recording.position[0, 1]
+        vertices = painter.surface.mesh.vertices
+        lane = (np.abs(vertices[:, 1] - y) < 2.5) & (np.abs(vertices[:, 0]) < 30.0)
+        now = painter.surface.coverage
+        shares.append(now[lane].mean())
+        assert (now[: len(before)] >= before).all()
+    assert shares[0] > 0.8
+    assert shares[-1] < 0.88 * shares[0]
+
+
+def sample_of(recording, k):
+    return DeviceSample(
+        int(recording.time_ns[k]), recording.position[k], recording.orientation[k],
+        float(recording.pressure[k]), 0, recording.object_position[k],
+        recording.object_orientation[k],
+    )  # fmt: skip
+
+
+def test_the_same_recording_gives_the_same_bytes_in_any_portions():
+    recording = stroke(n=30)
+    whole = paint(recording, recording)
+    samples = [sample_of(recording, k) for k in range(len(recording))]
+    parts = Painter(plane(), "full", hairs=400)
+    parts.wipe(0.0)
+    for _ in range(2):
+        for k in range(0, len(samples), 7):
+            parts.advance(samples[k : k + 7])
+        parts.finish()
+    assert bytes_of(whole) == bytes_of(parts)
+    assert bytes_of(whole) == bytes_of(paint(recording, recording))
+    assert (whole.hairs.load == parts.hairs.load).all()
+
+
+CHILD = """
+import hashlib
+from tests.painter.test_hair_painting import bytes_of, paint, stroke
+print(hashlib.sha256(bytes_of(paint(stroke(n=20), wipe=0.7))).hexdigest())
+"""
+
+
+def test_the_number_of_threads_does_not_matter():
+    digests = set()
+    for threads in ("1", "2"):
+        environment = {**os.environ, "NUMBA_NUM_THREADS": threads}
+        environment["PYTHONPATH"] = os.pathsep.join(p for p in sys.path if p)
+        done = subprocess.run(
+            [sys.executable, "-c", CHILD], capture_output=True, text=True, check=True,
+            env=environment, cwd=Path(__file__).parents[2],
+        )  # fmt: skip
+        digests.add(done.stdout.strip())
+    here = hashlib.sha256(bytes_of(paint(stroke(n=20), wipe=0.7))).hexdigest()
+    assert digests == {here}
+
+
+def test_sums_over_hairs_take_every_hair_and_every_pigment():
+    for n in (1, BLOCK - 1, BLOCK, 2 * BLOCK + 21):
+        load = np.arange(3.0 * n).reshape(n, 3)
+        held = np.empty(3)
+        sum_hairs(load, held)
+        assert (held == load.sum(axis=0)).all()  # whole numbers: no rounding
+        held = np.empty(1)
+        sum_hairs(np.ascontiguousarray(load[:, :1]), held)
+        assert held == load[:, 0].sum()
+
+
+def test_hairs_give_by_the_law_at_every_rate():
+    wishes = np.linspace(0.0, 1.9, BLOCK)
+    for rate in (1e-6, 0.02, 0.7, 40.0):
+        findings = np.zeros((1, FINDINGS * BLOCK), np.float32)
+        findings[0, GIVES : GIVES + BLOCK] = wishes
+        findings[0, HELD : HELD + BLOCK] = 2.0
+        told = settle_gifts(BLOCK, float(BLOCK), rate, findings, np.zeros(BLOCK))
+        gives = findings[0, GIVES : GIVES + BLOCK]
+        np.testing.assert_allclose(gives, -np.expm1(-rate * wishes), rtol=2e-6)
+        assert told == pytest.approx(2.0 * gives.sum(dtype=np.float64), rel=1e-12)
+
+
+@pytest.mark.parametrize("wipe", [0.0, 0.85])
+def test_hairs_that_hardly_move_are_kept_and_paint_the_same(wipe):
+    recording = stroke(n=400, start=-20.0, end=20.0)
+    painters = []
+    for anew in (False, True):
+        painter = paint(wipe=wipe)
+        for k in range(len(recording)):
+            if anew and painter.hairs._work is not None:
+                painter.hairs._work.kept[TOUCHING] = 0.0
+            painter.advance([sample_of(recording, k)])
+        painter.finish()
+        painters.append(painter)
+    kept, anew = painters
+    assert bytes_of(kept) != bytes_of(anew)  # so it does happen
+    assert balance(kept) < 1e-6
+    assert kept.ledger()["wet"] == pytest.approx(anew.ledger()["wet"], rel=0.01)
+    colours = [lab_from_srgb(painter.surface.srgb) for painter in painters]
+    here = (kept.surface.coverage > 0.0) | (anew.surface.coverage > 0.0)
+    differences = delta_e(*colours)[here]
+    assert differences.mean() < 0.5
+    assert np.percentile(differences, 99) < 4.0
+
+
+def turning(angle=1.5, n=4, press=0.5):
+    """A pressed brush that turns where it stands."""
+    azimuth = np.linspace(0.0, angle, n)
+    bend = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(n)], axis=1)
+    up = np.tile(UP, (n, 1))
+    frames = np.stack([bend, np.cross(up, bend), up], axis=2)
+    spec = load_brush("full")
+    position = np.tile([0.0, 0.0, spec.length_mm - press * spec.full_press_mm], (n, 1))
+    return Recording(
+        (np.arange(n) * 30_000_000).astype(np.int64), position,
+        quaternions_from_matrices(frames), np.full(n, press),
+    )  # fmt: skip
+
+
+def test_no_two_imprints_are_further_apart_than_vertices_at_the_fastest_hair():
+    painter = paint(turning(), surface=plane(0.5), hairs=300)
+    tip = np.hypot(*covered(painter)[:, :2].T).max()
+    assert tip > 10.0
+    assert painter.report()["footprints"] * 0.5 >= 0.95 * 1.5 * (tip - 1.0)
+    points, angles = covered(painter, 0.9), np.linspace(0.2, 1.3, 12)
+    for radius in (6.0, 9.0):  # the fan has no gaps
+        wanted = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        near = np.linalg.norm(points[None, :, :2] - wanted[:, None], axis=2).min(axis=1)
+        assert near.max() < 0.5
+
+
+def test_a_tuft_remembers_until_it_is_dipped_or_shaped():
+    painter = paint(stroke(press=0.6), wipe=0.9)
+    bent = np.hypot(*painter.hairs.memory[:2])
+    assert bent > 0.5
+    assert painter.hairs.memory[PARTED] > 0.3
+    kept = painter.hairs.memory.copy()
+    painter.replay(stroke(press=0.0))  # nothing touches
+    assert (painter.hairs.memory == kept).all()
+    painter.shape()
+    assert not painter.hairs.memory[: PARTED + 1].any()
+    painter.replay(stroke(press=0.6, y=8.0))
+    assert painter.hairs.memory[PARTED] > 0.0
+    painter.dip()
+    assert not painter.hairs.memory.any()
+
+
+def test_a_bent_tuft_lands_where_its_tip_stands():
+    touches = []
+    for first in (None, stroke(press=0.7)):
+        painter = Painter(plane(0.3), "full", hairs=400)
+        if first is not None:
+            painter.replay(first)
+            painter.surface.dry()
+        painter.replay(stroke(press=0.04, start=-10.0, end=10.0, y=15.0))
+        points = covered(painter, 0.3)
+        touches.append(points[points[:, 1] > 11.0, 0].min())
+    fresh, bent = touches
+    assert bent < fresh - 0.2  # the bend points along -x
+
+
+def test_kept_and_restored_paints_the_same():
+    painter = paint(stroke(y=-8.0), wipe=0.6)
+    kept = painter.keep()
+    load, memory = painter.hairs.load.copy(), painter.hairs.memory.copy()
+    ink = painter.surface.ink.load.copy()
+    painter.replay(stroke(y=8.0))
+    first = painter.hairs.load.copy()
+    assert (first != load).any()
+    painter.restore(kept)
+    painter.surface.ink.load[:] = ink
+    assert (painter.hairs.load == load).all()
+    assert (painter.hairs.memory == memory).all()
+    painter.replay(stroke(y=8.0))
+    assert (painter.hairs.load == first).all()
+
+
+def test_a_brush_may_be_of_hairs_by_itself():
+    spec = dataclasses.replace(load_brush("full"), bristles=BristleSpec(n_hairs=50))
+    assert Painter(plane(), spec).report()["hairs"] == 50
+    assert Painter(plane(), spec, hairs=0).report()["hairs"] == 0
+    assert Painter(plane(), spec, hairs=20).report()["hairs"] == 20
+    assert Painter(plane(), "full").report()["hairs"] == 0
+
+
+@pytest.mark.parametrize("n", [1, 10])
+def test_few_hairs_are_lines(n):
+    painter = paint(stroke(), hairs=n, surface=plane(0.25))
+    middle = np.abs(painter.surface.mesh.vertices[:, 0]) < MIDDLE
+    area = (painter.surface.coverage * painter.surface.vertex_areas)[middle].sum()
+    whole = paint(stroke(), hairs=0, surface=plane(0.25))
+    middle = np.abs(whole.surface.mesh.vertices[:, 0]) < MIDDLE
+    solid = (whole.surface.coverage * whole.surface.vertex_areas)[middle].sum()
+    assert 0.0 < area < (0.1 if n == 1 else 0.95) * solid
+
+
+@pytest.mark.parametrize("mesh", ["ball", "bowl"])
+def test_hairs_paint_curved_surfaces(mesh):
+    n = 30
+    turn = np.linspace(-0.4, 0.4, n)
+    if mesh == "ball":
+        surface = PaintedSurface(ball(40.0), 0.5)
+        normals = np.stack([np.sin(turn), np.zeros(n), np.cos(turn)], axis=1)
+        points = 40.0 * normals
+    else:
+        surface = PaintedSurface(bowl(60.0), 0.5)
+        normals = np.stack([-np.sin(turn), np.zeros(n), np.cos(turn)], axis=1)
+        points = -60.0 * normals
+    press = 0.4 * np.sin(np.pi * np.linspace(0.0, 1.0, n))
+    recording = poses(points, normals, (0.0, 1.0, 0.0), press, "full", rate=125.0)
+    painters = [Painter(surface, "full", hairs=600)]
+    painters[0].replay(recording)
+    assert balance(painters[0]) < 1e-6
+    points = covered(painters[0])
+    assert len(points) > 300
+    if mesh == "bowl":  # the outer side stays bare
+        assert (np.linalg.norm(points, axis=1) < 61.0).all()
+
+
+def test_the_command_line_knows_how_many_hairs_there_can_be():
+    assert [parse_hairs(text) for text in ("0", "1", str(MOST_HAIRS))] == [0, 1, MOST_HAIRS]
+    for text in ("-1", str(MOST_HAIRS + 1), "2.5", "many", "", "9" * 30):
+        with pytest.raises(ArgumentTypeError, match="expected 0 to 10000"):
+            parse_hairs(text)
+
+
+@pytest.mark.parametrize("hairs", [-3, 20_000, 2.5, "many", True])
+def test_bad_hairs_are_named(hairs):
+    with pytest.raises(InputError, match="hairs"):
+        Painter(plane(), hairs=hairs)

@@ -1,0 +1,253 @@
+"""The painter and the painted surface: what they accept, count and report."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from paint3d.brush.presets import load_brush
+from paint3d.colour.pigments import load_pigment
+from paint3d.errors import InputError, RecordingError, UnknownNameError
+from paint3d.painter import painter as engine
+from paint3d.painter.painter import DIP, Painter
+from paint3d.recording.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.surface_cases import UPRIGHT, flat, poses, sheet
+
+UP = (0.0, 0.0, 1.0)
+
+
+def surface(resolution: float | None = 0.8, half: float = 40.0) -> PaintedSurface:
+    return PaintedSurface(sheet(flat, (half, half), 5.0), resolution)
+
+
+def stroke(pressures, tilt: float = UPRIGHT, start: float = -15.0) -> Recording:
+    n = len(pressures)
+    x = np.linspace(start, start + 30.0, n)
+    points = np.column_stack([x, np.zeros((n, 2))])
+    return poses(points, UP, (0.0, 1.0, 0.0), np.asarray(pressures), tilt=tilt)
+
+
+LANDING = np.array([0.0, 0.1, 0.3, 0.4, 0.4, 0.3, 0.1, 0.0])
+
+
+def test_a_stroke_leaves_ink_and_a_report():
+    painter = Painter(surface(), "full", "pine soot")
+    painter.replay(stroke(LANDING))
+    report = painter.report()
+    assert report["brush"] == "full"
+    assert report["ink"] == "pine soot"
+    assert report["azimuth"] == "commanded"
+    assert report["samples"] == 8
+    assert report["samples_in_contact"] == 7
+    assert report["footprints"] >= 7
+    assert report["vertices"] == painter.surface.n_vertices
+    assert report["vertices_painted"] == np.count_nonzero(painter.surface.coverage) > 100
+    assert report["vertices_painted"] <= report["deposits"]
+    assert report["tilt_limited"] == report["overpressed"] == 0
+    assert set(report["seconds"]) == {"poses", "stroke", "colour"}
+    assert report["ink_ledger"]["wet"] > 0.0
+    assert painter.surface.n_vertices == len(painter.surface.srgb) == len(painter.surface.amounts)
+
+
+def test_only_painted_vertices_change_colour():
+    painter = Painter(surface())
+    bare = painter.surface.srgb[0].copy()
+    painter.replay(stroke(LANDING))
+    dirty = painter.surface.refresh()
+    painted = painter.surface.coverage > 0.0
+    assert sorted(dirty.tolist()) == np.flatnonzero(painted).tolist()
+    assert (painter.surface.srgb[~painted] == bare).all()
+    assert (painter.surface.srgb[painter.surface.coverage == 1.0].mean(axis=1) < bare.mean()).all()
+    assert len(painter.surface.refresh()) == 0
+
+
+def test_bad_arguments_are_named():
+    with pytest.raises(InputError, match="azimuth is 'free'; expected 'commanded' or 'dragged'"):
+        Painter(surface(), azimuth="free")
+    with pytest.raises(UnknownNameError, match="brush"):
+        Painter(surface(), "broom")
+    with pytest.raises(UnknownNameError, match="mud"):
+        Painter(surface(), "full", "mud")
+    with pytest.raises(InputError, match="mesh is str; expected a TriangleMesh"):
+        PaintedSurface("bowl.ply")
+    with pytest.raises(InputError, match="resolution"):
+        PaintedSurface(sheet(flat, (5.0, 5.0)), 0.0)
+
+
+def test_a_pad_recording_must_be_laid_first():
+    pad = dataclasses.replace(stroke(LANDING), header={"space": "pad"})
+    with pytest.raises(RecordingError, match="space is 'pad'; expected 'world'"):
+        Painter(surface()).replay(pad)
+
+
+def test_brush_and_ink_may_be_objects():
+    painter = Painter(surface(), load_brush("slender"), load_pigment("cinnabar"))
+    assert painter.report()["brush"] == "slender"
+    assert painter.report()["ink"] == "cinnabar"
+
+
+@pytest.mark.parametrize("pressures", [[0.0], [0.0, 0.0, 0.0], [0.4]])
+def test_without_a_touch_nothing_happens(pressures):
+    painter = Painter(surface())
+    painter.replay(stroke(pressures))
+    assert not painter.surface.coverage.any()
+    assert painter.in_brush() == painter.loaded
+    assert painter.report()["samples"] == len(pressures)
+
+
+@pytest.mark.parametrize("pressed", [True, False])
+def test_far_beside_the_surface_or_above_it_unpressed_nothing_happens(pressed):
+    recording = stroke(LANDING)
+    away = recording.position + np.array([80.0 if pressed else 0.0, 0.0, 60.0])
+    pressure = recording.pressure if pressed else None
+    lifted = dataclasses.replace(recording, position=away, pressure=pressure)
+    painter = Painter(surface())
+    painter.replay(lifted)
+    assert painter.in_brush() == painter.loaded
+    assert not painter.surface.coverage.any()
+
+
+def test_beside_the_surface_ink_runs_off_or_stays():
+    painter = Painter(surface(half=10.0))
+    painter.replay(stroke(np.full(30, 0.4), start=9.0))
+    ledger = painter.ledger()
+    assert ledger["loaded"] == pytest.approx(sum(list(ledger.values())[1:]), rel=1e-6)
+    assert ledger["off_surface"] > 0.0
+
+
+def test_geometry_alone_presses_as_the_force_does():
+    forced = Painter(surface())
+    forced.replay(stroke(np.full(10, 0.4)))
+    free = Painter(surface())
+    free.replay(dataclasses.replace(stroke(np.full(10, 0.4)), pressure=None))
+    np.testing.assert_allclose(free.surface.coverage, forced.surface.coverage, atol=1e-4)
+    assert free.in_brush() == pytest.approx(forced.in_brush(), rel=1e-6)
+
+
+def test_limits_of_the_model_are_counted():
+    flat_pen = Painter(surface())
+    flat_pen.replay(stroke(np.full(5, 0.3), tilt=0.4))
+    assert flat_pen.report()["tilt_limited"] > 0
+    deep = Painter(surface())
+    recording = stroke(np.full(5, 0.4))
+    pressed = recording.position - np.array([0.0, 0.0, 20.0])
+    deep.replay(dataclasses.replace(recording, position=pressed, pressure=None))
+    assert deep.report()["overpressed"] > 0
+
+
+def test_two_inks_mix_where_they_meet():
+    painter = Painter(surface(), "full", "pine soot")
+    painter.replay(stroke(LANDING))
+    painter.dip("cinnabar")
+    painter.replay(stroke(LANDING))
+    amounts = painter.surface.amounts
+    assert amounts.shape == (painter.surface.n_vertices, 2)
+    assert ((amounts > 0.0).all(axis=1)).sum() > 100
+    assert [p.name for p in painter.surface.pigments] == ["pine soot", "cinnabar"]
+    painter.dip("pine soot")
+    assert painter.surface.amounts.shape[1] == 2
+
+
+def test_the_button_dips():
+    pressures = np.concatenate([LANDING, LANDING])
+    buttons = np.zeros(16, np.int32)
+    buttons[8] = DIP
+    recording = dataclasses.replace(stroke(pressures), buttons=buttons)
+    painter = Painter(surface())
+    painter.replay(recording)
+    undipped = Painter(surface())
+    undipped.replay(stroke(pressures))
+    assert painter.loaded > painter.tuft.load
+    assert painter.in_brush() > undipped.in_brush()
+    live = Painter(surface())
+    for sample in recording.samples():
+        live.advance([sample])
+    live.finish()
+    assert live.ledger() == painter.ledger()
+
+
+@pytest.mark.parametrize("part", [6, 7, 20])
+@pytest.mark.parametrize("how", [{}, {"wet": True}, {"frame_rate": 60.0}])
+def test_however_many_samples_are_made_ready_at_once_the_painting_is_the_same(
+    monkeypatch, part, how
+):
+    pressures = np.tile([0.0, 0.1, 0.3, 0.4, 0.5, 0.4, 0.0, 0.0, 0.2, 0.3], 5)
+    turn = np.linspace(0.0, 25.0, len(pressures))
+    points = np.column_stack([turn - 12.0, 9.0 * np.sin(turn), 0.0 * turn])
+    recording = poses(points, UP, (0.0, 1.0, 0.0), pressures, tilt=UPRIGHT)
+    buttons = np.where(np.arange(len(recording)) % 13 == 12, DIP, 0)
+    recording = dataclasses.replace(recording, buttons=buttons)
+    whole, parted = Painter(surface(), azimuth="dragged"), Painter(surface(), azimuth="dragged")
+    whole.replay(recording, **how)
+    monkeypatch.setattr(engine, "_PART", part)
+    shares = []
+    parted.replay(recording, progress=shares.append, **how)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert parted.report()["footprints"] == whole.report()["footprints"] > 50
+    for name in ("amounts", "coverage", "srgb"):
+        np.testing.assert_array_equal(getattr(parted.surface, name), getattr(whole.surface, name))
+    assert parted.ledger() == whole.ledger()
+
+
+def test_progress_is_told():
+    told = []
+    Painter(surface()).replay(stroke(LANDING), told.append)
+    assert told == [1.0]
+
+
+def test_growing_changes_nothing(monkeypatch):
+    """However often the mesh runs out of room, the painting is the same."""
+    from paint3d.mesh import refined_mesh as paint_mesh
+
+    roomy = Painter(surface(0.4))
+    roomy.replay(stroke(LANDING))
+    monkeypatch.setattr(paint_mesh, "_ROOM", 100)
+    tight = Painter(surface(0.4))
+    start = tight.surface.paint_mesh.capacity
+    tight.replay(stroke(LANDING))
+    assert tight.surface.paint_mesh.capacity > start
+    assert tight.surface.n_vertices == roomy.surface.n_vertices
+    np.testing.assert_array_equal(tight.surface.amounts, roomy.surface.amounts)
+    np.testing.assert_array_equal(tight.surface.srgb, roomy.surface.srgb)
+    assert tight.ledger() == roomy.ledger()
+
+
+def test_a_mesh_may_keep_its_own_vertices():
+    painter = Painter(surface(None))
+    before = painter.surface.n_vertices
+    painter.replay(stroke(LANDING))
+    assert painter.surface.n_vertices == before
+    assert painter.ledger()["wet"] > 0.0
+
+
+def test_the_refined_mesh_is_whole():
+    painter = Painter(surface())
+    source = painter.surface.source
+    painter.replay(stroke(LANDING))
+    mesh = painter.surface.mesh
+    assert mesh.n_vertices == painter.surface.n_vertices > source.n_vertices
+    assert mesh.area == pytest.approx(source.area, rel=1e-6)
+    assert painter.surface.vertex_areas.sum() == pytest.approx(source.area, rel=1e-6)
+    assert (mesh.colours == painter.surface.srgb).all()
+
+
+def test_wet_replays_take_what_is_due_and_come_out_as_if_all_were_moved():
+    recording = stroke(np.append(np.full(60, 0.5), np.zeros(400)))
+    found = []
+    for exactly in (False, True):
+        surface = PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8, "xuan")
+        if exactly:
+            surface.follow_time = lambda seconds, own=surface: own.diffuse(seconds)
+        Painter(surface, "zhongbaiyun", "pine soot").replay(recording, wet=True)
+        surface.diffuse(0.0)  # brings all to now
+        ink, areas = surface.amounts.sum(axis=1).astype(float), surface.vertex_areas
+        found.append((areas[ink > 0.02].sum(), ink**2 @ areas, ink @ areas, surface.flow.steps))
+    (area, square, whole, steps), exact = found
+    assert area == pytest.approx(exact[0], rel=0.02)
+    assert square == pytest.approx(exact[1], rel=0.02)
+    assert whole == pytest.approx(exact[2], rel=1e-3)
+    assert steps < 0.8 * exact[3]

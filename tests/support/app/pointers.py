@@ -1,0 +1,149 @@
+"""Pens with buttons, and fingers, for tests: real Qt events to a window's canvas.
+
+Their times are the hand's, not those at which a busy machine gets to them: see `HAND`.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
+
+from paint3d.app.window.input.canvas import Canvas
+from tests.support.app.gestures import BUTTON, KIND, NO_KEY, PEN, live
+
+_SCREEN: list = []
+_TOUCHES = (KIND.TouchBegin, KIND.TouchUpdate, KIND.TouchEnd, KIND.TouchCancel)
+
+
+class HandsTime(QtCore.QObject):
+    """When the hand does what it does, by the devices' clock, as if the machine always kept up.
+
+    Attributes
+    ----------
+    now_ms : int
+        Of the next event. It never lies ahead of the computer's own monotonic clock for long.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.now_ms = 0
+
+    def begin(self) -> None:
+        """Begin something new, now by the computer's clock."""
+        self.now_ms = max(self.now_ms, time.monotonic_ns() // 1_000_000)
+
+    def pass_by(self, seconds: float) -> None:
+        """Let that much time pass for the hand; at least a millisecond."""
+        self.now_ms += max(1, round(1000 * seconds))
+
+    def commit(self, sequence) -> None:
+        """Send touches, which reach the program through Qt's window, with this time."""
+        program = QtWidgets.QApplication.instance()
+        program.installEventFilter(self)
+        try:
+            sequence.commit()
+        finally:
+            program.removeEventFilter(self)
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Give touches on the picture their times."""
+        if event.type() not in _TOUCHES or not isinstance(watched, Canvas):
+            return False
+        if event.type() != KIND.TouchBegin:
+            event.setTimestamp(self.now_ms)
+            return False
+        copy = event.clone()  # Qt loses hold of a finger whose first event was changed
+        copy.setTimestamp(self.now_ms)
+        taken = watched.event(copy)
+        event.setAccepted(copy.isAccepted())
+        return taken
+
+
+HAND = HandsTime()
+
+
+def pen(canvas, kind, x, y, *, pressure=0.4, button=BUTTON.LeftButton, buttons=None, keys=NO_KEY):
+    """Send one event of a pen; by default its tip is down unless it is released."""
+    if buttons is None:
+        buttons = button if kind != KIND.TabletRelease and pressure > 0.0 else BUTTON.NoButton
+    place = QtCore.QPointF(x, y)
+    event = QtGui.QTabletEvent(
+        kind, PEN, place, canvas.mapToGlobal(place), pressure, 0.0, 0.0, 0.0, 0.0, 0.0, keys,
+        button, buttons,
+    )  # fmt: skip
+    event.setTimestamp(HAND.now_ms)
+    QtWidgets.QApplication.sendEvent(canvas, event)
+    live(0.008)
+    HAND.pass_by(0.008)
+
+
+def pen_drag(canvas, start, end, *, held=BUTTON.NoButton, pressure=0.4, keys=NO_KEY, n=8):
+    """Drag a pen, with one of its buttons held or not; pressure 0: above the tablet."""
+    size = np.array([canvas.width(), canvas.height()])
+    path = np.linspace(np.array(start) * size, np.array(end) * size, n)
+    tip = BUTTON.LeftButton if pressure > 0.0 else BUTTON.NoButton
+    first = BUTTON.LeftButton if pressure > 0.0 else held
+    HAND.begin()
+    options = {"pressure": pressure, "keys": keys}
+    pen(canvas, KIND.TabletPress, *path[0], button=first, buttons=held | tip, **options)
+    for place in path:
+        pen(canvas, KIND.TabletMove, *place, button=BUTTON.NoButton, buttons=held | tip, **options)
+    last = {"pressure": 0.0, "keys": keys, "button": first, "buttons": BUTTON.NoButton}
+    pen(canvas, KIND.TabletRelease, *path[-1], **last)
+    live(0.03)
+
+
+class Touching:
+    """Fingers on a canvas; all are lifted at the end."""
+
+    def __init__(self, canvas) -> None:
+        if not _SCREEN:
+            _SCREEN.append(QtTest.QTest.createTouchDevice())
+        self._canvas, self._down = canvas, {}
+
+    def __enter__(self) -> Touching:
+        HAND.begin()
+        return self
+
+    def set(self, places, wait=0.012) -> None:
+        """Let fingers be at these places, by their numbers; others are lifted."""
+        sequence = QtTest.QTest.touchEvent(self._canvas, _SCREEN[0], False)
+        for number in {*places, *self._down}:
+            at = places.get(number, self._down.get(number))
+            place = QtCore.QPoint(round(float(at[0])), round(float(at[1])))
+            if number not in places:
+                sequence.release(number, place, self._canvas)
+            elif number in self._down:
+                sequence.move(number, place, self._canvas)
+            else:
+                sequence.press(number, place, self._canvas)
+        HAND.commit(sequence)
+        self._down = dict(places)
+        live(wait)
+        HAND.pass_by(wait)
+
+    def drag(self, ways, n=8) -> None:
+        """Drag fingers from where to where, and lift them."""
+        for share in np.linspace(0.0, 1.0, n):
+            self.set(
+                {
+                    k: (1 - share) * np.asarray(start) + share * np.asarray(end)
+                    for k, (start, end) in ways.items()
+                }
+            )
+        self.set({})
+
+    def __exit__(self, *_) -> None:
+        if self._down:
+            self.set({})
+        live(0.05)
+
+
+def tap(canvas, *places) -> None:
+    """Tap with fingers at these places, one after the other, and lift them."""
+    with Touching(canvas) as fingers:
+        for k in range(1, 1 + len(places)):
+            fingers.set(dict(enumerate(places[:k])), 0.0)
+        fingers.set({}, 0.0)

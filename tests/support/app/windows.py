@@ -1,0 +1,47 @@
+"""Windows for tests: opened on an object, settled, let go of; and what went wrong meanwhile."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from paint3d.app.window.studio import StudioWindow
+from tests.support.app.gestures import live, wait_for
+
+
+@contextmanager
+def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None):
+    """A window with something to paint on; nothing of it is asked for when it closes."""
+    window = StudioWindow(program, settings)
+    window.show()
+    window.files.quiet = True
+    assert window.files.open_path(mesh, resolution, material, asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    window.activateWindow()
+    window.canvas.setFocus()
+    live(0.1)
+    try:
+        yield window
+    finally:
+        with window.stage.easel.paused() as document:
+            document.modified = False
+        window.close()
+
+
+def settled(window) -> None:
+    """Wait until everything asked for is painted and shown."""
+    window.stage.easel.post(lambda document: None).result(300)
+    live(0.1)
+
+
+@contextmanager
+def faults() -> Iterator[list[str]]:
+    """What nobody caught meanwhile, as in a slot or an event handler."""
+    found: list[str] = []
+    before = sys.excepthook
+    sys.excepthook = lambda kind, error, trace: found.append(f"{kind.__name__}: {error}")
+    try:
+        yield found
+    finally:
+        sys.excepthook = before
