@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 
+from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
 from paint3d.core.machine import usable_cores
 
@@ -47,8 +48,9 @@ def run(options: argparse.Namespace) -> None:
     facts = find_versions()
     facts["cores"] = str(usable_cores())
     facts["display"] = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or "none"
-    facts["renderer"] = _ask(_ASK_RENDERER)
-    facts["hid devices"] = _ask(_ASK_DEVICES)
+    with ProgressBar("asking"):
+        facts["renderer"] = _ask(_ASK_RENDERER)
+        facts["hid devices"] = _ask(_ASK_DEVICES)
     width = max(map(len, facts))
     for name, value in facts.items():
         sys.stdout.write(f"{name:<{width}}  {value}\n")
