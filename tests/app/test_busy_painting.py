@@ -28,7 +28,7 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
     settled(window)
     mouse(window.canvas, KIND.MouseMove, window.canvas.width() / 2, window.canvas.height() / 2)
     gate = threading.Event()
-    window.stage.easel.post(lambda document: gate.wait(60))
+    window.stage.easel.post(lambda document: gate.wait(300))
     live(0.05)
     started = time.thread_time()  # waiting takes no time of the thread's own
     try:
@@ -46,7 +46,7 @@ def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None
     with window.stage.easel.paused() as document:
         document.modified = False
     gate = threading.Event()
-    window.stage.easel.post(lambda document: gate.wait(60))
+    window.stage.easel.post(lambda document: gate.wait(300))
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     assert not window.document.modified
     asked = []

@@ -85,7 +85,7 @@ def test_a_kill_gives_every_hair_back(tmp_path):
     for y in (-10, 0, 10):
         easel.post("begin_stroke")
         easel.feed(line((-20, y), (20, y)))
-        easel.post("end_stroke").result(timeout=60)
+        easel.post("end_stroke").result(timeout=300)
         easel._base_due = y == 0
     easel.stop(keep=True)
     again = recoverable(tmp_path)[0].recover().document

@@ -157,8 +157,8 @@ def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> No
             settle(window)
     for stroke in strokes:
         player_of(window).play(stroke)
-    wait = time.monotonic() + 60.0
-    while [len(ghost.strokes) for ghost in ghosts] != [2, 2] and time.monotonic() < wait:
+    until = time.monotonic() + 300.0
+    while [len(ghost.strokes) for ghost in ghosts] != [2, 2] and time.monotonic() < until:
         settle(window)
     counted = [len(ghost.strokes) for ghost in ghosts]
     window.copying.hide()

@@ -35,7 +35,7 @@ def window(program):
     window = StudioWindow(program)
     window.show()
     assert window.files.open_path("plane", 2.0, "xuan", asked=True)
-    wait_for(lambda: window.stage.is_lit, 60.0)
+    wait_for(lambda: window.stage.is_lit)
     yield window
     with window.stage.easel.paused() as document:
         document.modified = False
@@ -135,7 +135,7 @@ def test_a_dropped_file_asks_the_same_and_shows_the_last_material(window, tmp_pa
     asked = foreseen(ObjectDialog, change)
     drop(window, path)
     assert asked
-    wait_for(lambda: window.document.surface.material.name == "plaster", 60.0)
+    wait_for(lambda: window.document.surface.material.name == "plaster")
     assert window.document.surface.resolution == 3.0
     assert window.settings.material == "plaster"  # and is what the next one is asked with
 
@@ -159,16 +159,16 @@ def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:
     foreseen(ObjectDialog, agree)
     assert window.files.open_path(str(box_with_picture(tmp_path)), asked=True)
     assert notes == ["Left out: relief (a bump map)"]
-    wait_for(lambda: window.stage.is_lit, 60.0)
+    wait_for(lambda: window.stage.is_lit)
     live(0.5)
     reds = red_share(window)
     assert 0.05 < reds < 0.5
     drag(window.canvas, (0.42, 0.5), (0.58, 0.5))
-    wait_for(lambda: painted_count(window) > 20, 60.0)
+    wait_for(lambda: painted_count(window) > 20)
     with window.stage.easel.paused() as document:
         dark = document.surface.srgb[document.surface.painted].min(axis=0)
     assert (dark < 120).all()
-    wait_for(lambda: red_share(window) < reds, 60.0)
+    wait_for(lambda: red_share(window) < reds)
 
 
 def painted_count(window: StudioWindow) -> int:
@@ -219,10 +219,10 @@ def test_what_is_open_is_turned_and_scaled(window, tmp_path: Path) -> None:
 
 
 def test_turning_what_is_painted_begins_anew_or_leaves_it(window) -> None:
-    wait_for(lambda: window.stage.is_lit, 60.0)
+    wait_for(lambda: window.stage.is_lit)
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5))
     before = window.document
-    wait_for(lambda: before.strokes, 60.0)
+    wait_for(lambda: before.strokes)
     met = foreseen(QtWidgets.QMessageBox, lambda box: box.reject())
     window.actions_by_name["stand"].trigger()
     assert met

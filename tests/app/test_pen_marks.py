@@ -169,7 +169,7 @@ def test_a_stroke_is_painted_whole_though_another_object_is_opened_at_once(
         open_for(window, band.header, 1.0)
         document, gate = window.document, threading.Event()
         if held:  # the painting stands still until the other object is being opened
-            window.stage.easel.post(lambda document, gate=gate: gate.wait(60))
+            window.stage.easel.post(lambda document, gate=gate: gate.wait(300))
             monkeypatch.setattr(event_player, "settle", lambda window: None)
             threading.Timer(2.0, gate.set).start()
         player_of(window).play(band, "at once")

@@ -30,7 +30,7 @@ def test_a_mixture_that_was_picked_up_is_shown_in_the_previews(window) -> None:
         settled(window)
         picked = window.document.inks[0]
         assert {pigment.name for pigment in picked} == {"indigo", "water"}
-        wait_for(lambda: not window.panels.brushes.is_busy, 60.0)
+        wait_for(lambda: not window.panels.brushes.is_busy)
         live(0.3)
     assert found == []
     assert window.panels.ink_name() in ("indigo + water", "water + indigo")
@@ -61,7 +61,7 @@ def test_previews_that_fail_are_told_once_and_the_timer_rests(window, monkeypatc
     assert "no preview today" in window.told.text()
     monkeypatch.undo()
     window.panels.brushes.set_ink("pine soot")
-    wait_for(lambda: not window.panels.brushes.is_busy, 60.0)
+    wait_for(lambda: not window.panels.brushes.is_busy)
 
 
 def test_a_fault_in_every_tick_is_told_once_and_the_window_lives(window, monkeypatch) -> None:

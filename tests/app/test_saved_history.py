@@ -371,7 +371,7 @@ def test_strokes_that_were_undone_can_still_be_done_again_after_a_crash(tmp_path
     document.undo()
     easel = Easel(document, sitting=Sitting(document, tmp_path))
     for command in ("undo", "redo", "redo", "undo", "undo"):
-        easel.post(command).result(60)
+        easel.post(command).result(300)
     easel.stop(keep=True)
     (left,) = recoverable(tmp_path)
     assert len(list(left.folder.glob("base-1.p3d"))) == 1  # no base was needed for that

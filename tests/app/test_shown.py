@@ -68,7 +68,7 @@ def test_what_keys_change_is_shown_though_no_pointer_is_over_the_picture(window)
             wait_for(lambda: window.stage.is_drawn)
             QtTest.QTest.keyClick(canvas, key)
             settled(window)
-            wait_for(lambda share=share: painted[-1:] == [pytest.approx(share)], 20)
+            wait_for(lambda share=share: painted[-1:] == [pytest.approx(share)])
     finally:
         canvas.overlays.remove(watch)
 
@@ -353,7 +353,7 @@ def test_title_and_picture_change_together(program, monkeypatch) -> None:
 
         before = window.canvas._pixels.astype(int)
         monkeypatch.setattr(window, "setWindowTitle", told)
-        window.stage.easel.post(lambda document: setattr(document, "modified", False)).result(60)
+        window.stage.easel.post(lambda document: setattr(document, "modified", False)).result(300)
         assert window.files.open_path("sphere", 6.0, "porcelain", asked=True)
         wait_for(lambda: window.stage.is_drawn)
         after = window.canvas._pixels.astype(int)

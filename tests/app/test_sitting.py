@@ -38,7 +38,7 @@ def stroke(easel, start, end, **options):
 
 def rested(easel):
     """Wait until everything is done."""
-    easel.post(lambda document: None).result(timeout=60)
+    easel.post(lambda document: None).result(timeout=300)
 
 
 def paint_all_sorts(easel):
@@ -160,7 +160,7 @@ def test_turning_the_page_waits_for_no_disk(tmp_path, monkeypatch):
     sitting = Sitting(document, tmp_path)
     may_go_on = threading.Event()
     monkeypatch.setattr(
-        "paint3d.files.project.journal.flush_file", lambda file: may_go_on.wait(60.0)
+        "paint3d.files.project.journal.flush_file", lambda file: may_go_on.wait(300.0)
     )
     monkeypatch.setattr("os.open", _refuse)  # making a file may have to wait, too
     try:
@@ -173,7 +173,7 @@ def test_turning_the_page_waits_for_no_disk(tmp_path, monkeypatch):
         may_go_on.set()
         monkeypatch.undo()
     sitting.close(keep=True)
-    until = time.monotonic() + 60.0
+    until = time.monotonic() + 300.0
     while (last := read_events(sitting.folder / "journal-1.p3dj"))[2]:  # closed by its own thread
         assert time.monotonic() < until, last[2]
         time.sleep(0.01)
@@ -204,25 +204,31 @@ def test_what_cannot_be_kept_is_told_and_painting_goes_on(tmp_path, monkeypatch)
 
 
 PROGRAM = """
-import sys, time
+import sys, threading, time
 from pathlib import Path
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.persistence.sitting import Sitting
-from tests.support.app.hands import line, paint, small_plane
-paint(small_plane(), (0, 0), (20, 0))  # compiled, as in a program that has painted before
+from tests.support.app.hands import line, small_plane
+
+class Told(Sitting):
+    def append(self, samples):
+        super().append(samples)
+        print(len(samples), flush=True)
+
 document = small_plane()
-easel = Easel(document, sitting=Sitting(document, Path(sys.argv[1])))
+easel = Easel(document, sitting=Told(document, Path(sys.argv[1])))
 easel.post("begin_stroke")
+easel.post(lambda document: threading.Event().wait())  # so far behind is the painting
 samples = line((-60, 0), (60, 0), n=2000)
-start = time.monotonic()
 for k in range(0, 2000, 5):
     easel.feed(samples[k : k + 5])
-    print(time.monotonic(), k + 5, flush=True)
-    time.sleep(max(0.0, start + 0.005 * k - time.monotonic()))
+    time.sleep(0.001)
+threading.Event().wait()
 """
 
 
-def test_a_kill_in_the_middle_of_a_stroke_costs_less_than_100_ms(tmp_path):
+def test_a_kill_in_the_middle_of_a_stroke_costs_nothing_however_far_painting_is_behind(tmp_path):
+    """How long it takes until what was heard is written: scripts/kill_sitting.py."""
     root = Path(__file__).parents[2]
     program = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, str(tmp_path)],
@@ -231,21 +237,15 @@ def test_a_kill_in_the_middle_of_a_stroke_costs_less_than_100_ms(tmp_path):
         cwd=root,
         env={**os.environ, "PYTHONPATH": str(root)},
     )
-    told = []
-    for row in program.stdout:
-        told.append(row.split())
-        if len(told) == 60:
-            break
-    killed = time.monotonic()
+    told = [int(program.stdout.readline()) for _ in range(60)]
     program.send_signal(signal.SIGKILL)
-    told += [row.split() for row in program.stdout]
+    told += [int(row) for row in program.stdout]
     program.wait()
     program.stdout.close()
     (unfinished,) = recoverable(tmp_path)
     recovered = unfinished.recover()
     (stroke,) = recovered.document.strokes
-    fed_before = max(int(count) for at, count in told if float(at) < killed - 0.1)
-    assert len(stroke.samples) >= fed_before > 100
+    assert len(stroke.samples) >= sum(told) >= 300
     alone = small_plane()
     alone.begin_stroke()
     alone.feed(line((-60, 0), (60, 0), n=2000)[: len(stroke.samples)])

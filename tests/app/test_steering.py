@@ -470,7 +470,7 @@ def test_real_key_codes_of_the_keypad_turn_the_view(window, num_lock) -> None:
         live(0.15)
 
     subprocess.run(["xdotool", "windowfocus", str(int(window.winId()))], check=True)
-    live(0.2)
+    wait_for(window.isActiveWindow)
     brush = window.document.painter.brush
     if num_lock:
         press("Num_Lock")

@@ -49,13 +49,26 @@ PAINTING = """
 import sys
 from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
-from tests.support.app.gestures import drag, live
+from paint3d.files.project.journal import read_events
+from tests.support.app.gestures import drag, live, wait_for
+
+def kept():
+    n, found = 0, 0  # strokes, and samples of the last; between these time passes for the ink
+    (journal,) = window.stage.easel._scribe.sitting.folder.glob("journal-1.*")
+    for event in read_events(journal)[1]:
+        if not isinstance(event, dict):
+            found += len(event)
+        elif event["do"] == "begin_stroke":
+            n, found = n + 1, 0
+    return n, found
+
 window = StudioWindow(make_program())
 window.show()
 window.files.open_path("plane", 1.5, "xuan", asked=True)
 live(0.3)
 drag(window.canvas, (0.35, 0.5), (0.6, 0.5))
 drag(window.canvas, (0.5, 0.35), (0.5, 0.6), release=False)
+wait_for(lambda: kept() >= (2, 10))
 print("painting", flush=True)
 while True:
     live(1.0)
@@ -416,7 +429,6 @@ def test_after_kill_nine_the_stroke_is_offered_back(window, places: Path, screen
         [sys.executable, "-c", PAINTING], stdout=subprocess.PIPE, text=True, env=environment
     )
     assert process.stdout.readline() == "painting\n"
-    live(0.3)  # what is older than 100 ms is on the disk
     process.send_signal(signal.SIGKILL)
     process.wait()
     process.stdout.close()
@@ -424,7 +436,7 @@ def test_after_kill_nine_the_stroke_is_offered_back(window, places: Path, screen
     assert len(left) == 1
     answer(lambda dialog: dialog.defaultButton().click())
     assert window.files.offer_recovery()
-    live(0.3)
+    settled(window)
     strokes = window.document.strokes
     assert len(strokes) == 2
     assert len(strokes[1].samples) >= 10

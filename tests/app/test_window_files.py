@@ -47,11 +47,13 @@ def in_slots(monkeypatch: pytest.MonkeyPatch):
 
 def typed(dialog: TargetDialog, name: str) -> None:
     """Type a name in place of the one that stands there, and press Enter."""
-    live(0.3)  # until it has read the folder, which chooses the name again
     field = dialog.findChild(QtWidgets.QLineEdit)
-    field.setFocus()
-    field.selectAll()
-    QtTest.QTest.keyClicks(field, name)
+    while field.text() != name:  # the folder is still being read, which chooses the name again
+        live(0.3)
+        field.setFocus()
+        field.selectAll()
+        QtTest.QTest.keyClicks(field, name)
+        live(0.05)
     QtTest.QTest.keyClick(field, QtCore.Qt.Key.Key_Return)
 
 

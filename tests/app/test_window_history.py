@@ -67,7 +67,7 @@ def painted(window, painting, tmp_path):
 
 def settled(window) -> None:
     """Wait until everything asked for is painted and seen."""
-    window.stage.easel.post(lambda document: None).result(120)
+    window.stage.easel.post(lambda document: None).result(300)
     wait_for(lambda: window.stage.easel.is_still)
     live(0.05)
 

@@ -7,6 +7,8 @@ import time
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.window.input.canvas import Canvas
+
 BUTTON, KIND = QtCore.Qt.MouseButton, QtCore.QEvent.Type
 NO_KEY, ALT = QtCore.Qt.KeyboardModifier.NoModifier, QtCore.Qt.KeyboardModifier.AltModifier
 PEN = QtGui.QPointingDevice(
@@ -14,13 +16,68 @@ PEN = QtGui.QPointingDevice(
     QtGui.QInputDevice.Capability.Pressure | QtGui.QInputDevice.Capability.Position, 1, 3,
 )  # fmt: skip
 
+_ROUNDS = 3  # of the event loop
+_TOUCHES = (KIND.TouchBegin, KIND.TouchUpdate, KIND.TouchEnd, KIND.TouchCancel)
+
+
+class HandsTime(QtCore.QObject):
+    """When the hand does what it does, by the devices' clock, as if the machine always kept up.
+
+    Attributes
+    ----------
+    now_ms : int
+        Of the next event. It never lies ahead of the computer's own monotonic clock for long.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.now_ms = 0
+
+    def begin(self) -> None:
+        """Begin something new, now by the computer's clock."""
+        self.now_ms = max(self.now_ms, time.monotonic_ns() // 1_000_000)
+
+    def pass_by(self, seconds: float) -> None:
+        """Let that much time pass for the hand; at least a millisecond."""
+        self.now_ms += max(1, round(1000 * seconds))
+
+    def commit(self, sequence) -> None:
+        """Send touches, which reach the program through Qt's window, with this time."""
+        program = QtWidgets.QApplication.instance()
+        program.installEventFilter(self)
+        try:
+            sequence.commit()
+        finally:
+            program.removeEventFilter(self)
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Give touches on the picture their times."""
+        if event.type() not in _TOUCHES or not isinstance(watched, Canvas):
+            return False
+        if event.type() != KIND.TouchBegin:
+            event.setTimestamp(self.now_ms)
+            return False
+        copy = event.clone()  # Qt loses hold of a finger whose first event was changed
+        copy.setTimestamp(self.now_ms)
+        taken = watched.event(copy)
+        event.setAccepted(copy.isAccepted())
+        return taken
+
+
+HAND = HandsTime()
+
 
 def live(seconds: float = 0.05) -> None:
-    """Let the program live for a while."""
-    until = time.perf_counter() + seconds
-    while time.perf_counter() < until:
+    """Let the program live for a while, and a few times round however long that takes.
+
+    What the screen answers to what was asked of it before, as to move the window, has come then.
+    """
+    until, rounds = time.perf_counter() + seconds, 0
+    QtGui.QGuiApplication.sync()
+    while rounds < _ROUNDS or time.perf_counter() < until:
         QtWidgets.QApplication.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 10)
         time.sleep(0.002)
+        rounds += 1
 
 
 def wait_for(condition, seconds: float = 300.0) -> None:
@@ -102,6 +159,7 @@ def pen(canvas, kind, x, y, pressure, tilt=(0.0, 0.0)):
         kind, PEN, place, canvas.mapToGlobal(place), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
         BUTTON.LeftButton, down,
     )  # fmt: skip
+    event.setTimestamp(HAND.now_ms)
     QtWidgets.QApplication.sendEvent(canvas, event)
 
 
@@ -109,9 +167,11 @@ def pen_stroke(canvas, start, end, pressures, tilt=(0.0, 0.0)):
     """A stroke with a tablet's pen."""
     size = np.array([canvas.width(), canvas.height()])
     path = np.linspace(np.array(start) * size, np.array(end) * size, len(pressures))
+    HAND.begin()
     for k, ((x, y), pressure) in enumerate(zip(path, pressures, strict=True)):
         kind = KIND.TabletPress if k == 0 else KIND.TabletMove
         kind = KIND.TabletRelease if k == len(pressures) - 1 else kind
         pen(canvas, kind, x, y, pressure, tilt)
         live(0.008)
+        HAND.pass_by(0.008)
     live()

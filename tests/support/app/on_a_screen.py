@@ -8,6 +8,7 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.navigation import ray_at
+from paint3d.app.model.persistence import settings
 from paint3d.app.window.input.grips import GRIPS
 from paint3d.app.window.start import make_program
 from paint3d.mesh.closest_points import ClosestPoints
@@ -19,6 +20,7 @@ START, END = (0.42, 0.6), (0.58, 0.6)  # of the canvas
 
 def main() -> None:
     """Open the sheet, paint a stroke with a leaning pen, and tell what is where."""
+    settings.WET_AT_FIRST = frozenset()  # ink stays where it was put
     with opened(make_program(), "plane") as window:
         canvas = window.canvas
         size = np.array([canvas.width(), canvas.height()])

@@ -1,67 +1,16 @@
 """Pens with buttons, and fingers, for tests: real Qt events to a window's canvas.
 
-Their times are the hand's, not those at which a busy machine gets to them: see `HAND`.
+Their times are the hand's, not those at which a busy machine gets to them: see `HandsTime`.
 """
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.window.input.canvas import Canvas
-from tests.support.app.gestures import BUTTON, KIND, NO_KEY, PEN, live
+from tests.support.app.gestures import BUTTON, HAND, KIND, NO_KEY, PEN, live
 
 _SCREEN: list = []
-_TOUCHES = (KIND.TouchBegin, KIND.TouchUpdate, KIND.TouchEnd, KIND.TouchCancel)
-
-
-class HandsTime(QtCore.QObject):
-    """When the hand does what it does, by the devices' clock, as if the machine always kept up.
-
-    Attributes
-    ----------
-    now_ms : int
-        Of the next event. It never lies ahead of the computer's own monotonic clock for long.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.now_ms = 0
-
-    def begin(self) -> None:
-        """Begin something new, now by the computer's clock."""
-        self.now_ms = max(self.now_ms, time.monotonic_ns() // 1_000_000)
-
-    def pass_by(self, seconds: float) -> None:
-        """Let that much time pass for the hand; at least a millisecond."""
-        self.now_ms += max(1, round(1000 * seconds))
-
-    def commit(self, sequence) -> None:
-        """Send touches, which reach the program through Qt's window, with this time."""
-        program = QtWidgets.QApplication.instance()
-        program.installEventFilter(self)
-        try:
-            sequence.commit()
-        finally:
-            program.removeEventFilter(self)
-
-    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Give touches on the picture their times."""
-        if event.type() not in _TOUCHES or not isinstance(watched, Canvas):
-            return False
-        if event.type() != KIND.TouchBegin:
-            event.setTimestamp(self.now_ms)
-            return False
-        copy = event.clone()  # Qt loses hold of a finger whose first event was changed
-        copy.setTimestamp(self.now_ms)
-        taken = watched.event(copy)
-        event.setAccepted(copy.isAccepted())
-        return taken
-
-
-HAND = HandsTime()
 
 
 def pen(canvas, kind, x, y, *, pressure=0.4, button=BUTTON.LeftButton, buttons=None, keys=NO_KEY):

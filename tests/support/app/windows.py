@@ -31,7 +31,9 @@ def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None
 
 def settled(window) -> None:
     """Wait until everything asked for is painted and shown."""
-    window.stage.easel.post(lambda document: None).result(300)
+    easel = window.stage.easel
+    easel.post(lambda document: None).result(300)
+    wait_for(lambda: easel.is_still or easel.wet)
     live(0.1)
 
 
