@@ -151,19 +151,23 @@ def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
 
 
 @pytest.mark.parametrize("speed", [16.0, None])
-def test_replay_plays_all_strokes(window, painted, speed):
+def test_replay_plays_all_strokes(window, painted, monkeypatch, speed):
     path, states = painted
     assert window.files.open_path(str(path), asked=True)
     settled(window)
     panel, seen = window.panels.history, []
+    show = panel.show_strokes
+
+    def see(strokes, *others) -> None:
+        seen.append(len(strokes))
+        show(strokes, *others)
+
+    monkeypatch.setattr(panel, "show_strokes", see)
     panel.pace.setCurrentIndex(panel.pace.findData(speed))
     QtTest.QTest.mouseClick(panel.play, QtCore.Qt.MouseButton.LeftButton)
-    while panel.is_playing:
-        live(0.005)
-        seen.append(len(window.document.strokes))
+    wait_for(lambda: not panel.is_playing)
     settled(window)  # the last may be asked for and not yet there
-    seen = [n for n, _ in itertools.groupby([*seen, len(window.document.strokes)])]
-    assert seen[-5:] == [0, 1, 2, 3, 4]
+    assert [n for n, _ in itertools.groupby(seen)][-5:] == [0, 1, 2, 3, 4]
     looks(window, states[-1])
 
 
