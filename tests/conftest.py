@@ -9,10 +9,14 @@ from hypothesis import settings
 
 from tests.support.compiling import compile_each_kernel_once
 
-# Begun in this order, all others after them: first one each that compiles what paints with a solid
-# tuft, with hairs, and what spreads, then what takes longest, so that no process is left with it.
+# Begun in this order, all others after them: first one that compiles what is painted on and what
+# paints with a solid tuft, beside it what needs no object (hairs that bend, plans of strokes) so
+# that none waits for another, then what paints with hairs, what spreads, and what takes longest, so
+# that no process is left with it.
 _FIRST = (
     "painter/test_painter.py",
+    "brush_engine/test_bristles.py",
+    "calligraphy/test_planning.py",
     "painter/test_hair_painting.py",
     "surface/test_diffusion.py",
     "device/test_under_hidapi.py",

@@ -10,6 +10,7 @@ import contextlib
 import fcntl
 import gc
 import os
+import time
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,12 +22,15 @@ from paint3d.core import compile_cache
 
 __all__ = ["compile_each_kernel_once"]
 
+_LOOK_S = 0.02  # between two looks at whether another process is done
+
 
 def compile_each_kernel_once() -> None:
     """Have this process wait where another compiles the kernel that it needs.
 
     A kernel is locked by a byte of one file. What a kernel calls is compiled, and locked, within
-    it; no kernel calls one that calls it, so nobody waits in a circle.
+    it; no kernel calls one that calls it, so nobody waits in a circle. Only the thread that needs
+    the kernel waits: others of its process go on loading and compiling what they need.
     """
     folder = compile_cache.compiled_folder(Path(compile_cache.__file__).parent)
     folder.mkdir(parents=True, exist_ok=True)
@@ -37,8 +41,13 @@ def compile_each_kernel_once() -> None:
         name = f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}"
         if not name.startswith("paint3d."):
             return whole(kernel, signature)
-        with global_compiler_lock, _locked(file, zlib.crc32(name.encode())), _keeping_all():
-            return whole(kernel, signature)
+        byte = zlib.crc32(name.encode())
+        while True:
+            with global_compiler_lock, _locked(file, byte) as is_ours:
+                if is_ours:
+                    with _keeping_all():
+                        return whole(kernel, signature)
+            time.sleep(_LOOK_S)
 
     Dispatcher.compile = compile_alone
 
@@ -56,9 +65,14 @@ def _keeping_all() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _locked(file: int, byte: int) -> Iterator[None]:
-    fcntl.lockf(file, fcntl.LOCK_EX, 1, byte)
+def _locked(file: int, byte: int) -> Iterator[bool]:
+    """Whether no other process holds this byte; if so, it is ours within."""
     try:
-        yield
+        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
+    except OSError:
+        yield False
+        return
+    try:
+        yield True
     finally:
         fcntl.lockf(file, fcntl.LOCK_UN, 1, byte)
