@@ -270,7 +270,7 @@ def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
     at = dishes.box(2).center()
     with Touching(dishes) as fingers:
         fingers.set({1: (at.x(), at.y())})
-        wait_for(lambda: window.panels.inks.mixture() == {dishes.names[2]: 1.0}, 5.0)
+        wait_for(lambda: window.panels.inks.mixture() == {dishes.names[2]: 1.0})
     left = QtCore.Qt.MouseButton.LeftButton
     mouse(dishes, KIND.MouseButtonPress, at.x(), at.y(), left, left)
     mouse(dishes, KIND.MouseButtonRelease, at.x(), at.y(), left)

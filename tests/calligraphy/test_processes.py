@@ -16,7 +16,7 @@ import pytest
 from paint3d.calligraphy.processes import in_processes
 from paint3d.errors import InputError, Paint3DError
 
-PATIENCE_S = 60
+PATIENCE_S = 300
 SLEEPERS = """
 import os, sys, time
 from paint3d.calligraphy.processes import in_processes

@@ -99,7 +99,7 @@ def test_an_interrupted_batch_goes_on(paint3d, write_table, tmp_path: Path) -> N
     first = running.stdout.readline()
     assert first.startswith(str(tmp_path / "a.ply"))
     running.send_signal(signal.SIGINT)
-    _, errors = running.communicate(timeout=60)
+    _, errors = running.communicate(timeout=300)
     assert running.returncode == 130
     assert errors == "paint3d: error: interrupted\n"
     finished = tmp_path / "table.csv.finished"
@@ -141,7 +141,7 @@ def test_a_batch_is_interrupted_while_its_processes_start(write_table, library: 
     while not is_loading(started[1], library):
         time.sleep(0.001)
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does: all of them get it
-    _, errors = running.communicate(timeout=60)
+    _, errors = running.communicate(timeout=300)
     assert running.returncode == 130
     assert errors == "paint3d: error: interrupted\n"
 
@@ -179,7 +179,7 @@ def test_a_cluster_paints_the_same_bytes(paint3d, write_table, tmp_path: Path) -
         assert "1 of 4 rows failed, in line 5" in done.stderr
         assert bytes_of(tmp_path) == here
     finally:
-        cluster.communicate("", timeout=60)
+        cluster.communicate("", timeout=300)
 
 
 def test_a_process_that_dies_costs_its_row_only(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from paint3d.errors import InputError
 
 Client = pytest.importorskip("distributed").Client
 
-PATIENCE_S = 60
+PATIENCE_S = 300
 # Loaded by every worker: what rows do is told by their output's name.
 PRELOAD = """
 import os, signal, time
