@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from paint3d.view.live_scene import LiveScene, joined_box
 __all__ = ["LivePicture"]
 
 _CELL = 160  # pixels
+_PART = 640  # pixels of a picture that is drawn part by part
 _FINE, _PLAIN, _ROUGH = 0, 1, 2  # edges smoothed; every triangle; coarse
 _SETTLED_S = 0.15  # after the view moved: then all triangles are drawn,
 _CALM_S = 0.35  # and after anything moved: then edges are smoothed
@@ -114,6 +115,25 @@ class LivePicture:
         pixels = self._scene.draw(fine=fine)
         self.touch()
         return pixels
+
+    def draw_by_parts(self, *, fine: bool) -> Iterator[tuple[float, NDArray]]:
+        """Draw all anew as `draw_whole` does, and yield after each part, so that it can be left.
+
+        Yields
+        ------
+        float
+            The share that is drawn, up to 1.
+        (H, W, 4) uint8
+            Pixels; the next part changes them.
+        """
+        width, height = self._scene.size
+        corners = [(x, y) for y in range(0, height, _PART) for x in range(0, width, _PART)]
+        for k, (x, y) in enumerate(corners):
+            box = x, y, min(x + _PART, width), min(y + _PART, height)
+            self._scene.draw_object(box, fine=fine)
+            pixels = self._scene.show(box, fine=fine)
+            self.touch()
+            yield (k + 1) / len(corners), pixels
 
     def _show(self, box: Box | None, started: float, *, fine: bool = False) -> NDArray:
         pixels = self._scene.show(box, fine=fine)

@@ -8,7 +8,7 @@ the renderer works.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
@@ -205,6 +205,11 @@ class Stage:
         """(H, W, 4) uint8 pixels as they are now, the first row at the bottom."""
         self._place_brush()
         return self._drawn.draw_whole(fine=fine)
+
+    def picture_by_parts(self, *, fine: bool = True) -> Iterator[tuple[float, NDArray]]:
+        """The same part by part, with the share that is drawn; nothing else is drawn meanwhile."""
+        self._place_brush()
+        return self._drawn.draw_by_parts(fine=fine)
 
     def _take(self) -> None:
         """Copy what has changed; later, where a step of the painting lasts too long."""

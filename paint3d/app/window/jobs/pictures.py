@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,58 @@ _FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF"}
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 _FINE_PIXELS = 4_500_000  # more are drawn without being smoothed, which needs four times as many
 _QUALITY = 92
+_DRAWN = 0.7  # of the time that a large picture takes, about
+_BYTES_A_SECOND = 2e7  # that are packed, about
+_LOOK_S = 0.05
+
+
+class _Drawing:
+    """What is seen, drawn in so many pixels: at once where that is the screen's size.
+
+    A larger picture is drawn part by part while the window waits with a bar.
+
+    Parameters
+    ----------
+    window : StudioWindow
+    size : (int, int)
+        Pixels.
+    """
+
+    def __init__(self, window: StudioWindow, size: tuple[int, int]) -> None:
+        self._window, self._size = window, size
+        self._fine = size[0] * size[1] <= _FINE_PIXELS
+        self._share = 0.0
+        self._pixels: Future[np.ndarray] = Future()
+
+    def __enter__(self) -> Callable[[], None] | None:
+        """What is to be called again and again, in the window's thread, until all is drawn."""
+        if self._size == self._window.canvas.pixel_size:
+            self._take(self._window.stage.picture(fine=self._fine))
+            return None
+        self._window.hold()
+        self._window.stage.set_size(self._size)
+        self._parts = self._window.stage.picture_by_parts(fine=self._fine)
+        return self._draw_part
+
+    def __exit__(self, *_: object) -> None:
+        self._window.stage.set_size(self._window.canvas.pixel_size)
+        self._window.go_on()
+
+    def _draw_part(self) -> None:
+        if self._pixels.done():
+            return
+        self._share, pixels = next(self._parts)
+        if self._share >= 1.0:
+            self._take(pixels)
+
+    def _take(self, pixels: np.ndarray) -> None:
+        self._pixels.set_result(np.array(pixels[::-1, :, :3]))
+
+    def wait(self, progress: Progress) -> np.ndarray:
+        """(H, W, 3) uint8, the first row on top; called beside the window's thread."""
+        while not wait([self._pixels], timeout=_LOOK_S).done:
+            progress.expect(_DRAWN * self._share, _DRAWN, 1.0)
+        return self._pixels.result()
 
 
 class Pictures:
@@ -60,31 +112,23 @@ class Pictures:
             Of a JPEG, 1 to 100.
         """
         form = _FORMATS.get(path.suffix.lower())
+        drawing = _Drawing(self._window, size)
 
         def work(progress: Progress) -> None:
             if form is None:
                 raise ExportError(f"{path}: a picture is written as .png or .jpg")
-            progress.expect(0.0, 0.95, 0.5)
+            pixels = drawing.wait(progress)
+            progress.expect(_DRAWN, 0.98, 0.1 + pixels.size / _BYTES_A_SECOND)
             with write_atomically(path, progress) as part:
                 Image.fromarray(pixels).save(part, format=form, quality=quality)
 
-        pixels = self._drawn(size)
-        done = run_beside(self._window, say("Writing {name}…", name=path.name), work)
+        with drawing as draw:
+            title = say("Writing {name}…", name=path.name)
+            done = run_beside(self._window, title, work, draw)
         if not self.went_well(done):
             return False
         self._window.tell(say("status.exported", name=path.name), state="good")
         return True
-
-    def _drawn(self, size: tuple[int, int]) -> np.ndarray:
-        """(H, W, 3) uint8, the first row on top: what is seen, in so many pixels."""
-        window = self._window
-        window.stage.set_size(size)
-        try:
-            fine = size[0] * size[1] <= _FINE_PIXELS
-            return np.array(window.stage.picture(fine=fine)[::-1, :, :3])
-        finally:
-            window.stage.set_size(window.canvas.pixel_size)
-            window.stage.touch()
 
     def turntable(self) -> None:
         """Ask where and how, and save a film of the object turning."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -51,14 +51,11 @@ def write_turntable(window: StudioWindow, path: Path, film: Film) -> Future:
         )
     camera, drawn = window.hand.camera, queue.Queue(_AHEAD)
     n, turn = film.n_pictures, 2.0 * window.canvas.height()
-    done = 0
+    parts = _parts(window, [-turn * k / n for k in range(n)])
 
     def draw() -> None:
-        nonlocal done
-        if done < n and not drawn.full():
-            window.stage.set_camera(orbit(camera, -turn * done / n, 0.0, window.canvas.height()))
-            drawn.put(Image.fromarray(np.array(window.stage.picture()[::-1, :, :3])))
-            done += 1
+        if not drawn.full() and (picture := next(parts, None)) is not None:
+            drawn.put(picture)
 
     def work(progress: Progress) -> None:
         pictures = _taken(drawn, n, progress)
@@ -82,6 +79,19 @@ def write_turntable(window: StudioWindow, path: Path, film: Film) -> Future:
         window.stage.set_size(window.canvas.pixel_size)
         window.stage.set_camera(camera)
         window.go_on()
+
+
+def _parts(window: StudioWindow, turns: Sequence[float]) -> Iterator[Image.Image | None]:
+    """Draw a picture for each turn of the view (pixels that it is dragged by), part by part.
+
+    Yields None between the parts of a picture, then the picture.
+    """
+    camera = window.hand.camera
+    for turn in turns:
+        window.stage.set_camera(orbit(camera, turn, 0.0, window.canvas.height()))
+        for share, pixels in window.stage.picture_by_parts():
+            done = share >= 1.0
+            yield Image.fromarray(np.array(pixels[::-1, :, :3])) if done else None
 
 
 def _taken(drawn: queue.Queue, n: int, progress: Progress) -> Iterator[Image.Image]:
