@@ -99,9 +99,10 @@ def run_studio(
     _translate_qt(app)
     window = StudioWindow(app, settings, plugged=_plugged(), feel=_feel)
     if problem is not None:
-        window.tell(problem, state="bad")
+        window.tell(problem, state="bad", stays=True)
     elif (kept := stand_in()) is not None:
-        window.tell(say("No home to write to: all is kept in {folder}", folder=kept), state="bad")
+        told = say("No home to write to: all is kept in {folder}", folder=kept)
+        window.tell(told, state="bad", stays=True)
     window.show()
     window.files.show_recent()
     try:

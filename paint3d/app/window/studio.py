@@ -39,6 +39,7 @@ from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.jobs.player import Player
 from paint3d.app.window.jobs.recalling import Recalling
 from paint3d.app.window.jobs.standing import Standing
+from paint3d.app.window.keeping_up import keeping_up
 from paint3d.app.window.named import described
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels.side_panels import Panels
@@ -60,8 +61,6 @@ __all__ = ["StudioWindow"]
 
 _TICK_MS = 12
 _REST = 0.5  # of a picture's time, left to the hand's events before the next one
-_SLOW_S = 0.1  # what was painted last had waited so long: it is said to be behind
-_TOLD_MS = 6000
 _UNTIMED = "This pen gives no times of its own; they are evened out"
 _TOOLS, _SMALL_TOOLS = QtCore.QSize(19, 19), QtCore.QSize(16, 16)
 _AROUND_TOOLS = 60  # pixels of the window's height that menus and status line take
@@ -120,8 +119,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying, self.both_hands = Copying(self), BothHands(self, plugged, feel)
         for asked in (self.keys.tapped, self.steering.asked):
             asked.connect(lambda name: self.actions_by_name[name].trigger())
-        self._refusal: str | None = None
-        self.hand.began.connect(self._forget_refusal)
+        self.hand.began.connect(self._forget_news)
         self.keys.alt_taken.connect(lambda: self.tell(say("hint.alt_taken"), state="bad"))
         for name, on in (("brush", True), ("dark", dark), ("grips", True), ("show_mask", True)):
             with QtCore.QSignalBlocker(self.actions_by_name[name]):
@@ -296,7 +294,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         try:
             return Sitting(document)
         except Paint3DError as error:
-            self.tell(say_error(error), state="bad")
+            self.tell(say_error(error), state="bad", stays=True)
             return None
 
     def show_title(self) -> None:
@@ -318,9 +316,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying.follow()
         for event in self.stage.easel.take_events():
             refused = event.kind == "error"
-            self.tell(say_error(event.error if refused else event.message), state="bad")
-            if refused and event.doing != "keeping":
-                self._refusal = self.told.text()
+            self.tell(
+                say_error(event.error if refused else event.message),
+                state="bad",
+                stays=not refused or event.doing == "keeping",
+            )
         if time.perf_counter() < self._next_draw:
             return
         started = time.thread_time()
@@ -341,35 +341,39 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.actions_by_name["redo"].setEnabled(frame.can_redo)
         if self.isWindowModified() != self.document.modified:
             self.setWindowModified(self.document.modified)
-        slow = frame.lag_s > _SLOW_S and frame.queue_length > 0
-        caught_up = frame.lag_s > _SLOW_S and not slow
-        word = "behind by {ms:.0f} ms" if slow else "keeps up, {ms:.1f} ms"
-        state, now = "slow" if slow else "good", time.perf_counter()
+        (state, text), now = keeping_up(frame), time.perf_counter()
         if state == self._state and now < self._next_told:
             return
         if state != self._state:
             self.state.setStyleSheet(f"color: {self.theme.state_colour(state)}")
         self._state, self._next_told = state, now + _TOLD_EVERY_S
-        text = say("has caught up") if caught_up else say(word, ms=1e3 * frame.lag_s)
         seen = ""
         if self.stage.picture_s > 0.0:  # something has been drawn
             every_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)
             seen = "   ·   " + say("{fps:.0f} pictures/s", fps=1.0 / every_s)
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}{seen}")
 
-    def tell(self, text: str, *, state: str = "off") -> None:
-        """Say something in the status line, marked by its shape."""
+    def tell(self, text: str, *, state: str = "off", stays: bool = False) -> None:
+        """Say something in the status line, marked by its shape.
+
+        Parameters
+        ----------
+        text : str
+        state : str
+            One of `STATES`.
+        stays : bool
+            Whether it is so until something else is said; if not, the next stroke takes its place.
+        """
         mark = "" if state == "off" else f"{STATES[state]}  "
-        self._told_state = state
+        self._told_state, self._told_stays = state, stays
         self.told.setText(mark + text)
         self.told.setToolTip(text)
         self.told.setStyleSheet(f"color: {self.theme.state_colour(state)}")
 
-    def _forget_refusal(self) -> None:
-        """Leave off saying what was refused: something else is being done."""
-        if self.told.text() == self._refusal:
+    def _forget_news(self) -> None:
+        """Leave off saying what was done or refused: something else is being painted."""
+        if not self._told_stays:
             self.tell(say("hint.turn"))
-        self._refusal = None
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         """Draw the tools closer together where the window is low, so that none is lost."""

@@ -98,7 +98,7 @@ class BothHands:
             self._take()
         if self._ticks % _SHOWN_EVERY == 0 and panel.isVisible():
             frame = self._window.stage.frame
-            panel.show_desk(self.desk, frame.lag_s if frame is not None else 0.0)
+            panel.show_desk(self.desk, frame)
             if frame is not None and frame.brush is not None:
                 q = frame.brush.orientation[None]
                 force = MAX_FORCE_N * (frame.brush.pressure or 0.0)

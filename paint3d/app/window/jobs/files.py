@@ -102,8 +102,10 @@ class Files(Opening, Pictures, Saving):
         strokes = len(self._window.document.strokes)
         if on:
             self._recorded_from = strokes
-            self._window.tell(say("status.recording"), state="good")
-        elif strokes > self._recorded_from:
+            self._window.tell(say("status.recording"), state="good", stays=True)
+            return
+        self._window.tell(say("hint.turn"))
+        if strokes > self._recorded_from:
             self.save_recording(self._recorded_from)
 
     def do_replay(self) -> None:

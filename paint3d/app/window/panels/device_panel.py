@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.devices import DeviceDesk
+from paint3d.app.window.keeping_up import keeping_up
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
 from paint3d.device.recorded import MAX_FORCE_N
@@ -109,7 +111,7 @@ class DevicePanel(QtWidgets.QWidget):
         layout.addWidget(self.picture)
         layout.addWidget(self.lines)
         layout.addStretch(1)
-        self.show_desk(None, 0.0)
+        self.show_desk(None, None)
 
     def show_brush(self, axis: NDArray, force: float) -> None:
         """Show how the brush is held (3,), in the world, and how hard it presses, N."""
@@ -121,7 +123,7 @@ class DevicePanel(QtWidgets.QWidget):
         self.picture.object_axes = axes
         self.picture.update()
 
-    def show_desk(self, desk: DeviceDesk | None, lag_s: float) -> None:
+    def show_desk(self, desk: DeviceDesk | None, frame: Frame | None) -> None:
         """Show what is plugged in, and how it does."""
         views = desk.views() if desk is not None else []
         lines = []
@@ -138,7 +140,8 @@ class DevicePanel(QtWidgets.QWidget):
             lines.append(f"{STATES['slow']} {say('device.lost', count=desk.lost())}")
         if not views:
             lines.append(f"{STATES['off']} {say('device.none')}")
-        lines.append(f"{STATES['good']} {say('Painting')}: {say('device.late', ms=1e3 * lag_s)}")
+        state, told = keeping_up(frame)
+        lines.append(f"{STATES[state]} {say('Painting')}: {told}")
         self.lines.setText("\n\n".join(lines))
 
     def set_theme(self, theme: Theme) -> None:

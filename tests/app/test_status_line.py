@@ -1,0 +1,76 @@
+"""What the line of status says, how long it says so, and that the panels say the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest
+
+from tests.support.app.gestures import drag, live, wait_for
+from tests.support.app.windows import opened, settled
+
+HINT = "Paint with the left button"
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program, "plane", 2.0, "porcelain") as window:
+        yield window
+
+
+def stroke(window) -> None:
+    drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
+    settled(window)
+
+
+def test_what_was_saved_is_said_until_the_next_stroke(window, tmp_path) -> None:
+    stroke(window)
+    assert window.files.save_to(tmp_path / "mine.p3d")
+    settled(window)
+    live(0.2)
+    assert "mine.p3d" in window.told.text()
+    stroke(window)
+    assert HINT in window.told.text()
+
+
+def test_what_goes_on_is_said_beside_the_strokes(window) -> None:
+    window.tell("No room to keep what is painted", state="bad", stays=True)
+    stroke(window)
+    assert "No room" in window.told.text()
+    window.tell("")
+
+
+def test_that_strokes_are_recorded_is_said_until_they_are_not(window, monkeypatch) -> None:
+    monkeypatch.setattr(window.files, "save_recording", lambda first=0: None)
+    QtTest.QTest.keyClick(
+        window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier
+    )
+    assert window.actions_by_name["record"].isChecked()
+    said = window.told.text()
+    assert HINT not in said
+    stroke(window)
+    assert window.told.text() == said
+    QtTest.QTest.keyClick(
+        window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier
+    )
+    assert HINT in window.told.text()
+
+
+@pytest.mark.parametrize(
+    ("lag_s", "queue", "said"),
+    [(0.4, 3, "behind by 400 ms"), (0.4, 0, "has caught up"), (0.02, 0, "keeps up, 20.0 ms")],
+)
+def test_the_devices_say_of_the_painting_what_the_status_line_says(
+    window, monkeypatch, lag_s, queue, said
+) -> None:
+    frame = replace(window.stage.frame, lag_s=lag_s, queue_length=queue)
+    monkeypatch.setattr(window.stage, "follow", lambda: frame)
+    monkeypatch.setattr(window.stage, "frame", frame)
+    window.panels.docks["devices"].raise_()
+    wait_for(lambda: said in window.state.text(), 60.0)
+    wait_for(lambda: f"Painting: {said}" in window.panels.devices.lines.text(), 60.0)
+    assert "late" not in window.panels.devices.lines.text()
