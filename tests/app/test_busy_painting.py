@@ -9,9 +9,10 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtTest
+from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.window.jobs.job import run_beside
+from paint3d.brush.presets import load_brush
 from tests.support.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen
 from tests.support.app.windows import opened, settled
 
@@ -62,6 +63,34 @@ def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None
         gate.set()
     assert len(asked) == 1
     settled(window)
+
+
+@pytest.mark.parametrize("how", ["key", "panel"])
+def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -> None:
+    window.post("set_brush", load_brush("full"))
+    settled(window)
+    window.panels.docks["brushes"].raise_()
+    gate = threading.Event()
+    window.stage.easel.post(lambda document: gate.wait(60))
+    drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
+    view = window.panels.brushes.findChild(QtWidgets.QListWidget)
+    try:
+        if how == "key":
+            QtTest.QTest.keyClick(window.canvas, QtCore.Qt.Key.Key_4)
+        else:
+            place = view.visualItemRect(view.item(3)).center()
+            QtTest.QTest.mouseClick(view.viewport(), BUTTON.LeftButton, pos=place)
+        live(0.1)
+        behind = window.document.painter.brush.name, window.panels.brushes.brush.name
+        row = view.currentRow()
+    finally:
+        gate.set()
+    settled(window)
+    assert behind == ("full", "xiaokai")
+    assert row == 3
+    assert window.document.painter.brush.name == "xiaokai"
+    live(0.1)
+    assert view.currentRow() == 3
 
 
 @pytest.mark.parametrize("how", ["dialog", "job"])

@@ -36,7 +36,7 @@ class Hud:
         window = self._window
         if window.stage.easel is None:
             return
-        theme, brush = window.theme, window.document.painter.brush
+        theme, brush = window.theme, window.stage.easel.brush
         held = held_ink(window.document.painter)
         name = f"{say(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
         told = self.told(held)

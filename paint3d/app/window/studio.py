@@ -314,6 +314,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.both_hands.tick()
         self.player.tick()
         self.copying.follow()
+        if self.panels.show_brush_asked(self.stage.easel.brush):  # also while it is still to come
+            self.hud.refresh()
         for event in self.stage.easel.take_events():
             refused = event.kind == "error"
             self.tell(

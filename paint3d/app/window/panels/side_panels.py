@@ -138,8 +138,13 @@ class Panels:
         if document.inks[0] != self.inks.ink:
             self.inks.show_inks(document.inks)
             self.brushes.set_ink(document.inks[0])
-        if document.painter.brush != self.brushes.brush and not self.brushes.is_settling:
-            self.brushes.show_brush(document.painter.brush)
+
+    def show_brush_asked(self, brush: BrushSpec) -> bool:
+        """Show the brush that was asked for last; whether another one was shown before."""
+        if brush == self.brushes.brush or self.brushes.is_settling:
+            return False
+        self.brushes.show_brush(brush)
+        return True
 
     def ink_name(self) -> str:
         """What the brush is dipped in, in words."""
