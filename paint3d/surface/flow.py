@@ -15,19 +15,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.block_groups import grade_paces
 from paint3d.surface.kernels.diffusion import evaporate, solve_edges
 from paint3d.surface.kernels.wet_step import move_water
 from paint3d.surface.side_by_side import each
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
-
-if TYPE_CHECKING:
-    from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Flow"]
 
@@ -76,7 +73,7 @@ class Flow:
 
     Parameters
     ----------
-    surface : PaintedSurface
+    store : InkStore
 
     Attributes
     ----------
@@ -86,9 +83,9 @@ class Flow:
         Vertices whose ink `follow` has not taken up yet: they are fresh at the next call, too.
     """
 
-    def __init__(self, surface: PaintedSurface) -> None:
-        self._surface = surface
-        self._patch = WetPatch(surface)
+    def __init__(self, store: InkStore) -> None:
+        self._store = store
+        self._patch = WetPatch(store)
         self.steps = 0
         self._ease = 1.0
         self.waiting = np.zeros(0, np.int32)

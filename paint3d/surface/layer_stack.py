@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +22,9 @@ from paint3d.colour.kernels.layering import GROUNDS, see_through
 from paint3d.colour.spectra import N_BANDS
 from paint3d.errors import InputError
 from paint3d.surface.dry_layers import DryLayers
+from paint3d.surface.ink_store import InkStore
 from paint3d.surface.vertex_sets import union
-
-if TYPE_CHECKING:
-    from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.water import Water
 
 __all__ = ["Layer", "LayerStack", "StackState"]
 
@@ -70,14 +69,15 @@ class StackState(NamedTuple):
     keys: tuple[int, ...]
     active: int
 
-    def exchange(self, surface: PaintedSurface) -> tuple[StackState, NDArray]:
+    def exchange(self, surface: _Layered) -> tuple[StackState, NDArray]:
         """Bring the stack there; a part of an undo step."""
-        stack = surface.layers
-        back, before = stack.state(), stack.painted_ids()
-        stack.put(self)
-        touched = union([before, stack.painted_ids()], surface.paint_mesh.capacity)
-        surface.touch(touched)
-        return back, touched
+        return surface.layers.exchange(self)
+
+
+class _Layered(Protocol):
+    """What has layers."""
+
+    layers: LayerStack
 
 
 class LayerStack:
@@ -85,18 +85,20 @@ class LayerStack:
 
     Parameters
     ----------
-    surface : PaintedSurface
+    store : InkStore
         What is on it already is the first layer.
+    water : Water
+        That of the layer which is painted on.
     name : str
         Of the first layer.
     """
 
-    def __init__(self, surface: PaintedSurface, name: str = "1") -> None:
-        self._surface = surface
+    def __init__(self, store: InkStore, water: Water, name: str = "1") -> None:
+        self._store, self._water = store, water
         self._about = {0: Layer(_checked_name(name))}
         self._contents: dict[int, _Content] = {}
         self._keys, self._active = [0], 0
-        _know_filters(surface)
+        _know_filters(store)
 
     def __len__(self) -> int:
         return len(self._keys)
@@ -132,7 +134,7 @@ class LayerStack:
             raise InputError(f"layer {place}; expected 0 to {len(self._keys)}")
         key = max(self._about) + 1
         self._about[key] = Layer(_checked_name(name))
-        self._contents[key] = _Content(DryLayers(len(self._surface.pigments), filters=True))
+        self._contents[key] = _Content(DryLayers(len(self._store.pigments), filters=True))
         self._keys.insert(place, key)
         self.activate(place)
 
@@ -190,6 +192,14 @@ class LayerStack:
         """Which layers there are; those that were removed are still known to it."""
         return StackState(tuple(self._keys), self._active)
 
+    def exchange(self, state: StackState) -> tuple[StackState, NDArray]:
+        """Have the layers of a state; return the way back, and vertices to colour anew (N,)."""
+        back, before = self.state(), self.painted_ids()
+        self.put(state)
+        touched = union([before, self.painted_ids()], self._store.paint_mesh.capacity)
+        self._store.touch(touched)
+        return back, touched
+
     def put(self, state: StackState) -> None:
         """Have the layers of a state again."""
         self._keys = [*dict.fromkeys([*state.keys, self._active])]
@@ -199,7 +209,7 @@ class LayerStack:
     def dry_by_key(self) -> dict[int, DryLayers]:
         """What has dried on each layer that is known, also on those that were removed."""
         own = {key: content.dry for key, content in self._contents.items()}
-        return own | {self._active: self._surface.dry_layers}
+        return own | {self._active: self._store.dry_layers}
 
     def _key(self, place: int) -> int:
         if not 0 <= place < len(self._keys):
@@ -208,31 +218,31 @@ class LayerStack:
 
     def _lift(self) -> _Content:
         """Take what is painted on out of the surface's arrays."""
-        surface = self._surface
-        ink = surface.ink
+        store = self._store
+        ink = store.ink
         ids = np.flatnonzero((ink.coverage > 0.0) | ink.amounts.any(axis=1)).astype(np.int32)
-        dry = surface.dry_layers
+        dry = store.dry_layers
         order = np.argsort(dry.vertex_ids).astype(np.int32)
         content = _Content(
-            dry, ids, ink.amounts[ids], ink.coverage[ids], surface.keep_flow(),
+            dry, ids, ink.amounts[ids], ink.coverage[ids], self._water.keep(),
             dry.vertex_ids[order], order,
         )  # fmt: skip
         ink.amounts[ids] = 0.0
         ink.coverage[ids] = 0.0
-        surface.drop_flow()
+        self._water.drop()
         dry.pack()
         return content
 
     def _lay_open(self, content: _Content) -> None:
         """Put a layer's paint into the surface's arrays."""
-        surface = self._surface
-        count, ink = len(surface.pigments), surface.ink
+        store = self._store
+        count, ink = len(store.pigments), store.ink
         ink.amounts[content.ids, : content.amounts.shape[1]] = content.amounts
         ink.coverage[content.ids] = content.coverage
-        surface.dry_layers = content.dry
-        surface.dry_layers.fit(surface.paint_mesh.capacity, count)
+        store.dry_layers = content.dry
+        store.dry_layers.fit(store.paint_mesh.capacity, count)
         if content.flow is not None:
-            surface.restore_flow(content.flow)
+            self._water.restore(content.flow)
 
     # -- what shows -------------------------------------------------------------------------
 
@@ -240,7 +250,7 @@ class LayerStack:
         """Fill `srgb` (cap, 3) for some distinct vertices (N,) int32."""
         for start in range(0, len(vertex_ids), _AT_ONCE):
             ids = vertex_ids[start : start + _AT_ONCE]
-            spectra = self._surface.bare_spectra(ids)
+            spectra = self._store.bare_spectra(ids)
             for key in self._keys:
                 if self._about[key].visible:
                     self._lay(glaze, key, ids, spectra)
@@ -253,7 +263,7 @@ class LayerStack:
         if len(dried):
             see_through(dried, rows[dried], *dry.over, spectra)
         if len(places):
-            ground = self._surface.ground()._replace(
+            ground = self._store.ground()._replace(
                 slots=places, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
             )
             all_of_them = np.arange(len(places), dtype=np.int32)
@@ -261,9 +271,9 @@ class LayerStack:
 
     def _on(self, key: int, ids: NDArray) -> tuple[DryLayers, NDArray, NDArray, NDArray, NDArray]:
         """A layer's dried rows (N,) of vertices, and of the M wet ones place, amounts, share."""
-        surface, count = self._surface, len(self._surface.pigments)
+        store, count = self._store, len(self._store.pigments)
         if key == self._active:
-            ink, dry = surface.ink, surface.dry_layers
+            ink, dry = store.ink, store.dry_layers
             places = np.flatnonzero(ink.coverage[ids] > 0.0).astype(np.int32)
             wet = ids[places]
             return dry, dry.rows_of(ids), places, ink.amounts[wet], ink.coverage[wet]
@@ -280,21 +290,21 @@ class LayerStack:
         """The sRGB (N, 3) of spectra (N, 31)."""
         n = len(spectra)
         every = np.arange(n, dtype=np.int32)
-        ground = self._surface.ground()._replace(
+        ground = self._store.ground()._replace(
             slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
         )
         seen = np.empty((n, 3), np.uint8)
-        nothing = np.zeros((n, len(self._surface.pigments)), np.float32)
+        nothing = np.zeros((n, len(self._store.pigments)), np.float32)
         glaze.srgb(nothing, np.zeros(n, np.float32), ground, seen, every)
         return seen
 
     def painted_ids(self) -> NDArray:
         """(N,) int32 vertices with paint on any layer, visible or not."""
-        surface = self._surface
-        found = [np.flatnonzero(surface.coverage > 0.0), surface.dry_layers.vertex_ids]
+        store = self._store
+        found = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
         for content in self._others():
             found += [content.ids, content.dry_ids]
-        return union(found, surface.paint_mesh.capacity)
+        return union(found, store.paint_mesh.capacity)
 
     def parts_at(self, vertex_id: int) -> NDArray:
         """(P,) ink on a vertex in the highest visible layer that has any there: wet, else dry."""
@@ -307,7 +317,7 @@ class LayerStack:
                 return amounts[0].astype(np.float64)
             if rows[0] >= 0:
                 return dry.amounts[rows[0]].astype(np.float64)
-        return np.zeros(len(self._surface.pigments))
+        return np.zeros(len(self._store.pigments))
 
     # -- accounts ---------------------------------------------------------------------------
 
@@ -349,21 +359,21 @@ def _find(known: NDArray, ids: NDArray) -> tuple[NDArray, NDArray]:
     return at[found], found
 
 
-def _know_filters(surface: PaintedSurface) -> None:
-    """Let the dried rows of a surface say what they show over other grounds.
+def _know_filters(store: InkStore) -> None:
+    """Let the dried rows on a surface say what they show over other grounds.
 
     What dried before is taken for one coat of all that dried there: its order is not known.
     """
-    dry = surface.dry_layers
+    dry = store.dry_layers
     if dry.has_filters:
         return
     over = tuple(np.zeros((dry.count, N_BANDS), np.uint16) for _ in GROUNDS)
     rows, share = np.arange(dry.count, dtype=np.int32), dry.share.copy()
-    bare = surface.ground()._replace(
+    bare = store.ground()._replace(
         slots=np.empty(0, np.int32), linear_rgb=np.empty((0, 3), np.float32)
     )
     for grey, array in zip(GROUNDS, over, strict=True):
         if dry.count:
             ground = bare._replace(spectra=array, material=np.full(N_BANDS, grey, np.float32))
-            surface.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
+            store.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
     dry.add_filters(over)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +11,8 @@ from paint3d.brush_engine.grain import fill_grain
 from paint3d.colour.materials import WET_COAT_MM
 from paint3d.colour.pigments import WATER
 from paint3d.surface.flow_graph import with_room
+from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.wet_step import WetFields
-
-if TYPE_CHECKING:
-    from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["FIRST_PACE", "WetPatch"]
 
@@ -63,11 +60,11 @@ class WetPatch:
         Work, 0 between two steps.
     """
 
-    def __init__(self, surface: PaintedSurface) -> None:
-        self._surface = surface
-        self.material = surface.material
-        self.graph = surface.flow_graph
-        count = len(surface.pigments)
+    def __init__(self, store: InkStore) -> None:
+        self._store = store
+        self.material = store.material
+        self.graph = store.flow_graph
+        count = len(store.pigments)
         for name in _OF_NODES:
             setattr(self, name, np.zeros(0))
         self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
@@ -146,23 +143,23 @@ class WetPatch:
 
     def find_changed(self, fresh: NDArray) -> NDArray:
         """Places of those of some vertices (N,) whose ink is not what was handed back."""
-        surface = self._surface
+        store = self._store
         self._know_pigments()
         place = self.graph.places(fresh)
-        wet = surface.ink.amounts[fresh].any(axis=1)
+        wet = store.ink.amounts[fresh].any(axis=1)
         if (wet & ((place < 0) | ~self._is_open(place))).any():
             self.reach(fresh[wet])
             place = self.graph.places(fresh)
         seen = np.zeros(self.graph.n_places, bool)
         seen[place[place >= 0]] = True
         at = np.flatnonzero(seen)
-        now = surface.ink.amounts[self.graph.vertices[at]]
+        now = store.ink.amounts[self.graph.vertices[at]]
         return at[(now != self.written[at]).any(axis=1)]  # most are what was handed back
 
     def take_up(self, at: NDArray) -> None:
         """Follow what happened to the ink at some places (N,); see `find_changed`."""
         graph = self.graph
-        now = self._surface.ink.amounts[graph.vertices[at]]
+        now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
         node, share = graph.node_of[at], self.share[at]
         came = np.maximum(change, 0.0).sum(axis=1)
@@ -186,14 +183,14 @@ class WetPatch:
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
 
     def _know_pigments(self) -> None:
-        missing = len(self._surface.pigments) - self.pigment.shape[1]
+        missing = len(self._store.pigments) - self.pigment.shape[1]
         if missing:
             for name in ("pigment", "written"):
                 setattr(self, name, np.pad(getattr(self, name), ((0, 0), (0, missing))))
 
     def _drop_water(self, nodes: NDArray) -> None:
         """Plain water has become depth: it is no longer an amount."""
-        for column, pigment in enumerate(self._surface.pigments):
+        for column, pigment in enumerate(self._store.pigments):
             if pigment is WATER:
                 self.pigment[nodes, column] = 0.0
 
@@ -203,7 +200,7 @@ class WetPatch:
         at = np.flatnonzero(self.changed[graph.node_of[: graph.n_places]])
         if not len(at):
             return
-        ink, ids, nodes = self._surface.ink, graph.vertices[at], graph.node_of[at]
+        ink, ids, nodes = self._store.ink, graph.vertices[at], graph.node_of[at]
         amounts = self.pigment[nodes].astype(np.float32)
         now, before = ink.amounts[ids], self.written[at]
         since = np.maximum(now + (amounts - before), 0.0)
@@ -211,7 +208,7 @@ class WetPatch:
         self.written[at] = amounts
         inked = amounts.any(axis=1)
         ink.coverage[ids[inked]] = np.maximum(ink.coverage[ids[inked]], self.soaked[nodes[inked]])
-        self._surface.touch(ids)
+        self._store.touch(ids)
         self.changed[nodes] = False
 
     def dry(self, nodes: NDArray) -> None:
@@ -223,13 +220,13 @@ class WetPatch:
         at = np.flatnonzero(rank[graph.node_of[: graph.n_places]])
         at = at[np.argsort(rank[graph.node_of[at]], kind="stable")]  # whoever came first here
         ids = graph.vertices[at]
-        painted = self._surface.ink.coverage[ids] > 0.0
+        painted = self._store.ink.coverage[ids] > 0.0
         self.pigment[nodes] = 0.0
         self.soaked[nodes] = 0.0
         self.entry[nodes] = self.dry_entry[nodes]
-        self._surface.settle(ids[painted])
-        self._surface.touch(ids[~painted])
-        self._surface.ink.amounts[ids] = 0.0
+        self._store.settle(ids[painted])
+        self._store.touch(ids[~painted])
+        self._store.ink.amounts[ids] = 0.0
         self.written[at] = 0.0
 
     # -- where ------------------------------------------------------------------------------
@@ -259,7 +256,7 @@ class WetPatch:
         Returns those whose ink can be taken up now, and those that have to wait.
         """
         place = self.graph.places(ids)
-        wanted = self._surface.ink.amounts[ids].any(axis=1) & ~self._is_open(place)
+        wanted = self._store.ink.amounts[ids].any(axis=1) & ~self._is_open(place)
         if self.material.pores_mm <= 0.0 or not wanted.any():
             return ids, ids[:0]
         block = self.graph.block_of(ids)
@@ -309,7 +306,7 @@ class WetPatch:
         graph = self.graph
         first = np.searchsorted(graph.node_of[: graph.n_places], nodes.start)
         places = slice(int(first), graph.n_places)
-        areas = self._surface.paint_mesh.vertex_areas[graph.vertices[places]]
+        areas = self._store.paint_mesh.vertex_areas[graph.vertices[places]]
         self.share[places] = areas / graph.area[graph.node_of[places]]
 
     def _find_grain(self, nodes: slice) -> None:

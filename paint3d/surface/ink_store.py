@@ -1,0 +1,287 @@
+"""The ink that lies on a mesh, vertex by vertex: wet amounts, dried layers, and their colours.
+
+What water moves and what layers are built of; it knows neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.ink_field import InkField
+from paint3d.colour.glazing import GlazeModel, make_ground
+from paint3d.colour.kernels.glazing import Ground
+from paint3d.colour.materials import Material
+from paint3d.colour.pigments import WATER, Pigment
+from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.colour.vertex_colours import ColourModel
+from paint3d.errors import InputError
+from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.dry_layers import DryLayers
+from paint3d.surface.flow_graph import FlowGraph
+from paint3d.surface.mesh_colours import MeshColours
+
+__all__ = ["InkStore"]
+
+
+class InkStore:
+    """One layer of ink on a mesh, wet over dry, and what it looks like.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        mm.
+    resolution : float or None
+        Longest edge wanted where there is paint, mm; None keeps the mesh's own vertices.
+    material : Material
+        What the surface is made of: its reflectance is the ground of every colour.
+
+    Attributes
+    ----------
+    paint_mesh : PaintMesh
+        The mesh as it is refined; rows of all arrays are its vertices.
+    pigments : list of Pigment
+        Columns of the ink's arrays.
+    ink : InkField
+    dry_layers : DryLayers
+    """
+
+    def __init__(self, mesh: TriangleMesh, resolution: float | None, material: Material) -> None:
+        self.source = mesh
+        self.resolution = resolution
+        self.material = material
+        self.paint_mesh = PaintMesh.build(mesh, resolution)
+        self.pigments: list[Pigment] = []
+        self.dry_layers = DryLayers()
+        self._colours: ColourModel | None = None
+        self._glaze: GlazeModel | None = None
+        self._ground = make_ground(self.material.reflectance)
+        self._bare = srgb_from_reflectance(self.material.reflectance)
+        self._mesh_colours: MeshColours | None = None
+        self._allocate(0)
+        if mesh.colours is not None:
+            own = mesh.colours[self.paint_mesh.source_vertices]
+            self._srgb[: len(own)] = own
+            self._mesh_colours = MeshColours(own)
+            self._mesh_colours.fit(self.paint_mesh.capacity)
+
+    def _allocate(self, n_pigments: int) -> None:
+        capacity = self.paint_mesh.capacity
+        self._srgb = np.empty((capacity, 3), dtype=np.uint8)
+        self._srgb[:] = self._bare
+        self.ink = InkField(
+            amounts=np.zeros((capacity, n_pigments), np.float32),
+            coverage=np.zeros(capacity, np.float32),
+            dirty=np.zeros(capacity, np.uint8),
+            dirty_ids=np.zeros(capacity, np.int32),
+            n_dirty=np.zeros(1, np.int64),
+            load=np.zeros(n_pigments),
+            off_surface=np.zeros(n_pigments),
+            stations=np.zeros((1, n_pigments)),
+            habit=np.array([0.0, self.material.grain, 0.0, 1.0]),
+        )
+
+    @cached_property
+    def flow_graph(self) -> FlowGraph:
+        """The ways of liquids over the shape, as far as any has come."""
+        return FlowGraph(self.paint_mesh, self.make_room)
+
+    def make_room(self, extra: int | None = None) -> None:
+        """Let the mesh grow by `extra` vertices (None: as `PaintMesh.reserve` sees fit)."""
+        self.paint_mesh.reserve(extra)
+        self._fit()
+
+    def make_room_ahead(self) -> None:
+        """Let the mesh grow where it soon would have to: it takes .2 s with a million vertices."""
+        mesh = self.paint_mesh
+        added = mesh.n_vertices - mesh.n_base_vertices
+        if mesh.refines and mesh.capacity - mesh.n_vertices < added // 4:
+            self.make_room(added)
+
+    def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
+        """Refine the whole surface now instead of where paint comes; nothing painted changes.
+
+        What `progress` (see `PaintMesh.refine_all`) raises leaves everything as it was.
+        """
+        try:
+            self.paint_mesh.refine_all(progress)
+        finally:
+            self._fit()
+
+    def _fit(self) -> None:
+        """Give every vertex that the mesh has room for its place in the per-vertex arrays."""
+        old, old_srgb = self.ink, self._srgb
+        n = len(old_srgb)
+        if n == self.paint_mesh.capacity:
+            return
+        self._allocate(old.amounts.shape[1])
+        self._srgb[:n] = old_srgb
+        new = self.ink
+        for name in ("amounts", "coverage", "dirty"):
+            getattr(new, name)[:n] = getattr(old, name)
+        count = int(old.n_dirty[0])
+        new.dirty_ids[:count] = old.dirty_ids[:count]
+        for name in ("n_dirty", "load", "off_surface"):
+            getattr(new, name)[:] = getattr(old, name)
+        self.ink = new._replace(stations=old.stations, habit=old.habit)
+        self.dry_layers.fit(self.paint_mesh.capacity, len(self.pigments))
+        if self._mesh_colours is not None:
+            self._mesh_colours.fit(self.paint_mesh.capacity)
+
+    def column_of(self, pigment: Pigment) -> int:
+        """The column of a pigment in the ink's arrays; a new one is added at the end.
+
+        Raises
+        ------
+        InputError
+            If an ink of that name but with other K or S is on the surface already.
+        """
+        for column, known in enumerate(self.pigments):
+            if known.name == pigment.name:
+                if not _same_light(known, pigment):
+                    raise InputError(
+                        f"there is another ink named {pigment.name!r} on this surface; "
+                        "expected its K and S or another name"
+                    )
+                return column
+        self.pigments.append(pigment)
+        old = self.ink
+        count = len(self.pigments)
+        amounts = np.zeros((old.amounts.shape[0], count), np.float32)
+        amounts[:, :-1] = old.amounts
+        self.ink = old._replace(
+            amounts=amounts,
+            load=np.append(old.load, 0.0),
+            off_surface=np.append(old.off_surface, 0.0),
+            stations=np.pad(old.stations, ((0, 0), (0, 1))),
+        )
+        self.dry_layers.fit(self.paint_mesh.capacity, count)
+        self._colours = ColourModel(self.pigments, self.material.reflectance, path="live")
+        self._glaze = GlazeModel(self.pigments)
+        return count - 1
+
+    def know_vertices(self) -> None:
+        """Give vertices that have appeared on a mesh with colours theirs."""
+        if self._mesh_colours is not None:
+            mesh = self.paint_mesh
+            self._mesh_colours.know(mesh.arrays.parents, mesh.n_vertices, self._srgb)
+
+    def colour_as_one(self, ids: NDArray) -> None:
+        """Bring the colours of vertices (N,) int32 up to date, as if this were the only layer."""
+        if self._colours is None:
+            return
+        ink = self.ink
+        if self._mesh_colours is not None:
+            plain, own = ids[:0], ids
+        elif self.dry_layers.count:
+            dried = self.dry_layers.has_row(ids)
+            plain, own = ids[~dried], ids[dried]
+        else:
+            plain, own = ids, ids[:0]
+        if len(plain):
+            self._colours.srgb(ink.amounts, ink.coverage, self._srgb, plain)
+        if len(own):
+            self._glaze.srgb(ink.amounts, ink.coverage, self.ground(), self._srgb, own)
+
+    def bare_spectra(self, vertex_ids: NDArray) -> NDArray:
+        """(N, 31) uint16 reflectance of vertices without paint, in steps of 1/65535."""
+        if self._mesh_colours is None:
+            return np.tile(_in_steps(self._ground.material), (len(vertex_ids), 1))
+        self.know_vertices()
+        ground = self._mesh_colours.ground_of(self._ground)
+        return _in_steps(ground.linear_rgb[vertex_ids] @ ground.primaries.T)
+
+    @property
+    def glaze(self) -> GlazeModel | None:
+        """The light of the pigments that are known; None before the first."""
+        return self._glaze
+
+    def ground(self) -> Ground:
+        """What lies below the wet paint: dried layers, the mesh's own colours, the material."""
+        ground = self._ground
+        if self._mesh_colours is not None:
+            ground = self._mesh_colours.ground_of(ground)
+        return self.dry_layers.ground_under(ground)
+
+    def settle(self, vertex_ids: NDArray) -> None:
+        """Turn the wet paint of some vertices (N,) int32 into a dry layer."""
+        ink = self.ink
+        if not len(vertex_ids) or self._glaze is None:
+            return
+        self.know_vertices()
+        rows = self.dry_layers.reserve_rows(vertex_ids, self.paint_mesh.capacity)
+        ground = self.ground()
+        grounds = [ground]
+        if self.dry_layers.has_filters:
+            grounds += self.dry_layers.grey_grounds(ground)
+        for below in grounds:
+            self._glaze.dry(ink.amounts, ink.coverage, below, vertex_ids, rows)
+        amounts, share = ink.amounts[vertex_ids] * self._lasting, ink.coverage[vertex_ids]
+        self.dry_layers.settle(vertex_ids, rows, amounts, share)
+        ink.amounts[vertex_ids] = 0.0
+        ink.coverage[vertex_ids] = 0.0
+        self.touch(vertex_ids)
+
+    def touch(self, vertex_ids: NDArray) -> None:
+        """Note that the colours of some vertices are out of date."""
+        ink = self.ink
+        fresh = vertex_ids[ink.dirty[vertex_ids] == 0]
+        count = int(ink.n_dirty[0])
+        ink.dirty_ids[count : count + len(fresh)] = fresh
+        ink.dirty[fresh] = 1
+        ink.n_dirty[0] = count + len(fresh)
+
+    @property
+    def _lasting(self) -> NDArray:
+        """(P,) float32: 1 for a pigment, 0 for water, which no account holds."""
+        return np.array([p is not WATER for p in self.pigments], np.float32)
+
+    @property
+    def n_vertices(self) -> int:
+        """Vertices there are now, V."""
+        return self.paint_mesh.n_vertices
+
+    @property
+    def codes(self) -> NDArray:
+        """(cap, 3) uint8 sRGB as `refresh` last left it; rows of vertices to come are bare."""
+        return self._srgb
+
+    @property
+    def coverage(self) -> NDArray:
+        """(V,) float32: share of each vertex's own area that is under wet paint, 0 to 1."""
+        return self.ink.coverage[: self.n_vertices]
+
+    @property
+    def amounts(self) -> NDArray:
+        """(V, P) float32: wet ink at each vertex, full coats times the covered share."""
+        return self.ink.amounts[: self.n_vertices]
+
+    @property
+    def vertex_areas(self) -> NDArray:
+        """(V,) float64: the surface's area that each vertex stands for, mm2."""
+        return self.paint_mesh.vertex_areas
+
+    def main_pigment(self, parts: NDArray) -> Pigment:
+        """The pigment that most of a mixture (P,) is, not counting water unless it is alone."""
+        inked = parts * self._lasting
+        return self.pigments[int(np.argmax(inked if inked.any() else parts))]
+
+    def lasting(self, per_pigment: NDArray) -> float:
+        """Sum of a quantity (P,) over the pigments, without water."""
+        return float(per_pigment @ self._lasting)
+
+
+def _in_steps(reflectance: NDArray) -> NDArray:
+    """Reflectance as it is kept: uint16, in steps of 1/65535."""
+    return (np.clip(reflectance, 0.0, 1.0) * 65535.0 + 0.5).astype(np.uint16)
+
+
+def _same_light(one: Pigment, two: Pigment) -> bool:
+    if one is two:
+        return True
+    same = np.array_equal(one.K, two.K) and np.array_equal(one.S, two.S)
+    return same and one.saunderson == two.saunderson
