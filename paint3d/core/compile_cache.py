@@ -140,7 +140,11 @@ def _delete(stale: set[str], package: Path, compiled: Callable[[Path], Path]) ->
     for folder in {name.rpartition("/")[0] for name in stale}:
         if not (package / folder).is_dir():
             continue  # gone, and its compiled code with it or out of reach
-        for path in compiled(package / folder).glob("*.nb[ic]"):
+        try:
+            kept = compiled(package / folder)
+        except RuntimeError:  # no source is left in it: numba does not say, and nobody asks again
+            continue
+        for path in kept.glob("*.nb[ic]"):
             if f"{folder}/{path.name.partition('.')[0]}" in stale:
                 path.unlink(missing_ok=True)
 

@@ -106,6 +106,21 @@ def test_a_source_that_has_gone_counts_as_changed(tree) -> None:
     assert tree.kept() == {"brush_engine/wide", "core/other"}
 
 
+def test_a_folder_of_which_only_the_compiled_code_is_left_is_passed_over(tmp_path) -> None:
+    tree = Tree(tmp_path)
+    for folder in {tree.source(name).parent for name in SOURCES}:
+        (folder / "__init__.py").touch()
+    drop_stale(tree.package)
+    record = compiled_folder(tree.package / "core") / "sources.json"
+    assert "mesh/kernels/leaf" in json.loads(record.read_text())
+    gone = tree.source("mesh/kernels/leaf").parent
+    (gone / "__pycache__").mkdir(exist_ok=True)
+    for source in gone.glob("*.py"):  # as git does where a module moves
+        source.unlink()
+    drop_stale(tree.package)
+    assert "mesh/kernels/leaf" not in json.loads(record.read_text())
+
+
 @pytest.mark.parametrize(
     "record", [b"", b"[1]", b"\xff", b'{"core/other": 3}', b'{"core/other": [3, 4]}']
 )
