@@ -8,7 +8,7 @@ from the samples alone, and is the same while they are made, handed over late, a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
 from paint3d.pose.interpolation import joined_samples
 
-__all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "Pauses", "is_lifted_between", "pieces_until"]
+__all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "Pauses", "is_lifted", "pieces_until"]
 
 PIECE_S = 0.05
 """Of time that passes at once."""
@@ -31,9 +31,9 @@ def pieces_until(time_ns: int) -> int:
     return time_ns // PIECE_NS
 
 
-def is_lifted_between(before: DeviceSample, sample: DeviceSample) -> bool:
-    """Whether the pen did not come on the surface from one sample to the next."""
-    return not joined_samples(object_poses([before, sample]))[1]
+def is_lifted(samples: Sequence[DeviceSample]) -> bool:
+    """Whether the pen was up between two of some samples that follow one another."""
+    return not joined_samples(object_poses(samples))[1:].all()
 
 
 class Pauses:
@@ -57,8 +57,8 @@ class Pauses:
         due = np.diff(time_ns // PIECE_NS)
         self._before = np.flatnonzero(due) + 1
         self._before = self._before[self._before > first]
-        painted = self._before - np.where(joined[self._before], 1 + LOOKAHEAD, 1)
-        self._stops = np.maximum.accumulate(painted)
+        came_down = np.maximum.accumulate(np.where(joined, 0, np.arange(len(joined))))
+        self._stops = np.maximum(self._before - LOOKAHEAD, came_down[self._before]) - 1
         self._pieces = due[self._before - 1]
         self._next = 0
         self.passed = first

@@ -32,7 +32,7 @@ from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
-from paint3d.painter.ink_time import PIECE_S, is_lifted_between
+from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, is_lifted
 
 __all__ = ["Easel", "Event", "Pace"]
 
@@ -144,7 +144,7 @@ class Easel:
         self._events: deque[Event] = deque()
         self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
         self._hovering: DeviceSample | None = None
-        self._fed: DeviceSample | None = None  # last of the stroke that goes on, where ink spreads
+        self._fed: deque[DeviceSample] = deque(maxlen=LOOKAHEAD)  # last of this stroke, if wet
         self.newest: DeviceSample | None = None
         self._stopping = self._working = self._nudged = False
         self._stale = True
@@ -178,7 +178,7 @@ class Easel:
             self._refuse_stopped()
             self._enqueue(_Job(time.perf_counter(), (), command, arguments, options, result))
             if command in _ENDS:
-                self._fed = None
+                self._fed.clear()
             self._wake.notify()
         return result
 
@@ -229,7 +229,8 @@ class Easel:
     @wet.setter
     def wet(self, on: bool) -> None:
         with self._wake:
-            self._wet, self._fed = bool(on), None
+            self._wet = bool(on)
+            self._fed.clear()
             self._ink_clock = InkClock(time.perf_counter_ns())
             self._nudged = True
             self._wake.notify()
@@ -306,11 +307,11 @@ class Easel:
             if pieces and first < k:
                 yield _Job(now, tuple(samples[first:k]))
                 first = k
-            if pieces and self._fed is not None and is_lifted_between(self._fed, sample):
+            if pieces and is_lifted([*self._fed, sample]):
                 yield _asked(now, "lift")
             for _ in range(pieces):
                 yield _piece(now)
-            self._fed = sample
+            self._fed.append(sample)
         yield _Job(now, tuple(samples[first:]))
 
     def _enqueue(self, job: _Job) -> None:
