@@ -330,14 +330,16 @@ class Painter:
         rest_s = as_number(rest_s, "rest (s)", 0.0)
         self.finish()
         n, first, passed = len(recording), 0, 0
-        origin, at = int(recording.time_ns[0]), self._progress.at
-        ready = ahead(partial(self._prepare, recording, *span, origin) for span in _spans(n))
+        start, at = int(recording.time_ns[0]), self._progress.at
+        self._origin_ns = start
+        ready = ahead(partial(self._prepare, recording, *span) for span in _spans(n))
         while True:
             last = min(n, first + _PART)
             times_ns, samples, dips = next(ready)
+            time_s = (times_ns - start) * 1e-9
             known = last - first - 1 - (LOOKAHEAD if last < n else 0)
             pauses = Pauses(times_ns, samples.joined, passed - first)
-            for stop, is_frame in _stops(samples.time, int(at[0]), known, frame_rate):
+            for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
                 for pause, pieces in pauses.until(stop) if wet else ():
                     self._paint(samples, pause, dips)
                     self._let_pass(pieces, progress, max(0, first + pause + 1) / n)
@@ -378,14 +380,15 @@ class Painter:
             is_dry = self._let_pass(1, progress, 1.0)
 
     def _prepare(
-        self, recording: Recording | LaidPad, first: int, last: int, origin_ns: int
+        self, recording: Recording | LaidPad, first: int, last: int
     ) -> tuple[NDArray, stroke.Samples, NDArray]:
-        """A part's times, its samples with time counted from `origin_ns`, and their dips."""
+        """The times of a part that follows the one before, its samples, and their dips."""
         started = time.perf_counter()
         part = recording.part(first, last)
         path = brush_poses(part)
-        path = dataclasses.replace(path, time_s=(part.time_ns - origin_ns) * 1e-9)
-        prepared = part.time_ns, _samples(path), _dips(path.buttons)
+        samples, origins = _samples(path, part.time_ns, self._origin_ns)
+        self._origin_ns = int(origins[max(0, len(part) - 1 - 2 * LOOKAHEAD)])
+        prepared = part.time_ns, samples, _dips(path.buttons)
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
@@ -423,12 +426,12 @@ class Painter:
             return
         started = time.perf_counter()
         path = object_poses(self._held)
-        # counted from the stroke's first sample, as in a replay: not a bit may differ
-        since = np.array([sample.time_ns - self._origin_ns for sample in self._held], np.int64)
-        path = dataclasses.replace(path, time_s=since * 1e-9)
+        times = np.array([sample.time_ns for sample in self._held], np.int64)
+        samples, origins = _samples(path, times, self._origin_ns)
         self.seconds["poses"] += time.perf_counter() - started
-        self._paint(_samples(path), last, _dips(path.buttons))
+        self._paint(samples, last, _dips(path.buttons))
         done = max(0, int(self._progress.at[0]) - LOOKAHEAD)
+        self._origin_ns = int(origins[done])
         self._n_samples += done
         self._held = self._held[done:]
         self._progress.at[0] -= done
@@ -554,13 +557,33 @@ def _stops(
         yield last, False
 
 
-def _samples(path: BrushPath) -> stroke.Samples:
-    """Make a path ready for interpolation."""
+def _samples(path: BrushPath, time_ns: NDArray, origin_ns: int) -> tuple[stroke.Samples, NDArray]:
+    """Make a path ready for interpolation.
+
+    Time counts from where the brush came down last, whatever was painted before: so a stroke is the
+    same to the bit by itself and in a recording of many.
+
+    Parameters
+    ----------
+    path : BrushPath
+    time_ns : (N,) int64
+    origin_ns : int
+        When the brush came down that was there before the first sample.
+
+    Returns
+    -------
+    samples : Samples
+    origins : (N,) int64
+        When it came down before each, ns.
+    """
     pressure = path.pressure
     if pressure is None:
         pressure = np.full(len(path.time_s), np.nan)
     joined = joined_samples(path)
-    return stroke.Samples(
+    came_down = np.where(joined, 0, np.arange(len(path)))
+    origins = np.where(came_down > 0, time_ns, origin_ns)[np.maximum.accumulate(came_down)]
+    path = dataclasses.replace(path, time_s=(time_ns - origins) * 1e-9)
+    samples = stroke.Samples(
         time=np.ascontiguousarray(path.time_s, np.float64),
         position=np.ascontiguousarray(path.way, np.float64),
         velocity=velocities(path, joined),
@@ -569,6 +592,7 @@ def _samples(path: BrushPath) -> stroke.Samples:
         joined=joined,
         on_surface=path.has_contact,
     )
+    return samples, origins
 
 
 def _one_hemisphere(quaternions: NDArray) -> NDArray:

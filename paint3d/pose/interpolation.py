@@ -77,7 +77,7 @@ def velocities(path: BrushPath, joined: NDArray) -> NDArray:
     velocity = np.zeros((n, 3))
     if n < 2:
         return velocity
-    steps = np.diff(path.time_s)
+    steps = np.where(joined[1:], np.diff(path.time_s), 1.0)  # others are not asked for
     chords = np.diff(path.way, axis=0) / steps[:, None]
     curved = joined[1:] & (steps <= MAX_CURVED_GAP_S)
     left, right = np.zeros(n, bool), np.zeros(n, bool)
