@@ -93,6 +93,20 @@ def test_nobody_waits_while_it_paints(easel):
     waiting.result(timeout=300)
 
 
+def test_a_frame_counts_all_that_was_asked_for_and_that_it_does_not_show(easel):
+    """Also what was asked for after it was made: a replay once took such a frame for its stroke."""
+    frames_until_still(easel)
+    easel.post(lambda document: None).result(timeout=300)  # made with nothing waiting
+    started, release = threading.Event(), threading.Event()
+    easel.post(lambda document: started.set() or release.wait(300))
+    assert started.wait(300)
+    easel.post("rinse")
+    left = easel.take_frame().queue_length
+    release.set()
+    assert left == 2
+    assert frames_until_still(easel)[-1].queue_length == 0
+
+
 def test_the_brush_is_shown_before_it_touches(easel):
     easel.hover(line((5, 6), (6, 6))[0])
     frame = frames_until_still(easel)[-1]

@@ -20,7 +20,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from queue import SimpleQueue
 
 from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
@@ -140,7 +140,8 @@ class Easel:
         self._wake = threading.Condition()
         self._busy = threading.Lock()
         self._wanting = 0
-        self._slot: Frame | None = None
+        self._slot: tuple[Frame, int] | None = None  # and how many jobs were done when it was made
+        self._n_asked = self._n_done = 0  # jobs; time for the ink is none of them
         self._events: deque[Event] = deque()
         self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
         self._hovering: DeviceSample | None = None
@@ -210,9 +211,10 @@ class Easel:
     def take_frame(self) -> Frame | None:
         """What changed since the last frame that was taken, or None; never waits."""
         with self._wake:
-            frame, self._slot = self._slot, None
+            slot, self._slot = self._slot, None
+            left = self._n_asked - (slot[1] if slot else 0)
             self._wake.notify()
-        return frame
+        return replace(slot[0], queue_length=left) if slot else None
 
     def take_events(self) -> list[Event]:
         """What went wrong since the last call, oldest first."""
@@ -317,6 +319,7 @@ class Easel:
     def _enqueue(self, job: _Job) -> None:
         """Put a job into the queue and into the sitting, in one order; holds the lock."""
         self._jobs.append(job)
+        self._n_asked += job.command != _FOLLOW
         if self._scribe is not None:
             self._scribe.put(job)
 
@@ -348,7 +351,9 @@ class Easel:
     def _work(self) -> None:
         before = time.thread_time()
         if self._jobs:
-            self._do(self._jobs.popleft())
+            job = self._jobs.popleft()
+            self._do(job)
+            self._n_done += job.command != _FOLLOW
         elif self._wet:
             self._wait_for_the_hand()
         self._work_s += time.thread_time() - before
@@ -387,6 +392,7 @@ class Easel:
         if rest:
             with self._wake:
                 self._jobs.appendleft(_Job(job.came, rest))
+                self._n_asked += 1
         self._hovering = chunk[-1]
         self.document.feed(chunk)
         self._lag = time.perf_counter() - job.came
@@ -440,18 +446,18 @@ class Easel:
         has_grown = bool((counts != self._counts).any())
         self._counts = counts
         sample = self._hovering
-        brush = None if sample is None else view_brush(document, sample)
+        frame = Frame(
+            ids,
+            has_grown,
+            None if sample is None else view_brush(document, sample),
+            0,  # as it is when it is taken
+            self._lag,
+            document.can_undo,
+            document.can_redo,
+            len(document.strokes),
+        )
         with self._wake:
-            self._slot = Frame(
-                ids,
-                has_grown,
-                brush,
-                sum(job.command != _FOLLOW for job in self._jobs),
-                self._lag,
-                document.can_undo,
-                document.can_redo,
-                len(document.strokes),
-            )
+            self._slot = frame, self._n_done
 
     def _guarded(self, doing: str, action: Callable[[], None]) -> None:
         try:

@@ -59,7 +59,8 @@ class Frame:
     brush : BrushView or None
         None before the first sample.
     queue_length : int
-        Batches of samples and commands that wait; time for the ink is none of them.
+        Batches of samples and commands that were asked for before it was taken and that it does not
+        show yet; time for the ink is none of them.
     lag_s : float
         How long what was painted last had waited, s.
     can_undo, can_redo : bool
