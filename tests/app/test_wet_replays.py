@@ -10,7 +10,9 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+from paint3d.app.model import easel as easels
 from paint3d.app.model.ink_clock import LATE_S
+from paint3d.app.window.jobs import player as players
 from paint3d.cli.main import main
 from paint3d.files.project.session import load_session
 from paint3d.painter.painter import Painter
@@ -97,6 +99,20 @@ def test_the_wet_recording_paints_the_same_to_the_bit(
     if rest_s:
         rest(window, wall, rest_s)
     same_ink(window.document.surface, replayed(file, rest_s))
+
+
+def test_the_window_replays_it_to_the_bit_too(window, wall, monkeypatch, tmp_path) -> None:
+    events, file = lines(), tmp_path / "lines.jsonl"
+    header = {**events.header, "material": "xuan", "wet": True}
+    open_for(window, header, RESOLUTION)
+    play(window, events, wall, "at once", 0.0)
+    save_recording(window, monkeypatch, file)
+    open_for(window, header, RESOLUTION)
+    wall.ms += 13  # the hand's clock stands anywhere
+    monkeypatch.setattr(players, "time", easels.time)
+    assert window.files.replay_file(str(file))
+    settle(window)
+    same_ink(window.document.surface, replayed(file, 0.0))
 
 
 @pytest.mark.long

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from paint3d.app.window.wording import say
 from paint3d.device.sample import DeviceSample
+from paint3d.painter.ink_time import PIECE_NS
 
 if TYPE_CHECKING:
     from paint3d.app.window.studio import StudioWindow
@@ -26,6 +28,7 @@ class Player:
         self._next = 0
         self._speed: float | None = None
         self._began = 0.0
+        self._later_ns = 0
 
     @property
     def is_playing(self) -> bool:
@@ -37,7 +40,9 @@ class Player:
         self.stop()
         self._samples, self._next, self._speed = samples, 0, speed
         self._began = time.perf_counter()
-        if samples:
+        if samples:  # by the hand's clock, and by whole pieces of the ink's time: as it was painted
+            since = time.perf_counter_ns() - samples[0].time_ns
+            self._later_ns = since // PIECE_NS * PIECE_NS
             self._window.stage.easel.post("begin_stroke")
             self._window.tell(say("status.replaying"))
             self.tick()
@@ -48,7 +53,9 @@ class Player:
             return
         due = self._due()
         for at in range(self._next, due, _BATCH):
-            self._window.stage.easel.feed(self._samples[at : min(at + _BATCH, due)])
+            samples = self._samples[at : min(at + _BATCH, due)]
+            moved = [replace(s, time_ns=s.time_ns + self._later_ns) for s in samples]
+            self._window.stage.easel.feed(moved)
         self._next = due
         if not self.is_playing:
             self._window.stage.easel.post("end_stroke")
