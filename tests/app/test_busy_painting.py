@@ -13,7 +13,7 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.window.jobs.job import run_beside
 from paint3d.brush.presets import load_brush
-from tests.support.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen
+from tests.support.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen, wait_for
 from tests.support.app.windows import opened, settled
 
 
@@ -70,6 +70,8 @@ def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -
     window.post("set_brush", load_brush("full"))
     settled(window)
     window.panels.docks["brushes"].raise_()
+    window.activateWindow()  # a box had the keys until now
+    assert QtTest.QTest.qWaitForWindowActive(window, 60_000)
     gate = threading.Event()
     window.stage.easel.post(lambda document: gate.wait(60))
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
@@ -80,7 +82,7 @@ def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -
         else:
             place = view.visualItemRect(view.item(3)).center()
             QtTest.QTest.mouseClick(view.viewport(), BUTTON.LeftButton, pos=place)
-        live(0.1)
+        wait_for(lambda: window.panels.brushes.brush.name == "xiaokai")
         behind = window.document.painter.brush.name, window.panels.brushes.brush.name
         row = view.currentRow()
     finally:

@@ -29,6 +29,13 @@ def window(program):
         yield window
 
 
+@pytest.fixture
+def fresh(program):
+    """A window that nobody has touched."""
+    with opened(program) as window:
+        yield window
+
+
 def held(window):
     return held_ink(window.document.painter)
 
@@ -43,16 +50,16 @@ def disc(window) -> np.ndarray:
     return np.array([colour.red(), colour.green(), colour.blue()])
 
 
-def test_the_ink_in_the_brush_is_shown_before_the_pointer_came(window) -> None:
-    assert window.stage.frame is None or window.stage.frame.brush is None
-    assert held(window).share == pytest.approx(1.0)
-    assert window.hud.told(held(window)) == "ink 100 %  ·  pine soot"
-    assert disc(window).max() < 90
+def test_the_ink_in_the_brush_is_shown_before_the_pointer_came(fresh) -> None:
+    assert fresh.stage.frame is None or fresh.stage.frame.brush is None
+    assert held(fresh).share == pytest.approx(1.0)
+    assert fresh.hud.told(held(fresh)) == "ink 100 %  ·  pine soot"
+    assert disc(fresh).max() < 90
 
 
-def test_what_keys_change_is_shown_though_no_pointer_is_over_the_picture(window) -> None:
+def test_what_keys_change_is_shown_though_no_pointer_is_over_the_picture(fresh) -> None:
     """Nothing else is drawn then: the canvas is looked at as it was painted, not painted anew."""
-    canvas, painted = window.canvas, []
+    window, canvas, painted = fresh, fresh.canvas, []
     mouse(canvas, KIND.MouseMove, 0.5 * canvas.width(), 0.5 * canvas.height())
     settled(window)
     QtWidgets.QApplication.sendEvent(canvas, QtCore.QEvent(KIND.Leave))

@@ -20,7 +20,7 @@ from tests.support.app.hands import UPRIGHT, line, sample
 MS = 1_000_000
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def book():
     return Copybook(make_plane(), "十一", 50.0)
 

@@ -27,7 +27,7 @@ import os, signal, time
 from pathlib import Path
 
 from distributed import get_worker
-from paint3d.cli import batch_cluster
+from paint3d.cli.batches import cluster
 from paint3d.cli.batches.rows import Outcome
 
 def run(row):
@@ -41,10 +41,10 @@ def run(row):
     return Outcome(row.line, "", os.getpid(), str(out))
 
 def dask_setup(worker):
-    batch_cluster.run_row = run
+    cluster.run_row = run
     if worker.name.endswith("blind"):
         os.chdir("/")
-        batch_cluster.os.path.isdir = lambda folder: False
+        cluster.os.path.isdir = lambda folder: False
 """
 
 
