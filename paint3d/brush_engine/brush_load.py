@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.ink_transfer import REACH
 from paint3d.core.kernel import kernel, uncounted
 
@@ -22,20 +21,20 @@ _SHARE = 0.45  # of a station, the most that flows out of it on one side in one 
 @uncounted(error_model="numpy")
 def _behind_tip(values, field, v):
     """Distance (mm) of a vertex behind the tip of a stamp, along the bend."""
-    dx = field.px[v] - values[st.ORIGIN_X]
-    dy = field.py[v] - values[st.ORIGIN_X + 1]
-    dz = field.pz[v] - values[st.ORIGIN_X + 2]
-    reach = dx * values[st.BEND_X] + dy * values[st.BEND_X + 1] + dz * values[st.BEND_X + 2]
-    return values[st.TIP] - reach
+    dx = field.px[v] - values.origin[0]
+    dy = field.py[v] - values.origin[1]
+    dz = field.pz[v] - values.origin[2]
+    reach = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
+    return values.tip - reach
 
 
 @uncounted(error_model="numpy")
 def _station(before, after, field, v, reach, last):
     """Place of a vertex on the tuft, in stations from the tip: middle of the first is 0."""
-    a, b = before.values, after.values
-    if a[st.TOUCHES] > 0.0 and b[st.TOUCHES] > 0.0:
+    a, b = before.values[0], after.values[0]
+    if a.touches > 0.0 and b.touches > 0.0:
         behind = 0.5 * (_behind_tip(a, field, v) + _behind_tip(b, field, v))
-    elif b[st.TOUCHES] > 0.0:
+    elif b.touches > 0.0:
         behind = _behind_tip(b, field, v)
     else:
         behind = _behind_tip(a, field, v)

@@ -109,24 +109,24 @@ def find_contact(
     stamp, counters = st.make_stamp(), np.zeros(8, np.int64)
     room = make_room(mesh, 0)
     place_stamp(pose, False, stamp, stamp, tuft, tree, mesh.arrays, counters, room)
-    v = stamp.values
-    if v[st.TRIANGLE] < 0:
+    v = stamp.values[0]
+    if v["triangle"] < 0:
         return None
-    touches = v[st.TOUCHES] > 0.0
-    far = np.linalg.norm(pose[:3] - v[st.FOOT_X : st.FOOT_X + 3]) > REACH * tuft.length
+    touches = v["touches"] > 0.0
+    far = np.linalg.norm(pose[:3] - v["foot"]) > REACH * tuft.length
     if far and not touches:
         return None
     return Contact(
-        foot=v[st.FOOT_X : st.FOOT_X + 3].copy(),
-        origin=v[st.ORIGIN_X : st.ORIGIN_X + 3].copy(),
-        normal=v[st.NORMAL_X : st.NORMAL_X + 3].copy(),
-        bend=v[st.BEND_X : st.BEND_X + 3].copy(),
-        sphere_centre=v[st.SPHERE_X : st.SPHERE_X + 3].copy(),
-        sphere_radius=float(v[st.RADIUS]),
-        descent=float(v[st.DESCENT]),
-        tilt=float(v[st.TILT]),
-        pressure=float(v[st.PRESSURE]),
-        length=float(v[st.TIP] - v[st.HEEL]) if touches else 0.0,
-        width=float(2.0 * v[st.WIDEST]) if touches else 0.0,
-        area=float(v[st.AREA]) if touches else 0.0,
+        foot=v["foot"].copy(),
+        origin=v["origin"].copy(),
+        normal=v["normal"].copy(),
+        bend=v["bend"].copy(),
+        sphere_centre=v["sphere_centre"].copy(),
+        sphere_radius=float(v["radius"]),
+        descent=float(v["descent"]),
+        tilt=float(v["tilt"]),
+        pressure=float(v["pressure"]),
+        length=float(v["tip"] - v["heel"]) if touches else 0.0,
+        width=float(2.0 * v["widest"]) if touches else 0.0,
+        area=float(v["area"]) if touches else 0.0,
     )

@@ -15,7 +15,6 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.brush_engine import stamp as st
-from paint3d.brush_engine import sweep as sw
 from paint3d.core.kernel import uncounted
 
 __all__ = ["WORK_ROWS", "weigh_block", "weigh_standing"]
@@ -114,12 +113,12 @@ def _pack(n, near, ids, rows, chosen_ids, chosen):
 
 
 @uncounted(error_model="numpy")
-def _follow(n, frame, lines, lines_before, between, rows, work, share, cover):
+def _follow(n, sweep, lines, lines_before, between, rows, work, share, cover):
     """Mean share covered, and the greatest, of vertices that the edge passes on a curve."""
     xs, ys, a, b = rows[0], rows[1], rows[3], rows[4]
     last, inner, far = work[0], work[1], work[2]
     places, sides, beyond = work[3], work[4], work[5]
-    parts = int(frame[sw.PARTS])
+    parts = int(sweep.parts)
     each = np.float32(1.0 / parts)
     for k in range(n):
         last[k] = a[k]
@@ -128,7 +127,7 @@ def _follow(n, frame, lines, lines_before, between, rows, work, share, cover):
         where = between[part]
         _place_block(n, xs, ys, where, where[4], where[5], places, sides, beyond)
         _way_edges(
-            n, places, sides, beyond, lines_before, lines, 1.0 - part / parts, frame[sw.SCALE],
+            n, places, sides, beyond, lines_before, lines, 1.0 - part / parts, sweep.scale,
             inner, far,
         )  # fmt: skip
         for k in range(n):
@@ -140,15 +139,15 @@ def _follow(n, frame, lines, lines_before, between, rows, work, share, cover):
 
 
 @uncounted(error_model="numpy")
-def _drop_far(n, frame, lines, lines_before, between, rows, work, near):
+def _drop_far(n, sweep, lines, lines_before, between, rows, work, near):
     """List which of these the outline can reach on its way, by where it is half the way."""
     inner, far, places, sides, beyond = work[0], work[1], work[2], work[3], work[4]
     where = between[0]
     _place_block(n, rows[0], rows[1], where, where[4], where[5], places, sides, beyond)
     _way_edges(
-        n, places, sides, beyond, lines_before, lines, 0.5, frame[sw.SCALE], inner, far
+        n, places, sides, beyond, lines_before, lines, 0.5, sweep.scale, inner, far
     )  # fmt: skip
-    rise = np.float32(0.5 * frame[sw.END_RISE])
+    rise = np.float32(0.5 * sweep.end_rise)
     kept = 0
     for k in range(n):
         near[kept] = k
@@ -180,7 +179,7 @@ def _stamp_cover(n, rows, cover):
 
 @uncounted(error_model="numpy")
 def weigh_block(
-    n, ids, rows, frame, lines, lines_before, between, packed_ids, packed, work, near,
+    n, ids, rows, sweep, lines, lines_before, between, packed_ids, packed, work, near,
     kinds, eights, out_ids, out_share, out_cover, found,
 ):  # fmt: skip
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
@@ -193,7 +192,7 @@ def weigh_block(
     rows : (7, N) float32
         Plane x, y and stretch of each; the rest is filled: the distances at the stamp before and
         at the stamp after, to the near side and to the far side.
-    frame, between, lines, lines_before : arrays of the sweep and of its two stamps
+    sweep, between, lines, lines_before : arrays of the sweep and of its two stamps
     packed_ids, packed, work, near : (N,) int32, (7, N), (WORK_ROWS, N) float32, (2, N) int32
         Scratch.
     kinds, eights : (N,) uint8, (N / 8,) uint64
@@ -212,15 +211,15 @@ def weigh_block(
     xs, ys, stretch = rows[0], rows[1], rows[2]
     a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
     places, sides, beyond = work[0], work[1], work[2]
-    now, then, scale = frame[sw.AFTER], frame[sw.BEFORE], frame[sw.SCALE]
+    now, then, scale = sweep.after_touches, sweep.before_touches, sweep.scale
     if now > 0.0:
-        turn = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
-        heel, tip = frame[sw.AFTER + 1], frame[sw.AFTER + 2]
+        turn = sweep.to_after
+        heel, tip = sweep.after_heel, sweep.after_tip
         _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond)
         _stamp_edges(n, places, sides, beyond, lines, scale, b, far_b)
     if then > 0.0:  # after the other: `places` are then those on the stamp the brush comes from
-        turn = frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
-        heel, tip = frame[sw.BEFORE + 1], frame[sw.BEFORE + 2]
+        turn = sweep.to_before
+        heel, tip = sweep.before_heel, sweep.before_tip
         _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond)
         _stamp_edges(n, places, sides, beyond, lines_before, scale, a, far_a)
     if now <= 0.0:
@@ -231,10 +230,10 @@ def weigh_block(
         for k in range(n):
             a[k] = b[k]
             far_a[k] = far_b[k]
-    curved = frame[sw.PARTS] > 1.0
-    least = np.float32(-0.5 - frame[sw.RISE])
-    least_at_end = np.float32(-0.5 - frame[sw.END_RISE])
-    end = np.float32(st.PROFILE_CELLS - frame[sw.END])
+    curved = sweep.parts > 1.0
+    least = np.float32(-0.5 - sweep.rise)
+    least_at_end = np.float32(-0.5 - sweep.end_rise)
+    end = np.float32(st.PROFILE_CELLS - sweep.end)
     for k in range(n):
         low, high = min(a[k], b[k]), max(a[k], b[k])
         reached = (high > least) | ((places[k] > end) & (high > least_at_end))
@@ -277,20 +276,20 @@ def weigh_block(
     if slow == 0:
         return found
     _pack(slow, slow_ones, ids, rows, packed_ids, packed)
-    left = _drop_far(slow, frame, lines, lines_before, between, packed, work, slow_ones)
+    left = _drop_far(slow, sweep, lines, lines_before, between, packed, work, slow_ones)
     _pack(left, slow_ones, packed_ids, packed, packed_ids, packed)
     _stamp_cover(left, packed, cover)
-    _follow(left, frame, lines, lines_before, between, packed, work, share, cover)
+    _follow(left, sweep, lines, lines_before, between, packed, work, share, cover)
     return _append(left, packed_ids, packed, share, cover, out_ids, out_share, out_cover, found)
 
 
 @uncounted(error_model="numpy")
-def weigh_standing(n, ids, rows, frame, lines, packed_ids, packed, work, near):
+def weigh_standing(n, ids, rows, sweep, lines, packed_ids, packed, work, near):
     """Share covered where the way ends, of the vertices of a block; those with one are packed.
 
     Parameters
     ----------
-    n, ids, rows, frame, lines : as for `weigh_block`
+    n, ids, rows, sweep, lines : as for `weigh_block`
         Of a sweep whose two stamps are one.
     packed_ids : (N,) int32
         Filled with the vertices that have a share,
@@ -305,10 +304,10 @@ def weigh_standing(n, ids, rows, frame, lines, packed_ids, packed, work, near):
         How many there are.
     """
     places, sides, beyond, inner, far, cover = work[0], work[1], work[2], work[3], work[4], work[5]
-    turn = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
-    heel, tip = frame[sw.AFTER + 1], frame[sw.AFTER + 2]
+    turn = sweep.to_after
+    heel, tip = sweep.after_heel, sweep.after_tip
     _place_block(n, rows[0], rows[1], turn, heel, tip, places, sides, beyond)
-    _stamp_edges(n, places, sides, beyond, lines, frame[sw.SCALE], inner, far)
+    _stamp_edges(n, places, sides, beyond, lines, sweep.scale, inner, far)
     for k in range(n):
         part = _covered(inner[k]) + _covered(far[k]) - _ONE
         cover[k] = _ONE if inner[k] >= _HALF else part

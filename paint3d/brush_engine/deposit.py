@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.brush_load import leave_from_stations
 from paint3d.brush_engine.gathering import gather
 from paint3d.brush_engine.ink_transfer import PICKUP, contact_level, take_up_ink, thin_contact
@@ -20,16 +19,16 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
 
     Conserves: what leaves `ink.load` is on vertices or counted in `ink.off_surface`.
     """
-    width = field.numbers[2]
+    width = field.soft_edge
     found = gather(before, after, field, width, 1.0 / width, counters, room)
     if found < 0:
         return False
-    weighed = weighed_area(field.area_units, field.numbers[3], room.found, room.share, found)
-    a = before.values
-    b = after.values
-    area = 0.5 * (a[st.AREA] + b[st.AREA])
-    if a[st.TOUCHES] <= 0.0 or b[st.TOUCHES] <= 0.0:
-        area = max(a[st.AREA] * a[st.TOUCHES], b[st.AREA] * b[st.TOUCHES])
+    weighed = weighed_area(field.area_units, field.area_unit, room.found, room.share, found)
+    a = before.values[0]
+    b = after.values[0]
+    area = 0.5 * (a.area + b.area)
+    if a.touches <= 0.0 or b.touches <= 0.0:
+        area = max(a.area * a.touches, b.area * b.touches)
     total, released = ink_released(before, after, tuft, ink)
     if area < width * width and found == 0:
         released = 0.0  # a touch finer than the vertices leaves nothing yet
@@ -38,7 +37,7 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
         found = thin_contact(level, room.found, room.share, room.cover, found, field)
         whole = weighed
-        weighed = weighed_area(field.area_units, field.numbers[3], room.found, room.share, found)
+        weighed = weighed_area(field.area_units, field.area_unit, room.found, room.share, found)
         released *= weighed / whole
         landing *= weighed / whole
     if weighed <= 0.0:
@@ -48,12 +47,12 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
     if ink.habit[PICKUP] > 0.0:
         take_up_ink(
             before, after, released, room.found, room.share, found, field.area_units,
-            field.numbers[3], ink, room.taken,
+            field.area_unit, ink, room.taken,
         )  # fmt: skip
     if ink.stations.shape[0] > 1:
         leave_from_stations(
             before, after, released, landing, weighed, room.found, room.share, found,
-            field.area_units, field.numbers[3], field, ink, room.taken,
+            field.area_units, field.area_unit, field, ink, room.taken,
         )  # fmt: skip
     elif total > 0.0:
         for p in range(ink.load.shape[0]):

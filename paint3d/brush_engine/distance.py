@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.brush_engine import stamp as st
-from paint3d.brush_engine import sweep as sw
 from paint3d.brush_engine.projecting import LEAST_FACING
 from paint3d.core.kernel import uncounted
 from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES
@@ -50,17 +49,17 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
     xs, ys, radii, along, low, high = discs[0], discs[1], discs[2], discs[3], discs[4], discs[5]
     ox, oy = np.float32(turn[0]), np.float32(turn[1])
     c, s = np.float32(turn[2]), np.float32(turn[3])
-    heel, length = np.float32(stamp[st.HEEL]), np.float32(stamp[st.TIP] - stamp[st.HEEL])
-    widest = np.float32(stamp[st.WIDEST])
-    middle = np.float32(stamp[st.REACH_OF_WIDEST] - stamp[st.HEEL])
-    per_step = np.float32(st.PROFILE_CELLS / (stamp[st.TIP] - stamp[st.HEEL]))
+    heel, length = np.float32(stamp.heel), np.float32(stamp.tip - stamp.heel)
+    widest = np.float32(stamp.widest)
+    middle = np.float32(stamp.widest_at - stamp.heel)
+    per_step = np.float32(st.PROFILE_CELLS / (stamp.tip - stamp.heel))
     nothing, top = np.float32(0.0), np.float32(st.PROFILE_CELLS)
     rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
     end = length - np.float32(rises[2])
     # beside a blunt end, the distance to the line of its last step is less than the way there
     least = np.float32(rises[3] + rises[0])
     steepest = max(widths[1], widths[st.PROFILE_CELLS - 1]) * st.PROFILE_CELLS
-    slope = steepest / (stamp[st.TIP] - stamp[st.HEEL])
+    slope = steepest / (stamp.tip - stamp.heel)
     blunt = np.float32(np.sqrt(1.0 + slope * slope) - 1.0) * least
     zone = length * np.float32(_END_ZONE)
     for k in range(n):
@@ -86,21 +85,21 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
 
 
 @uncounted(error_model="numpy")
-def _judge_sweep(n, discs, frame, before, widths_before, after, widths, where):
+def _judge_sweep(n, discs, sweep, before, widths_before, after, widths, where):
     """Where each disc lies to a sweep: INSIDE both outlines, OUTSIDE both, or on an EDGE.
 
     `where` (2, N) uint8: the answer comes in the first row. Under a stamp that stands alone, of a
     brush that comes or goes, nothing is inside: it is covered for a part of the time.
     """
     now, then = where[0], where[1]
-    rises = frame[sw.RISES : sw.RISES + 4]
-    turn_now = frame[sw.TURN_AFTER : sw.TURN_AFTER + 4]
-    turn_then = frame[sw.BOX_BEFORE : sw.BOX_BEFORE + 4]
-    if frame[sw.AFTER] > 0.0:
+    rises = sweep.rises
+    turn_now = sweep.to_after
+    turn_then = sweep.to_before
+    if sweep.after_touches > 0.0:
         _judge_discs(n, discs, turn_now, after, widths, rises, now)
     else:
         now[:n] = 0
-    if frame[sw.BEFORE] > 0.0:
+    if sweep.before_touches > 0.0:
         _judge_discs(n, discs, turn_then, before, widths_before, rises, then)
     else:
         then[:n] = 0
@@ -111,7 +110,7 @@ def _judge_sweep(n, discs, frame, before, widths_before, after, widths, where):
 
 @uncounted(error_model="numpy")
 def find_cells(
-    sheet_place, pack, origin, size, frame, before, widths_before, after, widths,
+    sheet_place, pack, origin, size, sweep, before, widths_before, after, widths,
     sheets, n_sheets, cell_ticks, tick, discs, where, cells, slopes,
 ):  # fmt: skip
     """The cells of those sheets that the sweep can reach, each once.
@@ -121,15 +120,15 @@ def find_cells(
     the greatest tangent of a cell's normals to the plane's, negative where they look all ways.
     """
     half_diagonal = 0.5 * np.sqrt(3.0) * size
-    margin = 0.5 / frame[sw.SCALE]
+    margin = 0.5 / sweep.scale
     xs, ys, radii = discs[0], discs[1], discs[2]
-    fx, fy, fz = frame[sw.NORMAL], frame[sw.NORMAL + 1], frame[sw.NORMAL + 2]
+    fx, fy, fz = sweep.normal[0], sweep.normal[1], sweep.normal[2]
     n = 0
     for k in range(n_sheets):
         sheet = sheets[k]
-        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - frame[sw.ORIGIN]
-        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - frame[sw.ORIGIN + 1]
-        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - frame[sw.ORIGIN + 2]
+        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - sweep.origin[0]
+        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - sweep.origin[1]
+        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - sweep.origin[2]
         nx, ny, nz, area = pack[sheet, 0], pack[sheet, 1], pack[sheet, 2], pack[sheet, 3]
         length = np.sqrt(nx * nx + ny * ny + nz * nz)
         facing = nx * fx + ny * fy + nz * fz
@@ -147,11 +146,11 @@ def find_cells(
             reach = slope
         cells[n] = sheet_place[sheet, 3]
         slopes[n] = slope
-        xs[n] = dx * frame[sw.BEND] + dy * frame[sw.BEND + 1] + dz * frame[sw.BEND + 2]
-        ys[n] = dx * frame[sw.CROSS] + dy * frame[sw.CROSS + 1] + dz * frame[sw.CROSS + 2]
+        xs[n] = dx * sweep.bend[0] + dy * sweep.bend[1] + dz * sweep.bend[2]
+        ys[n] = dx * sweep.cross[0] + dy * sweep.cross[1] + dz * sweep.cross[2]
         radii[n] = half_diagonal + reach * (height + half_diagonal) + margin
         n += 1
-    _judge_sweep(n, discs, frame, before, widths_before, after, widths, where)
+    _judge_sweep(n, discs, sweep, before, widths_before, after, widths, where)
     fates = where[0]
     found = 0
     for k in range(n):
@@ -168,19 +167,19 @@ def find_cells(
 
 @uncounted(error_model="numpy")
 def find_runs(
-    cells, slopes, n_cells, base_start, cell_blocks, balls, cell_sheets, frame, before,
+    cells, slopes, n_cells, base_start, cell_blocks, balls, cell_sheets, sweep, before,
     widths_before, after, widths, discs, where, blocks, runs,
 ):  # fmt: skip
     """Runs (first, end, where) of the base vertices that the sweep can reach.
 
     Cells well inside go as a whole (`where` comes from `find_cells`), others block by block.
     """
-    margin = 0.5 / frame[sw.SCALE]
+    margin = 0.5 / sweep.scale
     xs, ys, radii, fates = discs[0], discs[1], discs[2], where[0]
-    ox, oy, oz = frame[sw.ORIGIN], frame[sw.ORIGIN + 1], frame[sw.ORIGIN + 2]
-    fx, fy, fz = frame[sw.NORMAL], frame[sw.NORMAL + 1], frame[sw.NORMAL + 2]
-    bx, by, bz = frame[sw.BEND], frame[sw.BEND + 1], frame[sw.BEND + 2]
-    cx, cy, cz = frame[sw.CROSS], frame[sw.CROSS + 1], frame[sw.CROSS + 2]
+    ox, oy, oz = sweep.origin[0], sweep.origin[1], sweep.origin[2]
+    fx, fy, fz = sweep.normal[0], sweep.normal[1], sweep.normal[2]
+    bx, by, bz = sweep.bend[0], sweep.bend[1], sweep.bend[2]
+    cx, cy, cz = sweep.cross[0], sweep.cross[1], sweep.cross[2]
     n = 0
     n_runs = 0
     for c in range(n_cells):
@@ -207,7 +206,7 @@ def find_runs(
             blocks[n, 2] = most
             first += BLOCK_VERTICES
             n += 1
-    _judge_sweep(n, discs, frame, before, widths_before, after, widths, where)
+    _judge_sweep(n, discs, sweep, before, widths_before, after, widths, where)
     for k in range(n):
         if fates[k] != OUTSIDE:
             fate = min(np.int32(fates[k]), blocks[k, 2]) if blocks[k, 2] != MIXED else MIXED

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.ink_transfer import CAPACITY
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.core.kernel import kernel, uncounted
@@ -77,11 +76,11 @@ def read_inputs(samples, i, t, pose, before, tuft, ink, inputs):
     stamp (degrees), speed along the surface (mm/s), ink left of a full load, and how sharply the
     path turns on it (1/mm).
     """
-    inputs[PRESSURE] = before.values[st.PRESSURE] if np.isnan(pose[7]) else pose[7]
-    tilt = before.values[st.TILT]
+    inputs[PRESSURE] = before.values[0].pressure if np.isnan(pose[7]) else pose[7]
+    tilt = before.values[0].tilt
     inputs[TILT] = np.degrees(tilt) if tilt > 0.0 else 90.0
     h = samples.time[i + 1] - samples.time[i]
-    normal = before.values[st.FOOT_NORMAL_X : st.FOOT_NORMAL_X + 3]
+    normal = before.values[0].foot_normal
     lift = lift_a = lift_b = lift_step = 0.0  # only what is along the surface counts
     for axis in range(3):
         step = samples.position[i + 1, axis] - samples.position[i, axis]

@@ -24,20 +24,20 @@ def gather(before, after, field, margin, scale, counters, room):
             counters[VISITED] += runs[r, 1] - runs[r, 0]
             found = take_run(
                 runs[r, 0], runs[r, 1], field.px, field.py, field.pz, field.nx, field.ny, field.nz,
-                room.frame, room.found, room.share, room.cover, found,
+                room.sweep[0], room.found, room.share, room.cover, found,
             )  # fmt: skip
     while True:
         n = next_block(
             n_runs, n_cells, True, runs, room.cells, field.head, field.next_in_cell,
             field.cell_sheets, field.vertex_sheet, field.px, field.py, field.pz, field.nx,
-            field.ny, field.nz, room.stamps, room.tick[0], room.frame, room.cursor, room.ids,
+            field.ny, field.nz, room.stamps, room.tick[0], room.sweep[0], room.cursor, room.ids,
             room.packed, room.rows,
         )  # fmt: skip
         if n == 0:
             return found
         counters[VISITED] += n
         found = weigh_block(
-            n, room.ids, room.rows, room.frame, after.lines, before.lines, room.between,
+            n, room.ids, room.rows, room.sweep[0], after.lines, before.lines, room.between,
             room.packed_ids, room.packed, room.work, room.near, room.kinds, room.eights,
             room.found, room.share, room.cover, found,
         )  # fmt: skip

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.grain import grain_at
 from paint3d.brush_engine.stamp import outline_motion
 from paint3d.core.kernel import uncounted
@@ -28,9 +27,9 @@ _DRY_PRESSED = 0.4  # less of it at full pressure
 def mean_pressure(before, after):
     """Mean pressure on the way between two stamps, 0 to 1."""
     pressure = 0.0
-    for values in (before.values, after.values):
-        if values[st.TOUCHES] > 0.0:
-            pressure += 0.5 * values[st.PRESSURE]
+    for values in (before.values[0], after.values[0]):
+        if values.touches > 0.0:
+            pressure += 0.5 * values.pressure
     return pressure
 
 

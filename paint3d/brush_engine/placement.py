@@ -42,20 +42,20 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     the place on the surface that the hand means; else 0, and it is the root's. `before` is the
     stamp the brush comes from; it carries the dragged point. It may be `after`.
     """
-    values = after.values
+    values = after.values[0]
     w, x, y, z = pose[3], pose[4], pose[5], pose[6]
     up_x = 2.0 * (x * z + w * y)
     up_y = 2.0 * (y * z - w * x)
     up_z = 1.0 - 2.0 * (x * x + y * y)
     foot = room.foot
-    was_touching = before.values[st.TOUCHES] > 0.0
+    was_touching = before.values[0].touches > 0.0
     for axis in range(3):
-        room.vector[axis] = before.values[st.FOOT_X + axis]
-        room.drag[axis] = before.values[st.DRAG_X + axis]
+        room.vector[axis] = before.values[0].foot[axis]
+        room.drag[axis] = before.values[0].drag[axis]
     centred = pose[8] > 0.0
-    trail = _TRAIL * before.values[st.WIDEST] if was_touching and centred else 0.0
-    values[st.TOUCHES] = 0.0
-    values[st.CENTRED] = pose[8]
+    trail = _TRAIL * before.values[0].widest if was_touching and centred else 0.0
+    values.touches = 0.0
+    values.centred = pose[8]
     reach = REACH * tuft.length
     if centred:
         triangle = find_meant(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot)
@@ -65,46 +65,44 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
         )
         if triangle < 0 and pose[7] >= 0.0:
             triangle = _find_far(tree, pose, up_x, up_y, up_z, foot, room.warm)
-    values[st.TRIANGLE] = triangle
+    values.triangle = triangle
     if triangle < 0:
         for axis in range(3):
-            values[st.ORIGIN_X + axis] = pose[axis]
-            values[st.FOOT_X + axis] = pose[axis]
+            values.origin[axis] = pose[axis]
+            values.foot[axis] = pose[axis]
         _flatten(values, 0.0)
         return
     for axis in range(3):
-        values[st.ORIGIN_X + axis] = foot[axis]
-        values[st.FOOT_X + axis] = foot[axis]
-        values[st.NORMAL_X + axis] = foot[3 + axis]
-        values[st.FOOT_NORMAL_X + axis] = foot[3 + axis]
+        values.origin[axis] = foot[axis]
+        values.foot[axis] = foot[axis]
+        values.normal[axis] = foot[3 + axis]
+        values.foot_normal[axis] = foot[3 + axis]
     if centred and not dragged:
         _follow_way(values, trail, room)
     _bend_along_pose(values, w, x, y, z)
     _press(pose, up_x, up_y, up_z, values, tuft)
-    if values[st.DESCENT] <= 0.0:
-        _flatten(values, 0.0 if centred else tuft.length * np.cos(values[st.TILT]))
+    if values.descent <= 0.0:
+        _flatten(values, 0.0 if centred else tuft.length * np.cos(values.tilt))
         _keep_drag(values, room.drag)
         return
     if dragged:
         _bend_along_drag(values, was_touching, tuft, room)
-    along, up, radius = enclose_tuft(
-        tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], room.tuft
-    )
+    along, up, radius = enclose_tuft(tuft, values.descent, values.tilt, values.pressure, room.tuft)
     extent = 0.0
     if centred:
         middle, extent = _trace_extent(values, tuft, room)
         along -= middle
     for axis in range(3):
-        values[st.SPHERE_X + axis] = (
-            foot[axis] + along * values[st.BEND_X + axis] + up * values[st.NORMAL_X + axis]
+        values.sphere_centre[axis] = (
+            foot[axis] + along * values.bend[axis] + up * values.normal[axis]
         )
-    values[st.RADIUS] = radius
+    values.radius = radius
     if centred:
         _lean_plane_under(values, extent, field, room)
     else:
         lean_plane(values, field, room)
     if dragged:
-        _set_bend(values, values[st.DRAG_X], values[st.DRAG_X + 1], values[st.DRAG_X + 2])
+        _set_bend(values, values.drag[0], values.drag[1], values.drag[2])
     else:
         _bend_along_pose(values, w, x, y, z)
     _press(pose, up_x, up_y, up_z, values, tuft)
@@ -113,18 +111,18 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     _count_limits(pose, up_x, up_y, up_z, values, tuft, counters)
     n = _trace(values, tuft, room)
     if n < 2:
-        _flatten(values, 0.0 if centred else tuft.length * np.cos(values[st.TILT]))
+        _flatten(values, 0.0 if centred else tuft.length * np.cos(values.tilt))
         return
     if centred:
         middle = 0.5 * (room.reach[0] + room.reach[n - 1])
         for axis in range(3):
-            values[st.ORIGIN_X + axis] = foot[axis] - middle * values[st.BEND_X + axis]
+            values.origin[axis] = foot[axis] - middle * values.bend[axis]
     st.fill_profile(after, room.reach, room.half_width, n)
     if centred and not dragged:
         _centre_mark(values, after.half_widths, trail)
     _hold_outline(values)
-    if values[st.AREA] > 0.0:
-        values[st.TOUCHES] = 1.0
+    if values.area > 0.0:
+        values.touches = 1.0
 
 
 @uncounted
@@ -148,9 +146,9 @@ def _trace(values, tuft, room):
     """The outline as the tuft is bent now, into the room; returns how many points it has."""
     return trace_outline(
         tuft,
-        values[st.DESCENT],
-        values[st.TILT],
-        values[st.PRESSURE],
+        values.descent,
+        values.tilt,
+        values.pressure,
         room.tuft,
         room.reach,
         room.half_width,
@@ -175,25 +173,25 @@ def _trace_extent(values, tuft, room):
 @uncounted
 def _flatten(values, reach):
     """No footprint: the outline is one point, where the straight tip would be."""
-    values[st.HEEL] = reach
-    values[st.TIP] = reach
-    values[st.REACH_OF_WIDEST] = reach
-    values[st.WIDEST] = 0.0
-    values[st.AREA] = 0.0
+    values.heel = reach
+    values.tip = reach
+    values.widest_at = reach
+    values.widest = 0.0
+    values.area = 0.0
 
 
 @uncounted
 def _keep_drag(values, drag):
     for axis in range(3):
-        values[st.DRAG_X + axis] = drag[axis]
+        values.drag[axis] = drag[axis]
 
 
 @uncounted
 def _set_bend(values, bx, by, bz):
     """Make (bx, by, bz), laid into the plane, the bend's direction; False if it stands upright."""
-    nx = values[st.NORMAL_X]
-    ny = values[st.NORMAL_X + 1]
-    nz = values[st.NORMAL_X + 2]
+    nx = values.normal[0]
+    ny = values.normal[1]
+    nz = values.normal[2]
     along = bx * nx + by * ny + bz * nz
     bx -= along * nx
     by -= along * ny
@@ -204,12 +202,12 @@ def _set_bend(values, bx, by, bz):
     bx /= norm
     by /= norm
     bz /= norm
-    values[st.BEND_X] = bx
-    values[st.BEND_Y] = by
-    values[st.BEND_Z] = bz
-    values[st.CROSS_X] = ny * bz - nz * by
-    values[st.CROSS_X + 1] = nz * bx - nx * bz
-    values[st.CROSS_X + 2] = nx * by - ny * bx
+    values.bend[0] = bx
+    values.bend[1] = by
+    values.bend[2] = bz
+    values.cross[0] = ny * bz - nz * by
+    values.cross[1] = nz * bx - nx * bz
+    values.cross[2] = nx * by - ny * bx
     return True
 
 
@@ -233,12 +231,12 @@ def _bend_along_pose(values, w, x, y, z):
 @uncounted
 def _bend_along_drag(values, was_touching, tuft, room):
     """Dragged azimuth: the paper pulls the tip along (a tractrix with slack)."""
-    slack = drag_length(values[st.DESCENT], tuft.length, tuft.drag_fraction)
+    slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
     rx, ry, rz = room.drag[0], room.drag[1], room.drag[2]
     if rx * rx + ry * ry + rz * rz == 0.0:
-        rx = 0.2 * slack * values[st.BEND_X]
-        ry = 0.2 * slack * values[st.BEND_Y]
-        rz = 0.2 * slack * values[st.BEND_Z]
+        rx = 0.2 * slack * values.bend[0]
+        ry = 0.2 * slack * values.bend[1]
+        rz = 0.2 * slack * values.bend[2]
     elif not was_touching:
         rx *= tuft.plasticity
         ry *= tuft.plasticity
@@ -248,15 +246,15 @@ def _bend_along_drag(values, was_touching, tuft, room):
             rx,
             ry,
             rz,
-            values[st.FOOT_X] - room.vector[0],
-            values[st.FOOT_X + 1] - room.vector[1],
-            values[st.FOOT_X + 2] - room.vector[2],
+            values.foot[0] - room.vector[0],
+            values.foot[1] - room.vector[1],
+            values.foot[2] - room.vector[2],
             slack,
         )
     _set_bend(values, rx, ry, rz)
-    values[st.DRAG_X] = rx
-    values[st.DRAG_X + 1] = ry
-    values[st.DRAG_X + 2] = rz
+    values.drag[0] = rx
+    values.drag[1] = ry
+    values.drag[2] = rz
 
 
 @uncounted
@@ -271,14 +269,14 @@ def _follow_way(values, trail, room):
             room.drag[0],
             room.drag[1],
             room.drag[2],
-            values[st.FOOT_X] - room.vector[0],
-            values[st.FOOT_X + 1] - room.vector[1],
-            values[st.FOOT_X + 2] - room.vector[2],
+            values.foot[0] - room.vector[0],
+            values.foot[1] - room.vector[1],
+            values.foot[2] - room.vector[2],
             trail,
         )
-    values[st.DRAG_X] = rx
-    values[st.DRAG_X + 1] = ry
-    values[st.DRAG_X + 2] = rz
+    values.drag[0] = rx
+    values.drag[1] = ry
+    values.drag[2] = rz
 
 
 @uncounted
@@ -286,13 +284,13 @@ def _centre_mark(values, half_widths, trail):
     """Move the outline across its way, so that it reaches as far to both sides of the place."""
     along, across = 0.0, 0.0  # the way's direction in the plane
     for axis in range(3):
-        along -= values[st.DRAG_X + axis] * values[st.BEND_X + axis]
-        across -= values[st.DRAG_X + axis] * values[st.CROSS_X + axis]
+        along -= values.drag[axis] * values.bend[axis]
+        across -= values.drag[axis] * values.cross[axis]
     length = np.sqrt(along * along + across * across)
     if length <= 1e-9 or trail <= 0.0:
         return
     side_x, side_y = -across / length, along / length
-    half = 0.5 * (values[st.TIP] - values[st.HEEL])
+    half = 0.5 * (values.tip - values.heel)
     left, right = 0.0, 0.0
     for i in range(st.PROFILE_CELLS + 1):
         x = (2.0 * i / st.PROFILE_CELLS - 1.0) * half * side_x
@@ -301,9 +299,7 @@ def _centre_mark(values, half_widths, trail):
         right = max(right, y - x)
     aside = 0.5 * (left - right) * min(1.0, length / trail)
     for axis in range(3):
-        values[st.ORIGIN_X + axis] -= aside * (
-            side_x * values[st.BEND_X + axis] + side_y * values[st.CROSS_X + axis]
-        )
+        values.origin[axis] -= aside * (side_x * values.bend[axis] + side_y * values.cross[axis])
 
 
 @uncounted
@@ -313,17 +309,17 @@ def _press(pose, up_x, up_y, up_z, values, tuft):
     Where the hand means a place, there is a pressure, and the tilt is the handle's lean along the
     bend alone.
     """
-    if values[st.CENTRED] > 0.0:
+    if values.centred > 0.0:
         _limit_tilt(values, up_x, up_y, up_z, tuft)
         _set_descent(values, pose[7] * tuft.full_press, tuft)
         return
     sine = _sine_of_tilt(values, up_x, up_y, up_z)
     sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
-    values[st.TILT] = np.arcsin(sine)
+    values.tilt = np.arcsin(sine)
     if np.isnan(pose[7]):
         height = 0.0
         for axis in range(3):
-            height += (pose[axis] - values[st.FOOT_X + axis]) * values[st.NORMAL_X + axis]
+            height += (pose[axis] - values.foot[axis]) * values.normal[axis]
         descent = tuft.length * sine - height
     else:
         descent = pose[7] * tuft.full_press
@@ -332,9 +328,9 @@ def _press(pose, up_x, up_y, up_z, values, tuft):
 
 @uncounted
 def _set_descent(values, descent, tuft):
-    descent = min(descent, greatest_descent(tuft, values[st.TILT]))
-    values[st.DESCENT] = descent
-    values[st.PRESSURE] = min(1.0, max(0.0, descent / tuft.full_press))
+    descent = min(descent, greatest_descent(tuft, values.tilt))
+    values.descent = descent
+    values.pressure = min(1.0, max(0.0, descent / tuft.full_press))
 
 
 @uncounted
@@ -347,60 +343,58 @@ def _settle(values, up_x, up_y, up_z, tuft):
     moves the outline.
     """
     length = tuft.length
-    nx, ny, nz = values[st.NORMAL_X], values[st.NORMAL_X + 1], values[st.NORMAL_X + 2]
+    nx, ny, nz = values.normal[0], values.normal[1], values.normal[2]
     fx, fy, fz = (
-        values[st.FOOT_NORMAL_X],
-        values[st.FOOT_NORMAL_X + 1],
-        values[st.FOOT_NORMAL_X + 2],
+        values.foot_normal[0],
+        values.foot_normal[1],
+        values.foot_normal[2],
     )
-    height = length * (up_x * fx + up_y * fy + up_z * fz) - values[st.DESCENT]
+    height = length * (up_x * fx + up_y * fy + up_z * fz) - values.descent
     # from P'_m to the straight tip, in the plane
     tx = height * fx - length * up_x
     ty = height * fy - length * up_y
     tz = height * fz - length * up_z
     lean = _limit_tilt(values, up_x, up_y, up_z, tuft)
-    tilt = values[st.TILT]
+    tilt = values.tilt
     back = length * np.cos(tilt) + length * max(0.0, lean - np.cos(tilt))
-    tx -= back * values[st.BEND_X]
-    ty -= back * values[st.BEND_Y]
-    tz -= back * values[st.BEND_Z]
+    tx -= back * values.bend[0]
+    ty -= back * values.bend[1]
+    tz -= back * values.bend[2]
     along = tx * nx + ty * ny + tz * nz
-    values[st.ORIGIN_X] = values[st.FOOT_X] + tx - along * nx
-    values[st.ORIGIN_X + 1] = values[st.FOOT_X + 1] + ty - along * ny
-    values[st.ORIGIN_X + 2] = values[st.FOOT_X + 2] + tz - along * nz
-    values[st.DESCENT] = min(values[st.DESCENT], greatest_descent(tuft, tilt))
+    values.origin[0] = values.foot[0] + tx - along * nx
+    values.origin[1] = values.foot[1] + ty - along * ny
+    values.origin[2] = values.foot[2] + tz - along * nz
+    values.descent = min(values.descent, greatest_descent(tuft, tilt))
 
 
 @uncounted
 def _limit_tilt(values, up_x, up_y, up_z, tuft):
     """Make the handle's lean along the bend the model's tilt; returns the sine of that lean."""
     lean = _lean(values, up_x, up_y, up_z)
-    values[st.TILT] = max(np.arccos(min(1.0, max(0.0, lean))), tuft.lowest_tilt)
+    values.tilt = max(np.arccos(min(1.0, max(0.0, lean))), tuft.lowest_tilt)
     return lean
 
 
 @uncounted
 def _lean(values, up_x, up_y, up_z):
-    return -(up_x * values[st.BEND_X] + up_y * values[st.BEND_Y] + up_z * values[st.BEND_Z])
+    return -(up_x * values.bend[0] + up_y * values.bend[1] + up_z * values.bend[2])
 
 
 @uncounted
 def _hold_outline(values):
     """Let the enclosing sphere, made before the plane leaned, hold the outline that came of it."""
     for along, across in (
-        (values[st.TIP], 0.0),
-        (values[st.HEEL], 0.0),
-        (values[st.REACH_OF_WIDEST], values[st.WIDEST]),
-        (values[st.REACH_OF_WIDEST], -values[st.WIDEST]),
+        (values.tip, 0.0),
+        (values.heel, 0.0),
+        (values.widest_at, values.widest),
+        (values.widest_at, -values.widest),
     ):
         st.hold_point(values, along, across)
 
 
 @uncounted
 def _sine_of_tilt(values, up_x, up_y, up_z):
-    return (
-        up_x * values[st.NORMAL_X] + up_y * values[st.NORMAL_X + 1] + up_z * values[st.NORMAL_X + 2]
-    )
+    return up_x * values.normal[0] + up_y * values.normal[1] + up_z * values.normal[2]
 
 
 @uncounted
@@ -409,23 +403,23 @@ def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
 
     A handle over a place that the hand means may lean to the side of the bend as far as it likes.
     """
-    if values[st.CENTRED] > 0.0:
+    if values.centred > 0.0:
         upright = np.sin(np.arccos(min(1.0, max(0.0, _lean(values, up_x, up_y, up_z)))))
     else:
         upright = _sine_of_tilt(values, up_x, up_y, up_z)
     if upright < np.sin(tuft.lowest_tilt) - 1e-9:
         counters[TILT_LIMITED] += 1
-    if values[st.DESCENT] >= greatest_descent(tuft, values[st.TILT]):
+    if values.descent >= greatest_descent(tuft, values.tilt):
         counters[OVERPRESSED] += 1
 
 
 @uncounted
 def start_sheet(values, field):
     """The sheet of surface under the foot point, or -1."""
-    cell = find_cell(field, values[st.FOOT_X], values[st.FOOT_X + 1], values[st.FOOT_X + 2])
+    cell = find_cell(field, values.foot[0], values.foot[1], values.foot[2])
     if cell < 0:
         return -1
-    return sheet_of(field, cell, int(values[st.TRIANGLE]))
+    return sheet_of(field, cell, int(values.triangle))
 
 
 @uncounted
@@ -438,8 +432,9 @@ def lean_plane(values, field, room):
     n = _flood(values, field, room)
     if n > 0:
         _sum_normals(
-            field.sheet_pack, room.sheets, n, values, values[st.SPHERE_X], values[st.SPHERE_X + 1],
-            values[st.SPHERE_X + 2], values[st.RADIUS], field.numbers[1], 0.0, room.vector,
+            field.sheet_pack, room.sheets, n, values, values.sphere_centre[0],
+            values.sphere_centre[1], values.sphere_centre[2], values.radius, field.cell_size,
+            0.0, room.vector,
         )  # fmt: skip
         _set_normal(values, room.vector)
 
@@ -452,8 +447,8 @@ def _flood(values, field, room):
         return 0
     room.tick[0] += 1
     room.patch[0] = flood_patch(
-        field, sheet, values[st.SPHERE_X], values[st.SPHERE_X + 1], values[st.SPHERE_X + 2],
-        values[st.RADIUS] + field.numbers[1], room.stamps, room.tick[0], room.sheets,
+        field, sheet, values.sphere_centre[0], values.sphere_centre[1], values.sphere_centre[2],
+        values.radius + field.cell_size, room.stamps, room.tick[0], room.sheets,
     )  # fmt: skip
     return room.patch[0]
 
@@ -470,11 +465,11 @@ def _lean_plane_under(values, extent, field, room):
     n = _flood(values, field, room)
     if n == 0:
         return
-    cell = field.numbers[1]
+    cell = field.cell_size
     fade = max(_LEAST_FADE * cell, min(cell, extent))
     _sum_normals(
-        field.sheet_pack, room.sheets, n, values, values[st.FOOT_X], values[st.FOOT_X + 1],
-        values[st.FOOT_X + 2], extent, fade, _OTHER_SIDE, room.vector,
+        field.sheet_pack, room.sheets, n, values, values.foot[0], values.foot[1],
+        values.foot[2], extent, fade, _OTHER_SIDE, room.vector,
     )  # fmt: skip
     _set_normal(values, room.vector)
 
@@ -485,9 +480,9 @@ def _set_normal(values, vector):
     sum_x, sum_y, sum_z = vector[0], vector[1], vector[2]
     norm = np.sqrt(sum_x * sum_x + sum_y * sum_y + sum_z * sum_z)
     if norm > 0.0:
-        values[st.NORMAL_X] = sum_x / norm
-        values[st.NORMAL_X + 1] = sum_y / norm
-        values[st.NORMAL_X + 2] = sum_z / norm
+        values.normal[0] = sum_x / norm
+        values.normal[1] = sum_y / norm
+        values.normal[2] = sum_z / norm
 
 
 @uncounted(error_model="numpy")
@@ -497,9 +492,9 @@ def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, least, total
     At its border they fade in over the way `fade`, mm. `least` is the cosine to the foot's normal,
     times the sheet's area, that a sheet must exceed.
     """
-    fx = values[st.FOOT_NORMAL_X]
-    fy = values[st.FOOT_NORMAL_X + 1]
-    fz = values[st.FOOT_NORMAL_X + 2]
+    fx = values.foot_normal[0]
+    fy = values.foot_normal[1]
+    fz = values.foot_normal[2]
     x, y, z = 0.0, 0.0, 0.0
     for k in range(n):
         s = sheets[k]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import sweep as sw
 from paint3d.core.kernel import uncounted
 
 __all__ = ["AWAY", "LEAST_FACING", "project_run", "take_run"]
@@ -13,26 +12,32 @@ LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vert
 AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
 
 
+@uncounted
+def _single(vector):
+    """The numbers of a vector (3,) in single precision."""
+    return np.float32(vector[0]), np.float32(vector[1]), np.float32(vector[2])
+
+
 @uncounted(error_model="numpy")
-def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
+def project_run(px, py, pz, nx, ny, nz, first, n, sweep, xs, ys, stretch, at):
     """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
     Straight-line float32 code over consecutive memory: the compiler turns it into vector
     instructions. A vertex that faces away, or lands outside the enclosing sphere, is sent far off;
     where it lands and not where it is, for a convex surface falls away from under the tip.
-    So is one that would be carried farther than the frame says, as from a ridge beside the brush,
+    So is one that would be carried farther than the sweep says, as from a ridge beside the brush,
     or lies outside its ball.
     `stretch` gets the plane's area for one of the surface there, as on a cylinder: 1 / cosine^2.
     """
-    ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
-    ux, uy, uz = np.float32(frame[3]), np.float32(frame[4]), np.float32(frame[5])
-    bx, by, bz = np.float32(frame[6]), np.float32(frame[7]), np.float32(frame[8])
-    cx, cy, cz = np.float32(frame[9]), np.float32(frame[10]), np.float32(frame[11])
-    sx, sy, sz = np.float32(frame[12]), np.float32(frame[13]), np.float32(frame[14])
-    r2 = np.float32(frame[sw.RADIUS2])
-    farthest2 = np.float32(frame[sw.CARRY2])
-    mx, my, mz = np.float32(frame[44]), np.float32(frame[45]), np.float32(frame[46])  # BALL
-    ball2 = np.float32(frame[sw.BALL2])
+    ox, oy, oz = _single(sweep.origin)
+    ux, uy, uz = _single(sweep.normal)
+    bx, by, bz = _single(sweep.bend)
+    cx, cy, cz = _single(sweep.cross)
+    sx, sy, sz = _single(sweep.sphere_centre)
+    r2 = np.float32(sweep.radius2)
+    farthest2 = np.float32(sweep.carry2)
+    mx, my, mz = _single(sweep.ball)
+    ball2 = np.float32(sweep.ball2)
     least = np.float32(LEAST_FACING)
     away = np.float32(AWAY)
     one = np.float32(1.0)
@@ -68,17 +73,17 @@ def project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, at):
 
 
 @uncounted(error_model="numpy")
-def take_run(first, last, px, py, pz, nx, ny, nz, frame, out_ids, out_share, out_cover, found):
+def take_run(first, last, px, py, pz, nx, ny, nz, sweep, out_ids, out_share, out_cover, found):
     """All vertices of a run that lands well inside the outline, but those facing away.
 
     First as if there were none of those, in vector instructions; if there are, once more.
     """
-    ox, oy, oz = np.float32(frame[0]), np.float32(frame[1]), np.float32(frame[2])
-    ux, uy, uz = np.float32(frame[3]), np.float32(frame[4]), np.float32(frame[5])
-    r2 = np.float32(frame[sw.RADIUS2])
-    farthest2 = np.float32(frame[sw.CARRY2])
-    mx, my, mz = np.float32(frame[44]), np.float32(frame[45]), np.float32(frame[46])  # BALL
-    ball2 = np.float32(frame[sw.BALL2])
+    ox, oy, oz = _single(sweep.origin)
+    ux, uy, uz = _single(sweep.normal)
+    r2 = np.float32(sweep.radius2)
+    farthest2 = np.float32(sweep.carry2)
+    mx, my, mz = _single(sweep.ball)
+    ball2 = np.float32(sweep.ball2)
     least = np.float32(LEAST_FACING)
     one = np.float32(1.0)
     n = last - first

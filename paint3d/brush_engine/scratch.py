@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.coverage import WORK_ROWS
 from paint3d.brush_engine.distance import DISC_ROWS
-from paint3d.brush_engine.sweep import BETWEEN_SHAPE, FRAME_SIZE
+from paint3d.brush_engine.sweep import BETWEEN_SHAPE, SWEEP
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE
 from paint3d.mesh.refined_mesh import PaintMesh
@@ -30,7 +30,7 @@ class Room(NamedTuple):
     reach: NDArray  # (OUTLINE_CAPACITY,)
     half_width: NDArray  # (OUTLINE_CAPACITY,)
     bounds: NDArray  # (8,)
-    frame: NDArray  # (FRAME_SIZE,)
+    sweep: NDArray  # (1,) of SWEEP
     between: NDArray  # BETWEEN_SHAPE
     tick: NDArray  # (2,) int64, patches flooded and sweeps gathered so far
     patch: NDArray  # (1,) int64, sheets in the patch that was flooded last
@@ -72,7 +72,7 @@ def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
         reach=np.zeros(OUTLINE_CAPACITY),
         half_width=np.zeros(OUTLINE_CAPACITY),
         bounds=np.zeros(8),
-        frame=np.zeros(FRAME_SIZE),
+        sweep=np.zeros(1, SWEEP),
         between=np.zeros(BETWEEN_SHAPE),
         tick=np.zeros(2, np.int64),
         patch=np.zeros(1, np.int64),

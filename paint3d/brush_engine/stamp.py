@@ -15,30 +15,8 @@ from numpy.typing import NDArray
 from paint3d.core.kernel import uncounted
 
 __all__ = [
-    "AREA",
-    "BEND_X",
-    "BEND_Y",
-    "BEND_Z",
-    "CENTRED",
-    "CROSS_X",
-    "DESCENT",
-    "DRAG_X",
-    "FOOT_NORMAL_X",
-    "FOOT_X",
-    "HEEL",
-    "NORMAL_X",
-    "N_VALUES",
-    "ORIGIN_X",
-    "PRESSURE",
+    "GEOMETRY",
     "PROFILE_CELLS",
-    "RADIUS",
-    "REACH_OF_WIDEST",
-    "SPHERE_X",
-    "TILT",
-    "TIP",
-    "TOUCHES",
-    "TRIANGLE",
-    "WIDEST",
     "Stamp",
     "fill_profile",
     "hold_point",
@@ -50,31 +28,43 @@ __all__ = [
 PROFILE_CELLS = 64
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
-# Where each value lies in Stamp.values.
-ORIGIN_X = 0  # 0-2 where the outline is counted from: P'_m, moved as the plane leans, mm
-NORMAL_X = 3  # 3-5 normal of the plane: mean over the effective patch
-BEND_X, BEND_Y, BEND_Z = 6, 7, 8  # direction of P'_m P_0 in the plane (azimuth alpha)
-CROSS_X = 9  # 9-11 normal x bend
-HEEL, TIP = 12, 13  # signed reach of M_d and P_0 along the bend, mm
-WIDEST, REACH_OF_WIDEST = 14, 15  # largest half width and where, mm
-AREA = 16  # mm2
-PRESSURE = 17  # pe of Eq. 2, 0 to 1
-DESCENT, TILT = 18, 19  # D_s mm, theta rad
-SPHERE_X = 20  # 20-22 centre of the enclosing sphere, mm
-RADIUS = 23  # of the enclosing sphere, mm
-TRIANGLE = 24  # base triangle under P'_m
-FOOT_NORMAL_X = 25  # 25-27 interpolated surface normal at P'_m
-TOUCHES = 28  # 1.0 when the tuft leaves a footprint
-DRAG_X = 29  # 29-31 dragged point relative to P'_m, mm; zero until the first contact
-FOOT_X = 32  # 32-34 foot point P'_m, or the place that the hand means, mm
-CENTRED = 35  # 1.0 where the middle of the outline lies at that place
-N_VALUES = 36
+_VECTOR = ("f8", (3,))
+
+GEOMETRY = np.dtype(
+    [
+        (
+            "origin",
+            *_VECTOR,
+        ),  # where the outline is counted from: P'_m, moved as the plane leans, mm
+        ("normal", *_VECTOR),  # of the plane: mean over the effective patch
+        ("bend", *_VECTOR),  # direction of P'_m P_0 in the plane (azimuth alpha)
+        ("cross", *_VECTOR),  # normal x bend
+        ("heel", "f8"),  # signed reach of M_d along the bend, mm
+        ("tip", "f8"),  # and of P_0
+        ("widest", "f8"),  # largest half width, mm
+        ("widest_at", "f8"),  # and its reach
+        ("area", "f8"),  # mm2
+        ("pressure", "f8"),  # pe of Eq. 2, 0 to 1
+        ("descent", "f8"),  # D_s, mm
+        ("tilt", "f8"),  # theta, rad
+        ("sphere_centre", *_VECTOR),  # of the enclosing sphere, mm
+        ("radius", "f8"),  # and its radius
+        ("triangle", "f8"),  # base triangle under P'_m, -1 for none
+        ("foot_normal", *_VECTOR),  # interpolated surface normal at P'_m
+        ("touches", "f8"),  # 1 when the tuft leaves a footprint, else 0
+        ("drag", *_VECTOR),  # dragged point relative to P'_m, mm; zero until the first contact
+        ("foot", *_VECTOR),  # foot point P'_m, or the place that the hand means, mm
+        ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
+    ],
+    align=True,
+)
+"""Where a stamp stands, and how large it is."""
 
 
 class Stamp(NamedTuple):
     """A footprint on the surface, as arrays that kernels fill in place."""
 
-    values: NDArray  # (N_VALUES,) float64
+    values: NDArray  # (1,) of GEOMETRY
     half_widths: NDArray  # (PROFILE_CELLS + 2,) float64, mm, even steps from heel to tip
     lines: NDArray  # (PROFILE_CELLS, 4) float32: in each step half width = first + second x place
     # (place in steps from the heel), and third = 1/sqrt(1 + slope^2), for distances to the edge;
@@ -84,13 +74,13 @@ class Stamp(NamedTuple):
 def make_stamp() -> Stamp:
     """An empty stamp that touches nothing."""
     lines = np.zeros((PROFILE_CELLS, 4), np.float32)
-    return Stamp(np.zeros(N_VALUES), np.zeros(PROFILE_CELLS + 2), lines)
+    return Stamp(np.zeros(1, GEOMETRY), np.zeros(PROFILE_CELLS + 2), lines)
 
 
 @uncounted
 def fill_profile(stamp, reach, half_width, n):
     """Tabulate an outline (tip first, `n` points) over even steps from the heel to the tip."""
-    values = stamp.values
+    values = stamp.values[0]
     heel = reach[n - 1]
     tip = reach[0]
     step = (tip - heel) / PROFILE_CELLS
@@ -117,13 +107,13 @@ def fill_profile(stamp, reach, half_width, n):
     for i in range(n):
         if half_width[i] > widest:
             widest = half_width[i]
-            values[REACH_OF_WIDEST] = reach[i]
+            values.widest_at = reach[i]
     for i in range(n - 1):
         area += (half_width[i] + half_width[i + 1]) * (reach[i] - reach[i + 1])
-    values[HEEL] = heel
-    values[TIP] = tip
-    values[WIDEST] = widest
-    values[AREA] = area
+    values.heel = heel
+    values.tip = tip
+    values.widest = widest
+    values.area = area
 
 
 @uncounted
@@ -131,10 +121,10 @@ def hold_point(values, along, across):
     """Let the stamp's enclosing sphere hold a point of its plane, `along` and `across` the bend."""
     d2 = 0.0
     for axis in range(3):
-        d = values[ORIGIN_X + axis] - values[SPHERE_X + axis]
-        d += along * values[BEND_X + axis] + across * values[CROSS_X + axis]
+        d = values.origin[axis] - values.sphere_centre[axis]
+        d += along * values.bend[axis] + across * values.cross[axis]
         d2 += d * d
-    values[RADIUS] = max(values[RADIUS], np.sqrt(d2))
+    values.radius = max(values.radius, np.sqrt(d2))
 
 
 @uncounted
@@ -159,18 +149,18 @@ def ink_way(a, b):
     the less, the lighter the touch, for it all begins in one point. Elsewhere the way is that of
     the outline.
     """
-    if b.values[CENTRED] <= 0.0:
+    if b.values[0].centred <= 0.0:
         return outline_motion(a, b)
-    counts = min(1.0, b.values[PRESSURE] / _FIRM)
-    half_b = 0.5 * (b.values[TIP] - b.values[HEEL])
-    width_b = b.values[WIDEST]
-    half_a = half_b - counts * max(0.0, half_b - 0.5 * (a.values[TIP] - a.values[HEEL]))
-    width_a = width_b - counts * max(0.0, width_b - a.values[WIDEST])
+    counts = min(1.0, b.values[0].pressure / _FIRM)
+    half_b = 0.5 * (b.values[0].tip - b.values[0].heel)
+    width_b = b.values[0].widest
+    half_a = half_b - counts * max(0.0, half_b - 0.5 * (a.values[0].tip - a.values[0].heel))
+    width_a = width_b - counts * max(0.0, width_b - a.values[0].widest)
     tip = heel = left = right = 0.0  # squares of the ways of the outline's four farthest points
     for axis in range(3):
-        middle = b.values[FOOT_X + axis] - a.values[FOOT_X + axis]
-        ends = half_b * b.values[BEND_X + axis] - half_a * a.values[BEND_X + axis]
-        sides = width_b * b.values[CROSS_X + axis] - width_a * a.values[CROSS_X + axis]
+        middle = b.values[0].foot[axis] - a.values[0].foot[axis]
+        ends = half_b * b.values[0].bend[axis] - half_a * a.values[0].bend[axis]
+        sides = width_b * b.values[0].cross[axis] - width_a * a.values[0].cross[axis]
         tip += (middle + ends) ** 2
         heel += (middle - ends) ** 2
         left += (middle + sides) ** 2
@@ -184,14 +174,14 @@ def _outline_point(stamp, point, axis):
 
     Where the outline is widest is no use here: that jumps from one of its points to another.
     """
-    values = stamp.values
+    values = stamp.values[0]
     if point == 0:
-        along, across = values[TIP], 0.0
+        along, across = values.tip, 0.0
     elif point == 1:
-        along, across = values[HEEL], 0.0
+        along, across = values.heel, 0.0
     elif point == 2:
-        along, across = 0.5 * (values[HEEL] + values[TIP]), values[WIDEST]
+        along, across = 0.5 * (values.heel + values.tip), values.widest
     else:
-        along, across = 0.5 * (values[HEEL] + values[TIP]), -values[WIDEST]
-    origin = values[ORIGIN_X + axis]
-    return origin + along * values[BEND_X + axis] + across * values[CROSS_X + axis]
+        along, across = 0.5 * (values.heel + values.tip), -values.widest
+    origin = values.origin[axis]
+    return origin + along * values.bend[axis] + across * values.cross[axis]

@@ -169,18 +169,18 @@ def _bow(samples, i, pose):
 @uncounted
 def _sweeps(before, after, bow, dragged, tuft, resolution):
     """How many sweeps the way between two stamps is cut into."""
-    a = before.values
-    b = after.values
+    a = before.values[0]
+    b = after.values[0]
     extent = 1e30
     for values in (a, b):
-        if values[st.TOUCHES] > 0.0:
-            extent = min(extent, values[st.TIP] - values[st.HEEL], 2.0 * values[st.WIDEST])
+        if values.touches > 0.0:
+            extent = min(extent, values.tip - values.heel, 2.0 * values.widest)
         else:
             extent = 0.0
     step = max(_FINEST_STEP * resolution, _STEP_SHARE * extent)
     n = max(outline_motion(before, after) / step, np.sqrt(bow / (_BOW * resolution)))
     if dragged:
-        slack = drag_length(b[st.DESCENT], tuft.length, tuft.drag_fraction)
+        slack = drag_length(b.descent, tuft.length, tuft.drag_fraction)
         n = max(n, _foot_motion(a, b) * _DRAG_STEPS / max(slack, resolution))
     return min(_MOST_STEPS, max(1, int(np.ceil(n))))
 
@@ -188,15 +188,14 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
 @uncounted
 def _foot_motion(a, b):
     d2 = 0.0
-    for axis in range(st.FOOT_X, st.FOOT_X + 3):
-        d2 += (b[axis] - a[axis]) ** 2
+    for axis in range(3):
+        d2 += (b.foot[axis] - a.foot[axis]) ** 2
     return np.sqrt(d2)
 
 
 @uncounted
 def _copy(source, target):
-    for k in range(st.N_VALUES):
-        target.values[k] = source.values[k]
+    target.values[0] = source.values[0]
     for k in range(st.PROFILE_CELLS + 2):
         target.half_widths[k] = source.half_widths[k]
     for k in range(st.PROFILE_CELLS):
@@ -237,19 +236,19 @@ def paint_samples(
     while at[0] < last:
         i = at[0]
         if not samples.joined[i + 1]:
-            before.values[st.TOUCHES] = 0.0
+            before.values[0].touches = 0.0
             at[0] += 1
             at[1] = 0
             at[2] = 0
             continue
         if at[2] == 0:
             if samples.pressure[i] <= 0.0 and samples.pressure[i + 1] <= 0.0:
-                before.values[st.TOUCHES] = 0.0
+                before.values[0].touches = 0.0
                 at[0] += 1
                 continue
             counters[SAMPLES] += 1
-            if before.values[st.TOUCHES] > 0.0:
-                if may_pass(samples, i + 1, progress.noted, brush, field.numbers[0]):
+            if before.values[0].touches > 0.0:
+                if may_pass(samples, i + 1, progress.noted, brush, field.resolution):
                     at[0] += 1
                     continue
             else:
@@ -257,21 +256,21 @@ def paint_samples(
                 tuft = drive(samples, i, 0.0, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
                 if samples.joined[i]:
-                    before.values[st.TOUCHES] = 0.0
+                    before.values[0].touches = 0.0
                 # else the stroke begins pressed: the footprint stands there from the start
             _interpolate(samples, i, 1.0, pose)
             tuft = drive(samples, i, 1.0, pose, before, brush, ink, curves)
             place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
             at[1] = 1
             bow = _bow(samples, i, pose)
-            at[2] = _sweeps(before, after, bow, dragged, tuft, field.numbers[0])
+            at[2] = _sweeps(before, after, bow, dragged, tuft, field.resolution)
         tuft = drive(samples, i, 1.0, pose, before, brush, ink, curves)
         while at[1] <= at[2]:
             if at[2] > 1:  # a single sweep ends where the sample is: placed above
                 _interpolate(samples, i, at[1] / at[2], pose)
                 tuft = drive(samples, i, at[1] / at[2], pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
-            if after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0:
+            if after.values[0].touches > 0.0 or before.values[0].touches > 0.0:
                 if not sweep_deposit(before, after, tuft, field, ink, counters, room):
                     return NEEDS_ROOM
                 counters[FOOTPRINTS] += 1

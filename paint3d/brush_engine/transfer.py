@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.stamp import ink_way
 from paint3d.core.kernel import uncounted
 
@@ -22,9 +21,9 @@ def ink_released(before, after, tuft, ink):
     """
     pressure = 0.0
     n = 0
-    for values in (before.values, after.values):
-        if values[st.TOUCHES] > 0.0:
-            pressure += values[st.PRESSURE]
+    for values in (before.values[0], after.values[0]):
+        if values.touches > 0.0:
+            pressure += values.pressure
         n += 1
     way = ink_way(before, after)
     total = 0.0

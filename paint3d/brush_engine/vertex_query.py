@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.distance import INSIDE, MIXED, find_cells, find_runs
 from paint3d.brush_engine.placement import start_sheet
 from paint3d.brush_engine.projecting import AWAY, project_run
-from paint3d.brush_engine.sweep import BEFORE, fill_between, fill_frame, sweep_bounds
+from paint3d.brush_engine.sweep import fill_between, fill_sweep, sweep_bounds
 from paint3d.core.kernel import uncounted
 from paint3d.mesh.kernels.grid import flood_patch
 from paint3d.mesh.kernels.refine import activate_cell
@@ -25,22 +24,23 @@ CURSOR_SIZE = 4
 @uncounted(error_model="numpy")
 def _find_cells(before, after, plane, field, room):
     """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
-    values = plane.values
+    values = plane.values[0]
     sheet = start_sheet(values, field)
     if sheet < 0:
         return 0
     n_sheets = room.patch[0]
-    if plane.values[st.TOUCHES] <= 0.0 or after.values[st.TOUCHES] <= 0.0:
+    if plane.values[0].touches <= 0.0 or after.values[0].touches <= 0.0:
         # the brush has just left: the patch that was flooded last is not that of this plane
         room.tick[0] += 1
         n_sheets = flood_patch(
-            field, sheet, values[st.SPHERE_X], values[st.SPHERE_X + 1], values[st.SPHERE_X + 2],
-            values[st.RADIUS] + field.numbers[1], room.stamps, room.tick[0], room.sheets,
+            field, sheet, values.sphere_centre[0], values.sphere_centre[1], values.sphere_centre[2],
+            values.radius + field.cell_size, room.stamps, room.tick[0], room.sheets,
         )  # fmt: skip
     room.tick[1] += 1
     cells = find_cells(
-        field.sheet_place, field.sheet_pack, field.origin, field.numbers[1], room.frame,
-        before.values, before.half_widths, after.values, after.half_widths, room.sheets, n_sheets,
+        field.sheet_place, field.sheet_pack, field.origin, field.cell_size, room.sweep[0],
+        before.values[0], before.half_widths, after.values[0], after.half_widths,
+        room.sheets, n_sheets,
         room.cell_ticks, room.tick[1], room.discs, room.where, room.cells, room.slopes,
     )  # fmt: skip
     for k in range(cells):
@@ -51,7 +51,7 @@ def _find_cells(before, after, plane, field, room):
 
 @uncounted(error_model="numpy")
 def find_candidates(before, after, alone, field, margin, scale, room):
-    """Fill the sweep's frame, and find runs of base vertices and cells that it may reach.
+    """Fill the sweep's sweep, and find runs of base vertices and cells that it may reach.
 
     Parameters
     ----------
@@ -62,25 +62,25 @@ def find_candidates(before, after, alone, field, margin, scale, room):
     margin, scale : float
         Width of the soft edge, mm, and boxes of a vertex to the mm.
     room : Room
-        `frame`, `between`, `cells`, `runs` are filled, and `cursor` stands at the beginning.
+        `sweep`, `between`, `cells`, `runs` are filled, and `cursor` stands at the beginning.
 
     Returns
     -------
     runs, cells : int
         How many; cells is -1 where the mesh needs room to grow.
     """
-    plane = after if after.values[st.TOUCHES] > 0.0 else before
+    plane = after if after.values[0].touches > 0.0 else before
     sweep_bounds(before, after, plane, margin, room.bounds)
-    fill_frame(before, after, plane.values, scale, room.bounds, room.frame)
-    fill_between(before, after, room.frame, room.between)
+    fill_sweep(before, after, plane.values[0], scale, room.bounds, room.sweep[0])
+    fill_between(before, after, room.sweep[0], room.between)
     if alone:
-        room.frame[BEFORE] = 0.0
+        room.sweep[0].before_touches = 0.0
     cells = _find_cells(before, after, plane, field, room)
     if cells < 0:
         return 0, cells
     n_runs = find_runs(
         room.cells, room.slopes, cells, field.base_start, field.cell_blocks, field.block_balls,
-        field.cell_sheets, room.frame, before.values, before.half_widths, after.values,
+        field.cell_sheets, room.sweep[0], before.values[0], before.half_widths, after.values[0],
         after.half_widths, room.discs, room.where, room.blocks, room.runs,
     )  # fmt: skip
     cursor = room.cursor
@@ -92,7 +92,7 @@ def find_candidates(before, after, alone, field, margin, scale, room):
 @uncounted(error_model="numpy")
 def next_block(
     n_runs, n_cells, without_inside, runs, cells, head, next_in_cell, cell_sheets, vertex_sheet,
-    px, py, pz, nx, ny, nz, stamps, tick, frame, cursor, ids, packed, rows,
+    px, py, pz, nx, ny, nz, stamps, tick, sweep, cursor, ids, packed, rows,
 ):  # fmt: skip
     """Project the next vertices that the sweep may reach; return how many (0: there are no more).
 
@@ -105,7 +105,7 @@ def next_block(
         From `find_candidates`.
     without_inside : bool
         Pass over runs that lie within the outline: they were taken whole.
-    runs, cells, stamps, frame, cursor, ids, packed : arrays of `Room`
+    runs, cells, stamps, sweep, cursor, ids, packed : arrays of `Room`
     tick : int
         Of the patch.
     head, next_in_cell, cell_sheets, vertex_sheet, px, py, pz, nx, ny, nz : arrays of `SurfaceField`
@@ -120,7 +120,7 @@ def next_block(
         if without_inside and where == INSIDE:
             first = last
         n = min(last - first, size - start)
-        project_run(px, py, pz, nx, ny, nz, first, n, frame, xs, ys, stretch, start)
+        project_run(px, py, pz, nx, ny, nz, first, n, sweep, xs, ys, stretch, start)
         for k in range(n):
             ids[start + k] = first + k
         if where == MIXED:
@@ -149,7 +149,7 @@ def next_block(
     n = end - start
     x, y, z, u, v, w = packed[0], packed[1], packed[2], packed[3], packed[4], packed[5]
     _fetch(n, ids[start:end], px, py, pz, nx, ny, nz, x, y, z, u, v, w)
-    project_run(x, y, z, u, v, w, 0, n, frame, xs, ys, stretch, start)
+    project_run(x, y, z, u, v, w, 0, n, sweep, xs, ys, stretch, start)
     return end
 
 

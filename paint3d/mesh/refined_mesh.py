@@ -8,6 +8,7 @@ arrays.
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -137,14 +138,10 @@ class PaintMesh:
         size = lattice.size
         self.arrays = SurfaceField(
             counts=np.array([n, forest], np.int64),
-            numbers=np.array(
-                [
-                    self.resolution,
-                    size,
-                    _SOFT_EDGE_PER_EDGE * self.resolution,
-                    unit / 2.0**shift,
-                ]
-            ),
+            resolution=float(self.resolution),
+            cell_size=float(size),
+            soft_edge=float(_SOFT_EDGE_PER_EDGE * self.resolution),
+            area_unit=float(unit / 2.0**shift),
             **{f"p{a}": np.ascontiguousarray(points[:, i]) for i, a in enumerate("xyz")},
             **{f"n{a}": np.ascontiguousarray(normals[:, i]) for i, a in enumerate("xyz")},
             key=_position_keys(points),
@@ -195,7 +192,7 @@ class PaintMesh:
         """
         before = None
         if progress is not None:
-            before = self.arrays._replace(**{k: v.copy() for k, v in self.arrays._asdict().items()})
+            before = copy.deepcopy(self.arrays)
         try:
             for cell in range(self.n_cells):
                 while activate_cell(self.arrays, cell) < 0:
@@ -251,7 +248,7 @@ class PaintMesh:
     @property
     def vertex_areas(self) -> NDArray:
         """(V,) float64, mm2: a third of the triangles around each vertex."""
-        return self.arrays.area_units[: self.n_vertices] * self.arrays.numbers[3]
+        return self.arrays.area_units[: self.n_vertices] * self.arrays.area_unit
 
     def leaf_faces(self) -> NDArray:
         """(F, 3) int32: the triangles there are now."""

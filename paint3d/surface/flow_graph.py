@@ -206,7 +206,7 @@ class FlowGraph:
             setattr(self, name, with_room(getattr(self, name), c))
         here, at = slice(self.n_nodes, n), ids[new]
         self.points[here] = np.column_stack([fields.px[at], fields.py[at], fields.pz[at]])
-        unit = fields.numbers[3]
+        unit = fields.area_unit
         areas = np.bincount(node - self.n_nodes, fields.area_units[ids] * unit, n - self.n_nodes)
         self.area[here] = areas
         self.block[here] = self._cell_block[cells[number[new]]]
@@ -284,8 +284,8 @@ class FlowGraph:
         """(F, 3) vertices of the triangles in a block and a margin."""
         mesh = self._mesh
         fields = mesh.arrays
-        size = fields.numbers[1]
-        margin = min(_MARGIN_EDGES * fields.numbers[0], size)
+        size = fields.cell_size
+        margin = min(_MARGIN_EDGES * fields.resolution, size)
         low = fields.origin + self._block_places[block] * (_BLOCK_CELLS * size) - margin
         high = low + _BLOCK_CELLS * size + 2.0 * margin
         roots = np.unique(fields.pair_root[_runs(fields.cell_pairs, cells)])

@@ -68,7 +68,7 @@ def test_a_link_that_leads_to_itself_is_refused(tmp_path: Path) -> None:
 
 def test_refining_that_is_stopped_leaves_the_mesh_as_it_was() -> None:
     mesh = PaintMesh.build(load_mesh("sphere"), 2.0)
-    before = {name: array.copy() for name, array in mesh.arrays._asdict().items()}
+    before = {name: np.copy(array) for name, array in mesh.arrays._asdict().items()}
     with pytest.raises(CancelledError):
         mesh.refine_all(stop_at(0.5))
     after = mesh.arrays._asdict()

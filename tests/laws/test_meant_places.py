@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.brush_engine.stamp import TIP, ink_way, make_stamp
+from paint3d.brush_engine.stamp import ink_way, make_stamp
 from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.errors import RecordingError
@@ -207,15 +207,15 @@ def test_a_lift_where_the_brush_stands_draws_no_dot():
 def test_ink_is_given_for_the_way_on_and_not_for_leaving():
     small, large = make_stamp(), make_stamp()
     for stamp, half in ((small, 2.0), (large, 5.0)):
-        stamp.values[TIP], stamp.values[TIP - 1] = half, -half
-        stamp.values[6], stamp.values[10], stamp.values[14] = 1.0, 1.0, 0.4 * half
-        stamp.values[35] = 1.0
+        stamp.values["tip"], stamp.values["heel"] = half, -half
+        stamp.values["bend"], stamp.values["cross"] = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+        stamp.values["widest"], stamp.values["centred"] = 0.4 * half, 1.0
     assert ink_way(large, small) == 0.0
-    large.values[17] = 0.1  # a light touch
+    large.values["pressure"] = 0.1  # a light touch
     assert ink_way(small, large) == pytest.approx(0.75)
-    large.values[17] = 0.5
+    large.values["pressure"] = 0.5
     assert ink_way(small, large) == pytest.approx(3.0)
-    small.values[32] = 2.0  # the place moves
+    small.values["foot"] = (2.0, 0.0, 0.0)  # the place moves
     assert ink_way(large, small) == pytest.approx(2.0)
 
 

@@ -119,7 +119,7 @@ WEIGHTS = np.array([(i, j, 12 - i - j) for i in range(13) for j in range(13 - i)
 def rows_meeting(mesh, cells):
     """Leaves with one of 91 points, spread evenly over each, in one of the cells."""
     points = np.einsum("wc,fck->fwk", WEIGHTS, mesh.vertices.astype(float)[mesh.leaf_faces()])
-    place = np.floor((points - mesh.arrays.origin) / mesh.arrays.numbers[1]).astype(np.int64)
+    place = np.floor((points - mesh.arrays.origin) / mesh.arrays.cell_size).astype(np.int64)
     code = place @ np.array([1, 1 << 20, 1 << 40])
     wanted = mesh.arrays.cell_place[cells].astype(np.int64) @ np.array([1, 1 << 20, 1 << 40])
     return np.isin(code, wanted).any(axis=1)
@@ -180,7 +180,7 @@ def test_a_finished_vertex_never_changes(shape, seed):
     mesh = PaintMesh.build(MESHES[shape](), EDGE)
     cells = some_cells(mesh, seed)
     refine(mesh, cells)
-    place = np.floor((mesh.vertices - mesh.arrays.origin) / mesh.arrays.numbers[1]).astype(int)
+    place = np.floor((mesh.vertices - mesh.arrays.origin) / mesh.arrays.cell_size).astype(int)
     done = {tuple(p) for p in mesh.arrays.cell_place[cells].tolist()}
     finished = np.array([tuple(p) in done for p in place.tolist()])
     areas = mesh.arrays.area_units[: mesh.n_vertices][finished].copy()
@@ -263,7 +263,7 @@ def test_every_vertex_is_found_in_its_cell(shape):
     mesh = PaintMesh.build(MESHES[shape](), EDGE)
     refine(mesh, some_cells(mesh, 8))
     field = mesh.arrays
-    place = np.floor((mesh.vertices - field.origin) / field.numbers[1]).astype(int)
+    place = np.floor((mesh.vertices - field.origin) / field.cell_size).astype(int)
     seen = Counter()
     for cell in range(mesh.n_cells):
         v = int(field.head[cell])

@@ -76,7 +76,7 @@ def test_closed_bodies_and_bare_edges_have_no_cracks():
         points = np.column_stack([field.px, field.py, field.pz]).astype(np.float32)
         faces = np.ascontiguousarray(field.node_vertices[: len(mesh.faces)])
         n = link_cracks(
-            points, faces, field.radial[: 3 * len(faces)], field.origin, field.numbers[1],
+            points, faces, field.radial[: 3 * len(faces)], field.origin, field.cell_size,
             field.table, places, field.cell_pairs, field.pair_root, field.pair_sheet, 0.1, links,
         )  # fmt: skip
         assert n == 0

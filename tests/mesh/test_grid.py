@@ -77,7 +77,7 @@ def test_every_point_of_a_triangle_lies_in_a_cell_that_lists_it(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_no_cell_lists_a_triangle_that_is_far_away(seed):
     mesh = PaintMesh.build(soup(seed), 0.6)
-    field, size = mesh.arrays, mesh.arrays.numbers[1]
+    field, size = mesh.arrays, mesh.arrays.cell_size
     corners = mesh.vertices.astype(float)[mesh.base_faces]
     runs = np.repeat(np.arange(mesh.n_cells), np.diff(field.cell_pairs))
     middle = field.origin + (field.cell_place[runs] + 0.5) * size
@@ -113,9 +113,9 @@ def test_sheets_hold_the_whole_surface(make):
     )
     real = field.sheet_area > 1e-9
     off = field.sheet_centre - (
-        field.origin + (field.cell_place[field.sheet_cell] + 0.5) * field.numbers[1]
+        field.origin + (field.cell_place[field.sheet_cell] + 0.5) * field.cell_size
     )
-    assert np.abs(off[real]).max() <= 0.5 * field.numbers[1] * (1.0 + 1e-9)
+    assert np.abs(off[real]).max() <= 0.5 * field.cell_size * (1.0 + 1e-9)
 
 
 def test_flat_sheets_have_their_faces_normal():
@@ -152,7 +152,7 @@ def test_two_plates_in_one_cell_are_two_sheets():
 def test_a_ball_reaches_all_of_a_flat_patch():
     mesh = PaintMesh.build(plates(gap=40.0), 0.4)
     patch = flood(mesh, [6.0, 6.0, 0.0], 3.0)
-    field, size = mesh.arrays, mesh.arrays.numbers[1]
+    field, size = mesh.arrays, mesh.arrays.cell_size
     low = field.origin + field.cell_place[field.sheet_cell] * size
     away = np.maximum(0.0, np.maximum(low - [6, 6, 0], [6, 6, 0] - low - size))
     near = np.flatnonzero(np.linalg.norm(away, axis=1) <= 3.0)
@@ -194,7 +194,7 @@ def test_base_vertices_stand_in_runs_by_cell():
     assert field.base_start[0] == 0
     assert field.base_start[-1] == mesh.n_base_vertices
     cell = np.repeat(np.arange(mesh.n_cells), np.diff(field.base_start))
-    place = np.floor((mesh.vertices - field.origin) / field.numbers[1])
+    place = np.floor((mesh.vertices - field.origin) / field.cell_size)
     np.testing.assert_array_equal(place, field.cell_place[cell])
     np.testing.assert_array_equal(field.sheet_cell[field.vertex_sheet[: len(cell)]], cell)
 

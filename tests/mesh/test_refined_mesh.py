@@ -209,7 +209,7 @@ def test_cells_grow_with_a_large_surface_and_with_no_other(monkeypatch):
     sizes, cells = [], []
     for side in (50.0, 100.0, 400.0, 1000.0):
         mesh = PaintMesh.build(square(side), 0.4)
-        sizes.append(float(mesh.arrays.numbers[1]))
+        sizes.append(float(mesh.arrays.cell_size))
         cells.append(mesh.n_cells)
     assert sizes == pytest.approx([2.0, 2.0, 4.0, 10.0])
     assert cells[1] == pytest.approx(4 * cells[0], rel=0.1)

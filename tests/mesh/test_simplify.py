@@ -37,8 +37,8 @@ def blot(points):
 def refined(lazily=False):
     mesh = PaintMesh.build(box(), 0.5)
     if lazily:
-        middle = mesh.arrays.origin + (mesh.arrays.cell_place + 0.5) * mesh.arrays.numbers[1]
-        size = mesh.arrays.numbers[1]
+        middle = mesh.arrays.origin + (mesh.arrays.cell_place + 0.5) * mesh.arrays.cell_size
+        size = mesh.arrays.cell_size
         for cell in np.flatnonzero(np.linalg.norm(middle - 6.0, axis=1) < 2.5 + size):
             assert activate_cell(mesh.arrays, int(cell)) == 0
     else:

@@ -9,7 +9,6 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
 from paint3d.brush_engine.bristles.contact import BEGIN, END
 from paint3d.painter.painter import Painter
@@ -30,9 +29,9 @@ def standing(painter, tilt, press):
     recording = poses(still, UP, BACK, pressure, brush, np.radians(tilt), 125.0)
     painter.dip()
     painter.advance(sample_of(recording, k) for k in range(6))
-    values = painter._progress.before.values.copy()
+    values = painter._progress.before.values[0].copy()
     painter.finish()
-    return values[st.TIP] - values[st.HEEL], 2.0 * values[st.WIDEST]
+    return values["tip"] - values["heel"], 2.0 * values["widest"]
 
 
 @pytest.mark.parametrize("brush", PRESETS)

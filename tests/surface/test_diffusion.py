@@ -241,7 +241,7 @@ def test_vertices_appear_ahead_of_the_water():
     surface = PaintedSurface(paint3d.load_mesh("plane"), 0.6, SMOOTH)
     column = surface.column_of(load_pigment("pine soot"))
     fields = surface.paint_mesh.arrays
-    cells = np.flatnonzero((fields.cell_place[:, :2] * fields.numbers[1] < 4).all(axis=1))
+    cells = np.flatnonzero((fields.cell_place[:, :2] * fields.cell_size < 4).all(axis=1))
     activate_cells(surface.paint_mesh.arrays, cells.astype(np.int32), 0)
     n = surface.n_vertices
     corner = surface.paint_mesh.vertices[0]
@@ -388,7 +388,7 @@ def laid(radius=2.5, coats=6.0):
     """A sheet of paper, refined where ink comes, with a wet disc on it."""
     surface = PaintedSurface(paint3d.load_mesh("plane"), 0.6, SMOOTH)
     fields = surface.paint_mesh.arrays
-    middle = fields.origin + (fields.cell_place + 0.5) * fields.numbers[1]
+    middle = fields.origin + (fields.cell_place + 0.5) * fields.cell_size
     cells = np.flatnonzero(np.linalg.norm(middle[:, :2], axis=1) < radius + 3.0).astype(np.int32)
     activate_cells(fields, cells, 0)
     return drop(surface, coats, radius)

@@ -12,10 +12,11 @@ __all__ = ["deposit_standing", "place_standing"]
 @kernel
 def place_standing(poses, tuft, tree, field, counters, room, stamp, values, half_widths, lines):
     """Place a stamp for every pose (D, 9), and keep them in arrays with D rows."""
+    nothing = stamp.values.copy()
     for i in range(poses.shape[0]):
-        stamp.values[:] = 0.0
+        stamp.values[0] = nothing[0]
         place_stamp(poses[i], False, stamp, stamp, tuft, tree, field, counters, room)
-        values[i] = stamp.values
+        values[i, 0] = stamp.values[0]
         half_widths[i] = stamp.half_widths
         lines[i] = stamp.lines
 
@@ -24,8 +25,8 @@ def place_standing(poses, tuft, tree, field, counters, room, stamp, values, half
 def deposit_standing(values, half_widths, lines, tuft, field, ink, counters, room, before, after):
     """Leave every stamp once: plane, vertices, projection and ink. `before` touches nothing."""
     for i in range(values.shape[0]):
-        after.values[:] = values[i]
+        after.values[0] = values[i, 0]
         after.half_widths[:] = half_widths[i]
         after.lines[:] = lines[i]
-        lean_plane(after.values, field, room)
+        lean_plane(after.values[0], field, room)
         sweep_deposit(before, after, tuft, field, ink, counters, room)

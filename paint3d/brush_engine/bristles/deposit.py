@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.bristles.ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
 from paint3d.brush_engine.bristles.lookup import gather_under_hairs
 from paint3d.brush_engine.bristles.state import UNLEVELLED
@@ -72,14 +71,14 @@ def sweep_hairs(before, after, ready, bristles, hairs, field, ink, counters, roo
 
     Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`.
     """
-    width = field.numbers[2]
-    unit = field.numbers[3]
+    width = field.soft_edge
+    unit = field.area_unit
     found, within, weighed = gather_under_hairs(
         hairs.imprint, after, field, width, 1.0 / width, counters, room, hairs.lanes
     )
     if found < 0:
         return False
-    area = after.values[st.AREA]
+    area = after.values[0].area
     scale = 0.0 if area < width * width and within == 0 else 1.0
     lands = landing_share(area, width, weighed, within)
     level = contact_level(before, after, ink)

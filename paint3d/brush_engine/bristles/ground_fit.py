@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
 from paint3d.core.kernel import kernel
 
 __all__ = ["PATCH_SIZE", "fit_patch"]
@@ -115,10 +114,10 @@ def _solve(normal, right, out):
 @kernel(error_model="numpy")
 def _turn(values, x, y, z, nx, ny, nz):
     """A point and a normal in the stamp's axes: along the bend, to its side, up."""
-    dx = np.float64(x) - values[st.ORIGIN_X]
-    dy = np.float64(y) - values[st.ORIGIN_X + 1]
-    dz = np.float64(z) - values[st.ORIGIN_X + 2]
-    b, c, u = values[st.BEND_X : st.BEND_X + 3], values[st.CROSS_X :], values[st.NORMAL_X :]
+    dx = np.float64(x) - values.origin[0]
+    dy = np.float64(y) - values.origin[1]
+    dz = np.float64(z) - values.origin[2]
+    b, c, u = values.bend, values.cross, values.normal
     return (
         dx * b[0] + dy * b[1] + dz * b[2], dx * c[0] + dy * c[1] + dz * c[2],
         dx * u[0] + dy * u[1] + dz * u[2], nx * b[0] + ny * b[1] + nz * b[2],
@@ -145,7 +144,7 @@ def fit_patch(values, field, room, work, out):
     normal, right = work[:6], work[6]
     sums = work[7:12].reshape(30)
     work[:] = 0.0
-    radius = values[st.RADIUS]
+    radius = values.radius
     pack = field.sheet_pack
     step = 1 + room.patch[0] // _MOST_SHEETS
     for k in range(0, room.patch[0], step):
@@ -158,8 +157,8 @@ def fit_patch(values, field, room, work, out):
         if nz > _LEAST_FACING * area and x * x + y * y <= 1.0:
             _add_place(sums, x, y, z, -nx / nz, -ny / nz, area)
     x, y, z, nx, ny, nz = _turn(
-        values, values[st.FOOT_X], values[st.FOOT_X + 1], values[st.FOOT_X + 2],
-        values[st.FOOT_NORMAL_X], values[st.FOOT_NORMAL_X + 1], values[st.FOOT_NORMAL_X + 2],
+        values, values.foot[0], values.foot[1], values.foot[2],
+        values.foot_normal[0], values.foot_normal[1], values.foot_normal[2],
     )  # fmt: skip
     nz = max(nz, _LEAST_FACING)
     weight = _FOOT * sums[0] + _RIDGE

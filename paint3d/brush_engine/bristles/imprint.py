@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
 from paint3d.brush_engine.bristles.contact import BEGIN, END, GIVES, LAID, THICK, add_up
 from paint3d.brush_engine.bristles.outline import BINS, CELLS, OUTER, draw_outline, index_stations
@@ -206,7 +205,7 @@ def draw_imprint(stamp, bristles, hairs, load, wet, dot, resolution, reach, half
     _fill_mix(imprint.mix)
     _finish_map(imprint, last, wet, max(dot, finest))
     draw_outline(stamp, imprint, hairs.points, hairs.findings, count, dot, reach, half_width)
-    index_stations(imprint, last, stamp.values[st.TIP], stamp.values[st.HEEL])
+    index_stations(imprint, last, stamp.values[0].tip, stamp.values[0].heel)
 
 
 @kernel(error_model="numpy")

@@ -32,11 +32,11 @@ _MOST_BEND = 1.0 / 16.0  # of the vertex spacing
 @kernel(error_model="numpy")
 def note_cause(values, tuft, patch, dryness, parted, set_x, set_y, kept):
     """Note what the hairs of a stamp would be bent by, in mm at the tuft's border."""
-    radius = values[st.RADIUS]
+    radius = values.radius
     now = kept[_NOW:_OUTLINE]
-    now[0] = values[st.DESCENT]
-    now[1] = values[st.TILT] * tuft.length
-    now[2] = values[st.PRESSURE] * radius
+    now[0] = values.descent
+    now[1] = values.tilt * tuft.length
+    now[2] = values.pressure * radius
     now[3] = tuft.spread * radius
     now[4] = patch[0]
     now[5], now[6] = patch[1] * radius, patch[2] * radius
@@ -77,8 +77,8 @@ def may_keep(before, values, way_done, resolution, kept):
 def _step(before, values):
     """Way of the foot point from the stamp before, mm."""
     d2 = 0.0
-    for axis in range(st.FOOT_X, st.FOOT_X + 3):
-        d2 += (values[axis] - before.values[axis]) ** 2
+    for axis in range(3):
+        d2 += (values.foot[axis] - before.values[0].foot[axis]) ** 2
     return np.sqrt(d2)
 
 
@@ -94,9 +94,9 @@ def keep_bend(before, values, way_done, touching, kept):
 @kernel(error_model="numpy")
 def keep_outline(stamp, kept, lines):
     """Note the outline that was drawn."""
-    values, out = stamp.values, kept[_OUTLINE:]
-    out[0], out[1], out[2] = values[st.HEEL], values[st.TIP], values[st.WIDEST]
-    out[3], out[4] = values[st.REACH_OF_WIDEST], values[st.AREA]
+    values, out = stamp.values[0], kept[_OUTLINE:]
+    out[0], out[1], out[2] = values.heel, values.tip, values.widest
+    out[3], out[4] = values.widest_at, values.area
     out[5:] = stamp.half_widths
     lines[:] = stamp.lines
     kept[DRAWN] = 1.0
@@ -105,9 +105,9 @@ def keep_outline(stamp, kept, lines):
 @kernel(error_model="numpy")
 def carry_outline(stamp, kept, lines):
     """Give a stamp the outline that was drawn last."""
-    values, out = stamp.values, kept[_OUTLINE:]
-    values[st.HEEL], values[st.TIP], values[st.WIDEST] = out[0], out[1], out[2]
-    values[st.REACH_OF_WIDEST], values[st.AREA] = out[3], out[4]
+    values, out = stamp.values[0], kept[_OUTLINE:]
+    values.heel, values.tip, values.widest = out[0], out[1], out[2]
+    values.widest_at, values.area = out[3], out[4]
     stamp.half_widths[:] = out[5:]
     stamp.lines[:] = lines
     hold_outline(values)

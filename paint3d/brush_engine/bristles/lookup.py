@@ -124,18 +124,18 @@ def gather_under_hairs(imprint, stamp, field, margin, scale, counters, room, lan
         n = next_block(
             n_runs, n_cells, False, room.runs, room.cells, field.head, field.next_in_cell,
             field.cell_sheets, field.vertex_sheet, field.px, field.py, field.pz, field.nx,
-            field.ny, field.nz, room.stamps, room.tick[0], room.frame, room.cursor, room.ids,
+            field.ny, field.nz, room.stamps, room.tick[0], room.sweep[0], room.cursor, room.ids,
             packed, room.rows,
         )  # fmt: skip
         if n == 0:
             return found, within, weighed
         counters[VISITED] += n
         m = weigh_standing(
-            n, room.ids, room.rows, room.frame, stamp.lines, room.packed_ids, packed, room.work,
+            n, room.ids, room.rows, room.sweep[0], stamp.lines, room.packed_ids, packed, room.work,
             room.near[0],
         )  # fmt: skip
         within += m
-        weighed += weighed_area(field.area_units, field.numbers[3], room.packed_ids, packed[2], m)
+        weighed += weighed_area(field.area_units, field.area_unit, room.packed_ids, packed[2], m)
         _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
         _find_lanes(m, packed[1], places, parts)
         _read_map(m, map_, places, parts, packed[4], packed[5])

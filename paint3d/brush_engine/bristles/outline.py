@@ -89,8 +89,8 @@ def _draw_hairs(points, findings, first, count, step, pieces, low, per_bin, reac
 @kernel(error_model="numpy")
 def hold_outline(values):
     """Let the stamp's enclosing sphere hold its outline."""
-    for along in (values[st.TIP], values[st.HEEL]):
-        for across in (values[st.WIDEST], -values[st.WIDEST]):
+    for along in (values.tip, values.heel):
+        for across in (values.widest, -values.widest):
             st.hold_point(values, along, across)
 
 
@@ -137,7 +137,7 @@ def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_wi
         n += 1
     reach[n], half_width[n] = low - ends, 0.0
     st.fill_profile(stamp, reach, half_width, n + 1)
-    hold_outline(stamp.values)
+    hold_outline(stamp.values[0])
 
 
 @kernel(error_model="numpy")

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.bristles.bend import (
     ARCS,
     BLOCK,
@@ -80,10 +79,10 @@ def _find_roll(pose, values):
     """Direction of the bend in the handle's axes, laid into the plane."""
     w, x, y, z = pose[3], pose[4], pose[5], pose[6]
     ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
-    c = ax * values[st.BEND_X] + ay * values[st.BEND_Y] + az * values[st.BEND_Z]
+    c = ax * values.bend[0] + ay * values.bend[1] + az * values.bend[2]
     s = 0.0
     for axis, part in enumerate((ax, ay, az)):
-        s += part * values[st.CROSS_X + axis]
+        s += part * values.cross[axis]
     norm = np.hypot(c, s)
     if norm < 1e-9:
         c, s, norm = 1.0, 0.0, 1.0
@@ -109,7 +108,7 @@ def _meet(stamp, tuft, bristles, hairs):
         hairs.findings, hairs.depths,
     )  # fmt: skip
     if touching == 0:
-        stamp.values[st.TOUCHES] = 0.0
+        stamp.values[0].touches = 0.0
     return touching
 
 
@@ -119,7 +118,7 @@ def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
 
     Where they would hardly lie otherwise, they stay as they are.
     """
-    values, memory, kept = stamp.values, hairs.memory, hairs.kept
+    values, memory, kept = stamp.values[0], hairs.memory, hairs.kept
     cosine, sine = _find_roll(pose, values)
     turned = abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1])
     same = turned < (_LEAST_TURN if kept[TOUCHING] > 0.0 else 1e-6)
@@ -127,19 +126,19 @@ def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
         cosine, sine = hairs.roll[0], hairs.roll[1]
     fit_patch(values, field, room, hairs.patch_work, hairs.patch)
     # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
-    patch, reach = hairs.patch, tuft.length * np.cos(values[st.TILT])
+    patch, reach = hairs.patch, tuft.length * np.cos(values.tilt)
     patch[0] = -reach * (patch[1] + reach * patch[3])
     dryness = 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
     set_x = cosine * memory[SET_X] + sine * memory[SET_Y]
     set_y = cosine * memory[SET_Y] - sine * memory[SET_X]
     note_cause(values, tuft, hairs.patch, dryness, memory[PARTED], set_x, set_y, kept)
-    if same and may_keep(before, values, memory[WAY], field.numbers[0], kept):
+    if same and may_keep(before, values, memory[WAY], field.resolution, kept):
         return int(kept[TOUCHING])
     if not same:
         hairs.roll[0], hairs.roll[1] = cosine, sine
         turn_hairs(bristles, cosine, sine, hairs.turned)
     fill_bend(
-        bristles, tuft, values[st.DESCENT], values[st.TILT], values[st.PRESSURE], hairs.patch,
+        bristles, tuft, values.descent, values.tilt, values.pressure, hairs.patch,
         dryness, memory[PARTED], set_x, set_y, hairs.bend,
     )  # fmt: skip
     bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
@@ -161,7 +160,7 @@ def _draw(stamp, touching, bristles, hairs, field, ink, room):
         carry_outline(stamp, hairs.kept, hairs.kept_lines)
     else:
         draw_imprint(
-            stamp, bristles, hairs, hairs.load, wet / touching, dot / touching, field.numbers[0],
+            stamp, bristles, hairs, hairs.load, wet / touching, dot / touching, field.resolution,
             room.reach, room.half_width,
         )  # fmt: skip
         keep_outline(stamp, hairs.kept, hairs.kept_lines)
@@ -171,10 +170,10 @@ def _draw(stamp, touching, bristles, hairs, field, ink, room):
 @kernel(error_model="numpy")
 def _remember(before, after, tuft, bristles, hairs, ink):
     """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
-    values = after.values
+    values = after.values[0]
     way = outline_motion(before, after)
     wet = min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
-    pe = values[st.PRESSURE]
+    pe = values.pressure
     wanted = bristles.parting * min(
         1.0, (1.0 - wet) * (0.5 + 0.5 * pe) + 0.5 * max(0.0, pe - 0.7) / 0.3
     )
@@ -182,7 +181,7 @@ def _remember(before, after, tuft, bristles, hairs, ink):
     memory[WAY] += way
     over = _PARTS_OVER if wanted > memory[PARTED] else _JOINS_OVER / max(wet, 0.02)
     memory[PARTED] += (wanted - memory[PARTED]) * (1.0 - np.exp(-way / over))
-    reach = values[st.TIP] - tuft.length * np.cos(values[st.TILT])
+    reach = values.tip - tuft.length * np.cos(values.tilt)
     stays = _SET_SHARE * tuft.plasticity * max(0.0, reach)
     share = 1.0 - np.exp(-way / _SETS_OVER)
     memory[SET_X] += share * (hairs.roll[0] * stays - memory[SET_X])
@@ -192,7 +191,7 @@ def _remember(before, after, tuft, bristles, hairs, ink):
 @kernel(error_model="numpy")
 def _track(stamp, hairs, rows):
     """Where the outer hairs' points are in space, and which are on the surface or near it."""
-    values, points = stamp.values, hairs.points
+    values, points = stamp.values[0], hairs.points
     count = hairs.load.shape[0]
     for n in range(TRACKED):
         i = max(0, count - 1 - n)
@@ -202,8 +201,8 @@ def _track(stamp, hairs, rows):
             z = np.float64(points[g, k, 2 * BLOCK + j])
             for axis in range(3):
                 rows[n, k, axis] = (
-                    values[st.ORIGIN_X + axis] + x * values[st.BEND_X + axis]
-                    + y * values[st.CROSS_X + axis] + z * values[st.NORMAL_X + axis]
+                    values.origin[axis] + x * values.bend[axis]
+                    + y * values.cross[axis] + z * values.normal[axis]
                 )  # fmt: skip
             rows[n, k, 3] = 1.0 if z < _NEAR else 0.0
 
@@ -211,7 +210,7 @@ def _track(stamp, hairs, rows):
 @kernel(error_model="numpy")
 def _fastest(before, after, track):
     """How far the fastest hair moved on the surface between two stamps, mm."""
-    if before.values[st.TOUCHES] <= 0.0 or after.values[st.TOUCHES] <= 0.0:
+    if before.values[0].touches <= 0.0 or after.values[0].touches <= 0.0:
         return outline_motion(before, after)
     most = 0.0
     for n in range(TRACKED):
@@ -244,31 +243,31 @@ def paint_with_hairs(
     """
     at, before, after = progress.at, progress.before, progress.after
     pace = hairs.pace
-    most = _SPACING * field.numbers[0]
+    most = _SPACING * field.resolution
     while at[0] < last:
         i = at[0]
         if not samples.joined[i + 1] or (
             at[2] == 0 and samples.pressure[i] <= 0.0 and samples.pressure[i + 1] <= 0.0
         ):
-            before.values[st.TOUCHES] = 0.0
+            before.values[0].touches = 0.0
             at[0] += 1
             at[2] = 0
             continue
         if at[2] == 0:
             counters[SAMPLE_COUNT] += 1
-            if before.values[st.TOUCHES] > 0.0 and may_pass(
-                samples, i + 1, progress.noted, brush, field.numbers[0]
+            if before.values[0].touches > 0.0 and may_pass(
+                samples, i + 1, progress.noted, brush, field.resolution
             ):
                 at[0] += 1
                 continue
             pace[0], pace[1] = 0.0, 1.0
             at[2] = 1
-            if before.values[st.TOUCHES] == 0.0:
+            if before.values[0].touches == 0.0:
                 _interpolate(samples, i, 0.0, pose)
                 tuft = drive(samples, i, 0.0, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
                 hairs.kept[TOUCHING] = 0.0
-                if before.values[st.TOUCHES] > 0.0:
+                if before.values[0].touches > 0.0:
                     touching = _place_hairs(
                         pose, before, before, tuft, bristles, hairs, field, ink, room
                     )
@@ -276,7 +275,7 @@ def paint_with_hairs(
                         _draw(before, touching, bristles, hairs, field, ink, room)
                     _track(before, hairs, hairs.track[0])
                 if samples.joined[i]:
-                    before.values[st.TOUCHES] = 0.0
+                    before.values[0].touches = 0.0
         while pace[0] < 1.0:
             step = min(pace[1], 1.0 - pace[0])
             while True:
@@ -284,12 +283,12 @@ def paint_with_hairs(
                 tuft = drive(samples, i, pace[0] + step, pose, before, brush, ink, curves)
                 place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
                 touching = 0
-                if after.values[st.TOUCHES] > 0.0:
+                if after.values[0].touches > 0.0:
                     touching = _place_hairs(
                         pose, before, after, tuft, bristles, hairs, field, ink, room
                     )
                     _track(after, hairs, hairs.track[1])
-                touches = after.values[st.TOUCHES] > 0.0 or before.values[st.TOUCHES] > 0.0
+                touches = after.values[0].touches > 0.0 or before.values[0].touches > 0.0
                 moved = _fastest(before, after, hairs.track) if touches else 0.0
                 if moved <= most or step <= _SHORTEST:
                     break

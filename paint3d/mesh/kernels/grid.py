@@ -50,7 +50,7 @@ def lookup(table, places, i, j, k):
 @uncounted
 def find_cell(field, x, y, z):
     """The cell that holds a point (mm), or -1 where no surface is near."""
-    size = field.numbers[1]
+    size = field.cell_size
     i = int(np.floor((x - field.origin[0]) / size))
     j = int(np.floor((y - field.origin[1]) / size))
     k = int(np.floor((z - field.origin[2]) / size))
@@ -105,7 +105,7 @@ def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
     """
     return _flood(
         field.sheet_links, field.linked_sheet, field.sheet_place, field.origin,
-        field.numbers[1], start, x, y, z, radius, stamps, tick, sheets,
+        field.cell_size, start, x, y, z, radius, stamps, tick, sheets,
     )  # fmt: skip
 
 

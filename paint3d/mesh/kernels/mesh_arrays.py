@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 from numpy.typing import NDArray
 
-__all__ = ["AREA_UNIT", "BLOCK_VERTICES", "CELL_SIZE", "RESOLUTION", "SOFT_EDGE", "SurfaceField"]
+__all__ = ["BLOCK_VERTICES", "SurfaceField"]
 
-RESOLUTION, CELL_SIZE, SOFT_EDGE, AREA_UNIT = 0, 1, 2, 3  # places in SurfaceField.numbers
 BLOCK_VERTICES = 32  # base vertices to a block: neighbours, looked at together
 
 
@@ -22,9 +21,10 @@ class SurfaceField(NamedTuple):
     """
 
     counts: NDArray  # (2,) int64: vertices, nodes
-    numbers: (
-        NDArray  # (4,) float64: longest edge wanted, cell size, soft edge (mm), mm2 per area unit
-    )
+    resolution: float  # longest edge wanted, mm
+    cell_size: float  # mm
+    soft_edge: float  # width of a footprint's edge, mm
+    area_unit: float  # mm2, of `area_units`
     px: NDArray  # (cap,) float32 positions, mm
     py: NDArray
     pz: NDArray

@@ -273,8 +273,8 @@ def activate_cell(field, cell):
     """
     if field.done[cell]:
         return 0
-    h2 = field.numbers[0] * field.numbers[0]
-    size = field.numbers[1]
+    h2 = field.resolution * field.resolution
+    size = field.cell_size
     low = np.empty(3)
     high = np.empty(3)
     for axis in range(3):
