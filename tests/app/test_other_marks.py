@@ -199,7 +199,17 @@ def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: s
     assert told == []
 
 
-def test_a_finger_that_follows_a_pen_at_once_presses_as_after_a_pause(window, monkeypatch) -> None:
+@pytest.fixture
+def own_window(program):
+    """For events that are said to happen in some seconds: the window remembers such a clock."""
+    with blind_window(program) as window:
+        yield window
+
+
+def test_a_finger_that_follows_a_pen_at_once_presses_as_after_a_pause(
+    own_window, monkeypatch
+) -> None:
+    window = own_window
     monkeypatch.setattr(window.canvas, "finger", "paint")
     (stroke,) = lines_on(window, "sphere", "any", 1)
     slow = tuple(replace(event, time_ms=8 * event.time_ms) for event in stroke.events)
