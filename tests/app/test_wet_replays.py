@@ -15,8 +15,10 @@ from paint3d.app.model.ink_clock import LATE_S
 from paint3d.app.window.jobs import player as players
 from paint3d.cli.main import main
 from paint3d.files.project.session import load_session
+from paint3d.painter.ink_time import PIECE_S
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import load_recording
+from paint3d.recording.recording import save_recording as save_recording_file
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.test_wet_marks import Wall, play
 from tests.support.app.event_player import EventRecording, open_for, settle
@@ -113,6 +115,26 @@ def test_the_window_replays_it_to_the_bit_too(window, wall, monkeypatch, tmp_pat
     assert window.files.replay_file(str(file))
     settle(window)
     same_ink(window.document.surface, replayed(file, 0.0))
+
+
+def test_a_recording_of_another_day_lets_no_more_time_pass_first(
+    window, wall, monkeypatch, tmp_path
+) -> None:
+    events, file = lines(), tmp_path / "later.jsonl"
+    open_for(window, {**events.header, "material": "xuan", "wet": True}, RESOLUTION)
+    play(window, events.part(0, 1), wall, "at once", 0.0)
+    save_recording(window, monkeypatch, file)
+    recording = load_recording(file)
+    later = replace(recording, time_ns=recording.time_ns + 86_400_000_000_000)
+    save_recording_file(later, file)
+    pieces, follow = [], PaintedSurface.follow_time
+    monkeypatch.setattr(
+        PaintedSurface, "follow_time", lambda *given: pieces.append(1) or follow(*given)
+    )
+    monkeypatch.setattr(players, "time", easels.time)
+    assert window.files.replay_file(str(file))
+    settle(window)
+    assert 0 < len(pieces) < 2.0 * recording.duration_s / PIECE_S + 10
 
 
 @pytest.mark.long
