@@ -171,9 +171,10 @@ class InkStore:
             self._mesh_colours.know(mesh.arrays.parents, mesh.n_vertices, self._srgb)
 
     def colour_as_one(self, ids: NDArray) -> None:
-        """Bring the colours of vertices (N,) int32 up to date, as if this were the only layer."""
-        if self._colours is None:
-            return
+        """Bring the colours of vertices (N,) int32 up to date, as if this were the only layer.
+
+        Some pigment is known.
+        """
         ink = self.ink
         if self._mesh_colours is not None:
             plain, own = ids[:0], ids
