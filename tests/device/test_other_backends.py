@@ -178,6 +178,7 @@ class Service:
     def __init__(self, broken_at: int = -1, silent_at: int = -1, closes_at: int = -1) -> None:
         self.broken_at, self.silent_at, self.closes_at = broken_at, silent_at, closes_at
         self.messages: list[dict] = []
+        self.n_late: int | None = None
         self.server = serve(self.talk, "127.0.0.1", 0)
         self.uri = f"ws://127.0.0.1:{self.server.socket.getsockname()[1]}"
         self.thread = threading.Thread(target=self.server.serve_forever, daemon=True)
@@ -194,9 +195,16 @@ class Service:
             n = len(self.messages)
             if n == self.closes_at:
                 return
-            if n == self.silent_at:  # until it is asked three times more
-                self.messages += [json.loads(socket.recv()) for _ in range(3)]
+            if n == self.silent_at:
+                self.wait_for_no_force(socket)
             socket.send("{" if n == self.broken_at else self.state(n))
+
+    def wait_for_no_force(self, socket) -> None:
+        """Say nothing until three messages in a row let go; more than these are on their way."""
+        since = len(self.messages)
+        while len(self.messages) < since + 3 or self.forces()[-3:].any():
+            self.messages.append(json.loads(socket.recv(timeout=60.0)))
+        self.n_late = int(self.forces()[since:].any(axis=1).sum())
 
     def state(self, n: int) -> str:
         place = {"x": 0.001 * n, "y": 0.02, "z": 0.1}
@@ -250,9 +258,9 @@ def test_an_inverse3_that_pauses_or_stammers() -> None:
     service = run_inverse3(loop, broken_at=10, silent_at=20)
     assert loop.n_refused == 1
     assert loop.silences > 1
-    forces = service.forces()
-    assert not forces[20:23].any()  # while it was silent
-    assert forces[30:].any()
+    assert service.n_late is not None  # while it was silent it was let go,
+    assert service.n_late <= 2  # but for what was on its way: a busy loop has sent one twice before
+    assert service.forces()[-10:].any()  # and then held again
     place = np.array([pose.position[0] for pose in loop.poses])
     assert (np.diff(place) > 0).all()  # nothing twice, nothing out of order
 
