@@ -37,9 +37,9 @@ def main() -> None:
     program = make_program()
     window = StudioWindow(program)
     window.show()
-    window.files.quiet = True
-    if not window.files.open_path("plane", 1.5, "xuan", asked=True):
-        sys.exit(f"the plane was not opened: {window.files.error}")
+    window.workspace.quiet = True
+    if not window.opening.open_path("plane", 1.5, "xuan", asked=True):
+        sys.exit(f"the plane was not opened: {window.workspace.error}")
     wait_for("the plane is lit", lambda: window.stage.is_lit)
     canvas = window.canvas
     ways = [(0.4 + 0.01 * k, 0.5) for k in range(21)]
@@ -58,8 +58,8 @@ def main() -> None:
     wait_for("the stroke is painted", painted.done)
     if not painted.result():
         sys.exit("the stroke left nothing")
-    if not window.files.save_to(Path(sys.argv[1])):
-        sys.exit(f"it was not saved: {window.files.error}")
+    if not window.saving.save_to(Path(sys.argv[1])):
+        sys.exit(f"it was not saved: {window.workspace.error}")
     window.close()
     print(f"{painted.result()} vertices painted")
 

@@ -432,7 +432,7 @@ def _device_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_device(suffix: str, content: bytes) -> None:
-    from paint3d.device.fuzzing import decode_any
+    from tests.support.decoding import decode_any
 
     for refusal in decode_any(content).values():
         assert "\n" not in refusal

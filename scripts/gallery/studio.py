@@ -62,8 +62,8 @@ def opened(app: QtWidgets.QApplication, name: str, language: str, *, dark: bool)
     choose_language(language)
     window = StudioWindow(app, dark=dark)
     window.show()
-    window.files.quiet = True
-    window.files.open_path(name, asked=True)
+    window.workspace.quiet = True
+    window.opening.open_path(name, asked=True)
     while not window.stage.is_lit or window.panels.brushes.is_busy:
         live(0.1)
     return window
@@ -83,12 +83,12 @@ def demo(app: QtWidgets.QApplication, path: Path) -> None:
     """The four characters on the bowl, and the brush above them."""
     window = opened(app, "bowl", "en", dark=False)
     recording = importlib.resources.files("paint3d.calligraphy").joinpath("data/demo.jsonl.gz")
-    window.files.replay_file(str(recording))
+    window.recordings.replay_file(str(recording))
     window.stage.easel.post(lambda document: None).result()
     height = window.canvas.height()
     camera = orbit(window.hand.camera, -10.0, -120.0, height)
     window.hand.look(dolly(pan(camera, 0.0, -20.0, height), 1.45))
-    window.post("dip", "cinnabar")
+    window.workspace.post("dip", "cinnabar")
     window.panels.docks["inks"].raise_()
     window.panels.docks["history"].raise_()
     live(0.5)
@@ -101,7 +101,7 @@ def copybook(app: QtWidgets.QApplication, path: Path) -> None:
     window = opened(app, "vase", "zh", dark=True)
     window.copying.lay_out("永和九年", 38.0, True)
     window.panels.docks["copybook"].raise_()
-    window.post("set_brush", "zhongkai")
+    window.workspace.post("set_brush", "zhongkai")
     window.hand.look(dolly(pan(window.hand.camera, 20.0, -50.0, window.canvas.height()), 2.3))
     window.hand.hand.force = 1.4
     window.hand.set_settings(landing_s=0.01)

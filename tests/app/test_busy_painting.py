@@ -33,8 +33,8 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
     live(0.05)
     started = time.thread_time()  # waiting takes no time of the thread's own
     try:
-        window.actions_by_name[name].trigger()
-        assert "Still painting" in window.told.text()
+        window.workspace.actions[name].trigger()
+        assert "Still painting" in window.status.told.text()
         assert not gate.is_set()
         assert time.thread_time() - started < 5.0
     finally:
@@ -58,7 +58,7 @@ def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None
 
     answer(cancel)
     try:
-        assert not window.files.may_leave()
+        assert not window.saving.may_leave()
     finally:
         gate.set()
     assert len(asked) == 1
@@ -67,7 +67,7 @@ def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None
 
 @pytest.mark.parametrize("how", ["key", "panel"])
 def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -> None:
-    window.post("set_brush", load_brush("full"))
+    window.workspace.post("set_brush", load_brush("full"))
     settled(window)
     window.panels.docks["brushes"].raise_()
     window.activateWindow()  # a box had the keys until now
@@ -103,7 +103,7 @@ def test_a_stroke_that_is_interrupted_ends_there(window, how: str) -> None:
     assert window.hand.in_stroke
     if how == "dialog":
         answer(lambda box: QtTest.QTest.keyClick(box, QtCore.Qt.Key.Key_Escape))
-        window.actions_by_name["shortcuts"].trigger()
+        window.workspace.actions["shortcuts"].trigger()
     else:
         run_beside(window, "nothing", lambda progress: None)
     assert not window.hand.in_stroke

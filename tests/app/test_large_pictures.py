@@ -32,7 +32,7 @@ def test_a_picture_drawn_by_parts_is_that_drawn_at_once(window, tmp_path) -> Non
     window.stage.set_size(SIZE)
     whole = np.array(window.stage.picture(fine=True)[::-1, :, :3])
     window.stage.set_size(window.canvas.pixel_size)
-    assert window.files.picture_to(tmp_path / "a.png", SIZE)
+    assert window.pictures.picture_to(tmp_path / "a.png", SIZE)
     seen = np.array(Image.open(tmp_path / "a.png"))
     assert seen.shape == (SIZE[1], SIZE[0], 3)
     np.testing.assert_array_equal(seen, whole)
@@ -55,11 +55,11 @@ def test_the_bar_moves_between_parts_and_cancel_stops_before_the_next(
 
     monkeypatch.setattr(window.stage.scene, "draw_object", slow)
     if what == "picture":
-        assert not window.files.picture_to(tmp_path / "b.png", SIZE)
+        assert not window.pictures.picture_to(tmp_path / "b.png", SIZE)
     else:
-        assert not window.files.turntable_to(tmp_path / "b.gif", Film(0.5, 4.0, SIZE))
+        assert not window.pictures.turntable_to(tmp_path / "b.gif", Film(0.5, 4.0, SIZE))
     monkeypatch.undo()
-    assert isinstance(window.files.error, CancelledError)
+    assert isinstance(window.workspace.error, CancelledError)
     assert len(drawn) == 3  # of nine for each picture
     assert drawn[2] > drawn[0]
     wait_for(lambda: list(tmp_path.iterdir()) == [])

@@ -40,7 +40,7 @@ def bluer(window, before) -> np.ndarray:
 
 def test_a_mask_is_hatched_and_only_while_it_is_there(window) -> None:
     before = picture(window)
-    window.post("set_mask", right_half(window))
+    window.workspace.post("set_mask", right_half(window))
     veiled = bluer(window, before)
     height, width = veiled.shape
     left, right = veiled[:, : width // 2].sum(), veiled[:, width // 2 :].sum()
@@ -48,30 +48,30 @@ def test_a_mask_is_hatched_and_only_while_it_is_there(window) -> None:
     assert right < 0.02 * left
     row = picture(window)[height // 2, width // 2 - height // 4 : width // 2 - 10].sum(axis=1)
     assert np.abs(np.diff(np.sign(np.diff(np.convolve(row, np.ones(9) / 9, "valid"))))).sum() >= 4
-    window.actions_by_name["show_mask"].setChecked(False)
+    window.workspace.actions["show_mask"].setChecked(False)
     assert not bluer(window, before).any()
-    window.actions_by_name["show_mask"].setChecked(True)
+    window.workspace.actions["show_mask"].setChecked(True)
     assert (bluer(window, before) == veiled).mean() > 0.999
-    window.post("set_mask", Mask())
+    window.workspace.post("set_mask", Mask())
     assert np.abs(picture(window) - before).max() <= 2
 
 
 def test_a_mask_that_is_gone_is_told(window) -> None:
-    window.actions_by_name["mask"].trigger()
-    window.actions_by_name["clear_mask"].trigger()
+    window.workspace.actions["mask"].trigger()
+    window.workspace.actions["clear_mask"].trigger()
     settled(window)
     assert window.document.mask == Mask()
-    assert window.told.text() == "Paint is taken everywhere"
+    assert window.status.told.text() == "Paint is taken everywhere"
 
 
 def test_a_stroke_over_the_stencil_leaves_the_hatching(window) -> None:
-    window.post("set_mask", right_half(window))
+    window.workspace.post("set_mask", right_half(window))
     before = picture(window)
     drag(window.canvas, (0.40, 0.5), (0.60, 0.5))
     change = np.abs(picture(window) - before).sum(axis=2)
     width = change.shape[1]
     assert (change[:, width // 2 + 5 :] > 60).sum() > 200
     assert (change[:, : width // 2 - 12] > 60).sum() < 20
-    window.post("set_mask", Mask())
-    window.post("undo")
+    window.workspace.post("set_mask", Mask())
+    window.workspace.post("undo")
     settled(window)

@@ -26,7 +26,7 @@ def menus(window):
     window.canvas.setFocus()
     press(window, KEY.Key_F10)
     wait_for(lambda: open_menu() is not None)
-    yield list(window.menus.values())
+    yield list(window.commands.menus.values())
     while open_menu() is not None:
         open_menu().close()
     window.menuBar().setActiveAction(None)

@@ -47,12 +47,12 @@ def test_the_monkey_sees_what_goes_wrong(program, work: Path, monkeypatch) -> No
         raise ValueError("made to fail")
 
     def break_it(rng) -> str:
-        window.actions_by_name["frame_all"].trigger()
+        window.workspace.actions["frame_all"].trigger()
         window.stage.easel.post(lambda document: 1 / 0)
         window.hand.in_stroke = True
         return "all of it"
 
-    window.actions_by_name["frame_all"].triggered.connect(raising)
+    window.workspace.actions["frame_all"].triggered.connect(raising)
     monkeypatch.setattr(monkey, "rest", break_it)
     monkeypatch.setattr(window.hand, "lift", lambda: setattr(window.hand, "in_stroke", False))
     monkey.actions = {"rest": 1.0}

@@ -20,7 +20,7 @@ KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 @pytest.fixture(scope="module")
 def window(program, tmp_path_factory):
     with opened(program, "sphere", 4.0, "porcelain") as window:
-        assert window.files.save_to(tmp_path_factory.mktemp("saved") / "ball.p3d")
+        assert window.saving.save_to(tmp_path_factory.mktemp("saved") / "ball.p3d")
         yield window
 
 
@@ -55,7 +55,7 @@ class ByPen:
 
     def tool(self, name: str) -> None:
         bar = self.window.findChild(QtWidgets.QToolBar, "tools")
-        button = bar.widgetForAction(self.window.actions_by_name[name])
+        button = bar.widgetForAction(self.window.workspace.actions[name])
         wait_for(button.isEnabled)
         assert button.isVisible()
         self.press(button, button.rect().center())
@@ -167,7 +167,7 @@ class ByKeys:
         self.press(KEY.Key_Plus)
 
     def undo(self) -> None:
-        wait_for(self.window.actions_by_name["undo"].isEnabled)
+        wait_for(self.window.workspace.actions["undo"].isEnabled)
         self.press(KEY.Key_Z, HELD.ControlModifier)
 
     def brush(self) -> None:
@@ -223,7 +223,7 @@ def test_every_way_alone_is_enough(window, by, what) -> None:
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     settled(window)
     wait_for(lambda: not window.panels.brushes.is_settling)
-    window.post("wipe" if what == "dip" else "dip")
+    window.workspace.post("wipe" if what == "dip" else "dip")
     settled(window)
     live(0.05)
     state = STATES[what]
@@ -234,4 +234,4 @@ def test_every_way_alone_is_enough(window, by, what) -> None:
         settled(window)
     assert found == []
     if what == "save":
-        assert "ball.p3d" in window.told.text()
+        assert "ball.p3d" in window.status.told.text()

@@ -108,7 +108,7 @@ def apart(ways: list[Way]) -> float:
 def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, actions) -> None:
     open_for(window, {"object": name, "material": "porcelain"}, 1.0)
     for action in actions:
-        window.actions_by_name[action].setChecked(True)
+        window.workspace.actions[action].setChecked(True)
     settle(window)
     told, tried = [], 0
     side = "in" if name == "bowl" else "any"
@@ -124,13 +124,13 @@ def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, a
         own = ink_per_mm(mark.within(ways[0], BESIDE), ways[0])
         for number, way in enumerate(ways):
             told += faults(Trial(number, mark.within(way, BESIDE), way), own)
-        window.post("undo")
+        window.workspace.post("undo")
         settle(window)
         tried += 1
         if tried == 3:
             break
     for action in actions:
-        window.actions_by_name[action].setChecked(False)
+        window.workspace.actions[action].setChecked(False)
     settle(window)
     assert tried == 3
     assert told == []
@@ -154,7 +154,7 @@ def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> No
             way = Way(median, surface_of(window).find(median).normals)
             player_of(window).play(strokes[-1])
             told += faults(Trial(number, mark_now(window), way))
-            window.post("undo")
+            window.workspace.post("undo")
             settle(window)
     for stroke in strokes:
         player_of(window).play(stroke)
@@ -189,12 +189,12 @@ def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: s
     for number, stroke in enumerate(lines_on(window, name, side, 3)):
         (way,) = ways_of(window, stroke)
         player_of(window).play(stroke)  # pens are played faster than a hand writes
-        window.post("undo")
+        window.workspace.post("undo")
         settle(window)
         wait_for_the_palm(window)
         player_of(window).play(by_finger(stroke))
         told += faults(Trial(number, mark_now(window), way))
-        window.post("undo")
+        window.workspace.post("undo")
         settle(window)
     assert told == []
 

@@ -34,7 +34,7 @@ def window(program):
     """A window with a coarse sheet in it, which asks."""
     window = StudioWindow(program)
     window.show()
-    assert window.files.open_path("plane", 2.0, "xuan", asked=True)
+    assert window.opening.open_path("plane", 2.0, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)
     yield window
     with window.stage.easel.paused() as document:
@@ -101,7 +101,7 @@ def drop(window: StudioWindow, path: Path) -> None:
 
 def test_a_file_is_opened_and_stood_up(window, tmp_path: Path) -> None:
     path = lying_jug(tmp_path)
-    window.keep(material="bisque", resolution_mm=2.0)
+    window.workspace.keep(material="bisque", resolution_mm=2.0)
 
     def choose(dialog: QtWidgets.QFileDialog) -> None:
         dialog.selectFile(str(path))
@@ -114,7 +114,7 @@ def test_a_file_is_opened_and_stood_up(window, tmp_path: Path) -> None:
 
     files = foreseen(QtWidgets.QFileDialog, choose)
     asked = foreseen(ObjectDialog, agree)
-    action = window.actions_by_name["open"]
+    action = window.workspace.actions["open"]
     assert action.shortcut() == QtGui.QKeySequence("Ctrl+O")
     action.trigger()
     assert files
@@ -137,13 +137,13 @@ def test_a_dropped_file_asks_the_same_and_shows_the_last_material(window, tmp_pa
     assert asked
     wait_for(lambda: window.document.surface.material.name == "plaster")
     assert window.document.surface.resolution == 3.0
-    assert window.settings.material == "plaster"  # and is what the next one is asked with
+    assert window.workspace.settings.material == "plaster"  # and is what the next one is asked with
 
 
 def test_what_is_cancelled_leaves_everything(window, tmp_path: Path) -> None:
     before = window.document
     asked = foreseen(ObjectDialog, lambda dialog: dialog.reject())
-    assert not window.files.open_path(str(lying_jug(tmp_path)), asked=True)
+    assert not window.opening.open_path(str(lying_jug(tmp_path)), asked=True)
     assert asked
     assert window.document is before
 
@@ -157,7 +157,7 @@ def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:
         dialog.accept()
 
     foreseen(ObjectDialog, agree)
-    assert window.files.open_path(str(box_with_picture(tmp_path)), asked=True)
+    assert window.opening.open_path(str(box_with_picture(tmp_path)), asked=True)
     assert notes == ["Left out: relief (a bump map)"]
     wait_for(lambda: window.stage.is_lit)
     live(0.5)
@@ -192,14 +192,14 @@ def test_its_own_colours_can_be_left_behind(window, tmp_path: Path) -> None:
         dialog.accept()
 
     foreseen(ObjectDialog, plain)
-    assert window.files.open_path(str(box_with_picture(tmp_path)), asked=True)
+    assert window.opening.open_path(str(box_with_picture(tmp_path)), asked=True)
     assert window.document.surface.source.colours is None
     assert window.document.surface.source.n_vertices == 8
 
 
 def test_what_is_open_is_turned_and_scaled(window, tmp_path: Path) -> None:
     foreseen(ObjectDialog, lambda dialog: dialog.accept())
-    assert window.files.open_path(str(lying_jug(tmp_path)), asked=True)
+    assert window.opening.open_path(str(lying_jug(tmp_path)), asked=True)
     size = spans(window)
 
     def turn(dialog: ObjectDialog) -> None:
@@ -209,10 +209,10 @@ def test_what_is_open_is_turned_and_scaled(window, tmp_path: Path) -> None:
         dialog.accept()
 
     foreseen(ObjectDialog, turn)
-    window.actions_by_name["stand"].trigger()
+    window.workspace.actions["stand"].trigger()
     np.testing.assert_allclose(spans(window), 2.0 * size[[0, 2, 1]], rtol=1e-3)
     session = tmp_path / "turned.p3d"
-    assert window.files.save_to(session)
+    assert window.saving.save_to(session)
     np.testing.assert_array_equal(
         load_session(session).surface.source.vertices, window.document.surface.source.vertices
     )
@@ -224,14 +224,14 @@ def test_turning_what_is_painted_begins_anew_or_leaves_it(window) -> None:
     before = window.document
     wait_for(lambda: before.strokes)
     met = foreseen(QtWidgets.QMessageBox, lambda box: box.reject())
-    window.actions_by_name["stand"].trigger()
+    window.workspace.actions["stand"].trigger()
     assert met
     assert window.document is before
     with window.stage.easel.paused() as document:
         document.modified = False
     foreseen(QtWidgets.QMessageBox, lambda box: box.buttons()[0].click())
     foreseen(ObjectDialog, lambda dialog: (dialog.quarters["y"].click(), dialog.accept()))
-    window.actions_by_name["stand"].trigger()
+    window.workspace.actions["stand"].trigger()
     assert window.document is not before
     assert not window.document.strokes
     assert spans(window)[0] == pytest.approx(np.ptp(before.surface.source.vertices[:, 2]))
@@ -285,12 +285,12 @@ def test_unit_length_and_fineness_go_together(window) -> None:
 
 
 def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
-    window.files.quiet = True
+    window.workspace.quiet = True
     try:
-        assert window.files.open_path(str(lying_jug(tmp_path)), 2.0, "xuan", asked=True)
+        assert window.opening.open_path(str(lying_jug(tmp_path)), 2.0, "xuan", asked=True)
     finally:
-        window.files.quiet = False
-    assert "y was taken for up" in window.told.text()
+        window.workspace.quiet = False
+    assert "y was taken for up" in window.status.told.text()
     size = spans(window)
     assert size[2] == size.max()
     ball = tmp_path / "ball.ply"
@@ -300,11 +300,11 @@ def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
 
 
 def test_the_command_line_says_which_way_is_up(window, tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(window.files, "offer_recovery", lambda: False)
+    monkeypatch.setattr(window.recovery, "offer", lambda: False)
     _open_first(window, str(lying_jug(tmp_path)), 2.0, "xuan", "-y")
     vertices = window.document.surface.source.vertices
     np.testing.assert_array_equal(vertices[:, 2], -jug().vertices[:, 2])
-    assert (window.files.quiet, window.files.up) == (False, None)
+    assert (window.workspace.quiet, window.opening.up) == (False, None)
 
 
 def test_what_is_left_out_is_said_in_the_windows_language(window, tmp_path: Path) -> None:
@@ -321,7 +321,7 @@ def test_what_is_left_out_is_said_in_the_windows_language(window, tmp_path: Path
         choose_language(code)
         try:
             asked = foreseen(ObjectDialog, look)
-            window.files.open_path(str(path))
+            window.opening.open_path(str(path))
         finally:
             choose_language("en")
         assert asked

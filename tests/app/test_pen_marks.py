@@ -153,9 +153,9 @@ def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: st
     strokes = [stroke.samples for stroke in window.document.strokes]
     open_for(window, recording.header, 1.0)
     for samples in strokes:
-        window.post("begin_stroke")
+        window.workspace.post("begin_stroke")
         window.stage.easel.feed(samples)
-        window.post("end_stroke")
+        window.workspace.post("end_stroke")
     settle(window)
     same_vertices(surfaces[0], window.document.surface)
 
@@ -174,7 +174,7 @@ def test_a_stroke_is_painted_whole_though_another_object_is_opened_at_once(
             threading.Timer(2.0, gate.set).start()
         player_of(window).play(band, "at once")
         assert held == (len(document.strokes) == 0)
-        assert window.files.open_path("sphere", 4.0, "porcelain", asked=True)
+        assert window.opening.open_path("sphere", 4.0, "porcelain", asked=True)
         assert window.document is not document
         left.append(document)
     assert len(left[1].strokes) == len(left[0].strokes) > 0

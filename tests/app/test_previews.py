@@ -26,7 +26,7 @@ def test_a_mixture_that_was_picked_up_is_shown_in_the_previews(window) -> None:
     settled(window)
     mouse(window.canvas, KIND.MouseMove, 0.5 * window.canvas.width(), 0.5 * window.canvas.height())
     with faults() as found:
-        window.actions_by_name["pick_colour"].trigger()
+        window.workspace.actions["pick_colour"].trigger()
         settled(window)
         picked = window.document.inks[0]
         assert {pigment.name for pigment in picked} == {"indigo", "water"}
@@ -58,7 +58,7 @@ def test_previews_that_fail_are_told_once_and_the_timer_rests(window, monkeypatc
             live(0.4)
     assert found == []
     assert told == ["ValueError: no preview today"]
-    assert "no preview today" in window.told.text()
+    assert "no preview today" in window.status.told.text()
     monkeypatch.undo()
     window.panels.brushes.set_ink("pine soot")
     wait_for(lambda: not window.panels.brushes.is_busy)
@@ -76,7 +76,7 @@ def test_a_fault_in_every_tick_is_told_once_and_the_window_lives(window, monkeyp
     with faults() as found:
         wait_for(lambda: len(ticks) > 5)
         assert found == ["ValueError: nothing goes"]
-        assert "nothing goes" in window.told.text()
+        assert "nothing goes" in window.status.told.text()
         monkeypatch.setattr(window, "tick", before)
         drag(window.canvas, (0.45, 0.4), (0.55, 0.4))
         settled(window)

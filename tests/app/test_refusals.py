@@ -36,19 +36,21 @@ def window(program):
 def test_a_layer_that_takes_no_paint_says_why_and_nothing_else(window, state) -> None:
     command = {"locked": ("set_locked", 0), "hidden": ("set_visible", 0, False)}[state]
     back = {"locked": ("set_locked", 0, False), "hidden": ("set_visible", 0, True)}[state]
-    window.post(*command)
+    window.workspace.post(*command)
     settled(window)
     drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
     settled(window)
-    wait_for(lambda: state in window.told.text())
+    wait_for(lambda: state in window.status.told.text())
     live(0.2)
-    assert window.told.text().startswith(f"■  “Layer 1” is {state}; ")  # as the panel calls it
-    assert "stroke" not in window.told.text()
+    assert window.status.told.text().startswith(
+        f"■  “Layer 1” is {state}; "
+    )  # as the panel calls it
+    assert "stroke" not in window.status.told.text()
     assert not len(window.document.strokes)
-    window.post(*back)
+    window.workspace.post(*back)
     drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
     settled(window)
     assert len(window.document.strokes) == 1
-    assert state not in window.told.text()  # it is no longer true
-    window.post("undo")
+    assert state not in window.status.told.text()  # it is no longer true
+    window.workspace.post("undo")
     settled(window)

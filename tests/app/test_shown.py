@@ -94,7 +94,7 @@ def test_all_inks_of_a_mixture_are_named_and_shown_in_their_colour(window) -> No
     settled(window)
     red, _, blue = disc(window)
     assert blue > red + 80
-    window.post("rinse")
+    window.workspace.post("rinse")
     settled(window)
     assert window.hud.told(held(window)) == "ink 0 %"
     window.panels.inks.dipped.emit("pine soot", None)
@@ -126,7 +126,7 @@ def test_no_more_pictures_a_second_are_told_than_are_drawn(window) -> None:
     for k in range(60):
         mouse(window.canvas, KIND.MouseMove, 300 + k, 300)
         live(0.02)
-        seen.append(window.state.text())
+        seen.append(window.status.state.text())
     told = {float(text.split("·")[1].split()[0]) for text in seen if "·" in text}
     assert told
     assert max(told) <= 1000 / 12  # the window looks for something new every 12 ms
@@ -162,11 +162,11 @@ def test_the_picture_stays_where_it_is_while_the_brush_changes_its_size(window) 
     live(0.1)
     widths = set()
     for length in (35.0, 45.2, 88.9, 120.0, 5.25):
-        window.post("set_brush", resized(before, length))
+        window.workspace.post("set_brush", resized(before, length))
         settled(window)
         live(0.1)
         widths.add(window.canvas.width())
-    window.post("set_brush", before)
+    window.workspace.post("set_brush", before)
     settled(window)
     assert len(widths) == 1
 
@@ -195,16 +195,16 @@ def test_rows_of_brushes_are_as_high_before_their_strokes_are_painted(program) -
 
 
 def test_brushes_are_named_in_the_menu_and_all_can_be_chosen(window) -> None:
-    texts = [action.text() for action in window.menus["brush"].actions()]
+    texts = [action.text() for action in window.commands.menus["brush"].actions()]
     assert set(brush_names()) <= set(texts)
     assert not any(text.startswith("Brush ") for text in texts)
     for k, name in enumerate(brush_names(), 1):
-        action = window.actions_by_name[f"brush_{k}"]
+        action = window.workspace.actions[f"brush_{k}"]
         assert (action.text(), len(action.shortcuts())) == (name, 1)
-    window.actions_by_name[f"brush_{len(brush_names())}"].trigger()
+    window.workspace.actions[f"brush_{len(brush_names())}"].trigger()
     settled(window)
     assert window.document.painter.brush.name == brush_names()[-1]
-    window.post("set_brush", "full")
+    window.workspace.post("set_brush", "full")
     settled(window)
 
 
@@ -220,9 +220,9 @@ def test_no_tool_is_lost_in_a_low_window(window, size) -> None:
     before = window.size()
     window.resize(*size)
     live(0.2)
-    room = window.tools.rect()
+    room = window.commands.tools.rect()
     for name in set(TOOLS) - {"-"}:
-        button = window.tools.widgetForAction(window.actions_by_name[name])
+        button = window.commands.tools.widgetForAction(window.workspace.actions[name])
         assert button.isVisible(), name
         assert room.contains(button.geometry()), name
     for dock in ("brushes", "inks", "layers"):
@@ -233,21 +233,25 @@ def test_no_tool_is_lost_in_a_low_window(window, size) -> None:
 
 
 def test_the_status_can_be_read_right_after_the_theme_has_changed(window) -> None:
-    window.tell("all is well", state="good")
-    window.actions_by_name["dark"].setChecked(True)
-    for label in (window.told, window.state):
-        assert window.theme.name == "dark"
+    window.workspace.tell("all is well", state="good")
+    window.workspace.actions["dark"].setChecked(True)
+    for label in (window.status.told, window.status.state):
+        assert window.workspace.theme.name == "dark"
         assert any(
             colour in label.styleSheet()
-            for colour in (window.theme.good, window.theme.slow, window.theme.faint)
+            for colour in (
+                window.workspace.theme.good,
+                window.workspace.theme.slow,
+                window.workspace.theme.faint,
+            )
         )
-    window.actions_by_name["dark"].setChecked(False)
+    window.workspace.actions["dark"].setChecked(False)
 
 
 def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
-    window.tell("Brought back; save it to keep it", state="good")
-    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
-    assert "Brought back" not in window.told.text()
+    window.workspace.tell("Brought back; save it to keep it", state="good")
+    assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
+    assert "Brought back" not in window.status.told.text()
 
 
 def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
@@ -294,7 +298,7 @@ def test_the_list_of_keys_opens_and_names_pens_and_fingers(window) -> None:
 
     answer(read)
     with faults() as wrong:
-        window.actions_by_name["shortcuts"].trigger()
+        window.workspace.actions["shortcuts"].trigger()
     assert wrong == []
     told = "\n".join(found)
     for words in (
@@ -337,15 +341,15 @@ def test_the_first_start_is_told_once(window, monkeypatch) -> None:
 def test_errors_are_told_in_the_language_of_the_window(window) -> None:
     choose_language("zh")
     try:
-        window.post("set_locked", 0)
-        window.post("begin_stroke")
+        window.workspace.post("set_locked", 0)
+        window.workspace.post("begin_stroke")
         settled(window)
-        wait_for(lambda: "图层" in window.told.text())
-        assert "已锁定" in window.told.text()
+        wait_for(lambda: "图层" in window.status.told.text())
+        assert "已锁定" in window.status.told.text()
     finally:
         choose_language("en")
-        window.post("end_stroke")
-        window.post("set_locked", 0, False)
+        window.workspace.post("end_stroke")
+        window.workspace.post("set_locked", 0, False)
         settled(window)
 
 
@@ -361,7 +365,7 @@ def test_title_and_picture_change_together(program, monkeypatch) -> None:
         before = window.canvas._pixels.astype(int)
         monkeypatch.setattr(window, "setWindowTitle", told)
         window.stage.easel.post(lambda document: setattr(document, "modified", False)).result(300)
-        assert window.files.open_path("sphere", 6.0, "porcelain", asked=True)
+        assert window.opening.open_path("sphere", 6.0, "porcelain", asked=True)
         wait_for(lambda: window.stage.is_drawn)
         after = window.canvas._pixels.astype(int)
         new = np.abs(pictures[0] - before).mean()  # soft light comes later

@@ -29,35 +29,35 @@ def stroke(window) -> None:
 
 def test_what_was_saved_is_said_until_the_next_stroke(window, tmp_path) -> None:
     stroke(window)
-    assert window.files.save_to(tmp_path / "mine.p3d")
+    assert window.saving.save_to(tmp_path / "mine.p3d")
     settled(window)
     live(0.2)
-    assert "mine.p3d" in window.told.text()
+    assert "mine.p3d" in window.status.told.text()
     stroke(window)
-    assert HINT in window.told.text()
+    assert HINT in window.status.told.text()
 
 
 def test_what_goes_on_is_said_beside_the_strokes(window) -> None:
-    window.tell("No room to keep what is painted", state="bad", stays=True)
+    window.workspace.tell("No room to keep what is painted", state="bad", stays=True)
     stroke(window)
-    assert "No room" in window.told.text()
-    window.tell("")
+    assert "No room" in window.status.told.text()
+    window.workspace.tell("")
 
 
 def test_that_strokes_are_recorded_is_said_until_they_are_not(window, monkeypatch) -> None:
-    monkeypatch.setattr(window.files, "save_recording", lambda first=0: None)
+    monkeypatch.setattr(window.recordings, "do_save_recording", lambda first=0: None)
     QtTest.QTest.keyClick(
         window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier
     )
-    assert window.actions_by_name["record"].isChecked()
-    said = window.told.text()
+    assert window.workspace.actions["record"].isChecked()
+    said = window.status.told.text()
     assert HINT not in said
     stroke(window)
-    assert window.told.text() == said
+    assert window.status.told.text() == said
     QtTest.QTest.keyClick(
         window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier
     )
-    assert HINT in window.told.text()
+    assert HINT in window.status.told.text()
 
 
 @pytest.mark.parametrize(
@@ -71,6 +71,6 @@ def test_the_devices_say_of_the_painting_what_the_status_line_says(
     monkeypatch.setattr(window.stage, "follow", lambda: frame)
     monkeypatch.setattr(window.stage, "frame", frame)
     window.panels.docks["devices"].raise_()
-    wait_for(lambda: said in window.state.text(), 60.0)
+    wait_for(lambda: said in window.status.state.text(), 60.0)
     wait_for(lambda: f"Painting: {said}" in window.panels.devices.lines.text(), 60.0)
     assert "late" not in window.panels.devices.lines.text()

@@ -38,7 +38,7 @@ def at_first(window) -> tuple:
 def first_view(window, at_first):
     window.hand.look(at_first[0])
     window.hand.show_all()
-    window.post("set_brush", at_first[1])
+    window.workspace.post("set_brush", at_first[1])
     window.canvas._pen_seen_ns = None  # no pen was ever here
     window.canvas.setFocus()
     live(0.05)
@@ -83,7 +83,7 @@ def changes(window, before) -> set[str]:
 
 def test_near_shows_one_and_a_half_tufts_all_round_and_never_less_near(window) -> None:
     canvas = window.canvas
-    window.post("set_brush", "gongbi")
+    window.workspace.post("set_brush", "gongbi")
     settled(window)
     length = window.document.painter.brush.length_mm
     mouse(canvas, KIND.MouseMove, 0.45 * canvas.width(), 0.5 * canvas.height())
@@ -294,10 +294,10 @@ def test_taps_undo_and_redo_and_one_finger_paints_until_a_pen_is_used(window) ->
         fingers.drag({1: (a, b)})
     assert strokes(window) == n + 1
     assert changes(window, before) == set()
-    wait_for(window.actions_by_name["undo"].isEnabled)
+    wait_for(window.workspace.actions["undo"].isEnabled)
     tap(canvas, a, b)
     assert strokes(window) == n
-    wait_for(window.actions_by_name["redo"].isEnabled)
+    wait_for(window.workspace.actions["redo"].isEnabled)
     tap(canvas, a, b, (a + b) / 2)
     assert strokes(window) == n + 1
     pen(canvas, KIND.TabletMove, *a, pressure=0.0)
@@ -442,14 +442,14 @@ def test_alt_that_moves_the_window_is_told(window) -> None:
     window.move(window.x() + 7, window.y() + 5)
     live(0.1)
     QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
-    assert "Space" in window.told.text()
+    assert "Space" in window.status.told.text()
 
 
 def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
     window, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As openbox does: the window has no focus until it stands, and nobody hears of Alt."""
-    window.tell("")
+    window.workspace.tell("")
     QtTest.QTest.keyPress(window.canvas, KEY.Key_Alt, ALT)
     held = staticmethod(lambda: ALT)
     monkeypatch.setattr(QtGui.QGuiApplication, "queryKeyboardModifiers", held)
@@ -459,7 +459,7 @@ def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
     live(0.1)
     monkeypatch.undo()
     QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
-    assert "Space" in window.told.text()
+    assert "Space" in window.status.told.text()
 
 
 @pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is not installed")

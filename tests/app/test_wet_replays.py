@@ -54,8 +54,8 @@ def lines() -> EventRecording:
 
 def save_recording(window, monkeypatch, path: Path) -> None:
     """As the menu does, once it is known where."""
-    monkeypatch.setattr(window.files, "ask_target", lambda *asked: path)
-    window.actions_by_name["save_recording"].trigger()
+    monkeypatch.setattr(window.targets, "ask", lambda *asked: path)
+    window.workspace.actions["save_recording"].trigger()
     assert path.exists()
 
 
@@ -112,7 +112,7 @@ def test_the_window_replays_it_to_the_bit_too(window, wall, monkeypatch, tmp_pat
     open_for(window, header, RESOLUTION)
     wall.ms += 13  # the hand's clock stands anywhere
     monkeypatch.setattr(players, "time", easels.time)
-    assert window.files.replay_file(str(file))
+    assert window.recordings.replay_file(str(file))
     settle(window)
     same_ink(window.document.surface, replayed(file, 0.0))
 
@@ -132,7 +132,7 @@ def test_a_recording_of_another_day_lets_no_more_time_pass_first(
         PaintedSurface, "follow_time", lambda *given: pieces.append(1) or follow(*given)
     )
     monkeypatch.setattr(players, "time", easels.time)
-    assert window.files.replay_file(str(file))
+    assert window.recordings.replay_file(str(file))
     settle(window)
     assert 0 < len(pieces) < 2.0 * recording.duration_s / PIECE_S + 10
 

@@ -64,7 +64,7 @@ def kept():
 
 window = StudioWindow(make_program())
 window.show()
-window.files.open_path("plane", 1.5, "xuan", asked=True)
+window.opening.open_path("plane", 1.5, "xuan", asked=True)
 live(0.3)
 drag(window.canvas, (0.35, 0.5), (0.6, 0.5))
 drag(window.canvas, (0.5, 0.35), (0.5, 0.6), release=False)
@@ -91,9 +91,9 @@ def at_first(window) -> tuple:
 @pytest.fixture
 def sheet(window, at_first):
     """Nothing painted, and brush and ink as at first, whatever the tests before did."""
-    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
-    window.post("set_brush", at_first[0])
-    window.post("dip", at_first[1])
+    assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
+    window.workspace.post("set_brush", at_first[0])
+    window.workspace.post("dip", at_first[1])
     wait_for(lambda: window.stage.is_lit)
     settled(window)
     return window
@@ -109,7 +109,7 @@ def painted_once(sheet):
 
 def choose(window, name: str) -> None:
     """Choose from a menu what can be chosen, or soon can."""
-    action = window.actions_by_name[name]
+    action = window.workspace.actions[name]
     wait_for(action.isEnabled)
     action.trigger()
     settled(window)
@@ -213,7 +213,7 @@ def test_a_copybook_is_painted_over_and_judged(window) -> None:
     assert window.copying.lay_out("一", 60.0, True)
     ghost = window.panels.copybook.copybook.ghosts[0]
     back = window.hand.camera
-    window.actions_by_name["look_top"].trigger()
+    window.workspace.actions["look_top"].trigger()
     boxes = [window.stage.scene.screen_box(ghost.medians[0][k][None]) for k in (0, -1)]
     width, height = window.stage.scene.size
     ends = [((b[0] + b[2]) / 2 / width, 1 - (b[1] + b[3]) / 2 / height) for b in boxes]
@@ -294,18 +294,19 @@ def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
     ]
     settled(window)
     n, there = painted(window), len(window.document.strokes)
+    workspace, panel = window.workspace, window.panels.devices
     if haptic:
         felt = Felt(readings)
-        window.both_hands = BothHands(window, Plugged([]), lambda document: felt)
+        window.both_hands = BothHands(workspace, panel, Plugged([]), lambda document: felt)
         window.both_hands.open(window.document)
     else:
-        window.both_hands = BothHands(window, Plugged(readings))
+        window.both_hands = BothHands(workspace, panel, Plugged(readings))
     wait_for(lambda: len(window.document.strokes) == there + 1)
     settled(window)
     assert painted(window) >= n > 0
     assert window.both_hands.desk.force_n == pytest.approx(2.0 if haptic else 0.0)
     window.both_hands.close()
-    window.both_hands = BothHands(window)
+    window.both_hands = BothHands(workspace, panel)
 
 
 def test_the_camera_stays_in_the_world_while_the_object_is_turned() -> None:
@@ -340,13 +341,13 @@ def test_keys_that_are_held_size_the_brush_or_show_what_is_below(window) -> None
 def test_refining_that_is_stopped_leaves_the_surface_as_it_was(window, program) -> None:
     other = StudioWindow(program)
     other.show()
-    other.files.quiet = True
-    assert other.files.open_path("sphere", 0.3, asked=True)
+    other.workspace.quiet = True
+    assert other.opening.open_path("sphere", 0.3, asked=True)
     with other.stage.easel.paused() as document:
         before = document.surface.n_vertices
     answer_bar(lambda bar: bar.canceled.emit())
-    other.files.refine()
-    assert isinstance(other.files.error, CancelledError)
+    other.painting.do_refine()
+    assert isinstance(other.workspace.error, CancelledError)
     with other.stage.easel.paused() as document:
         assert document.surface.n_vertices == before
         assert not document.surface.paint_mesh.arrays.done.any()
@@ -361,12 +362,12 @@ def test_an_implausible_object_is_asked_for_its_unit(window, tmp_path: Path) -> 
     paint3d.export(TriangleMesh(ball.vertices * 1e-3, ball.faces), small)
     before = window.document
     answer(lambda dialog: dialog.reject())
-    assert not window.files.open_path(str(small), asked=True)
+    assert not window.opening.open_path(str(small), asked=True)
     assert window.document is before
     answer(lambda dialog: dialog.accept())  # the likeliest is chosen already
-    assert window.files.open_path(str(small), 2.0, asked=True)
+    assert window.opening.open_path(str(small), 2.0, asked=True)
     np.testing.assert_allclose(np.ptp(window.stage.points, axis=0), [150.0] * 3, rtol=0.01)
-    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     drag(window.canvas, (0.35, 0.45), (0.6, 0.45))
     settled(window)
 
@@ -374,7 +375,7 @@ def test_an_implausible_object_is_asked_for_its_unit(window, tmp_path: Path) -> 
 def test_the_whole_surface_is_refined_on_demand(window) -> None:
     with window.stage.easel.paused() as document:
         before = document.surface.n_vertices
-    window.files.refine()
+    window.painting.do_refine()
     with window.stage.easel.paused() as document:
         assert document.surface.n_vertices > 1.5 * before
 
@@ -382,10 +383,10 @@ def test_the_whole_surface_is_refined_on_demand(window) -> None:
 def test_it_fits_on_a_small_screen_in_both_themes_and_languages(window, program) -> None:
     assert window.minimumSizeHint().height() <= 760
     assert window.minimumSizeHint().width() <= 1280
-    window.actions_by_name["dark"].setChecked(True)
+    window.workspace.actions["dark"].setChecked(True)
     live(0.1)
     dark = window.grab().toImage().pixelColor(5, 5).lightness()
-    window.actions_by_name["dark"].setChecked(False)
+    window.workspace.actions["dark"].setChecked(False)
     live(0.1)
     assert dark < 80 < 180 < window.grab().toImage().pixelColor(5, 5).lightness()
     choose_language("zh")
@@ -399,15 +400,15 @@ def test_it_fits_on_a_small_screen_in_both_themes_and_languages(window, program)
 
 def test_save_export_and_pictures(window, tmp_path: Path) -> None:
     session, glb = tmp_path / "a.p3d", tmp_path / "a.glb"
-    assert window.files.save_to(session)
+    assert window.saving.save_to(session)
     assert not window.document.modified
     assert load_session(session).surface.painted.sum() == painted(window)
-    assert window.files.export_to(glb)
+    assert window.exporting.export_to(glb)
     assert load_mesh(glb).n_vertices > 300
-    assert not window.files.export_to(tmp_path / "no" / "a.glb")
-    assert isinstance(window.files.error, Paint3DError)
-    window.files.screenshot_to(tmp_path / "a.png")
-    window.files.turntable_to(tmp_path / "a.gif", Film(0.2, 15.0))
+    assert not window.exporting.export_to(tmp_path / "no" / "a.glb")
+    assert isinstance(window.workspace.error, Paint3DError)
+    window.pictures.screenshot_to(tmp_path / "a.png")
+    window.pictures.turntable_to(tmp_path / "a.gif", Film(0.2, 15.0))
     assert (tmp_path / "a.png").stat().st_size > 1000
     assert (tmp_path / "a.gif").stat().st_size > 1000
     shot = window.grab().toImage()
@@ -418,8 +419,8 @@ def test_what_cannot_be_opened_is_said_and_nothing_changes(window, tmp_path: Pat
     bad = tmp_path / "bad.ply"
     bad.write_text("ply\nno\n")
     document = window.document
-    assert not window.files.open_path(str(bad), asked=True)
-    assert "bad.ply" in str(window.files.error)
+    assert not window.opening.open_path(str(bad), asked=True)
+    assert "bad.ply" in str(window.workspace.error)
     assert window.document is document
 
 
@@ -435,7 +436,7 @@ def test_after_kill_nine_the_stroke_is_offered_back(window, places: Path, screen
     left = recoverable()
     assert len(left) == 1
     answer(lambda dialog: dialog.defaultButton().click())
-    assert window.files.offer_recovery()
+    assert window.recovery.offer()
     settled(window)
     strokes = window.document.strokes
     assert len(strokes) == 2

@@ -130,21 +130,23 @@ def accept(dialog) -> None:
 def test_a_name_without_its_suffix_asks_once_before_a_file_is_replaced(
     window, tmp_path: Path, action: str, suffix: str, more: int
 ) -> None:
-    window.keep(exports={"film": {"seconds": 0.5, "rate": 4, "width": 160, "height": 120}})
-    window.files._folder = tmp_path
+    window.workspace.keep(
+        exports={"film": {"seconds": 0.5, "rate": 4, "width": 160, "height": 120}}
+    )
+    window.targets.folder = tmp_path
     file = tmp_path / f"yong{suffix}"
     file.write_bytes(b"old")
     with answers("yong", keep) as asked:
-        window.actions_by_name[action].trigger()
+        window.workspace.actions[action].trigger()
     assert len(asked) == 1
     assert file.name in asked[0]
     assert file.read_bytes() == b"old"
     with answers("yong", replace, *[accept] * more) as asked:
-        window.actions_by_name[action].trigger()
+        window.workspace.actions[action].trigger()
     assert len(asked) == 1 + more
     assert file.stat().st_size > 500
     with answers("new", *[accept] * more) as fresh:
-        window.actions_by_name[action].trigger()
+        window.workspace.actions[action].trigger()
     assert len(fresh) == more  # nobody is asked about a file that is not there
     assert sorted(os.listdir(tmp_path)) == [f"new{suffix}", f"yong{suffix}"]
 
@@ -154,9 +156,9 @@ def test_a_link_is_named_with_where_it_leads_and_stays_a_link(window, tmp_path: 
     real.parent.mkdir()
     real.write_bytes(b"old")
     link.symlink_to(real)
-    window.files._folder = tmp_path
+    window.targets.folder = tmp_path
     with answers("link.p3d", replace) as asked:
-        window.actions_by_name["save_as"].trigger()
+        window.workspace.actions["save_as"].trigger()
     assert len(asked) == 1
     assert str(real) in asked[0]
     assert link.is_symlink()
@@ -164,8 +166,8 @@ def test_a_link_is_named_with_where_it_leads_and_stays_a_link(window, tmp_path: 
 
 
 def test_formats_are_listed_by_name_and_the_last_comes_first(window, tmp_path: Path) -> None:
-    window.keep(exports={})
-    window.files._folder = tmp_path
+    window.workspace.keep(exports={})
+    window.targets.folder = tmp_path
     seen: list[list[str]] = []
 
     def look(dialog) -> None:
@@ -177,21 +179,21 @@ def test_formats_are_listed_by_name_and_the_last_comes_first(window, tmp_path: P
         typed(dialog, "thing")
 
     answer(look)
-    window.actions_by_name["export"].trigger()
+    window.workspace.actions["export"].trigger()
     names = seen[0]
     assert "PLY (*.ply)" in names
     assert "3MF, for printers (*.3mf)" in names
     assert names[-1].startswith("Everything (")
     assert (tmp_path / "thing.obj").is_file()
     answer(lambda dialog: (seen.append([dialog.selectedNameFilter()]), dialog.reject()))
-    window.actions_by_name["export"].trigger()
+    window.workspace.actions["export"].trigger()
     assert seen[1] == ["Wavefront OBJ (*.obj)"]
 
 
 def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
     window, tmp_path: Path
 ) -> None:
-    window.files._folder = tmp_path
+    window.targets.folder = tmp_path
 
     def few(dialog: ExportDialog) -> None:
         assert "unit" not in dialog.boxes
@@ -200,9 +202,9 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
         dialog.accept()
 
     with answers("few.html", few):
-        window.actions_by_name["export"].trigger()
+        window.workspace.actions["export"].trigger()
     plain = tmp_path / "plain.html"
-    assert window.files.export_to(plain)
+    assert window.exporting.export_to(plain)
     assert 1000 < (tmp_path / "few.html").stat().st_size < plain.stat().st_size
 
     def in_inches(dialog: ExportDialog) -> None:
@@ -212,7 +214,7 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
         dialog.accept()
 
     with answers("inches.ply", in_inches):
-        window.actions_by_name["export"].trigger()
+        window.workspace.actions["export"].trigger()
     mesh = load_mesh(tmp_path / "inches.ply")
     width = float(mesh.vertices[:, 0].max() - mesh.vertices[:, 0].min())
     assert width == pytest.approx(200.0 / 25.4, rel=1e-3)
@@ -225,7 +227,7 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
         dialog.reject()
 
     with answers("other.ply", again):
-        window.actions_by_name["export"].trigger()
+        window.workspace.actions["export"].trigger()
     assert seen == [("in", True)]
     assert not (tmp_path / "other.ply").exists()
 
@@ -233,7 +235,7 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
 def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
     window, tmp_path: Path
 ) -> None:
-    window.files._folder = tmp_path
+    window.targets.folder = tmp_path
     width, height = window.canvas.pixel_size
     before = window.hand.camera
 
@@ -244,9 +246,9 @@ def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
         dialog.accept()
 
     for name in ("a.png", "a.jpg"):
-        window.keep(exports={})
+        window.workspace.keep(exports={})
         with answers(name, larger):
-            window.actions_by_name["export"].trigger()
+            window.workspace.actions["export"].trigger()
         with Image.open(tmp_path / name) as picture:
             assert picture.size == (1200, round(1200 * height / width))
             assert picture.format == {"a.png": "PNG", "a.jpg": "JPEG"}[name]
@@ -258,8 +260,8 @@ def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
 
 
 def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
-    window.keep(exports={})
-    window.files._folder = tmp_path
+    window.workspace.keep(exports={})
+    window.targets.folder = tmp_path
 
     def in_the_studio(dialog: ExportDialog) -> None:
         dialog.boxes["view"].setCurrentIndex(1)
@@ -269,7 +271,7 @@ def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
         dialog.accept()
 
     with answers("b.png", in_the_studio):
-        window.actions_by_name["export"].trigger()
+        window.workspace.actions["export"].trigger()
     with Image.open(tmp_path / "b.png") as picture:
         assert picture.size == (320, 200)
 
@@ -278,8 +280,8 @@ def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
 def test_a_film_has_the_length_size_and_rate_that_are_asked(
     window, tmp_path: Path, suffix: str
 ) -> None:
-    window.keep(exports={})
-    window.files._folder = tmp_path
+    window.workspace.keep(exports={})
+    window.targets.folder = tmp_path
 
     def short(dialog: FilmDialog) -> None:
         dialog.seconds.setValue(0.8)
@@ -288,7 +290,7 @@ def test_a_film_has_the_length_size_and_rate_that_are_asked(
         dialog.accept()
 
     with answers(f"turn{suffix}", short):
-        window.actions_by_name["turntable"].trigger()
+        window.workspace.actions["turntable"].trigger()
     width, height = window.canvas.pixel_size
     with Image.open(tmp_path / f"turn{suffix}") as film:
         assert film.size == (200, round(200 * height / width))
@@ -310,7 +312,7 @@ def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path)
     assert ok.isEnabled()
     told: list[str] = []
     answer(lambda box: (told.append(box.text()), box.accept()))
-    assert not window.files.turntable_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
+    assert not window.pictures.turntable_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
     assert "too many" in told[0]
 
 
@@ -318,22 +320,22 @@ def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(window, tmp_p
     file = tmp_path / "a.p3d"
     file.write_bytes(b"old")
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    for write in (window.files.save_to, window.files.export_to):
+    for write in (window.saving.save_to, window.exporting.export_to):
         for path in (tmp_path / "no" / "a.p3d", Path("/proc/a.p3d"), tmp_path):
             target = path / "sub.p3d" if path == tmp_path else path
             if path == tmp_path:
                 target.mkdir(exist_ok=True)
             assert not write(target)
-            assert isinstance(window.files.error, ExportError)
-            assert "\n" not in str(window.files.error)
-            assert str(target) in str(window.files.error)
+            assert isinstance(window.workspace.error, ExportError)
+            assert "\n" not in str(window.workspace.error)
+            assert str(target) in str(window.workspace.error)
         resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))  # as a disk that is full
         try:
             assert not write(file)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-        assert "cannot write" in str(window.files.error)
+        assert "cannot write" in str(window.workspace.error)
         assert file.read_bytes() == b"old"
     assert sorted(os.listdir(tmp_path)) == ["a.p3d", "sub.p3d"]
     live(0.1)
-    assert window.files.save_to(tmp_path / "b.p3d")
+    assert window.saving.save_to(tmp_path / "b.p3d")

@@ -26,7 +26,7 @@ ROWS = (0.42, 0.47, 0.52, 0.57)
 def window(program):
     window = StudioWindow(program)
     window.show()
-    window.files.quiet = True
+    window.workspace.quiet = True
     yield window
     with window.stage.easel.paused() as document:
         document.modified = False
@@ -36,7 +36,7 @@ def window(program):
 @pytest.fixture(scope="module")
 def painting(window, tmp_path_factory):
     """A painting of four strokes with a dip, drying and a layer between, saved; and its states."""
-    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)
     for k, row in enumerate(ROWS):
         if k == 1:
@@ -48,7 +48,7 @@ def painting(window, tmp_path_factory):
         settled(window)
     states = []
     for upto in range(len(ROWS) + 1):  # undo itself is held to the bit elsewhere
-        window.post("replay_history", upto)
+        window.workspace.post("replay_history", upto)
         settled(window)
         states.append(state(window))
     path = tmp_path_factory.mktemp("painting") / "painting.p3d"
@@ -73,8 +73,8 @@ def settled(window) -> None:
 
 
 def choose(window, name) -> None:
-    wait_for(window.actions_by_name[name].isEnabled)
-    window.actions_by_name[name].trigger()
+    wait_for(window.workspace.actions[name].isEnabled)
+    window.workspace.actions[name].trigger()
     settled(window)
 
 
@@ -116,15 +116,15 @@ Z = QtCore.Qt.Key.Key_Z
 
 def test_a_painting_that_was_opened_is_undone_and_done_again(window, painted):
     path, states = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     settled(window)
     looks(window, states[-1])
     assert window.panels.history.list.count() == len(ROWS)
-    wait_for(window.actions_by_name["undo"].isEnabled)
+    wait_for(window.workspace.actions["undo"].isEnabled)
     for _ in range(6):  # four strokes, drying, a layer
         press(window, Z, CTRL)
     looks(window, states[0])
-    wait_for(lambda: not window.actions_by_name["undo"].isEnabled())
+    wait_for(lambda: not window.workspace.actions["undo"].isEnabled())
     assert window.panels.history.list.count() == len(ROWS)  # fainter, and not forgotten
     for _ in range(6):
         press(window, Z, CTRL | SHIFT)
@@ -133,7 +133,7 @@ def test_a_painting_that_was_opened_is_undone_and_done_again(window, painted):
 
 def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
     path, states = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     settled(window)
     for upto in (3, 1, 4, 1):
         click(window, upto - 1)
@@ -142,7 +142,7 @@ def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
         assert window.panels.history.slider.value() == upto
     with window.stage.easel.paused() as document:
         document.save()
-    assert window.files.open_path(str(path), asked=True)  # undone when it was saved
+    assert window.opening.open_path(str(path), asked=True)  # undone when it was saved
     settled(window)
     looks(window, states[1])
     assert window.panels.history.list.count() == len(ROWS)
@@ -153,7 +153,7 @@ def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
 @pytest.mark.parametrize("speed", [16.0, None])
 def test_replay_plays_all_strokes(window, painted, monkeypatch, speed):
     path, states = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     settled(window)
     panel, seen = window.panels.history, []
     show = panel.show_strokes
@@ -173,7 +173,7 @@ def test_replay_plays_all_strokes(window, painted, monkeypatch, speed):
 
 def test_painting_while_strokes_are_replayed_loses_none(window, painted):
     path, states = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     settled(window)
     panel = window.panels.history
     panel.pace.setCurrentIndex(panel.pace.findData(0.25))
@@ -193,15 +193,15 @@ def test_strokes_of_an_older_file_are_painted_again_to_go_back(window, painted):
     path, states = painted
     session = load_session(path)
     save_session(dataclasses.replace(session, undone=(), history=None), path)
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     settled(window)
     click(window, 0)
     looks(window, states[1])
-    assert "painted again" in window.told.text()
+    assert "painted again" in window.status.told.text()
     click(window, 3)
     looks(window, states[4])
-    assert window.files.open_path(str(path), asked=True)
-    wait_for(window.actions_by_name["undo"].isEnabled)
+    assert window.opening.open_path(str(path), asked=True)
+    wait_for(window.workspace.actions["undo"].isEnabled)
     press(window, Z, CTRL)
     assert len(window.document.strokes) == 3
 
@@ -211,24 +211,24 @@ def test_damaged_steps_are_dropped_and_it_is_said(window, painted):
     session = load_session(path)
     history = {**session.history, "done": ["stroke"]}
     save_session(dataclasses.replace(session, history=history), path)
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     settled(window)
     looks(window, states[-1])
-    assert "undo steps cannot be used" in window.told.text()
+    assert "undo steps cannot be used" in window.status.told.text()
 
 
 def test_a_replay_of_nothing_says_so(window):
     with window.stage.easel.paused() as document:
         document.modified = False
-    assert window.files.open_path("plane", 1.5, "xuan", asked=True)
+    assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     settled(window)
     QtTest.QTest.mouseClick(window.panels.history.play, QtCore.Qt.MouseButton.LeftButton)
-    assert "no stroke" in window.told.text()
+    assert "no stroke" in window.status.told.text()
 
 
 def test_a_painting_brought_back_after_a_crash_has_its_history(window, painted, tmp_path):
     path, states = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     settled(window)
     press(window, Z, CTRL)
     press(window, Z, CTRL)
@@ -236,7 +236,7 @@ def test_a_painting_brought_back_after_a_crash_has_its_history(window, painted, 
     sitting.note({"do": "redo"})
     sitting.close(keep=True)
     (left,) = recoverable(tmp_path / "left")
-    assert window.files.recover(left)
+    assert window.recovery.recover(left)
     settled(window)
     looks(window, states[3])
     press(window, Z, CTRL | SHIFT)

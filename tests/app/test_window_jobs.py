@@ -22,7 +22,7 @@ from paint3d.app.window import start
 from paint3d.app.window.commands import ALWAYS, CHECKABLE
 from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.jobs import job as jobs
-from paint3d.app.window.jobs import opening, saving
+from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import answer, answer_bar, drag, live, wait_for
@@ -45,7 +45,7 @@ def empty(program):
     """A window with nothing in it."""
     window = StudioWindow(program)
     window.show()
-    window.files.quiet = True
+    window.workspace.quiet = True
     yield window
     if window.stage.easel is not None:
         with window.stage.easel.paused() as document:
@@ -63,7 +63,7 @@ def leave_a_sitting() -> None:
 @pytest.fixture
 def window(empty):
     """A window with a sheet in it."""
-    assert empty.files.open_path("plane", 2.0, "xuan", asked=True)
+    assert empty.opening.open_path("plane", 2.0, "xuan", asked=True)
     return empty
 
 
@@ -92,7 +92,7 @@ def test_opening_that_cannot_be_interrupted_is_left_to_itself(
 ) -> None:
     """Cancel comes back while the work still hangs, and what it makes later does not open."""
     file, ended = tmp_path / "a.p3d", threading.Event()
-    assert window.files.save_to(file)
+    assert window.saving.save_to(file)
     before = window.document
 
     def slow(whole):
@@ -110,9 +110,9 @@ def test_opening_that_cannot_be_interrupted_is_left_to_itself(
         monkeypatch.setattr(Document, stage, slow(getattr(Document, stage)))
     answer_bar(cancel)
     target = str(file) if stage == "open" else "sphere"
-    assert not window.files.open_path(target, 3.0, asked=True)
+    assert not window.opening.open_path(target, 3.0, asked=True)
     assert not gate.is_set()
-    assert isinstance(window.files.error, CancelledError)
+    assert isinstance(window.workspace.error, CancelledError)
     assert window.document is before
     monkeypatch.undo()
     gate.set()
@@ -158,7 +158,7 @@ def test_an_export_that_is_stopped_leaves_no_file_and_a_painting_that_goes_on(
 
     monkeypatch.setattr(sys.modules[module], function, slow)
     answer_bar(cancel)
-    assert not window.files.export_to(old)
+    assert not window.exporting.export_to(old)
     assert not gate.is_set()
     gate.set()
     wait_for(lambda: os.listdir(tmp_path) == [old.name])
@@ -170,13 +170,13 @@ def test_what_waits_in_the_queue_is_not_begun_after_cancel(window, gate: threadi
     window.stage.easel.post(lambda document: gate.wait(LIMIT_S))
     answer_bar(cancel)
     before = window.document.surface.n_vertices
-    window.files.refine()
-    assert isinstance(window.files.error, CancelledError)
+    window.painting.do_refine()
+    assert isinstance(window.workspace.error, CancelledError)
     gate.set()
     settled(window)
     assert window.document.surface.n_vertices == before
     live(0.1)
-    assert "CancelledError" not in window.told.text()
+    assert "CancelledError" not in window.status.told.text()
 
 
 def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
@@ -185,7 +185,7 @@ def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
     window.hand.look(replace(window.hand.camera))  # by choice: it is not fitted anew
     camera = window.hand.camera
     answer_bar(cancel)
-    assert not window.files.turntable_to(tmp_path / "a.gif", Film(20.0, 20.0, (320, 240)))
+    assert not window.pictures.turntable_to(tmp_path / "a.gif", Film(20.0, 20.0, (320, 240)))
     wait_for(lambda: os.listdir(tmp_path) == [])
     assert window.hand.camera is camera
     assert window.stage.scene.size == window.canvas.pixel_size
@@ -212,7 +212,7 @@ def test_the_bar_is_seen_before_the_window_itself_works_for_long(
 def test_meanwhile_the_window_takes_no_clicks_and_keys(window, gate: threading.Event) -> None:
     strokes = len(window.document.strokes)
     begun: list[str] = []
-    window.actions_by_name["open"].triggered.connect(lambda: begun.append("open"))
+    window.workspace.actions["open"].triggered.connect(lambda: begun.append("open"))
     nested: list[bool] = []
 
     def meanwhile() -> None:
@@ -221,7 +221,7 @@ def test_meanwhile_the_window_takes_no_clicks_and_keys(window, gate: threading.E
         QtTest.QTest.keyClick(window, key.Key_O, QtCore.Qt.KeyboardModifier.ControlModifier)
         QtTest.QTest.mousePress(window.canvas, QtCore.Qt.MouseButton.LeftButton, pos=middle)
         QtTest.QTest.mouseRelease(window.canvas, QtCore.Qt.MouseButton.LeftButton, pos=middle)
-        nested.append(window.files.open_path("sphere", 3.0, asked=True))
+        nested.append(window.opening.open_path("sphere", 3.0, asked=True))
         assert not window.close()
         gate.set()
 
@@ -248,7 +248,7 @@ def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
 
     monkeypatch.setattr(Unfinished, "recover", lambda self, progress=None: held(self))
     answer_bar(cancel)
-    assert not empty.files.recover(recoverable()[0])
+    assert not empty.recovery.recover(recoverable()[0])
     gate.set()
     live(0.3)
     assert empty.stage.easel is None
@@ -293,13 +293,13 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     answer(later, QtWidgets.QMessageBox)
     start._open_first(empty, "sphere", 8.0, None)
     assert empty.document.surface.source.name == "sphere"
-    assert "File, Bring back" in empty.told.text()
-    menu = empty.menus["file"]
+    assert "File, Bring back" in empty.status.told.text()
+    menu = empty.commands.menus["file"]
     menu.aboutToShow.emit()
-    (back,) = empty.unsaved_menu.actions()
-    assert empty.unsaved_menu.isEnabled()
+    (back,) = empty.commands.unsaved.actions()
+    assert empty.commands.unsaved.isEnabled()
     assert back.text().startswith("Plane")
-    empty.post("add_layer")
+    empty.workspace.post("add_layer")
     empty.stage.easel.post(lambda document: None).result(LIMIT_S)
     boxes: list[str] = []
 
@@ -321,7 +321,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     back.trigger()
     assert empty.document.surface.source.name == "plane"
     menu.aboutToShow.emit()
-    assert not empty.unsaved_menu.isEnabled()
+    assert not empty.commands.unsaved.isEnabled()
     assert recoverable() == []
 
 
@@ -336,7 +336,7 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     live(0.1)
     assert empty.begin_page.isVisible()
     assert [button.text() for button in empty.begin_page.buttons][:2] == ["New painting…", "Open…"]
-    for name, action in empty.actions_by_name.items():
+    for name, action in empty.workspace.actions.items():
         assert action.isEnabled() == (name in ALWAYS), name
         if name not in ALWAYS:
             action.trigger()
@@ -344,34 +344,34 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     for key in "DRXIMKFWS":
         QtTest.QTest.keyClick(empty.canvas, getattr(QtCore.Qt.Key, f"Key_{key}"))
     for name in ("smoothing", "brush", "panels", "dark"):
-        empty.actions_by_name[name].trigger()
-        empty.actions_by_name[name].trigger()
+        empty.workspace.actions[name].trigger()
+        empty.workspace.actions[name].trigger()
     drag(empty.canvas, (0.1, 0.1), (0.2, 0.2), n=4)
     for panel in (empty.panels.brushes, empty.panels.inks, empty.panels.copybook):
         assert not panel.isEnabled()
-    empty.post("dip")
-    assert empty.files.open_path("plane", 3.0, asked=True)
+    empty.workspace.post("dip")
+    assert empty.opening.open_path("plane", 3.0, asked=True)
     live(0.2)
     assert not empty.begin_page.isVisible()
     assert still_paints(empty)
-    wait_for(empty.actions_by_name["undo"].isEnabled)
+    wait_for(empty.workspace.actions["undo"].isEnabled)
 
 
 def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
     for name in ("mirror", "radial", "mask", "record"):
-        window.actions_by_name[name].setChecked(True)
+        window.workspace.actions[name].setChecked(True)
     settled(window)
-    assert window.files.open_path("plane", 3.0, asked=True)
+    assert window.opening.open_path("plane", 3.0, asked=True)
     for name in ("mirror", "radial", "mask", "record"):
-        assert not window.actions_by_name[name].isChecked()
+        assert not window.workspace.actions[name].isChecked()
     assert window.document.symmetry.planes == ()
 
 
 def test_every_name_of_a_format_is_there_in_chinese() -> None:
     from paint3d.app.window.chinese import CHINESE
-    from paint3d.app.window.jobs import pictures
+    from paint3d.app.window.jobs import exporting, pictures, recordings
 
-    for names in (saving._FORMATS, saving._RECORDINGS, pictures._PICTURES, pictures._FILMS):
+    for names in (exporting._FORMATS, recordings._FORMATS, pictures._PICTURES, pictures._FILMS):
         assert set(names.values()) <= set(CHINESE)
 
 
@@ -379,8 +379,8 @@ def test_a_childs_reading_is_ended_by_cancel(window, tmp_path: Path) -> None:
     big = tmp_path / "big.obj"
     big.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 3_000_000)
     answer_bar(cancel)
-    assert not window.files.open_path(str(big), 3.0, asked=True)
-    assert isinstance(window.files.error, CancelledError)
+    assert not window.opening.open_path(str(big), 3.0, asked=True)
+    assert isinstance(window.workspace.error, CancelledError)
     wait_for(lambda: not _readers())
     assert still_paints(window)
 

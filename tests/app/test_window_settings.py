@@ -48,8 +48,8 @@ def start(program):
         window = StudioWindow(program, settings)
         windows.append(window)
         window.show()
-        window.files.quiet = True
-        assert window.files.open_path(target, asked=True, **options)
+        window.workspace.quiet = True
+        assert window.opening.open_path(target, asked=True, **options)
         live(0.05)
         return window
 
@@ -62,9 +62,9 @@ def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:
     assert window.document.painter.brush.name == "full"
     assert window.hand.hand.force == Settings().force_n
     window.stage.easel.post("set_brush", "zhongkai")
-    window.actions_by_name["larger"].trigger()
+    window.workspace.actions["larger"].trigger()
     window.panels.inks.dipped.emit({"indigo": 0.75, "water": 0.25}, None)
-    window.actions_by_name["swap_inks"].trigger()
+    window.workspace.actions["swap_inks"].trigger()
     window.panels.inks.dipped.emit("gamboge", None)
     settled(window)
     window.hand.hand.force = 3.25
@@ -75,25 +75,25 @@ def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:
     assert window.hand.hand.force == 3.25
     window.stage.easel.post("set_brush", "gongbi")
     settled(window)
-    assert window.files.open_path("sphere", 3.0, asked=True)  # not only when it is closed
+    assert window.opening.open_path("sphere", 3.0, asked=True)  # not only when it is closed
     assert window.document.painter.brush.name == "gongbi"
 
 
 @pytest.mark.usefixtures("wet_at_first")
 def test_ink_spreads_as_was_chosen_and_else_as_the_material_asks(start) -> None:
     window = start(resolution=4.0, material="xuan")
-    assert window.actions_by_name["wet"].isChecked()
+    assert window.workspace.actions["wet"].isChecked()
     assert window.stage.easel.wet
-    window.files.open_path("plane", 4.0, "porcelain", asked=True)
-    assert not window.actions_by_name["wet"].isChecked()
+    window.opening.open_path("plane", 4.0, "porcelain", asked=True)
+    assert not window.workspace.actions["wet"].isChecked()
     assert not window.stage.easel.wet
     assert load_settings()[0].wet is None  # nobody has chosen
-    window.files.open_path("plane", 4.0, "xuan", asked=True)
-    window.actions_by_name["wet"].trigger()
+    window.opening.open_path("plane", 4.0, "xuan", asked=True)
+    window.workspace.actions["wet"].trigger()
     assert load_settings()[0].wet is False
     window = start(resolution=4.0, material="xuan")
     assert not window.stage.easel.wet
-    assert not window.actions_by_name["wet"].isChecked()
+    assert not window.workspace.actions["wet"].isChecked()
 
 
 def test_size_place_and_panels_come_back(start) -> None:
@@ -133,7 +133,7 @@ def test_material_and_fineness_are_those_that_were_chosen_last(start) -> None:
         dialog.accept()
 
     answer(begin)
-    window.actions_by_name["new"].trigger()
+    window.workspace.actions["new"].trigger()
     window = start()  # as a file that is dropped, or the first object
     assert window.document.surface.material.name == "bisque"
     assert window.document.surface.resolution == 3.5
@@ -151,10 +151,10 @@ def test_preferences_have_an_effect_now_and_with_the_next_start(start) -> None:
         dialog.accept()
 
     answer(choose)
-    window.actions_by_name["preferences"].trigger()
+    window.workspace.actions["preferences"].trigger()
     assert window.panels.brushes._told.text() == "3.5 cm"
     assert say_length(120.0) == "12 cm"
-    assert window.actions_by_name["wet"].isChecked()
+    assert window.workspace.actions["wet"].isChecked()
     assert window.stage.easel.wet
     assert window.stage.easel._base_every_s == 45.0
     window = start(resolution=4.0)
@@ -186,8 +186,8 @@ def test_a_folder_that_cannot_be_written_is_told_and_nothing_stops(
     window = start(resolution=4.0)
     folder = config_folder()
     monkeypatch.setenv("PAINT3D_CONFIG", "/proc/none")
-    window.keep(theme="light")
-    assert "cannot be made" in window.told.text()
+    window.workspace.keep(theme="light")
+    assert "cannot be made" in window.status.told.text()
     monkeypatch.setenv("PAINT3D_CONFIG", str(folder))
-    window.keep(theme="dark")
+    window.workspace.keep(theme="dark")
     assert (folder / "settings.json").is_file()

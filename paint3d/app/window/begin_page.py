@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.app.window.jobs.opening import Opening
+from paint3d.app.window.jobs.recent_files import RecentFiles
+from paint3d.app.window.jobs.recovery import Recovery
 from paint3d.app.window.named import named
 from paint3d.app.window.wording import say
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.workspace import Workspace
 
 __all__ = ["BeginPage"]
 
@@ -23,9 +23,12 @@ _MOST_RECENT = 5
 class BeginPage(QtWidgets.QFrame):
     """In the middle of the canvas: a new painting, a file, what was open last."""
 
-    def __init__(self, window: StudioWindow) -> None:
-        super().__init__(window.canvas)
-        self._window = window
+    def __init__(
+        self, workspace: Workspace, opening: Opening, recovery: Recovery, recent: RecentFiles
+    ) -> None:
+        super().__init__(workspace.canvas)
+        self._workspace, self._recovery = workspace, recovery
+        self._opening, self._recent = opening, recent
         self.setObjectName("card")
         self.setCursor(QtCore.Qt.CursorShape.ArrowCursor)
         self.setFixedWidth(_WIDTH)
@@ -57,21 +60,22 @@ class BeginPage(QtWidgets.QFrame):
         head.setObjectName("title")
         head.setAlignment(QtCore.Qt.AlignmentFlag.AlignCenter)
         self._rows.addWidget(head)
-        files, actions = self._window.files, self._window.actions_by_name
+        actions = self._workspace.actions
         for name in ("new", "open"):
             self._add(actions[name].text(), actions[name].trigger)
         left = recoverable()
         if left:
             name = left[0].path.name if left[0].path else named(left[0].object_name)
             told = say("Bring back what was not saved: {name}", name=name)
-            self._add(told, lambda: files.recover(left[0]))
-        recent = files.recent_files()[:_MOST_RECENT]
+            self._add(told, lambda: self._recovery.recover(left[0]))
+        recent = self._recent.paths()[:_MOST_RECENT]
         if recent:
             below = QtWidgets.QLabel(say("menu.recent"))
             below.setObjectName("faint")
             self._rows.addWidget(below)
         for path in recent:
-            self._add(Path(path).name, lambda path=path: files.open_path(path)).setToolTip(path)
+            opened = self._add(Path(path).name, lambda path=path: self._opening.open_path(path))
+            opened.setToolTip(path)
 
     def _add(self, text: str, do) -> QtWidgets.QPushButton:
         button = QtWidgets.QPushButton(text)

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from paint3d.app.model.copybook import Copybook
-from paint3d.app.window.jobs.job import run_beside
+from paint3d.app.model.document import Document
+from paint3d.app.window.panels.copybook_panel import CopybookPanel
 from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
-
-if TYPE_CHECKING:
-    from paint3d.app.model.document import Document
-    from paint3d.app.window.studio import StudioWindow
 
 __all__ = ["Copying"]
 
@@ -22,17 +18,16 @@ _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 class Copying:
     """For one window."""
 
-    def __init__(self, window: StudioWindow) -> None:
-        self._window = window
-        panel = window.panels.copybook
+    def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
+        self._workspace, self._panel = workspace, panel
         panel.asked.connect(self.lay_out)
         panel.hidden.connect(self.hide)
-        window.hand.ended.connect(self._judge)
+        workspace.hand.ended.connect(self._judge)
 
     def lay_out(self, text: str, em_mm: float, columns: bool) -> bool:
         """Lay a text on the object as ghosts; say whether that went well."""
-        window = self._window
-        mesh = window.document.surface.source
+        workspace = self._workspace
+        mesh = workspace.document.surface.source
         layout = Layout(order="columns" if columns else "row")
 
         def make(_: object) -> Copybook:
@@ -41,28 +36,28 @@ class Copying:
                 _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
             return copybook
 
-        done = run_beside(window, say("copybook.place"), make)
-        if not window.files.went_well(done):
+        done = workspace.run(say("copybook.place"), make)
+        if not workspace.went_well(done):
             return False
-        window.panels.copybook.show_copybook(done.result())
+        self._panel.show_copybook(done.result())
         self._draw()
         return True
 
     def hide(self) -> None:
         """Take the ghosts away."""
-        self._window.panels.copybook.show_copybook(None)
+        self._panel.show_copybook(None)
         self._draw()
 
     def follow(self) -> None:
         """Take what strokes were judged to be."""
-        panel = self._window.panels.copybook
+        panel = self._panel
         if panel.follow():
             self._draw()
             for place, ghost in enumerate(panel.copybook.ghosts):
                 percent = panel.percent(place)
                 if percent is not None and place == self._last(panel.copybook):
                     told = say("copybook.match", character=ghost.text, percent=percent)
-                    self._window.tell(told, state="good")
+                    self._workspace.tell(told, state="good")
 
     def _last(self, copybook: Copybook) -> int:
         """Place of the character before the next one."""
@@ -70,7 +65,7 @@ class Copying:
         return (len(copybook.ghosts) if following is None else following) - 1
 
     def _judge(self) -> None:
-        copybook = self._window.panels.copybook.copybook
+        copybook = self._panel.copybook
         if copybook is None:
             return
 
@@ -78,10 +73,10 @@ class Copying:
             copybook.follow(document.strokes)
             return copybook.note(document.strokes[-1], document.surface)
 
-        self._window.panels.copybook.expect(self._window.stage.easel.post(note))
+        self._panel.expect(self._workspace.stage.easel.post(note))
 
     def _draw(self) -> None:
-        copybook, stage = self._window.panels.copybook.copybook, self._window.stage
+        copybook, stage = self._panel.copybook, self._workspace.stage
         ghosts = copybook.ghosts if copybook is not None else ()
         following = copybook.next if copybook is not None else None
         waiting = [g for k, g in enumerate(ghosts) if k != following]

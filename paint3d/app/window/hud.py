@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from PySide6 import QtCore, QtGui
 
 from paint3d.app.model.held_ink import HeldInk, held_ink
 from paint3d.app.window.panels.brush_panel import plain_name
 from paint3d.app.window.panels.ink_panel import ink_label
 from paint3d.app.window.wording import say, say_length
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.workspace import Workspace
 
 __all__ = ["PLATE_ALPHA", "Hud"]
 
@@ -27,17 +23,17 @@ _BESIDE = 52  # where the words begin
 class Hud:
     """A small plate in the lower left corner of the canvas."""
 
-    def __init__(self, window: StudioWindow) -> None:
-        self._window = window
-        window.canvas.overlays.append(self.paint)
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        workspace.canvas.overlays.append(self.paint)
 
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
         """Draw it."""
-        window = self._window
-        if window.stage.easel is None:
+        workspace = self._workspace
+        if workspace.stage.easel is None:
             return
-        theme, brush = window.theme, window.stage.easel.brush
-        held = held_ink(window.document.painter)
+        theme, brush = workspace.theme, workspace.stage.easel.brush
+        held = held_ink(workspace.document.painter)
         name = f"{say(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
         told = self.told(held)
         wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, told))
@@ -63,7 +59,7 @@ class Hud:
 
     def refresh(self) -> None:
         """Have it drawn again, where the picture under it is as it was."""
-        canvas, high = self._window.canvas, _HEIGHT + 2 * _MARGIN
+        canvas, high = self._workspace.canvas, _HEIGHT + 2 * _MARGIN
         canvas.update(0, canvas.height() - high, canvas.width(), high)
 
     def told(self, held: HeldInk) -> str:
@@ -78,7 +74,7 @@ class Hud:
 
     def _paint_drop(self, painter: QtGui.QPainter, plate: QtCore.QRectF, held: HeldInk) -> None:
         """A dish with as much ink in it as the brush has, the tip's lowest."""
-        theme = self._window.theme
+        theme = self._workspace.theme
         box = QtCore.QRectF(plate.left() + 9, plate.top() + 7, 32, 32)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.faint), 1.4))
         painter.setBrush(QtGui.QColor(_PORCELAIN))

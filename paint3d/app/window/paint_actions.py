@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from numpy.typing import NDArray
 
+from paint3d.app.model.document import Document
 from paint3d.app.model.input.navigation import picture_axes
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
+from paint3d.app.window.jobs.job import Progress, result_of
+from paint3d.app.window.jobs.recalling import Recalling
+from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_names
 from paint3d.mesh.refined_mesh import PaintMesh
-
-if TYPE_CHECKING:
-    from paint3d.app.model.document import Document
-    from paint3d.app.window.studio import StudioWindow
 
 __all__ = ["PaintActions"]
 
@@ -30,23 +30,22 @@ _PATIENCE_S = 0.3  # that the window waits for a step of the painting
 class PaintActions:
     """For one window; ``do_<action>`` for each."""
 
-    def __init__(self, window: StudioWindow) -> None:
-        self._window = window
-        self.turns = _TURNS
-        self.mask_degrees = _MASK_DEGREES
+    def __init__(self, workspace: Workspace, panels: Panels, recalling: Recalling) -> None:
+        self._workspace, self._panels, self._recalling = workspace, panels, recalling
+        self._turns, self._mask_degrees = _TURNS, _MASK_DEGREES
 
     def _post(self, command: str, *arguments: object) -> None:
-        self._window.post(command, *arguments)
+        self._workspace.post(command, *arguments)
 
     @property
     def _document(self) -> Document:
-        return self._window.document
+        return self._workspace.document
 
     # -- edit -------------------------------------------------------------------------------
 
     def do_undo(self) -> None:
         """Take the last step back."""
-        self._window.recalling.undo()
+        self._recalling.undo()
 
     def do_redo(self) -> None:
         """Do it again."""
@@ -54,8 +53,8 @@ class PaintActions:
 
     def do_cancel_stroke(self) -> None:
         """Take the stroke that is going on back; the keys are the picture's again."""
-        self._window.hand.cancel()
-        self._window.canvas.setFocus()
+        self._workspace.hand.cancel()
+        self._workspace.canvas.setFocus()
 
     # -- brush ------------------------------------------------------------------------------
 
@@ -69,7 +68,7 @@ class PaintActions:
 
     def do_smoothing(self, on: bool) -> None:
         """Steady the stroke by a string, or not."""
-        self._window.panels.hand.set_smoothing(_STEADY if on else 0.0)
+        self._panels.hand.set_smoothing(_STEADY if on else 0.0)
 
     def do_number(self, k: int) -> None:
         """Take the k-th brush."""
@@ -105,9 +104,9 @@ class PaintActions:
 
     def do_wet(self, on: bool) -> None:
         """Let ink spread in real time, or not; kept for paintings to come."""
-        self._window.keep(wet=on)
-        if self._window.stage.easel is not None:
-            self._window.stage.easel.wet = on
+        self._workspace.keep(wet=on)
+        if self._workspace.stage.easel is not None:
+            self._workspace.stage.easel.wet = on
 
     def do_dry(self) -> None:
         """Let everything dry at once."""
@@ -124,24 +123,36 @@ class PaintActions:
         self._set_symmetry(radial=on)
 
     def _set_symmetry(self, mirror: bool | None = None, radial: bool | None = None) -> None:
-        points = self._window.stage.points
+        points = self._workspace.stage.points
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         middle = tuple(float(x) for x in middle)
-        actions = self._window.actions_by_name
+        actions = self._workspace.actions
         mirror = actions["mirror"].isChecked() if mirror is None else mirror
         radial = actions["radial"].isChecked() if radial is None else radial
         planes = (MirrorPlane(middle, (1.0, 0.0, 0.0)),) if mirror else ()
-        turned = RadialSymmetry(self.turns, middle) if radial else None
+        turned = RadialSymmetry(self._turns, middle) if radial else None
         self._post("set_symmetry", Symmetry(planes, turned))
+
+    def set_turns(self, turns: int) -> None:
+        """How often a stroke is painted around the axis."""
+        self._turns = turns
+        if self._workspace.actions["radial"].isChecked():
+            self.do_radial(True)
 
     def do_mask(self, on: bool) -> None:
         """Take paint only where the surface faces the viewer, or everywhere again."""
         angle = None
         if on:
-            back = picture_axes(self._window.hand.camera)[2]
-            angle = AngleMask(tuple(float(x) for x in back), self.mask_degrees)
+            back = picture_axes(self._workspace.hand.camera)[2]
+            angle = AngleMask(tuple(float(x) for x in back), self._mask_degrees)
         mask = self._document.mask
         self._post("set_mask", Mask(angle, mask.regions, mask.inverted))
+
+    def set_mask_degrees(self, degrees: float) -> None:
+        """How far the surface may turn away from the viewer and take paint."""
+        self._mask_degrees = degrees
+        if self._workspace.actions["mask"].isChecked():
+            self.do_mask(True)
 
     def do_pick_region(self) -> None:
         """Take paint only in the region under the pointer, and in those picked before."""
@@ -151,28 +162,36 @@ class PaintActions:
         mask = self._document.mask
         regions = (*mask.regions, RegionPick(face))
         self._post("set_mask", Mask(mask.angle, regions, mask.inverted))
-        self._window.tell(say("Regions that take paint: {n}", n=len(regions)))
+        self._workspace.tell(say("Regions that take paint: {n}", n=len(regions)))
 
     def _look_up(self, what: Callable[[PaintMesh, NDArray], int]) -> int | None:
         """Something of the object under the pointer; None beside it, or while painting is busy."""
-        place = self._window.hand.place()
+        place = self._workspace.hand.place()
         if place is None:
             return None
-        with self._window.stage.easel.paused(_PATIENCE_S) as document:
+        with self._workspace.stage.easel.paused(_PATIENCE_S) as document:
             if document is not None:
                 return what(document.surface.paint_mesh, place)
-        self._window.tell(say("Still painting; ask again in a moment"), state="slow")
+        self._workspace.tell(say("Still painting; ask again in a moment"), state="slow")
         return None
 
     def do_clear_mask(self) -> None:
         """Take paint everywhere."""
-        self._window.actions_by_name["mask"].setChecked(False)
+        self._workspace.actions["mask"].setChecked(False)
         self._post("set_mask", Mask())
-        self._window.tell(say("Paint is taken everywhere"))
+        self._workspace.tell(say("Paint is taken everywhere"))
 
     def do_refine(self) -> None:
-        """Refine the whole surface now."""
-        self._window.files.refine()
+        """Refine the whole surface now, with a bar; if it is stopped, it is as it was."""
+        workspace = self._workspace
+        easel = workspace.stage.easel
+
+        def work(progress: Progress) -> None:
+            result_of(easel.post(lambda document: document.surface.refine_all(progress)), progress)
+
+        if workspace.went_well(workspace.run(say("Refining the surface…"), work)):
+            count = self._document.surface.n_vertices
+            workspace.tell(say("status.vertices", count=count), state="good")
 
     # -- layers -----------------------------------------------------------------------------
 
@@ -186,7 +205,7 @@ class PaintActions:
 
     def do_rename_layer(self) -> None:
         """Let its name be written."""
-        self._window.panels.layers.rename()
+        self._panels.layers.rename()
 
     def do_layer_above(self) -> None:
         """Paint on the layer above."""

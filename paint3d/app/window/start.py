@@ -99,12 +99,12 @@ def run_studio(
     _translate_qt(app)
     window = StudioWindow(app, settings, plugged=_plugged(), feel=_feel)
     if problem is not None:
-        window.tell(problem, state="bad", stays=True)
+        window.workspace.tell(problem, state="bad", stays=True)
     elif (kept := stand_in()) is not None:
         told = say("No home to write to: all is kept in {folder}", folder=kept)
-        window.tell(told, state="bad", stays=True)
+        window.workspace.tell(told, state="bad", stays=True)
     window.show()
-    window.files.show_recent()
+    window.recent.show()
     try:
         _open_first(window, target, resolution, material, up)
     except BaseException:
@@ -147,15 +147,15 @@ def _open_first(
     up: str | None = None,
 ) -> None:
     """Open what a crash left, else what was asked for; stopped, the window stays empty."""
-    if window.files.offer_recovery():
+    if window.recovery.offer():
         return
-    if target is None and isinstance(window.files.error, CancelledError):
+    if target is None and isinstance(window.workspace.error, CancelledError):
         return  # the page in the empty window offers it again
-    window.files.quiet, window.files.up = True, up
-    opened = window.files.open_path(target or _FIRST, resolution, material, asked=True)
-    window.files.quiet, window.files.up = False, None
-    error = window.files.error
+    window.workspace.quiet, window.opening.up = True, up
+    opened = window.opening.open_path(target or _FIRST, resolution, material, asked=True)
+    window.workspace.quiet, window.opening.up = False, None
+    error = window.workspace.error
     if opened:
-        window.files.tell_unsaved()
+        window.recovery.tell_unsaved()
     if not opened and error is not None and not isinstance(error, CancelledError):
         raise error

@@ -221,20 +221,20 @@ def open_for(
     The camera is looked through at once; everything else is done in the painting's thread.
     """
     header = {**header, **instead}
-    window.files.quiet = True
+    window.workspace.quiet = True
     if window.stage.easel is not None:
         with window.stage.easel.paused() as document:
             document.modified = False
-    opened = window.files.open_path(
+    opened = window.opening.open_path(
         header["object"], resolution, header.get("material", "xuan"), asked=True
     )
-    assert opened, window.files.error
+    assert opened, window.workspace.error
     look(window, header.get("view", "first"))
-    wet = window.actions_by_name["wet"]
+    wet = window.workspace.actions["wet"]
     if wet.isChecked() != bool(header.get("wet", False)):
         wet.trigger()
-    window.post("set_brush", header.get("brush", "full"))
-    window.post("dip", header.get("ink", "pine soot"))
+    window.workspace.post("set_brush", header.get("brush", "full"))
+    window.workspace.post("dip", header.get("ink", "pine soot"))
     settle(window)
 
 

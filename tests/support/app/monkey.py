@@ -250,11 +250,11 @@ class Monkey(QtCore.QObject):
         """Choose something from a menu."""
         if self._is_blocked():
             return "blocked"
-        names = sorted(self.window.actions_by_name)
+        names = sorted(self.window.workspace.actions)
         name = str(rng.choice(names))
         if name in QUIT and rng.random() < 0.7:
             return "not " + name
-        action = self.window.actions_by_name[name]
+        action = self.window.workspace.actions[name]
         self.done.append(f"{self.number}: menu {name}{'' if action.isEnabled() else ' (off)'}")
         action.trigger()
         return name
@@ -335,7 +335,7 @@ class Monkey(QtCore.QObject):
             return "blocked"
         name = str(rng.choice(OBJECTS))
         material = str(rng.choice(["porcelain", "xuan"]))
-        self.window.files.open_path(name, float(rng.uniform(*COARSE_MM)), material, asked=True)
+        self.window.opening.open_path(name, float(rng.uniform(*COARSE_MM)), material, asked=True)
         return f"{name} {material}"
 
     def drop_file(self, rng: Generator) -> str:
@@ -401,7 +401,7 @@ class Monkey(QtCore.QObject):
         self.window.hide()
         self.window.deleteLater()
         self._new_window()
-        return str(self.window.files.offer_recovery())
+        return str(self.window.recovery.offer())
 
     def rest(self, rng: Generator) -> str:
         """Do nothing for a while."""
@@ -536,9 +536,9 @@ class Monkey(QtCore.QObject):
         self._begun = time.monotonic_ns() // 1_000_000
         window.activateWindow()
         if self.start is not None:
-            window.files.quiet = True
-            window.files.open_path(self.start, COARSE_MM[0], "xuan", asked=True)
-            window.files.quiet = False
+            window.workspace.quiet = True
+            window.opening.open_path(self.start, COARSE_MM[0], "xuan", asked=True)
+            window.workspace.quiet = False
         self._process()
         self._starting = False
         return window
@@ -610,7 +610,7 @@ class Monkey(QtCore.QObject):
             dialog.close()
             self._process()
         if self.window.stage.easel is None:
-            self.window.files.open_path("plane", 4.0, "xuan", asked=True)
+            self.window.opening.open_path("plane", 4.0, "xuan", asked=True)
         self._settle()
         path = self.folder / "end.p3d"
         with self.window.stage.easel.paused() as document:

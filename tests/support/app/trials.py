@@ -118,7 +118,7 @@ def try_strokes(
         player.play(recording.part(number, number + 1), how, **options)
         yield Trial(number, mark_now(window), way)
         if len(window.document.strokes) > n_before:
-            window.post("undo")
+            window.workspace.post("undo")
             settle(window)
 
 

@@ -15,8 +15,8 @@ def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None
     """A window with something to paint on; nothing of it is asked for when it closes."""
     window = StudioWindow(program, settings)
     window.show()
-    window.files.quiet = True
-    assert window.files.open_path(mesh, resolution, material, asked=True)
+    window.workspace.quiet = True
+    assert window.opening.open_path(mesh, resolution, material, asked=True)
     wait_for(lambda: window.stage.is_lit)
     window.activateWindow()
     window.canvas.setFocus()

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paint3d.app.model.input.devices import DeviceDesk, StrokeCutter
+from paint3d.app.window.panels.device_panel import DevicePanel
 from paint3d.app.window.wording import say_error
+from paint3d.app.window.workspace import Workspace
 from paint3d.core.frames import matrices_from_quaternions, multiply_quaternions, rotate
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
 
     from paint3d.app.model.document import Document
     from paint3d.app.model.input.devices import Feedback, Plugged
-    from paint3d.app.window.studio import StudioWindow
     from paint3d.view.camera import Camera
 
 __all__ = ["BothHands", "carried_camera"]
@@ -49,7 +50,9 @@ class BothHands:
 
     Parameters
     ----------
-    window : StudioWindow
+    workspace : Workspace
+    panel : DevicePanel
+        Shows them now and then.
     plugged : PluggedDevices, optional
         None where there are none to look for.
     feel : callable, optional
@@ -59,11 +62,12 @@ class BothHands:
 
     def __init__(
         self,
-        window: StudioWindow,
+        workspace: Workspace,
+        panel: DevicePanel,
         plugged: Plugged | None = None,
         feel: Callable[[Document], Feedback | None] | None = None,
     ) -> None:
-        self._window = window
+        self._workspace, self._panel = workspace, panel
         self._plugged, self._feel = plugged, feel
         self._feedback: Feedback | None = None
         self.desk = self._make_desk()
@@ -81,31 +85,30 @@ class BothHands:
         try:
             self._feedback = self._feel(document)
         except Paint3DError as error:
-            self._window.tell(say_error(error), state="bad")
+            self._workspace.tell(say_error(error), state="bad")
         self.desk = self._make_desk()
 
     def _make_desk(self) -> DeviceDesk | None:
         if self._plugged is None:
             return None
-        actions = self._window.settings.buttons
+        actions = self._workspace.settings.buttons
         return DeviceDesk(self._plugged, actions=actions, feedback=self._feedback)
 
     def tick(self) -> None:
         """Take what the devices said; show them now and then."""
         self._ticks += 1
-        panel = self._window.panels.devices
         if self.desk is not None:
             self._take()
-        if self._ticks % _SHOWN_EVERY == 0 and panel.isVisible():
-            frame = self._window.stage.frame
-            panel.show_desk(self.desk, frame)
+        if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
+            frame = self._workspace.stage.frame
+            self._panel.show_desk(self.desk, frame)
             if frame is not None and frame.brush is not None:
                 q = frame.brush.orientation[None]
                 force = MAX_FORCE_N * (frame.brush.pressure or 0.0)
-                panel.show_brush(matrices_from_quaternions(q)[0][:, 2], force)
+                self._panel.show_brush(matrices_from_quaternions(q)[0][:, 2], force)
 
     def _take(self) -> None:
-        taken, easel = self.desk.take(), self._window.stage.easel
+        taken, easel = self.desk.take(), self._workspace.stage.easel
         for command in taken.commands:
             easel.post(command)
         self._carry(taken.object_pose)
@@ -113,7 +116,7 @@ class BothHands:
             if isinstance(part, str):
                 easel.post(part)
                 if part == "end_stroke":
-                    self._window.hand.ended.emit()
+                    self._workspace.hand.ended.emit()
             else:
                 easel.feed(part)
         if taken.samples and not self._cutter.is_down:
@@ -121,14 +124,14 @@ class BothHands:
 
     def _carry(self, pose: ObjectPose) -> None:
         """Turn the view as the left hand turns the object."""
-        hand, before = self._window.hand, self._pose
+        hand, before = self._workspace.hand, self._pose
         same = np.array_equal(pose.position, before.position)
         if hand.camera is None or (same and np.array_equal(pose.orientation, before.orientation)):
             return
         hand.look(carried_camera(hand.camera, before, pose))
         self._pose = pose
         axes = matrices_from_quaternions(pose.orientation[None])[0]
-        self._window.panels.devices.show_object(axes)
+        self._panel.show_object(axes)
 
     def _touches(self, sample: DeviceSample) -> bool:
         """Whether the brush touches: by its force, or by where it is."""
@@ -137,7 +140,7 @@ class BothHands:
         back = sample.object_orientation * _CONJUGATE
         place = rotate(back, sample.position - sample.object_position)
         orientation = multiply_quaternions(back, sample.orientation)
-        found = self._window.document.painter.contact(place, orientation)
+        found = self._workspace.document.painter.contact(place, orientation)
         return found is not None and found.area > 0.0
 
     def close(self) -> None:

@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
+from paint3d.app.window.jobs.job import Progress
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.live_object import LiveObject, PatchUpload
 
-__all__ = ["Opened"]
+__all__ = ["Opened", "open_with_progress"]
 
 _MOST_POINTS = 60_000  # to place a camera by; more show no object any better
 _N_WAYS = 200  # and the outermost of all vertices so many ways
+_SHOWN_A_SECOND = 6e5  # triangles that are made ready to be shown, about
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,13 @@ class Opened:
         surface = ClosestPoints(document.surface.source)
         check()
         return cls(document, shown, uploads, surface, _some(document.surface.source.vertices))
+
+
+def open_with_progress(document: Document, progress: Progress, share: float) -> Opened:
+    """Make a painting ready to be shown; the share of the work that is done before."""
+    n = document.surface.source.n_faces + 2 * document.surface.n_vertices
+    progress.expect(share, 0.98, 0.1 + n / _SHOWN_A_SECOND)
+    return Opened.of(document, progress.check)
 
 
 def _some(points: NDArray) -> NDArray:

@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Future, wait
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
 from PySide6 import QtWidgets
 
 from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog, kept_film
-from paint3d.app.window.jobs.job import Progress, run_beside
+from paint3d.app.window.jobs.job import Progress
+from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.jobs.turntable import write_turntable
 from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.workspace import Workspace
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, Paint3DError
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
 
 __all__ = ["Pictures"]
 
@@ -40,30 +38,30 @@ class _Drawing:
 
     Parameters
     ----------
-    window : StudioWindow
+    workspace : Workspace
     size : (int, int)
         Pixels.
     """
 
-    def __init__(self, window: StudioWindow, size: tuple[int, int]) -> None:
-        self._window, self._size = window, size
+    def __init__(self, workspace: Workspace, size: tuple[int, int]) -> None:
+        self._workspace, self._size = workspace, size
         self._fine = size[0] * size[1] <= _FINE_PIXELS
         self._share = 0.0
         self._pixels: Future[np.ndarray] = Future()
 
     def __enter__(self) -> Callable[[], None] | None:
         """What is to be called again and again, in the window's thread, until all is drawn."""
-        if self._size == self._window.canvas.pixel_size:
-            self._take(self._window.stage.picture(fine=self._fine))
+        if self._size == self._workspace.canvas.pixel_size:
+            self._take(self._workspace.stage.picture(fine=self._fine))
             return None
-        self._window.hold()
-        self._window.stage.set_size(self._size)
-        self._parts = self._window.stage.picture_by_parts(fine=self._fine)
+        self._workspace.hold()
+        self._workspace.stage.set_size(self._size)
+        self._parts = self._workspace.stage.picture_by_parts(fine=self._fine)
         return self._draw_part
 
     def __exit__(self, *_: object) -> None:
-        self._window.stage.set_size(self._window.canvas.pixel_size)
-        self._window.go_on()
+        self._workspace.stage.set_size(self._workspace.canvas.pixel_size)
+        self._workspace.go_on()
 
     def _draw_part(self) -> None:
         if self._pixels.done():
@@ -83,21 +81,20 @@ class _Drawing:
 
 
 class Pictures:
-    """For one window; a part of `Files`."""
+    """For one window."""
 
-    _window: StudioWindow
-    went_well: Callable[[Future], bool]
-    ask_target: Callable[..., Path | None]
+    def __init__(self, workspace: Workspace, targets: Targets) -> None:
+        self._workspace, self._targets = workspace, targets
 
-    def screenshot(self) -> None:
+    def do_screenshot(self) -> None:
         """Ask where, and save the picture as it is seen."""
-        path = self.ask_target(say("action.screenshot"), _PICTURES)
+        path = self._targets.ask(say("action.screenshot"), _PICTURES)
         if path is not None:
             self.screenshot_to(path)
 
     def screenshot_to(self, path: Path) -> bool:
         """Write the picture as it is seen, without what lies over it."""
-        return self.picture_to(path, self._window.canvas.pixel_size)
+        return self.picture_to(path, self._workspace.canvas.pixel_size)
 
     def picture_to(self, path: Path, size: tuple[int, int], quality: int = _QUALITY) -> bool:
         """Write what is on the screen, without what lies over it; say whether that went well.
@@ -112,7 +109,7 @@ class Pictures:
             Of a JPEG, 1 to 100.
         """
         form = _FORMATS.get(path.suffix.lower())
-        drawing = _Drawing(self._window, size)
+        drawing = _Drawing(self._workspace, size)
 
         def work(progress: Progress) -> None:
             if form is None:
@@ -124,32 +121,34 @@ class Pictures:
 
         with drawing as draw:
             title = say("Writing {name}…", name=path.name)
-            done = run_beside(self._window, title, work, draw)
-        if not self.went_well(done):
+            done = self._workspace.run(title, work, draw)
+        if not self._workspace.went_well(done):
             return False
-        self._window.tell(say("status.exported", name=path.name), state="good")
+        self._workspace.tell(say("status.exported", name=path.name), state="good")
         return True
 
-    def turntable(self) -> None:
+    def do_turntable(self) -> None:
         """Ask where and how, and save a film of the object turning."""
-        kept = self._window.settings.exports
-        path = self.ask_target(say("action.turntable"), _FILMS, str(kept.get("film_format", "")))
+        kept = self._workspace.settings.exports
+        path = self._targets.ask(say("action.turntable"), _FILMS, str(kept.get("film_format", "")))
         if path is None:
             return
-        dialog = FilmDialog(self._window, kept_film(kept), self._window.canvas.pixel_size)
+        dialog = FilmDialog(
+            self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size
+        )
         if dialog.exec():
             now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}
-            self._window.keep(exports=now)
+            self._workspace.keep(exports=now)
             self.turntable_to(path, dialog.film())
 
     def turntable_to(self, path: Path, film: Film | None = None) -> bool:
         """Write a film of the object turning once; say whether that went well."""
         try:
-            done = write_turntable(self._window, path, film or Film())
+            done = write_turntable(self._workspace, path, film or Film())
         except Paint3DError as error:
-            QtWidgets.QMessageBox.warning(self._window, "paint3d", say_error(error))
+            QtWidgets.QMessageBox.warning(self._workspace.window, "paint3d", say_error(error))
             return False
-        if not self.went_well(done):
+        if not self._workspace.went_well(done):
             return False
-        self._window.tell(say("status.exported", name=path.name), state="good")
+        self._workspace.tell(say("status.exported", name=path.name), state="good")
         return True

@@ -5,14 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.ink_time import PIECE_NS
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
 
 __all__ = ["Player"]
 
@@ -22,8 +19,8 @@ _BATCH = 64  # samples handed on at once where no time is kept
 class Player:
     """For one window; `tick` hands on what is due."""
 
-    def __init__(self, window: StudioWindow) -> None:
-        self._window = window
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
         self._samples: Sequence[DeviceSample] = ()
         self._next = 0
         self._speed: float | None = None
@@ -43,8 +40,8 @@ class Player:
         if samples:  # by the hand's clock, and by whole pieces of the ink's time: as it was painted
             since = time.perf_counter_ns() - samples[0].time_ns
             self._later_ns = since // PIECE_NS * PIECE_NS
-            self._window.stage.easel.post("begin_stroke")
-            self._window.tell(say("status.replaying"))
+            self._workspace.stage.easel.post("begin_stroke")
+            self._workspace.tell(say("status.replaying"))
             self.tick()
 
     def tick(self) -> None:
@@ -55,17 +52,17 @@ class Player:
         for at in range(self._next, due, _BATCH):
             samples = self._samples[at : min(at + _BATCH, due)]
             moved = [replace(s, time_ns=s.time_ns + self._later_ns) for s in samples]
-            self._window.stage.easel.feed(moved)
+            self._workspace.stage.easel.feed(moved)
         self._next = due
         if not self.is_playing:
-            self._window.stage.easel.post("end_stroke")
-            self._window.tell(say("status.ready"))
+            self._workspace.stage.easel.post("end_stroke")
+            self._workspace.tell(say("status.ready"))
 
     def stop(self) -> None:
         """Lift the brush where it is, if something is playing."""
         if self.is_playing:
             self._next = len(self._samples)
-            self._window.stage.easel.post("end_stroke")
+            self._workspace.stage.easel.post("end_stroke")
 
     def _due(self) -> int:
         """Number of the first sample whose time has not come."""

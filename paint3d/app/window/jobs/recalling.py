@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-from paint3d.app.window.jobs.job import Progress, run_beside
+from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.workspace import Workspace
 
 __all__ = ["Recalling"]
 
 
 class Recalling:
-    """For one window."""
+    """For one window.
 
-    def __init__(self, window: StudioWindow) -> None:
-        self._window = window
+    Parameters
+    ----------
+    workspace : Workspace
+    refused : callable
+        Told when it was stopped, or failed.
+    """
+
+    def __init__(self, workspace: Workspace, refused: Callable[[], None]) -> None:
+        self._workspace, self._refused = workspace, refused
 
     def go_to(self, upto: int, passing: bool = False) -> None:
         """Show the painting as it was after so many strokes.
@@ -28,10 +33,10 @@ class Recalling:
         passing : bool
             Only to look at; see `Document.replay_history`.
         """
-        window = self._window
-        easel, document = window.stage.easel, window.document
+        workspace = self._workspace
+        easel, document = workspace.stage.easel, workspace.document
         if upto >= document.oldest_stroke or upto < document.earliest_stroke:
-            window.post("replay_history", upto, passing)
+            workspace.post("replay_history", upto, passing)
             return
 
         def work(progress: Progress) -> None:
@@ -43,17 +48,17 @@ class Recalling:
 
         count = document.oldest_stroke
         title = say("Painting {n} strokes again, to go back to them…", n=count)
-        if window.files.went_well(run_beside(window, title, work)):
-            window.tell(
+        if workspace.went_well(workspace.run(title, work)):
+            workspace.tell(
                 say("{n} strokes were painted again; drying between them is not repeated", n=count)
             )
         else:
-            window.panels.history.refuse()
+            self._refused()
 
     def undo(self) -> None:
         """Take the last step back; where no step does, the strokes are painted again first."""
-        document = self._window.document
+        document = self._workspace.document
         if document.steps.done or not document.can_undo:
-            self._window.post("undo")
+            self._workspace.post("undo")
         else:
             self.go_to(len(document.strokes) - 1)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6 import QtWidgets
@@ -11,23 +11,28 @@ from PySide6 import QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.own_object import ObjectChoice, first_choice, is_implausible, longest_side
 from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
-from paint3d.app.window.jobs.job import Progress, run_beside
+from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
 from paint3d.files.load import BUILT_IN_OBJECTS
 from paint3d.files.sandbox.reading import Reading
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
 
 __all__ = ["Standing"]
 
 
 class Standing:
-    """Asks how objects are to stand, for one window."""
+    """Asks how objects are to stand, for one window.
 
-    def __init__(self, window: StudioWindow) -> None:
-        self._window = window
+    Parameters
+    ----------
+    workspace : Workspace
+    may_leave : callable
+        Asks what becomes of the painting that is open.
+    """
+
+    def __init__(self, workspace: Workspace, may_leave: Callable[[], bool]) -> None:
+        self._workspace, self._may_leave = workspace, may_leave
         self._said = ""
 
     def choose(
@@ -54,7 +59,7 @@ class Standing:
             return self._likely(reading, material, resolution)
         name = Path(path).name
         dialog = ObjectDialog(
-            self._window,
+            self._workspace.window,
             reading,
             material,
             resolution,
@@ -66,7 +71,7 @@ class Standing:
     def tell(self) -> None:
         """Say what was taken without having been asked."""
         if self._said:
-            self._window.tell(self._said)
+            self._workspace.tell(self._said)
 
     def _likely(self, reading: Reading, material: str, resolution: float) -> ObjectChoice:
         guess = reading.likely_up
@@ -85,7 +90,7 @@ class Standing:
         accepted = dialog.exec()
         choice = dialog.chosen() if accepted else None
         if choice is not None:
-            self._window.keep(material=choice.material)
+            self._workspace.keep(material=choice.material)
         dialog.deleteLater()
         return choice
 
@@ -93,10 +98,10 @@ class Standing:
 
     def do_stand(self) -> None:
         """Ask how the object that is open should stand, and begin anew on it."""
-        window = self._window
-        if window.stage.easel is None:
+        workspace = self._workspace
+        if workspace.stage.easel is None:
             return
-        with window.stage.easel.paused() as document:
+        with workspace.stage.easel.paused() as document:
             surface = document.surface
             is_bare = not document.strokes and not surface.painted.any()
             material, resolution = surface.material.name, surface.resolution
@@ -105,29 +110,29 @@ class Standing:
             return
         reading = Reading(surface.source, knows_up=True)
         dialog = ObjectDialog(
-            window, reading, material, resolution or window.settings.resolution_mm,
+            workspace.window, reading, material, resolution or workspace.settings.resolution_mm,
             title=say("Turn and scale the object…").rstrip("…"),
             accept=say("button.ok") if is_bare else say("Begin anew"), is_open=True,
         )  # fmt: skip
         choice = self._answer(dialog)
-        if choice is None or (not is_bare and not window.files.may_leave()):
+        if choice is None or (not is_bare and not self._may_leave()):
             return
 
         def make(progress: Progress) -> Opened:
             mesh = choice.apply(reading.mesh)
             document = Document.new(
                 mesh, choice.resolution, choice.material, brush=brush, ink=inks[0],
-                undo_bytes=int(window.settings.undo_megabytes * (1 << 20)),
+                undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),
             )  # fmt: skip
             document.inks[1] = inks[1]
             return Opened.of(document, progress.check)
 
-        done = run_beside(window, say("status.opening", name=surface.source.name), make)
-        if window.files.went_well(done):
-            window.show_document(done.result())
+        done = workspace.run(say("status.opening", name=surface.source.name), make)
+        if workspace.went_well(done):
+            workspace.show(done.result())
 
     def _may_begin_anew(self) -> bool:
-        box = QtWidgets.QMessageBox(self._window)
+        box = QtWidgets.QMessageBox(self._workspace.window)
         box.setWindowTitle("paint3d")
         box.setText(
             say(

@@ -6,20 +6,17 @@ import queue
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
 
 from paint3d.app.model.input.navigation import orbit
 from paint3d.app.window.dialogs.film_dialog import Film
-from paint3d.app.window.jobs.job import Progress, run_beside
+from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
 
 __all__ = ["FILMS", "write_turntable"]
 
@@ -31,7 +28,7 @@ _DRAWN = 0.9  # of the time, about, that drawing takes
 _LOOK_S = 0.05
 
 
-def write_turntable(window: StudioWindow, path: Path, film: Film) -> Future:
+def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future:
     """Draw a film picture by picture, with a bar, and write it; nothing if it was stopped.
 
     Raises
@@ -42,16 +39,16 @@ def write_turntable(window: StudioWindow, path: Path, film: Film) -> Future:
     form = FILMS.get(path.suffix.lower())
     if form is None:
         raise ExportError(f"{path}: a film is written as .gif or .webp")
-    film = film._replace(size=film.size or window.canvas.pixel_size)
+    film = film._replace(size=film.size or workspace.canvas.pixel_size)
     if film.is_too_long:
         width, height = film.size
         raise ExportError(
             f"{path}: {film.n_pictures} pictures of {width} x {height} pixels are too many; "
             "expected a shorter or smaller film"
         )
-    camera, drawn = window.hand.camera, queue.Queue(_AHEAD)
-    n, turn = film.n_pictures, 2.0 * window.canvas.height()
-    parts = _parts(window, [-turn * k / n for k in range(n)])
+    camera, drawn = workspace.hand.camera, queue.Queue(_AHEAD)
+    n, turn = film.n_pictures, 2.0 * workspace.canvas.height()
+    parts = _parts(workspace, [-turn * k / n for k in range(n)])
 
     def draw() -> None:
         if not drawn.full() and (picture := next(parts, None)) is not None:
@@ -70,26 +67,26 @@ def write_turntable(window: StudioWindow, path: Path, film: Film) -> Future:
                 loop=0,
             )
 
-    window.hold()
-    window.stage.hide_brush()
-    window.stage.set_size(film.size)
+    workspace.hold()
+    workspace.stage.hide_brush()
+    workspace.stage.set_size(film.size)
     try:
-        return run_beside(window, say("Drawing the film…"), work, draw)
+        return workspace.run(say("Drawing the film…"), work, draw)
     finally:
-        window.stage.set_size(window.canvas.pixel_size)
-        window.stage.set_camera(camera)
-        window.go_on()
+        workspace.stage.set_size(workspace.canvas.pixel_size)
+        workspace.stage.set_camera(camera)
+        workspace.go_on()
 
 
-def _parts(window: StudioWindow, turns: Sequence[float]) -> Iterator[Image.Image | None]:
+def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image | None]:
     """Draw a picture for each turn of the view (pixels that it is dragged by), part by part.
 
     Yields None between the parts of a picture, then the picture.
     """
-    camera = window.hand.camera
+    camera = workspace.hand.camera
     for turn in turns:
-        window.stage.set_camera(orbit(camera, turn, 0.0, window.canvas.height()))
-        for share, pixels in window.stage.picture_by_parts():
+        workspace.stage.set_camera(orbit(camera, turn, 0.0, workspace.canvas.height()))
+        for share, pixels in workspace.stage.picture_by_parts():
             done = share >= 1.0
             yield Image.fromarray(np.array(pixels[::-1, :, :3])) if done else None
 

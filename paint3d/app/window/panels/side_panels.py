@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
 
 from PySide6 import QtCore, QtWidgets
 
@@ -19,10 +18,8 @@ from paint3d.app.window.panels.layer_panel import LayerPanel
 from paint3d.app.window.panels.surface_panel import SurfacePanel
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
-
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
 
 __all__ = ["Panels"]
 
@@ -31,15 +28,23 @@ _RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
 
 
 class Panels:
-    """All panels of one window."""
+    """All panels of one window.
 
-    def __init__(self, window: StudioWindow) -> None:
-        self._window = window
-        theme = window.theme
+    Parameters
+    ----------
+    workspace : Workspace
+    menu : QMenu
+        Where each can be hidden and shown.
+    """
+
+    def __init__(self, workspace: Workspace, menu: QtWidgets.QMenu) -> None:
+        self._workspace = workspace
+        window, theme, actions = workspace.window, workspace.theme, workspace.actions
         self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
         self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
         self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
-        self.devices, self.surface = DevicePanel(theme), SurfacePanel(window)
+        self.devices = DevicePanel(theme)
+        self.surface = SurfacePanel(actions[name] for name in ("wet", "dry", "refine"))
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
         self._tall = (self.hand, self.copybook, self.devices, self.surface)
         upper = [
@@ -62,51 +67,38 @@ class Panels:
         window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
         window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
         for dock in self.docks.values():
-            window.menus["window"].addAction(dock.toggleViewAction())
+            menu.addAction(dock.toggleViewAction())
         self._connect()
+        workspace.theme_changed.connect(self._set_theme)
 
     def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
-        dock = QtWidgets.QDockWidget(say(title), self._window)
+        dock = QtWidgets.QDockWidget(say(title), self._workspace.window)
         dock.setObjectName(f"dock-{name}")
         dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
         dock.setMinimumWidth(_WIDTH)
-        self._window.addDockWidget(_RIGHT, dock)
+        self._workspace.window.addDockWidget(_RIGHT, dock)
         self.docks[name] = dock
         return dock
 
     def _connect(self) -> None:
-        post = self._window.post
+        post = self._workspace.post
         self.brushes.chosen.connect(self._take_brush)
-        self.brushes.failed.connect(lambda why: self._window.tell(why, state="bad"))
-        self._window.hand.sized.connect(self.brushes.resize_brush)
+        self.brushes.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
+        self._workspace.hand.sized.connect(self.brushes.resize_brush)
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(
             lambda what, *told: post(what, *(x for x in told if x is not None))
         )
-        self.history.asked.connect(self._window.recalling.go_to)
-        self.history.told.connect(self._window.tell)
-        self.history.exported.connect(self._window.files.save_recording)
-        self.hand.read.connect(lambda changes: self._window.hand.set_settings(**changes))
+        self.history.told.connect(self._workspace.tell)
+        self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
-        self.hand.turns.connect(self._set_turns)
-        self.hand.mask_degrees.connect(self._set_mask_degrees)
 
     def _keep_curve(self, curve: PressureCurve) -> None:
-        self._window.settings = dataclasses.replace(
-            self._window.settings, pressure_curve=curve.points
+        self._workspace.settings = dataclasses.replace(
+            self._workspace.settings, pressure_curve=curve.points
         )
-
-    def _set_turns(self, turns: int) -> None:
-        self._window.painting.turns = turns
-        if self._window.actions_by_name["radial"].isChecked():
-            self._window.painting.do_radial(True)
-
-    def _set_mask_degrees(self, degrees: float) -> None:
-        self._window.painting.mask_degrees = degrees
-        if self._window.actions_by_name["mask"].isChecked():
-            self._window.painting.do_mask(True)
 
     def set_open(self, is_open: bool) -> None:
         """Let what needs a painting be used, or not."""
@@ -118,7 +110,7 @@ class Panels:
 
     def open(self) -> None:
         """Show another document."""
-        document = self._window.document
+        document = self._workspace.document
         self.brushes.show_brush(document.painter.brush)
         self.inks.show_inks(document.inks)
         self.brushes.set_ink(document.inks[0])
@@ -127,11 +119,11 @@ class Panels:
         self.history.open(document)
         if document.refused_history:
             why = document.refused_history
-            self._window.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
+            self._workspace.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
 
     def follow(self, frame: Frame) -> None:
         """Show what a frame says."""
-        document = self._window.document
+        document = self._workspace.document
         self.surface.show_surface(document.surface)
         self.layers.show_layers(document.layers, document.active_layer)
         self.history.follow(document, frame)
@@ -146,11 +138,18 @@ class Panels:
         self.brushes.show_brush(brush)
         return True
 
+    def show_unit(self) -> None:
+        """Tell lengths in the unit that was chosen."""
+        self.brushes.show_unit()
+        self.surface.show_unit()
+        if self._workspace.stage.easel is not None:
+            self.surface.show_surface(self._workspace.document.surface)
+
     def ink_name(self) -> str:
         """What the brush is dipped in, in words."""
         return self.inks.ink_name()
 
-    def set_theme(self, theme: Theme) -> None:
+    def _set_theme(self, theme: Theme) -> None:
         """Change the colours of what is painted by hand."""
         for panel in self._all():
             panel.set_theme(theme)
@@ -168,8 +167,8 @@ class Panels:
 
     def step(self, by: int) -> None:
         """Bring the focus to the next panel (by 1), or the one before (-1), or to the picture."""
-        names, window = list(self.docks), self._window
-        focus = window.focusWidget()
+        names = list(self.docks)
+        focus = self._workspace.window.focusWidget()
         inside = [n for n in names if focus is not None and self.docks[n].isAncestorOf(focus)]
         at = names.index(inside[0]) if inside else (-1 if by > 0 else len(names))
         for name in names[at + 1 :] if by > 0 else names[:at][::-1]:
@@ -181,7 +180,7 @@ class Panels:
                 self.docks[name].raise_()
                 first.setFocus(QtCore.Qt.FocusReason.TabFocusReason)
                 return
-        window.canvas.setFocus(QtCore.Qt.FocusReason.OtherFocusReason)
+        self._workspace.canvas.setFocus(QtCore.Qt.FocusReason.OtherFocusReason)
 
     def close_down(self) -> None:
         """Stop what goes on beside."""
@@ -189,10 +188,10 @@ class Panels:
 
     def _take_brush(self, brush: BrushSpec) -> None:
         self.brushes.show_brush(brush)
-        self._window.post("set_brush", brush)
+        self._workspace.post("set_brush", brush)
 
     def _dip(self, ink: object, reach: object) -> None:
-        self._window.post("dip", ink, reach)
+        self._workspace.post("dip", ink, reach)
         self.brushes.set_ink(ink)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
@@ -11,9 +11,6 @@ from paint3d.app.window.wording import say, say_length
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.surface.painted_surface import PaintedSurface
 
-if TYPE_CHECKING:
-    from paint3d.app.window.studio import StudioWindow
-
 __all__ = ["SurfacePanel"]
 
 _SWATCH = 44
@@ -21,9 +18,15 @@ _NUMBERS = (("absorbency", "Absorbency"), ("grain", "Grain"), ("coat", "Glaze"))
 
 
 class SurfacePanel(QtWidgets.QWidget):
-    """What the object is made of, and what can be done to it as a whole."""
+    """What the object is made of, and what can be done to it as a whole.
 
-    def __init__(self, window: StudioWindow) -> None:
+    Parameters
+    ----------
+    actions : iterable of QAction
+        Shown as buttons.
+    """
+
+    def __init__(self, actions: Iterable[QtGui.QAction]) -> None:
         super().__init__()
         self._shown: tuple = ()
         self.swatch = QtWidgets.QLabel()
@@ -48,9 +51,9 @@ class SurfacePanel(QtWidgets.QWidget):
         layout.setContentsMargins(10, 8, 10, 8)
         layout.addLayout(head)
         layout.addLayout(form)
-        for name in ("wet", "dry", "refine"):
+        for action in actions:
             button = QtWidgets.QToolButton()
-            button.setDefaultAction(window.actions_by_name[name])
+            button.setDefaultAction(action)
             button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
             button.setSizePolicy(
                 QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed

@@ -1,0 +1,141 @@
+"""The actions of a window: their texts, keys and icons, and where they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.window.commands import (
+    ALWAYS,
+    CHECKABLE,
+    ICONS_OF,
+    MENUS,
+    ON_PICTURE,
+    TOOLS,
+    keys_of,
+    text_of,
+)
+from paint3d.app.window.icons import make_icon
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+
+__all__ = ["Actions"]
+
+_LARGE, _SMALL = QtCore.QSize(19, 19), QtCore.QSize(16, 16)
+_AROUND = 60  # pixels of the window's height that menus and status line take
+
+
+class Actions:
+    """Menus and tools of one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+        Whose `actions` they become.
+    tapped : collection of str
+        Names of those whose keys are listened for elsewhere.
+
+    Attributes
+    ----------
+    menus : dict of str to QMenu
+    tools : QToolBar
+    recent, unsaved : QMenu
+        Of files, and of paintings that a crash left.
+    """
+
+    def __init__(self, workspace: Workspace, tapped: Iterable[str]) -> None:
+        self._workspace, self._tapped = workspace, frozenset(tapped)
+        self.menus: dict[str, QtWidgets.QMenu] = {}
+        for name, actions in MENUS.items():
+            menu = self.menus[name] = workspace.window.menuBar().addMenu(say(f"menu.{name}"))
+            for action in actions:
+                if action == "-":
+                    menu.addSeparator()
+                    continue
+                menu.addAction(self._make(action))
+                if action == "open":
+                    self.recent = menu.addMenu(say("menu.recent"))
+                    self.unsaved = menu.addMenu(say("Bring back what was not saved"))
+        self.tools = self._make_tools()
+        self._tools_height: int | None = None
+        workspace.theme_changed.connect(self._set_theme)
+
+    def _make(self, name: str) -> QtGui.QAction:
+        workspace = self._workspace
+        text, keys = say(text_of(name)), keys_of(name)
+        action = QtGui.QAction(text, workspace.window)
+        if name not in self._tapped:
+            action.setShortcuts([QtGui.QKeySequence(key) for key in keys])
+        if name in ON_PICTURE:
+            action.setShortcutContext(QtCore.Qt.ShortcutContext.WidgetShortcut)
+            workspace.canvas.addAction(action)
+        action.setToolTip(text.rstrip("…") + (f"  ({keys[0]})" if keys else ""))
+        action.setCheckable(name in CHECKABLE)
+        if name in ICONS_OF:
+            action.setIcon(make_icon(ICONS_OF[name], workspace.theme))
+        workspace.actions[name] = action
+        return action
+
+    def _make_tools(self) -> QtWidgets.QToolBar:
+        bar = QtWidgets.QToolBar(say("Tools"))
+        bar.setObjectName("tools")
+        bar.setMovable(False)
+        bar.setIconSize(_LARGE)
+        self._workspace.window.addToolBar(QtCore.Qt.ToolBarArea.LeftToolBarArea, bar)
+        for name in TOOLS:
+            if name == "-":
+                bar.addSeparator()
+            else:
+                bar.addAction(self._workspace.actions[name])
+        return bar
+
+    def bind(self, doers: Iterable[object]) -> None:
+        """Have each action done by the one of the doers that has a ``do_<action>``."""
+        doers = tuple(doers)
+        for name, action in self._workspace.actions.items():
+            do = next(getattr(d, f"do_{name}") for d in doers if hasattr(d, f"do_{name}"))
+            if name in CHECKABLE:
+                action.toggled.connect(do)
+            else:
+                action.triggered.connect(_without_state(do))
+
+    def trigger(self, name: str) -> None:
+        """Ask for one by its name."""
+        self._workspace.actions[name].trigger()
+
+    def set_open(self, is_open: bool) -> None:
+        """Let what needs a painting be asked for, or not; what was lit for another one goes out."""
+        for name, action in self._workspace.actions.items():
+            action.setEnabled((is_open and name not in ("undo", "redo")) or name in ALWAYS)
+            if name in CHECKABLE and name not in ALWAYS:
+                self.check(name, False)
+
+    def check(self, name: str, on: bool) -> None:
+        """Show one as on or off, and do nothing."""
+        with QtCore.QSignalBlocker(self._workspace.actions[name]):
+            self._workspace.actions[name].setChecked(on)
+
+    def fit(self, height: int) -> None:
+        """Draw the tools closer together where the window is low, so that none is lost."""
+        tools = self.tools
+        if self._tools_height is None:
+            self._tools_height = tools.layout().sizeHint().height()
+        tight = self._tools_height > height - _AROUND
+        if tight is tools.property("tight"):
+            return
+        tools.setProperty("tight", tight)
+        tools.setIconSize(_SMALL if tight else _LARGE)
+        for widget in (tools, *tools.findChildren(QtWidgets.QToolButton)):
+            widget.style().unpolish(widget)
+            widget.style().polish(widget)
+        tools.layout().invalidate()
+
+    def _set_theme(self, theme: Theme) -> None:
+        for name, icon in ICONS_OF.items():
+            self._workspace.actions[name].setIcon(make_icon(icon, theme))
+
+
+def _without_state(do: Callable[[], object]) -> Callable[..., object]:
+    return lambda _=False: do()

@@ -1,0 +1,107 @@
+"""Recordings of strokes: saved from a sitting, and painted again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6 import QtWidgets
+
+from paint3d.app.window.jobs.job import Progress
+from paint3d.app.window.jobs.player import Player
+from paint3d.app.window.jobs.targets import Targets
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.recording.recording import Recording, load_recording, save_recording
+
+__all__ = ["Recordings"]
+
+_FORMATS = {
+    ".jsonl": "Recording, JSON Lines",
+    ".jsonl.gz": "Recording, JSON Lines, packed",
+    ".inkml": "Recording, InkML",
+}
+
+
+class Recordings:
+    """For one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    targets : Targets
+    player : Player
+    speed : callable
+        How many times its own speed a recording is to be played at; None: as fast as it goes.
+    """
+
+    def __init__(
+        self,
+        workspace: Workspace,
+        targets: Targets,
+        player: Player,
+        speed: Callable[[], float | None],
+    ) -> None:
+        self._workspace, self._targets = workspace, targets
+        self._player, self._speed = player, speed
+        self._recorded_from = 0
+
+    def do_record(self, on: bool) -> None:
+        """Remember where the recording begins; when it ends, ask where to save it."""
+        workspace = self._workspace
+        strokes = len(workspace.document.strokes)
+        if on:
+            self._recorded_from = strokes
+            workspace.tell(say("status.recording"), state="good", stays=True)
+            return
+        workspace.tell(say("hint.turn"))
+        if strokes > self._recorded_from:
+            self.do_save_recording(self._recorded_from)
+
+    def do_save_recording(self, first: int = 0) -> None:
+        """Ask where, and save the strokes of this sitting from number `first` on."""
+        workspace = self._workspace
+        with workspace.stage.easel.paused() as document:
+            recording = document.recording(first)
+        if recording is None:
+            told = say("Strokes: {n}, {seconds:.1f} s", n=0, seconds=0.0)
+            workspace.tell(told, state="bad")
+            return
+        path = self._targets.ask(say("Save the strokes as a recording…"), _FORMATS)
+        if path is None:
+            return
+        title = say("Writing {name}…", name=path.name)
+        done = workspace.run(title, lambda progress: _write(recording, path, progress))
+        if workspace.went_well(done):
+            workspace.tell(say("status.exported", name=path.name), state="good")
+
+    def do_replay(self) -> None:
+        """Ask for a recording, and paint it on what is here."""
+        kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._workspace.window, say("action.replay"), "", kinds
+        )
+        if path:
+            self.replay_file(path, self._speed())
+
+    def replay_file(self, path: str, speed: float | None = None) -> bool:
+        """Paint a recording on what is here, as if by hand; say whether that began.
+
+        Parameters
+        ----------
+        path : str
+        speed : float, optional
+            Of the recording's own time; by default as fast as it goes.
+        """
+        workspace = self._workspace
+        title = say("status.opening", name=Path(path).name)
+        loaded = workspace.run(title, lambda _: load_recording(path))
+        if not workspace.went_well(loaded):
+            return False
+        self._player.play(list(loaded.result().samples()), speed)
+        return True
+
+
+def _write(recording: Recording, path: Path, progress: Progress) -> None:
+    progress.expect(0.0, 0.95, 1.0)
+    save_recording(recording, path, progress)

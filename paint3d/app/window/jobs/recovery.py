@@ -1,0 +1,103 @@
+"""Bringing back paintings that a crash left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.persistence.sitting import Unfinished, recoverable
+from paint3d.app.window.jobs.job import Progress
+from paint3d.app.window.jobs.opened import open_with_progress
+from paint3d.app.window.named import named
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.files.progress import part_of
+
+__all__ = ["Recovery"]
+
+
+class Recovery:
+    """For one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    menu : QMenu
+        Of what can be brought back; filled when it is about to be shown.
+    may_leave : callable
+        Asks what becomes of the painting that is open.
+    """
+
+    def __init__(
+        self, workspace: Workspace, menu: QtWidgets.QMenu, may_leave: Callable[[], bool]
+    ) -> None:
+        self._workspace, self._menu, self._may_leave = workspace, menu, may_leave
+
+    def offer(self) -> bool:
+        """Ask about a painting that was never saved, the newest; True if it was brought back."""
+        left = recoverable()
+        return bool(left) and self._is_wanted(left[0]) and self.recover(left[0])
+
+    def _ask_and_recover(self, one: Unfinished) -> bool:
+        """Ask about one, and what becomes of the painting that is open."""
+        return self._is_wanted(one) and self._may_leave() and self.recover(one)
+
+    def _is_wanted(self, one: Unfinished) -> bool:
+        """Whether to go on with it; if not, it is deleted or stays for later."""
+        box = QtWidgets.QMessageBox(self._workspace.window)
+        box.setWindowTitle("paint3d")
+        box.setText(say("ask.recover", name=_name_of(one), time=_time_of(one)))
+        role = QtWidgets.QMessageBox.ButtonRole
+        back = box.addButton(say("button.recover"), role.AcceptRole)
+        away = box.addButton(say("button.delete"), role.DestructiveRole)
+        box.addButton(say("button.later"), role.RejectRole)
+        box.setDefaultButton(back)
+        box.exec()
+        if box.clickedButton() is away:
+            one.discard()
+        return box.clickedButton() is back
+
+    def tell_unsaved(self) -> None:
+        """Say where what was put off can be found, if there is any."""
+        if recoverable():
+            where = f"{say('menu.file')}, {say('Bring back what was not saved')}"
+            told = say("What was not saved stays in the menu: {where}", where=where)
+            self._workspace.tell(told)
+
+    def fill_menu(self) -> None:
+        """List the paintings that can be brought back, as they are left by now."""
+        self._menu.clear()
+        for one in recoverable():
+            text = f"{_name_of(one)}  ({_time_of(one)})"
+            self._menu.addAction(text, lambda one=one: self._ask_and_recover(one))
+        self._menu.setEnabled(bool(self._menu.actions()))
+
+    def recover(self, one: Unfinished) -> bool:
+        """Bring a painting back; what it was kept in is deleted once it is kept anew.
+
+        If it is stopped, it stays where it is and is offered again.
+        """
+        workspace = self._workspace
+        workspace.error = None
+
+        def work(progress: Progress) -> object:
+            document = one.recover(part_of(progress, 0.0, 0.9)).document
+            return open_with_progress(document, progress, 0.9)
+
+        done = workspace.run(say("status.opening", name=_name_of(one)), work)
+        if not workspace.went_well(done):
+            return False
+        workspace.show(done.result())
+        one.discard()
+        workspace.tell(say("Brought back; save it to keep it"), state="good")
+        return True
+
+
+def _name_of(one: Unfinished) -> str:
+    return one.path.name if one.path else named(one.object_name)
+
+
+def _time_of(one: Unfinished) -> str:
+    when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
+    return when.toString("yyyy-MM-dd hh:mm:ss")

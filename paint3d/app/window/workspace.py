@@ -1,0 +1,191 @@
+"""What the parts of a window have in common: the picture, the hand over it, settings, a voice."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.persistence.saved_settings import in_hand
+from paint3d.app.model.persistence.settings import Settings, save_settings
+from paint3d.app.window.input.canvas import Canvas
+from paint3d.app.window.input.hand import CanvasHand
+from paint3d.app.window.jobs.job import Progress, is_waiting, run_beside
+from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.stage import Stage
+from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME, apply_theme, is_system_dark
+from paint3d.app.window.wording import choose_unit, say, say_error
+from paint3d.errors import Paint3DError
+from paint3d.view.live_scene import DARK, LIGHT
+
+__all__ = ["Workspace"]
+
+
+class Workspace(QtCore.QObject):
+    """Shared by the parts of one window; it knows none of them, and tells them by signals.
+
+    Parameters
+    ----------
+    window : QMainWindow
+        Where dialogs and bars stand.
+    app : QApplication
+    settings : Settings
+    dark : bool, optional
+        Instead of the theme in the settings.
+
+    Attributes
+    ----------
+    actions : dict of str to QAction
+        What can be asked for, by name.
+    canvas : Canvas
+    stage : Stage
+    hand : CanvasHand
+    theme : Theme
+    error : BaseException or None
+        What went wrong last.
+    quiet : bool
+        Keep it there instead of showing it.
+
+    Signals
+    -------
+    said : str, str, bool
+        Something for the status line; see `tell`.
+    opened : Opened
+        A painting to go on with instead of the one that is open.
+    saved : ()
+        The painting has another name, or nothing unsaved any more.
+    held : bool
+        Nothing is to be drawn and followed, or all again.
+    theme_changed : Theme
+    """
+
+    said = QtCore.Signal(str, str, bool)
+    opened = QtCore.Signal(object)
+    saved = QtCore.Signal()
+    held = QtCore.Signal(bool)
+    theme_changed = QtCore.Signal(object)
+
+    def __init__(
+        self,
+        window: QtWidgets.QMainWindow,
+        app: QtWidgets.QApplication,
+        settings: Settings,
+        dark: bool | None = None,
+    ) -> None:
+        super().__init__(window)
+        self.window, self._app, self.settings = window, app, settings
+        choose_unit(settings.unit)
+        self._system_dark = is_system_dark(app)
+        dark = self.wants_dark() if dark is None else dark
+        self.theme = DARK_THEME if dark else LIGHT_THEME
+        apply_theme(app, self.theme)
+        self.actions: dict[str, QtGui.QAction] = {}
+        self.canvas = Canvas()
+        self.stage = Stage(self.canvas.pixel_size, DARK if dark else LIGHT)
+        self.hand = CanvasHand(self.canvas, self.stage)
+        self.error: BaseException | None = None
+        self.quiet = False
+
+    # -- the painting -----------------------------------------------------------------------
+
+    @property
+    def document(self) -> Document:
+        """What is being painted; only for reading, and what is posted changes it."""
+        return self.stage.easel.document
+
+    def show(self, opened: Opened) -> None:
+        """Paint on this from now on; what was painted on before is let go of."""
+        self.opened.emit(opened)
+
+    def post(self, command: str, *arguments: object) -> None:
+        """Have the easel do something; what goes wrong is told. Nothing, while nothing is open."""
+        if self.stage.easel is not None:
+            self.stage.easel.post(command, *arguments)
+
+    # -- words ------------------------------------------------------------------------------
+
+    def tell(self, text: str, *, state: str = "off", stays: bool = False) -> None:
+        """Say something in the status line, marked by its shape.
+
+        Parameters
+        ----------
+        text : str
+        state : str
+            One of `theme.STATES`.
+        stays : bool
+            Whether it is so until something else is said; if not, the next stroke takes its place.
+        """
+        self.said.emit(text, state, stays)
+
+    # -- choices ----------------------------------------------------------------------------
+
+    def keep(self, **changes: object) -> None:
+        """Change settings, and save them."""
+        self.settings = dataclasses.replace(self.settings, **changes)
+        try:
+            save_settings(self.settings)
+        except Paint3DError as error:
+            self.tell(say_error(error), state="bad")
+
+    def keep_in_hand(self) -> None:
+        """Remember the brush, the inks and the force for the next painting."""
+        if self.stage.easel is None:
+            return
+        chosen = in_hand(self.stage.easel.brush, list(self.document.inks))
+        force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
+        self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
+
+    def wants_dark(self) -> bool:
+        """Whether the settings ask for the dark theme."""
+        dark = self.settings.theme == "dark"
+        return dark or (self.settings.theme == "system" and self._system_dark)
+
+    def set_dark(self, on: bool) -> None:
+        """Change the theme."""
+        self.theme = DARK_THEME if on else LIGHT_THEME
+        apply_theme(self._app, self.theme)
+        self.stage.set_mood(DARK if on else LIGHT)
+        self.theme_changed.emit(self.theme)
+        self.canvas.update()
+
+    # -- long work --------------------------------------------------------------------------
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether work goes on that the window waits for."""
+        return is_waiting(self.window)
+
+    def run(
+        self,
+        title: str,
+        work: Callable[[Progress], object],
+        here: Callable[[], None] | None = None,
+    ) -> Future[object]:
+        """Run work beside the window, with a bar that ends it; see `run_beside`."""
+        return run_beside(self.window, title, work, here)
+
+    def went_well(self, done: Future[object]) -> bool:
+        """Whether work ended well; what went wrong is told."""
+        error = done.exception()
+        if error is None:
+            return True
+        self.error = error
+        if isinstance(error, CancelledError):
+            self.tell(say("Stopped"))
+        elif not isinstance(error, Paint3DError | OSError):
+            raise error
+        elif not self.quiet:
+            QtWidgets.QMessageBox.warning(self.window, "paint3d", say_error(error))
+        return False
+
+    def hold(self) -> None:
+        """Draw and follow nothing until `go_on`."""
+        self.held.emit(True)
+
+    def go_on(self) -> None:
+        """Draw and follow again."""
+        self.stage.touch()
+        self.held.emit(False)
