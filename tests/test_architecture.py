@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import paint3d
+from tests.support.imports import circles, import_graph, reached
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "paint3d"
@@ -42,6 +43,19 @@ HOMES = {
 }
 # Tools and oracles, never part of the program:
 FORBIDDEN = {"colour", "trimesh", "matplotlib", "pandas", "torch"}
+# What is reached by name: readers of kinds of files, benchmarks, what processes begin with.
+BY_NAME = (
+    "paint3d.files.readers.read_",
+    "paint3d.bench.",
+    "paint3d.files.sandbox.child",
+    "paint3d.cli.batches.warm",
+)
+# Devices that no command offers yet:
+TO_BE_CONNECTED = {
+    "paint3d.device.force.inverse3",
+    "paint3d.device.force.inverse3_port",
+    "paint3d.device.force.openhaptics",
+}
 VAGUE = {"utils", "util", "helpers", "helper", "common", "manager", "misc"}
 
 
@@ -145,6 +159,21 @@ def undocumented(node: ast.AST, prefix: str = "") -> Iterator[str]:
     if isinstance(node, ast.ClassDef):
         for child in node.body:
             yield from undocumented(child, f"{prefix}{node.name}.")
+
+
+def test_no_module_imports_itself_through_others() -> None:
+    """Not for types only, either: what is known of both sides belongs below them."""
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == [{"b", "c"}]
+    assert circles(import_graph(PACKAGE)) == []
+
+
+def test_every_module_is_reached() -> None:
+    """From the command line, the public face or a benchmark."""
+    graph = import_graph(PACKAGE)
+    roots = {f"paint3d.{word}" for word in ("__main__", "cli.main")}
+    roots |= {module for module in graph if module.startswith(BY_NAME)}
+    roots |= set(paint3d._HOME_OF.values())
+    assert set(graph) - reached(graph, roots) == TO_BE_CONNECTED
 
 
 def test_no_room_is_a_drawer() -> None:

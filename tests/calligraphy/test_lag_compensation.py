@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.drag import drag_track
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.footprint_table import build_ladder
 from paint3d.calligraphy.planning import PlanSettings, plan_stroke
 from paint3d.errors import InputError
 from tests.support.planned_strokes import EM, band, boundary, overlap, signed_distance
+from tests.support.tractrix import drag_track
 
 DRAGGED = PlanSettings(azimuth="dragged")
 

@@ -18,13 +18,13 @@ from paint3d.device.descriptor import Kind, parse_descriptor
 from paint3d.device.digitizer import find_digitizer_layout
 from paint3d.device.force import haptic_stylus
 from paint3d.device.force.inverse3 import decode_state
-from paint3d.device.fuzzing import TARGETS, decode_any
 from paint3d.device.pen_angles import orientation_from_tilt
 from paint3d.device.reports import extract
 from paint3d.device.six_dof import MouseReading, find_mouse_layout, is_multi_axis
 from paint3d.device.stylus_reading import BARREL, DIP, ERASER
 from paint3d.errors import DeviceError
 from paint3d.recording.flat_recording import orientations_from_angles
+from tests.support.decoding import TARGETS, decode_any
 from tests.support.descriptors import (
     AXES,
     SPACENAVIGATOR,

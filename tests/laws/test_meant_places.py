@@ -22,9 +22,9 @@ from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.flat_input import lay
 from paint3d.painter.painter import Painter
-from paint3d.pose.resampling import resample
 from paint3d.recording.recording import load_recording, save_recording
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.resampling import resample
 
 MS = 1_000_000
 

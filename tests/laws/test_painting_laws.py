@@ -17,9 +17,9 @@ from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.flat_input import DIP
 from paint3d.painter.painter import Painter
-from paint3d.pose.resampling import resample
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.resampling import resample
 from tests.support.surface_cases import UPRIGHT, ball, flat, on_cylinder, poses, sheet
 
 LENGTH, FULL_PRESS = 35.0, 17.5  # of the brush "full"

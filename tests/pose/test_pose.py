@@ -7,8 +7,8 @@ from paint3d.core.frames import multiply_quaternions, rotate
 from paint3d.errors import RecordingError
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import densify, evaluate, joined_samples, velocities
-from paint3d.pose.resampling import resample
 from paint3d.recording.recording import Recording
+from tests.support.resampling import resample
 
 
 def unit(rng, n):
