@@ -123,6 +123,26 @@ def test_a_file_is_opened_and_stood_up(window, tmp_path: Path) -> None:
     assert window.document.surface.material.name == "bisque"
 
 
+def test_axes_are_called_as_the_file_has_them(window, tmp_path: Path) -> None:
+    """Of a glTF, y points up, and its reader has turned it already."""
+    path = tmp_path / "jug.glb"
+    export(jug(), path)
+    met = []
+
+    def take_z(dialog: ObjectDialog) -> None:
+        met.append([way.text() for way in dialog.ways.values() if way.isChecked()])
+        np.testing.assert_array_equal(dialog.chosen().turn, np.eye(3))
+        QtTest.QTest.mouseClick(dialog.ways["z"], QtCore.Qt.MouseButton.LeftButton)
+        met.append([way.text() for way in dialog.ways.values() if way.isChecked()])
+        dialog.accept()
+
+    foreseen(ObjectDialog, take_z)
+    assert window.files.open_path(str(path), asked=True)
+    assert met == [["y up"], ["z up"]]
+    as_in_file = load_mesh(path, up="z").vertices
+    np.testing.assert_array_equal(window.document.surface.source.vertices, as_in_file)
+
+
 def test_a_dropped_file_asks_the_same_and_shows_the_last_material(window, tmp_path: Path) -> None:
     path = lying_jug(tmp_path)
 

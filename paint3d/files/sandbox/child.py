@@ -37,7 +37,7 @@ def main() -> None:
     arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
     arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
     facts = {"name": mesh.name, "notes": list(reading.notes)}
-    facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm}
+    facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm, "up": reading.up}
     send(descriptor, arrays, facts)
 
 

@@ -150,4 +150,5 @@ def _received(path: Path, descriptor: int) -> Reading:
         arrays.get("normals"),
     )
     notes = tuple(map(str, facts["notes"]))
-    return Reading(mesh, notes, bool(facts["knows_up"]), float(facts["unit_mm"]))
+    knows_up, unit_mm, up = facts["knows_up"], facts["unit_mm"], facts["up"]
+    return Reading(mesh, notes, bool(knows_up), float(unit_mm), str(up))

@@ -61,12 +61,15 @@ class Reading:
         Whether the file, or who asked, said which way is up.
     unit_mm : float
         Millimetres that one unit of the file was taken for.
+    up : str
+        The file's own axis that points up in the mesh, which stands with its z up.
     """
 
     mesh: TriangleMesh
     notes: tuple[str, ...] = ()
     knows_up: bool = False
     unit_mm: float = 1.0
+    up: str = "z"
 
     @cached_property
     def likely_up(self) -> Upright | None:
@@ -145,7 +148,8 @@ def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
 
 def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     _check_raw(raw)
-    turn = turn_up(wanted.up or raw.up or "z")
+    up = wanted.up or raw.up or "z"
+    turn = turn_up(up)
     raw = replace(
         raw,
         vertices=turn_rows(raw.vertices, turn),
@@ -153,7 +157,8 @@ def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     )
     unit_mm = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
     reading = _checked_mesh(raw, raw.vertices * unit_mm, name, wanted)
-    return replace(reading, knows_up=(wanted.up or raw.up) is not None, unit_mm=unit_mm)
+    knows_up = (wanted.up or raw.up) is not None
+    return replace(reading, knows_up=knows_up, unit_mm=unit_mm, up=up)
 
 
 def _checked_mesh(

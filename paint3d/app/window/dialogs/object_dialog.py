@@ -73,6 +73,7 @@ class ObjectDialog(QtWidgets.QDialog):
         self.setWindowTitle(title)
         self._mesh, self._unit_mm = reading.mesh, reading.unit_mm
         self._wanted = resolution
+        self._turned = turn_up(reading.up)  # by who read it
         self._guess = reading.likely_up
         start = first_choice(reading, self._guess, material, resolution)
         self._turn, self._scale = start.turn, start.scale
@@ -155,7 +156,7 @@ class ObjectDialog(QtWidgets.QDialog):
         for k, up in enumerate(UP_AXES):
             button = QtWidgets.QToolButton()
             button.setCheckable(True)
-            button.setIcon(QtGui.QIcon(_pixmap(preview.draw(turn_up(up)))))
+            button.setIcon(QtGui.QIcon(_pixmap(preview.draw(self._turn_for(up)))))
             button.setIconSize(QtCore.QSize(_SMALL, _SMALL))
             button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
             likely = self._guess is not None and self._guess.up == up
@@ -224,8 +225,12 @@ class ObjectDialog(QtWidgets.QDialog):
 
     def stand_up(self, up: str) -> None:
         """Stand it with an axis of its own up."""
-        self._turn = turn_up(up)
+        self._turn = self._turn_for(up)
         self._show()
+
+    def _turn_for(self, up: str) -> NDArray[np.float64]:
+        """What brings an axis of the file up, after what its reader turned."""
+        return turn_up(up) @ self._turned.T
 
     def turn_quarter(self, axis: str) -> None:
         """Turn it by 90 degrees about an axis of the room."""
@@ -246,7 +251,7 @@ class ObjectDialog(QtWidgets.QDialog):
         """Show what is chosen."""
         self.picture.setPixmap(_pixmap(self._preview().draw(self._turn)))
         for up, button in self.ways.items():
-            button.setChecked(np.array_equal(turn_up(up)[2], self._turn[2]))
+            button.setChecked(np.array_equal(self._turn_for(up)[2], self._turn[2]))
         with QtCore.QSignalBlocker(self.length):
             self.length.setValue(longest_side(self._mesh) * self._scale)
         if not self._resolution_chosen:
