@@ -183,6 +183,22 @@ def test_the_picture_stays_where_it_is_while_numbers_grow(window) -> None:
     assert panels.docks["history"].width() > needed  # it is there to be read
 
 
+def test_grips_of_sliders_are_seen_whole(window) -> None:
+    style = QtWidgets.QStyle
+    for slider in window.findChildren(QtWidgets.QSlider):
+        for dock in window.panels.docks.values():
+            if dock.isAncestorOf(slider):
+                dock.raise_()
+        live(0.05)
+        option = QtWidgets.QStyleOptionSlider()
+        slider.initStyleOption(option)
+        grip = slider.style().subControlRect(
+            style.ComplexControl.CC_Slider, option, style.SubControl.SC_SliderHandle, slider
+        )
+        assert slider.rect().contains(grip), (slider.rect(), grip)
+        assert grip.height() >= grip.width()
+
+
 def test_rows_of_brushes_are_as_high_before_their_strokes_are_painted(program) -> None:
     panel = BrushPanel(LIGHT_THEME)
     view = panel.findChild(QtWidgets.QListWidget, "brushes")

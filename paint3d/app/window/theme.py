@@ -139,6 +139,7 @@ QLineEdit {{ background: {field};
     border: 1px solid {line}; border-radius: 5px; padding: 4px 6px; min-height: 18px;
     selection-background-color: {accent}; selection-color: {on_accent}; }}
 QLineEdit:focus {{ border-color: {accent}; }}
+QSlider:horizontal {{ min-height: 18px; }}
 QSlider::groove:horizontal {{ height: 4px; background: {line}; border-radius: 2px; }}
 QSlider::sub-page:horizontal {{ background: {accent}; border-radius: 2px; }}
 QSlider::handle:horizontal {{ background: {raised}; border: 1px solid {faint}; width: 13px;
