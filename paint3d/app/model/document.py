@@ -73,7 +73,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
     settings : dict
         Anything else that is to be kept with the painting, as JSON holds it.
     modified : bool
-        Whether something changed since it was saved.
+        Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
         Whether some steps found no room in the file when it was saved last.
     refused_history : str
@@ -97,6 +97,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         at_hand = saved_inks(surface, self.settings) or [painter.dipped, DEFAULT_INKS[1]]
         self.inks: list[Ink] = list(at_hand)
         self.modified = False
+        self._saved_at: int | None = 0
         self.left_out = False
         self._recordings = tuple(saved.recordings if saved else ())
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
@@ -104,6 +105,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self._dipped = self.settings.get("fresh", True) is not False
         self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
         self.refused_history = self._take_history(saved)
+        self._saved_at = self._undo.next_undo
         self.symmetry = Symmetry()
         self.mask = Mask()
         self._stencil: Stencil | None = None
@@ -222,9 +224,17 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
             raise ExportError("this painting has no file yet; expected where to save it")
         if not is_session_path(path):
             raise ExportError(f"{path}: a painting is saved as .p3d; other formats are exported")
+        self.save_copy(path, progress)
+        self.path, self.modified, self._saved_at = path, False, self._undo.next_undo
+
+    def save_copy(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
+        """Write everything to a session that is not the painting's own; see `save`."""
         self._gather()
         save_session(self._session(), path, progress)
-        self.path, self.modified = path, False
+
+    def differ_from_saved(self) -> None:
+        """Know that something changed that no undo takes back."""
+        self.modified, self._saved_at = True, None
 
     def _session(self) -> Session:
         settings = {**self.settings, "brush": brush_words(self.painter.brush)}
@@ -264,10 +274,10 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
             If the suffix, an option or the file is no good.
         """
         check_export_path(path)
-        self._gather()
         if is_session_path(path):
-            save_session(self._session(), path, progress)
+            self.save_copy(path, progress)
             return
+        self._gather()
         told = part_of(progress, 0.0, 0.6)
         prepared = prepare_export(self.surface, path, ExportOptions(**options), told)
         prepared.write(part_of(progress, 0.6, 1.0))

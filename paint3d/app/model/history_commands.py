@@ -29,6 +29,7 @@ class HistoryCommands(RecallCommands):
     strokes: Sequence[Stroke]
     layers: tuple[Layer, ...]
     modified: bool
+    _saved_at: int | None
     _passing: bool = False
     _dipped: bool
     _log: StrokeLog
@@ -82,9 +83,13 @@ class HistoryCommands(RecallCommands):
 
     def _stepped(self, touched: NDArray) -> NDArray:
         self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
-        self.modified = True
+        self.compare_with_saved()
         self._note(touched)
         return touched
+
+    def compare_with_saved(self) -> None:
+        """See whether the steps that are done are those with which it was saved."""
+        self.modified = self._undo.next_undo != self._saved_at
 
     @property
     def undone_strokes(self) -> list[Stroke]:

@@ -21,6 +21,7 @@ class LayerCommands:
     surface: PaintedSurface
     painter: Painter
     modified: bool
+    differ_from_saved: Callable[[], None]
     _undo: UndoHistory
     _passing: bool
     _refuse_in_stroke: Callable[[str], None]
@@ -82,7 +83,7 @@ class LayerCommands:
     def rename_layer(self, place: int, name: str) -> None:
         """Name a layer."""
         self.surface.layers.describe(place, name=name)
-        self.modified = True
+        self.differ_from_saved()
 
     def set_visible(self, place: int, visible: bool = True) -> None:
         """Show or hide a layer.
@@ -95,12 +96,12 @@ class LayerCommands:
         self._refuse_in_stroke("showing or hiding a layer")
         self.surface.layers.describe(place, visible=bool(visible))
         self.surface.touch(self.surface.layers.painted_ids())
-        self.modified = True
+        self.differ_from_saved()
 
     def set_locked(self, place: int, locked: bool = True) -> None:
         """Refuse painting on a layer, or allow it again."""
         self.surface.layers.describe(place, locked=bool(locked))
-        self.modified = True
+        self.differ_from_saved()
 
     def _restack(self, step: str | None, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
@@ -117,7 +118,9 @@ class LayerCommands:
         painter.loaded += surface.wet_ink() + surface.dry_ink() - before
         if step is not None:
             surface.touch(union([shown, stack.painted_ids()], surface.paint_mesh.capacity))
-        self.modified = True
+            self.modified = True
+        else:
+            self.differ_from_saved()
 
     def _paintable(self) -> Layer:
         """The layer that is painted on."""

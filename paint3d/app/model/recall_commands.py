@@ -47,6 +47,7 @@ class RecallCommands:
     _log: StrokeLog
     _recordings: Sequence[Recording]
     _undo: UndoHistory
+    _saved_at: int | None
     _gather: Callable[[], None]
     _note: Callable[[NDArray], None]
     _refuse_in_stroke: Callable[[str], None]
@@ -101,6 +102,8 @@ class RecallCommands:
         try:
             self._undo.prepend(lambda: self._make_bare(strokes[0]), lambda: self._repeat(strokes))
             self._log.hold(len(self.strokes))
+            if self._saved_at == 0:  # before all steps that there were
+                self._saved_at = self._undo.next_undo
         finally:
             touched += [self._undo.redo() for _ in range(n_done)]
             if painter.brush != brush or weights_of(painter.dipped) != weights_of(dipped):

@@ -33,6 +33,7 @@ class StrokeCommands:
     _dipped: bool
     _refused: bool
     _come_back: Callable[[], None]
+    compare_with_saved: Callable[[], None]
     _paintable: Callable[[], Layer]
     _note: Callable
 
@@ -109,6 +110,7 @@ class StrokeCommands:
         stroke = self._log.end()
         if stroke is None:
             self._note(self._undo.revert())
+            self.compare_with_saved()
 
     def break_off(self) -> None:
         """End the stroke that is going on now; what its hand still sends is passed over."""
@@ -125,6 +127,7 @@ class StrokeCommands:
         self._images = []
         self._log.cancel()
         self._note(self._undo.revert())
+        self.compare_with_saved()
 
     def set_symmetry(self, symmetry: Symmetry) -> None:
         """Paint every stroke's images as well, from now on.

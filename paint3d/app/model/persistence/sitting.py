@@ -109,9 +109,7 @@ class Sitting:
         ExportError
             If it cannot be saved; the older base and all journals stay.
         """
-        path, modified = document.path, document.modified
-        document.save(self.folder / f"base-{self._number}.p3d")
-        document.path, document.modified = path, modified
+        document.save_copy(self.folder / f"base-{self._number}.p3d")
         with suppress(ExportError):  # turning the page will tell
             self._lay_out_page()
         with suppress(OSError):
@@ -228,7 +226,8 @@ class Unfinished:
             done += cost
             tell(_OPENED + (1.0 - _OPENED) * done / whole)
         document.end_stroke()
-        document.path, document.modified = self.path, True
+        document.path = self.path
+        document.differ_from_saved()
         return Recovered(document, n_events, loss, tuple(refused))
 
     def discard(self) -> None:
