@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.colour.kernels.glazing import Ground, dry_vertices, glazed_colours
+from paint3d.colour.kernels.glazing import Glaze, Ground, dry_vertices, glazed_colours
+from paint3d.colour.kernels.kubelka_munk import Shown, Wet
 from paint3d.colour.layers import SAUNDERSON
 from paint3d.colour.pigments import Pigment
 from paint3d.colour.spectra import N_BANDS, rgb_weights
@@ -65,10 +66,12 @@ class GlazeModel:
 
     def __init__(self, pigments: Sequence[Pigment]) -> None:
         gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
-        self._gloss = np.array(gloss, np.float32)
         strengths = [(p.K, p.S) for p in pigments]
-        self._paints = np.ascontiguousarray(np.transpose(strengths, (2, 0, 1)), np.float32)
-        self._weights = np.ascontiguousarray(rgb_weights(), np.float32)
+        self._glaze = Glaze(
+            np.ascontiguousarray(np.transpose(strengths, (2, 0, 1)), np.float32),
+            np.ascontiguousarray(rgb_weights(), np.float32),
+            np.array(gloss, np.float32),
+        )
 
     def srgb(
         self,
@@ -81,10 +84,8 @@ class GlazeModel:
     ) -> None:
         """Fill `out` (V, 3), and `linear_rgb` (V, 3), for the vertices named."""
         rgb = _NO_RGB if linear_rgb is None else linear_rgb
-        glazed_colours(
-            vertex_ids, amounts, coverage, self._paints, self._weights, self._gloss,
-            ground, srgb_codes(), rgb, out,
-        )  # fmt: skip
+        wet, shown = Wet(vertex_ids, amounts, coverage), Shown(srgb_codes(), rgb, out)
+        glazed_colours(wet, self._glaze, ground, shown)
 
     def dry(
         self,
@@ -95,4 +96,4 @@ class GlazeModel:
         rows: NDArray[np.int32],
     ) -> None:
         """Keep in the rows of `ground.spectra` what the vertices show now."""
-        dry_vertices(vertex_ids, amounts, coverage, self._paints, self._gloss, ground, rows)
+        dry_vertices(Wet(vertex_ids, amounts, coverage), self._glaze, ground, rows)

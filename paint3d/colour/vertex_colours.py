@@ -19,7 +19,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.colour.kernels.kubelka_munk import mixture_colours, single_colours
+from paint3d.colour.kernels.kubelka_munk import (
+    Film,
+    OneInk,
+    Shown,
+    Wet,
+    mixture_colours,
+    single_colours,
+)
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
 from paint3d.colour.pigments import Pigment, load_palette
 from paint3d.colour.spectra import (
@@ -107,36 +114,38 @@ class ColourModel:
         self._gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
         self._ground = np.maximum(to_internal(ground, *self._gloss), 0.0)
         self.bare_linear_rgb = linear_rgb_from_reflectance(ground).astype(np.float32)
+        self._look: Film | OneInk
         if path == "live" and len(pigments) == 1:
-            self._make_table()
+            self._look = self._tabulated()
         elif path == "live" and _all_of_palette(self.pigments):
-            self._make_bands(*_live_bands())
+            self._look = self._film(*_live_bands())
         else:
-            self._make_bands(np.arange(N_BANDS), rgb_weights())
+            self._look = self._film(np.arange(N_BANDS), rgb_weights())
 
-    def _make_bands(self, bands: NDArray, weights: NDArray) -> None:
+    def _film(self, bands: NDArray, weights: NDArray) -> Film:
         outer, inner = self._gloss
-        self._table = None
         paints = [(p.K[bands], p.S[bands]) for p in self.pigments]
-        self._paints = np.ascontiguousarray(np.transpose(paints, (2, 0, 1)), dtype=np.float32)
         scaled = weights * ((1.0 - outer) * (1.0 - inner))
-        self._bands = np.column_stack([self._ground[bands], scaled]).astype(np.float32)
         offset = outer * weights.sum(axis=0)
-        self._bare = np.stack([self.bare_linear_rgb, offset]).astype(np.float32)
+        return Film(
+            np.ascontiguousarray(np.transpose(paints, (2, 0, 1)), dtype=np.float32),
+            np.column_stack([self._ground[bands], scaled]).astype(np.float32),
+            np.stack([self.bare_linear_rgb, offset]).astype(np.float32),
+            np.float32(inner),
+        )
 
-    def _make_table(self) -> None:
+    def _tabulated(self) -> OneInk:
         pigment = self.pigments[0]
         strength = float((pigment.K + pigment.S).max())
-        self._bend = np.float32(2.0 / max(strength, 1e-3))
+        bend = np.float32(2.0 / max(strength, 1e-3))
         y = np.linspace(0.0, 1.0, _N_THICKNESSES)
-        coats = self._bend * y / np.maximum(1.0 - y, 1e-7)
+        coats = bend * y / np.maximum(1.0 - y, 1e-7)
         films = layer_reflectance(pigment.K, pigment.S, coats[:, None], self._ground)
         rgb = linear_rgb_from_reflectance(to_measured(films, *self._gloss))
-        self._table = rgb.astype(np.float32)
         fine = np.linspace(0.0, 1.0, _N_SHADES)
         between = np.stack([np.interp(fine, y, band) for band in rgb.T], axis=1)
-        self._shades = srgb_from_linear(np.clip(between, 0.0, 1.0))
-        self._bare = self.bare_linear_rgb[None]
+        shades = srgb_from_linear(np.clip(between, 0.0, 1.0))
+        return OneInk(rgb.astype(np.float32), shades, bend, self.bare_linear_rgb[None])
 
     def srgb(
         self,
@@ -182,12 +191,11 @@ class ColourModel:
         if ids.size and not (ids.min() >= 0 and ids.max() < n):
             raise InputError(f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
         rgb = _NO_RGB if linear_rgb is None else linear_rgb
-        if self._table is not None:
-            fixed = (self._table, self._shades, self._bend, self._bare)
-            single_colours(ids, amounts, coverage, *fixed, srgb_codes(), rgb, out)
+        wet, shown = Wet(ids, amounts, coverage), Shown(srgb_codes(), rgb, out)
+        if isinstance(self._look, OneInk):
+            single_colours(wet, self._look, shown)
         else:
-            fixed = (self._paints, self._bands, self._bare, np.float32(self._gloss[1]))
-            mixture_colours(ids, amounts, coverage, *fixed, srgb_codes(), rgb, out)
+            mixture_colours(wet, self._look, shown)
         return out
 
 

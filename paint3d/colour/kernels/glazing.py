@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from paint3d.colour.kernels.kubelka_munk import BLOCK, fill_layers, mix_paints, shine
 from paint3d.core.kernel import kernel
 
-__all__ = ["SPECTRUM_STEPS", "Ground", "add_between", "dry_vertices", "glazed_colours"]
+__all__ = ["SPECTRUM_STEPS", "Glaze", "Ground", "add_between", "dry_vertices", "glazed_colours"]
 
 SPECTRUM_STEPS = 65535
 """Steps of a reflectance from 0 to 1 as it is kept: 8e-6 is a hundredth of an sRGB code."""
@@ -30,6 +30,14 @@ class Ground(NamedTuple):
     linear_rgb: NDArray  # (cap, 3) float32, colour that the mesh came with; or (0, 3)
     primaries: NDArray  # (31, 3) float32, spectra of red, green and blue
     material: NDArray  # (31,) float32
+
+
+class Glaze(NamedTuple):
+    """How mixtures of P pigments over any ground look, from W bands."""
+
+    paints: NDArray[np.float32]  # (W, P, 2), K and S of each pigment per coat
+    weights: NDArray[np.float32]  # (W, 3), of each band in R, G, B
+    gloss: NDArray[np.float32]  # (2,), Saunderson's k1 and k2 of the wet film; 0 for matt paint
 
 
 @kernel(error_model="numpy")
@@ -58,74 +66,60 @@ def _fill_ground(ids, start, size, ground, backing):
 
 
 @kernel(error_model="numpy")
-def _shine_block(ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown):
+def _shine_block(wet, start, size, glaze, ground, layer, work, seen):
     """Reflectance as measured (W, BLOCK) of a block: covered and bare light mixed by area."""
+    paints, gloss = glaze.paints, glaze.gloss
     one, zero = np.float32(1.0), np.float32(0.0)
     outer, inner = gloss[0], gloss[1]
     passed = (one - outer) * (one - inner)
     black, white, cover = work[0], work[1], work[2]
-    _fill_ground(ids, start, size, ground, shown)
+    _fill_ground(wet.vertex_ids, start, size, ground, seen)
     cover[:] = zero
-    fill_layers(ids, start, size, amounts, coverage, layer, cover)
+    fill_layers(wet, start, size, layer, cover)
     for w in range(paints.shape[0]):
         mix_paints(paints[w], layer, black, white)
         for j in range(BLOCK):
-            bare = shown[w, j]
+            bare = seen[w, j]
             below = bare - outer
             below = max(below, zero) / (passed + inner * below)
             top, bottom = shine(black[j], white[j], below)
             painted = outer + passed * top / (bottom - inner * top)
-            shown[w, j] = bare + cover[j] * (painted - bare)
+            seen[w, j] = bare + cover[j] * (painted - bare)
 
 
 @kernel(error_model="numpy")
-def glazed_colours(
-    vertex_ids, amounts, coverage, paints, weights, gloss, ground, codes, out_rgb, out_srgb
-):
+def glazed_colours(wet, glaze, ground, shown):
     """Colour of vertices with wet paint over grounds of their own.
 
     Cost: 120 ns a vertex at P = 3, with 31 bands.
 
     Parameters
     ----------
-    vertex_ids : (N,) i32
-    amounts : (V, P) f32
-        Coats times covered fraction, >= 0.
-    coverage : (V,) f32
-        Covered fraction in [0, 1].
-    paints : (W, P, 2) f32
-        K and S of each pigment per coat.
-    weights : (W, 3) f32
-        Of each band in R, G, B.
-    gloss : (2,) f32
-        Saunderson's k1 and k2 of the wet film; 0 for matt paint.
+    wet : Wet
+    glaze : Glaze
     ground : Ground
         What lies below (`colour.glazing`).
-    codes : (T,) u8
-        sRGB code of linear value i/(T - 1); values outside [0, 1] take the nearest end.
-    out_rgb : (V, 3) f32
-        Linear RGB; only the rows named by `vertex_ids` are written. Length 0 to skip.
-    out_srgb : (V, 3) u8
-        The same, encoded.
+    shown : Shown
+        Only the rows named by `wet.vertex_ids` are written.
     """
+    vertex_ids, paints, weights = wet.vertex_ids, glaze.paints, glaze.weights
+    codes, out_rgb, out_srgb = shown.codes, shown.linear_rgb, shown.srgb
     n_paints, n_bands = paints.shape[1], paints.shape[0]
     layer = np.zeros((n_paints, BLOCK), np.float32)
     work = np.empty((3, BLOCK), np.float32)
-    shown = np.empty((n_bands, BLOCK), np.float32)
+    seen = np.empty((n_bands, BLOCK), np.float32)
     scale = np.float32(codes.size - 1)
     half, zero, one = np.float32(0.5), np.float32(0.0), np.float32(1.0)
     for start in range(0, vertex_ids.size, BLOCK):
         size = min(BLOCK, vertex_ids.size - start)
-        _shine_block(
-            vertex_ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown
-        )
+        _shine_block(wet, start, size, glaze, ground, layer, work, seen)
         for h in range(3):
             rgb = work[h]
             rgb[:] = zero
             for w in range(n_bands):
                 part = weights[w, h]
                 for j in range(BLOCK):
-                    rgb[j] += part * shown[w, j]
+                    rgb[j] += part * seen[w, j]
             for j in range(size):
                 v = vertex_ids[start + j]
                 if out_rgb.size:
@@ -135,27 +129,26 @@ def glazed_colours(
 
 
 @kernel(error_model="numpy")
-def dry_vertices(vertex_ids, amounts, coverage, paints, gloss, ground, rows):
+def dry_vertices(wet, glaze, ground, rows):
     """Make what vertices look like now, under all bands, the ground of what comes next.
 
     Arguments as in `glazed_colours`; `rows` (N,) i32 are the rows of `ground.spectra` to fill,
     which may be those that the vertices' grounds are read from.
     """
+    vertex_ids, paints = wet.vertex_ids, glaze.paints
     n_paints, n_bands = paints.shape[1], paints.shape[0]
     layer = np.zeros((n_paints, BLOCK), np.float32)
     work = np.empty((3, BLOCK), np.float32)
-    shown = np.empty((n_bands, BLOCK), np.float32)
+    seen = np.empty((n_bands, BLOCK), np.float32)
     steps, half = np.float32(SPECTRUM_STEPS), np.float32(0.5)
     zero, one = np.float32(0.0), np.float32(1.0)
     for start in range(0, vertex_ids.size, BLOCK):
         size = min(BLOCK, vertex_ids.size - start)
-        _shine_block(
-            vertex_ids, start, size, amounts, coverage, paints, gloss, ground, layer, work, shown
-        )
+        _shine_block(wet, start, size, glaze, ground, layer, work, seen)
         for j in range(size):
             row = ground.spectra[rows[start + j]]
             for w in range(n_bands):
-                row[w] = np.uint16(min(max(shown[w, j], zero), one) * steps + half)
+                row[w] = np.uint16(min(max(seen[w, j], zero), one) * steps + half)
 
 
 @kernel

@@ -12,14 +12,20 @@ k1 + (1 - k1)(1 - k2) N / (D - k2 N), so its factors go into the weights and the
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.core.kernel import kernel
 
 __all__ = [
     "BLOCK",
     "TANH_RATIO",
+    "Film",
+    "OneInk",
+    "Shown",
+    "Wet",
     "fill_layers",
     "layer_bands",
     "mix_paints",
@@ -44,6 +50,40 @@ TANH_RATIO = (
 """tanh(sqrt u)/sqrt u = P(u)/Q(u) for 0 <= u <= 36: coefficients of P and Q, rising powers.
 
 A minimax fit; the relative error stays below 8e-6 (checked in the tests)."""
+
+
+class Wet(NamedTuple):
+    """The wet paint of P pigments on a surface of V vertices, and the N of them to colour."""
+
+    vertex_ids: NDArray[np.int32]  # (N,)
+    amounts: NDArray[np.float32]  # (V, P), coats times covered fraction, >= 0
+    coverage: NDArray[np.float32]  # (V,), covered fraction in [0, 1]; 0 is bare
+
+
+class Film(NamedTuple):
+    """How mixtures of P pigments on one backing look, from W bands."""
+
+    paints: NDArray[np.float32]  # (W, P, 2), K and S of each pigment per coat
+    bands: NDArray[np.float32]  # (W, 4), internal reflectance below; weights in R, G, B
+    bare: NDArray[np.float32]  # (2, 3), linear RGB bare; offset when painted (first-surface gloss)
+    inner_loss: np.float32  # Saunderson's k2, 0 for matt paint
+
+
+class OneInk(NamedTuple):
+    """How one pigment on one backing looks, by y = X / (X + bend) of its thickness X in coats."""
+
+    table: NDArray[np.float32]  # (N, 3), linear RGB at y = i/(N - 1)
+    shades: NDArray[np.uint8]  # (M, 3), its codes, as finely as codes can differ
+    bend: np.float32  # coats
+    bare: NDArray[np.float32]  # (1, 3), linear RGB of the bare surface
+
+
+class Shown(NamedTuple):
+    """Where colours go, and how they are encoded."""
+
+    codes: NDArray[np.uint8]  # (T,), sRGB of linear i/(T - 1); others take the nearest end
+    linear_rgb: NDArray[np.float32]  # (V, 3); length 0 to skip
+    srgb: NDArray[np.uint8]  # (V, 3)
 
 
 @kernel(error_model="numpy")
@@ -79,16 +119,16 @@ def layer_bands(absorption, scattering, thickness, backing, reflected, alone, th
 
 
 @kernel(error_model="numpy")
-def fill_layers(vertex_ids, start, size, amounts, coverage, layer, cover):
+def fill_layers(wet, start, size, layer, cover):
     """Coats (P, BLOCK) of each pigment where a block is covered, and the share that is (BLOCK,)."""
     zero, one = np.float32(0.0), np.float32(1.0)
     for j in range(size):
-        v = vertex_ids[start + j]
-        c = coverage[v]
+        v = wet.vertex_ids[start + j]
+        c = wet.coverage[v]
         cover[j] = c
         thick = one / c if c > 0 else zero
         for i in range(layer.shape[0]):
-            layer[i, j] = min(amounts[v, i] * thick, THICKEST)
+            layer[i, j] = min(wet.amounts[v, i] * thick, THICKEST)
 
 
 @kernel(error_model="numpy", inline="always")
@@ -119,9 +159,7 @@ def shine(k, s, ground):
 
 
 @kernel(error_model="numpy")
-def mixture_colours(
-    vertex_ids, amounts, coverage, paints, bands, bare, inner_loss, codes, out_rgb, out_srgb
-):
+def mixture_colours(wet, film, shown):
     """Colour of vertices with any mixture of P pigments, from W bands.
 
     With X_i = amount_i / coverage the wet paint of a vertex is one layer with K X = sum K_i X_i
@@ -130,35 +168,20 @@ def mixture_colours(
 
     Parameters
     ----------
-    vertex_ids : (N,) i32
-        The vertices to colour.
-    amounts : (V, P) f32
-        Coats times covered fraction, >= 0.
-    coverage : (V,) f32
-        Covered fraction c in [0, 1]; 0 is bare, whatever the amounts.
-    paints : (W, P, 2) f32
-        K and S of each pigment per coat.
-    bands : (W, 4) f32
-        Internal reflectance of the backing, and the weights of the band in R, G, B.
-    bare : (2, 3) f32
-        Linear RGB of the bare surface, and the offset of a painted one (first-surface gloss).
-    inner_loss : f32
-        Saunderson's k2, 0 for matt paint.
-    codes : (T,) u8
-        sRGB code of linear value i/(T - 1); values outside [0, 1] take the nearest end.
-    out_rgb : (V, 3) f32
-        Linear RGB; only the rows named by `vertex_ids` are written. Length 0 to skip.
-    out_srgb : (V, 3) u8
-        The same, encoded.
+    wet : Wet
+    film : Film
+    shown : Shown
+        Only the rows named by `wet.vertex_ids` are written.
     """
+    paints, bands, inner_loss = film.paints, film.bands, film.inner_loss
     n_paints, n_bands = paints.shape[1], paints.shape[0]
     layer = np.zeros((n_paints, BLOCK), np.float32)
     black, white = np.empty(BLOCK, np.float32), np.empty(BLOCK, np.float32)
     rgb = np.empty((3, BLOCK), np.float32)
     cover = np.zeros(BLOCK, np.float32)
-    for start in range(0, vertex_ids.size, BLOCK):
-        size = min(BLOCK, vertex_ids.size - start)
-        fill_layers(vertex_ids, start, size, amounts, coverage, layer, cover)
+    for start in range(0, wet.vertex_ids.size, BLOCK):
+        size = min(BLOCK, wet.vertex_ids.size - start)
+        fill_layers(wet, start, size, layer, cover)
         rgb[:] = np.float32(0.0)
         for w in range(n_bands):
             ground, red, green, blue = bands[w, 0], bands[w, 1], bands[w, 2], bands[w, 3]
@@ -169,37 +192,45 @@ def mixture_colours(
                 rgb[0, j] += red * r
                 rgb[1, j] += green * r
                 rgb[2, j] += blue * r
-        _write_block(start, size, vertex_ids, cover, rgb, bare, codes, out_rgb, out_srgb)
+        _write_block(wet.vertex_ids[start : start + size], cover, rgb, film.bare, shown)
 
 
 @kernel(error_model="numpy")
-def _write_block(start, size, vertex_ids, cover, rgb, bare, codes, out_rgb, out_srgb):
+def _write_block(vertex_ids, cover, rgb, bare, shown):
     """Mix the colours of a block with the bare surface and write them where they belong."""
+    codes, out_rgb, out_srgb = shown.codes, shown.linear_rgb, shown.srgb
     scale = np.float32(codes.size - 1)
     half, zero, one = np.float32(0.5), np.float32(0.0), np.float32(1.0)
-    for j in range(size):
-        v, c = vertex_ids[start + j], cover[j]
+    for j in range(vertex_ids.size):
+        v, c = vertex_ids[j], cover[j]
         for h in range(3):
             value = (one - c) * bare[0, h] + c * (bare[1, h] + rgb[h, j])
             if out_rgb.size:
                 out_rgb[v, h] = value
-            shown = value if value > zero else zero
-            shown = shown if shown < one else one
-            out_srgb[v, h] = codes[np.int32(shown * scale + half)]
+            seen = value if value > zero else zero
+            seen = seen if seen < one else one
+            out_srgb[v, h] = codes[np.int32(seen * scale + half)]
 
 
 @kernel(error_model="numpy")
-def single_colours(
-    vertex_ids, amounts, coverage, table, shades, bend, bare, codes, out_rgb, out_srgb
-):
+def single_colours(wet, ink, shown):
     """Colour of vertices with one pigment, from a table over the layer's thickness.
 
     The table's axis is y = X / (X + bend), which maps 0 to infinity onto 0 to 1 and is fine where
-    thin paint changes fast; with X = amount/coverage it needs one division. Arguments as in
-    `mixture_colours`, but `table` (N, 3) f32 holds linear RGB at y = i/(N - 1), and `bare` its
-    first row. `shades` (M, 3) u8 holds the layer's own codes as finely as codes can differ:
-    where paint covers the whole vertex, which is nearly everywhere, it is looked up there.
+    thin paint changes fast; with X = amount/coverage it needs one division. Where paint covers the
+    whole vertex, which is nearly everywhere, the codes are looked up in the shades.
+
+    Parameters
+    ----------
+    wet : Wet
+        P = 1.
+    ink : OneInk
+    shown : Shown
+        Only the rows named by `wet.vertex_ids` are written.
     """
+    vertex_ids, amounts, coverage = wet.vertex_ids, wet.amounts, wet.coverage
+    table, shades, bend, bare = ink.table, ink.shades, ink.bend, ink.bare
+    codes, out_rgb, out_srgb = shown.codes, shown.linear_rgb, shown.srgb
     finest = np.float32(shades.shape[0] - 1)
     last = table.shape[0] - 2
     steps = np.float32(table.shape[0] - 1)
@@ -225,6 +256,6 @@ def single_colours(
             value = (one - c) * bare[0, h] + c * paint
             if out_rgb.size:
                 out_rgb[v, h] = value
-            shown = value if value > zero else zero
-            shown = shown if shown < one else one
-            out_srgb[v, h] = codes[np.int32(shown * scale + half)]
+            seen = value if value > zero else zero
+            seen = seen if seen < one else one
+            out_srgb[v, h] = codes[np.int32(seen * scale + half)]
