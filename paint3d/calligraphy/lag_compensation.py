@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from paint3d.brush_engine.drag import drag_along
-from paint3d.calligraphy.centre_line import OutlineField
 from paint3d.calligraphy.footprint_table import FootprintLadder
 from paint3d.calligraphy.kernels import planning as kernels
 
@@ -39,8 +38,7 @@ class Pulled(NamedTuple):
 def pull(
     wanted: NDArray,
     ladder: FootprintLadder,
-    field: OutlineField,
-    margin: float,
+    target: kernels.Target,
     start: float,
 ) -> Pulled:
     """Lead the brush so that its footprints' centres follow a line.
@@ -50,9 +48,8 @@ def pull(
     wanted : (N, 2) float64
         The line, mm, at even steps.
     ladder : FootprintLadder
-    field : OutlineField
-    margin : float
-        How far a footprint may leave the outline, mm.
+    target : Target
+        The outline, the ladder's footprints, and how far these may leave it.
     start : float
         Where the tuft points when it lands, rad.
     """
@@ -67,9 +64,7 @@ def pull(
         tuft = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
         centre = handle + reach[:, None] * tuft
         fitting = np.empty(len(wanted))
-        kernels.fit_levels(
-            ladder.points, field.distance, field.grid, centre, azimuth, margin, fitting
-        )
+        kernels.fit_levels(target, centre, azimuth, fitting)
         level = _steady(np.where(light, np.minimum(fitting, 0.0), fitting))
     return Pulled(handle, azimuth, centre, level)
 

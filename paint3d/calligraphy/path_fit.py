@@ -60,22 +60,26 @@ class Follower:
     em_mm: float
     start: float | None
 
+    @property
+    def target(self) -> kernels.Target:
+        """The outline and the footprints as the kernels take them."""
+        margin = self.settings.margin * self.em_mm
+        ladder, field = self.ladder, self.field
+        return kernels.Target(ladder.points, ladder.support, field.distance, field.grid, margin)
+
     def follow(self, line: CentreLine) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
         """Return the course along a line (None: nothing fits), and what it leaves bare."""
         azimuth, shift = _balanced(line, self, *_choose_course(line, self))
         centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
         level = np.empty(len(centre))
-        margin = self.settings.margin * self.em_mm
-        kernels.fit_levels(
-            self.ladder.points, self.field.distance, self.field.grid, centre, azimuth, margin, level
-        )
+        kernels.fit_levels(self.target, centre, azimuth, level)
         touching = np.flatnonzero(level >= 0.0)
         if len(touching) < 2:
             return None, self.field.inside
         kept = slice(touching[0], touching[-1] + 1)
         if self.settings.azimuth == "dragged":
             start = azimuth[kept][0] if self.start is None else self.start
-            pulled = pull(centre[kept], self.ladder, self.field, margin, start)
+            pulled = pull(centre[kept], self.ladder, self.target, start)
             course = _touched(*pulled, self.ladder)
         else:
             course = _course(centre[kept], azimuth[kept], _calm(level[kept]), self.ladder)
@@ -93,10 +97,8 @@ def _choose_course(line: CentreLine, plan: Follower) -> tuple[NDArray, NDArray]:
     n, shifts = settings.n_directions, np.array(settings.shifts)
     gap = np.empty((len(line.points), n, len(shifts)))
     sparse = np.ascontiguousarray(ladder.points[:, ::2])  # directions are only compared
-    kernels.rate(
-        sparse, ladder.support, plan.field.distance, plan.field.grid, line.points, line.headings,
-        line.room, shifts, settings.margin * plan.em_mm, gap,
-    )  # fmt: skip
+    target = plan.target._replace(points=sparse)
+    kernels.rate(target, line.points, line.headings, line.room, shifts, gap)
     directions = 2.0 * np.pi * np.arange(n) / n
     ahead = directions[None, :] - line.headings[:, None]
     cost = gap / line.width + _cost_of_bend(ahead, settings)[:, :, None]
@@ -125,11 +127,8 @@ def _balanced(
     sigma = 0.2 * line.width / line.step
     azimuth = smoothed(azimuth[:, None], sigma)[:, 0]
     shift = smoothed(shift[:, None], sigma)[:, 0]
-    kernels.balance(
-        plan.ladder.points, plan.ladder.support, plan.field.distance, plan.field.grid, line.points,
-        line.headings, line.room, azimuth, plan.settings.margin * plan.em_mm,
-        _SPAN * line.width, shift,
-    )  # fmt: skip
+    span = _SPAN * line.width
+    kernels.balance(plan.target, line.points, line.headings, line.room, azimuth, span, shift)
     return azimuth, smoothed(shift[:, None], 0.5 * sigma)[:, 0]
 
 

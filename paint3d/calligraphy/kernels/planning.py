@@ -10,13 +10,16 @@ level -1 stands for a brush that is lifted.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.calligraphy.kernels.raster import fill_polygon
 from paint3d.core.kernel import kernel
 
 __all__ = [
+    "Target",
     "balance",
     "best_course",
     "cover",
@@ -32,6 +35,35 @@ _HALVINGS = 8  # of a bracket of that many
 _ROUGH = 4  # halvings where directions are only compared
 _SECTIONS = 7  # golden sections of a side step
 _STAYING = 0.01  # of a side step, what it must gain
+
+
+class Target(NamedTuple):
+    """What is to be filled, with which footprints, and how far these may leave it."""
+
+    points: NDArray[np.float64]  # (L, B, 2), ladder of footprints, mm
+    support: NDArray[np.float64]  # (L, 2 A), reach of each from its centroid, even ways from 0, mm
+    field: NDArray[np.float64]  # (H, W), signed distances of the outline, mm
+    grid: NDArray[np.float64]  # (3,), of these: x0, y0, step, mm
+    margin: float  # mm
+
+
+class _Place(NamedTuple):
+    """A sample of the centre line: where it is, where it leads, and how wide the stroke is."""
+
+    x: float  # mm
+    y: float
+    heading: float  # rad
+    left: float  # mm to the outline
+    right: float
+
+
+class _Stance(NamedTuple):
+    """How a footprint lies: its centroid, mm, and its bend."""
+
+    x: float
+    y: float
+    cosine: float
+    sine: float
 
 
 @kernel(inline="always")
@@ -56,6 +88,7 @@ def signed_distances(polygon, x0, y0, step, out):
     n = polygon.shape[0]
     rows, columns = out.shape
     nearest = np.full((rows, columns), -1, np.int32)
+    grid = (x0, y0, step)
     out[:] = np.inf
     for k in range(n):
         ax, ay = (polygon[k - 1, 0] - x0) / step, (polygon[k - 1, 1] - y0) / step
@@ -71,12 +104,10 @@ def signed_distances(polygon, x0, y0, step, out):
             for turn in (1, -1):
                 for column in range(columns):
                     j = column if turn > 0 else columns - 1 - column
-                    _take_over(polygon, x0, y0, step, i, j, i, j - turn, nearest, out)
+                    _take_over(polygon, grid, i, j, i, j - turn, nearest, out)
                     if turn > 0:
                         for aside in (-1, 0, 1):
-                            _take_over(
-                                polygon, x0, y0, step, i, j, i - way, j + aside, nearest, out
-                            )
+                            _take_over(polygon, grid, i, j, i - way, j + aside, nearest, out)
     scaled = np.empty_like(polygon)
     for k in range(n):
         scaled[k, 0], scaled[k, 1] = (
@@ -91,8 +122,9 @@ def signed_distances(polygon, x0, y0, step, out):
 
 
 @kernel(inline="always")
-def _take_over(polygon, x0, y0, step, i, j, row, column, nearest, out):
+def _take_over(polygon, grid, i, j, row, column, nearest, out):
     """Try a neighbour's nearest edge for the grid point (i, j)."""
+    x0, y0, step = grid
     if 0 <= row < out.shape[0] and 0 <= column < out.shape[1]:
         k = nearest[row, column]
         if k >= 0 and k != nearest[i, j]:
@@ -102,10 +134,10 @@ def _take_over(polygon, x0, y0, step, i, j, row, column, nearest, out):
 
 
 @kernel(inline="always")
-def _distance_at(field, x0, y0, step, x, y):
+def _distance_at(field, grid, x, y):
     """Bilinear signed distance; off the grid the border's value holds, which lies outside."""
-    u = min(max((x - x0) / step, 0.0), field.shape[1] - 1.000001)
-    v = min(max((y - y0) / step, 0.0), field.shape[0] - 1.000001)
+    u = min(max((x - grid[0]) / grid[2], 0.0), field.shape[1] - 1.000001)
+    v = min(max((y - grid[1]) / grid[2], 0.0), field.shape[0] - 1.000001)
     j, i = int(u), int(v)
     u -= j
     v -= i
@@ -122,7 +154,7 @@ def measure_room(field, grid, centres, directions, limit, out):
         while run < limit:
             x = centres[s, 0] + run * directions[s, 0]
             y = centres[s, 1] + run * directions[s, 1]
-            d = _distance_at(field, grid[0], grid[1], grid[2], x, y)
+            d = _distance_at(field, grid, x, y)
             if d <= 0.0:
                 run += d
                 break
@@ -131,8 +163,9 @@ def measure_room(field, grid, centres, directions, limit, out):
 
 
 @kernel(inline="always")
-def _first_outside(points, level, field, grid, x, y, cosine, sine, margin, first):
-    """The first boundary point, from `first` on, that lies over `margin` outside; -1 for none."""
+def _first_outside(target, level, stance, first):
+    """The first boundary point, from `first` on, that lies over the margin outside; -1 for none."""
+    points = target.points
     k = min(int(level), points.shape[0] - 2)
     t = level - k
     n = points.shape[1]
@@ -142,27 +175,28 @@ def _first_outside(points, level, field, grid, x, y, cosine, sine, margin, first
             b -= n
         u = (1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0]
         v = (1.0 - t) * points[k, b, 1] + t * points[k + 1, b, 1]
-        px, py = x + cosine * u - sine * v, y + sine * u + cosine * v
-        if _distance_at(field, grid[0], grid[1], grid[2], px, py) < -margin:
+        px = stance.x + stance.cosine * u - stance.sine * v
+        py = stance.y + stance.sine * u + stance.cosine * v
+        if _distance_at(target.field, target.grid, px, py) < -target.margin:
             return b
     return -1
 
 
 @kernel
-def fit_level(points, field, grid, x, y, azimuth, margin, hint=-1.0, halvings=_HALVINGS):
+def fit_level(target, x, y, azimuth, hint=-1.0, halvings=_HALVINGS):
     """Greatest level that fits with its centroid at (x, y), or -1; rungs tried below fit too.
 
     `hint` is a level to start from; each of `halvings` halves a range of four rungs.
     """
-    cosine, sine = math.cos(azimuth), math.sin(azimuth)
-    top = points.shape[0] - 1.0
-    if _distance_at(field, grid[0], grid[1], grid[2], x, y) <= 0.0:
+    stance = _Stance(x, y, math.cos(azimuth), math.sin(azimuth))
+    top = target.points.shape[0] - 1.0
+    if _distance_at(target.field, target.grid, x, y) <= 0.0:
         return -1.0
     level = min(max(hint, 0.0), top)
     low, high = -1.0, top + _STRIDE
     at = 0
     while True:  # up or down from the hint until the level is bracketed
-        outside = _first_outside(points, level, field, grid, x, y, cosine, sine, margin, at)
+        outside = _first_outside(target, level, stance, at)
         if outside < 0:
             low = level
             if level >= top:
@@ -180,7 +214,7 @@ def fit_level(points, field, grid, x, y, azimuth, margin, hint=-1.0, halvings=_H
             level = max(level - _STRIDE, 0.0)
     for _ in range(halvings):
         middle = 0.5 * (low + high)
-        outside = _first_outside(points, middle, field, grid, x, y, cosine, sine, margin, at)
+        outside = _first_outside(target, middle, stance, at)
         if outside < 0:
             low = middle
         else:
@@ -189,73 +223,60 @@ def fit_level(points, field, grid, x, y, azimuth, margin, hint=-1.0, halvings=_H
 
 
 @kernel
-def fit_levels(points, field, grid, centres, azimuths, margin, out):
+def fit_levels(target, centres, azimuths, out):
     """`fit_level` of every pose of a dense course: centres (S, 2), azimuths (S,)."""
     hint = -1.0
     for s in range(centres.shape[0]):
-        hint = fit_level(
-            points, field, grid, centres[s, 0], centres[s, 1], azimuths[s], margin, hint
-        )
+        hint = fit_level(target, centres[s, 0], centres[s, 1], azimuths[s], hint)
         out[s] = hint
 
 
 @kernel
-def rate(points, support, field, grid, centres, headings, room, shifts, margin, out_gap):
+def rate(target, centres, headings, room, shifts, out_gap):
     """How much of the stroke's width every direction and side step leaves bare.
 
     Parameters
     ----------
-    points : (L, B, 2) float64
-        Ladder of footprints.
-    support : (L, 2 A) float64
-        Reach of each rung from its centroid in 2 A even directions from 0 to 2 pi.
-    field, grid
-        Signed distances.
+    target : Target
     centres : (S, 2), headings : (S,) float64
         Samples of the centre line and the direction of travel, rad.
     room : (S, 2) float64
         Distance from centre to outline on the left and on the right.
     shifts : (O,) float64
         Side steps to the left, in shares of the narrower room.
-    margin : float
-        How far a footprint may leave the outline.
     out_gap : (S, A, O) float64
-        Width left bare on both sides together.
+        Width left bare on both sides together, for A even directions.
     """
     n_angles = out_gap.shape[1]
     levels = np.full((n_angles, shifts.shape[0]), -1.0)
     for s in range(centres.shape[0]):
         left, right = room[s, 0], room[s, 1]
+        place = _Place(centres[s, 0], centres[s, 1], headings[s], left, right)
         for o in range(shifts.shape[0]):
             shift = shifts[o] * min(left, right)
             for a in range(n_angles):
                 azimuth = 2.0 * math.pi * a / n_angles
                 levels[a, o], out_gap[s, a, o] = _gap(
-                    points, support, field, grid, centres[s, 0], centres[s, 1], headings[s],
-                    left, right, shift, azimuth, margin, levels[a, o], _ROUGH,
-                )  # fmt: skip
+                    target, place, shift, azimuth, levels[a, o], _ROUGH
+                )
 
 
 @kernel
-def _gap(
-    points, support, field, grid, x, y, heading, left, right, shift, azimuth, margin, hint, halvings
-):
-    """Level that fits a side step to the left of (x, y), and the width it leaves bare."""
-    x -= shift * math.sin(heading)
-    y += shift * math.cos(heading)
-    level = fit_level(points, field, grid, x, y, azimuth, margin, hint, halvings)
+def _gap(target, place, shift, azimuth, hint, halvings):
+    """Level that fits a side step to the left of a place, and the width it leaves bare."""
+    x = place.x - shift * math.sin(place.heading)
+    y = place.y + shift * math.cos(place.heading)
+    level = fit_level(target, x, y, azimuth, hint, halvings)
     if level < 0.0:
-        return level, left + right
-    turn = heading + 0.5 * math.pi - azimuth
-    reach_left = _reach(support, level, turn) + shift
-    reach_right = _reach(support, level, turn + math.pi) - shift
-    return level, max(0.0, left - reach_left) + max(0.0, right - reach_right)
+        return level, place.left + place.right
+    turn = place.heading + 0.5 * math.pi - azimuth
+    reach_left = _reach(target.support, level, turn) + shift
+    reach_right = _reach(target.support, level, turn + math.pi) - shift
+    return level, max(0.0, place.left - reach_left) + max(0.0, place.right - reach_right)
 
 
 @kernel
-def balance(
-    points, support, field, grid, centres, headings, room, azimuths, margin, span, out_shift
-):
+def balance(target, centres, headings, room, azimuths, span, out_shift):
     """Side step (S,) near the given one that leaves the least width bare, by golden section.
 
     Parameters are those of `rate`; `azimuths` (S,) are fixed, `span` is how far (mm) to look to
@@ -265,16 +286,14 @@ def balance(
     level = -1.0
     for s in range(centres.shape[0]):
         start = out_shift[s]
+        place = _Place(centres[s, 0], centres[s, 1], headings[s], room[s, 0], room[s, 1])
         low, high = start - span, start + span
         tries = np.array([high - ratio * (high - low), low + ratio * (high - low)])
         gaps = np.full(2, -1.0)
         for _ in range(_SECTIONS):
             for k in range(2):
                 if gaps[k] < 0.0:
-                    level, gap = _gap(
-                        points, support, field, grid, centres[s, 0], centres[s, 1], headings[s],
-                        room[s, 0], room[s, 1], tries[k], azimuths[s], margin, level, _HALVINGS,
-                    )  # fmt: skip
+                    level, gap = _gap(target, place, tries[k], azimuths[s], level, _HALVINGS)
                     gaps[k] = gap + _STAYING * abs(tries[k] - start)
             if gaps[0] > gaps[1]:
                 low = tries[0]
