@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from paint3d.view.kernels.depth_map import add_sunlight, fill_depth_map
+from paint3d.view.kernels.depth_map import DepthMap, Floor, Light, add_sunlight, fill_depth_map
 from paint3d.view.studio import Sun
 
 __all__ = ["Ground", "Occluder", "light_ground", "light_points"]
@@ -63,14 +63,14 @@ class Occluder:
         Points (N, 3) float32 are looked up `lift` mm off the surface along `normals` (N, 3).
         """
         lit, hidden = np.zeros((len(points), 3)), np.zeros(len(points))
-        scale = 1 / self.cell
-        depth_map = np.empty((CELLS, CELLS), dtype=np.float32)
-        floor = (ground.openness, *ground.origin, ground.half)
+        depth = np.empty((CELLS, CELLS), dtype=np.float32)
+        floor = Floor(ground.openness, *ground.origin, ground.half)
         for sun in suns:
             axes = _axes_toward(sun.direction)
-            fill_depth_map(self.points, self.centre, axes, scale, depth_map)
-            place = (points, normals, lift, self.centre, axes, scale, depth_map)
-            add_sunlight(*place, sun.irradiance, 4 * sun.share, floor, lit, hidden)
+            depth_map = DepthMap(self.centre, axes, 1 / self.cell, depth)
+            fill_depth_map(self.points, depth_map)
+            light = Light(sun.irradiance, 4 * sun.share)
+            add_sunlight(points, normals, lift, depth_map, light, floor, lit, hidden)
         return lit, hidden
 
 

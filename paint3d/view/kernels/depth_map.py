@@ -1,21 +1,50 @@
 """Depth maps of a cloud of surface samples: what is hidden from a parallel light.
 
-Points are seen along `axes` (rows u, v, w; w toward the light), relative to `centre`; `scale` is
-cells per mm. A map has cells x cells entries, the largest w met in each, -inf where nothing is.
+A map has cells x cells entries, the largest w met in each, -inf where nothing is.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.core.kernel import kernel
 
-__all__ = ["add_sunlight", "fill_depth_map"]
+__all__ = ["DepthMap", "Floor", "Light", "add_sunlight", "fill_depth_map"]
+
+
+class DepthMap(NamedTuple):
+    """What a parallel light meets first."""
+
+    centre: NDArray[np.float64]  # (3,), mm: what places are relative to
+    axes: NDArray[np.float64]  # (3, 3), rows u, v, w; w toward the light
+    scale: float  # cells per mm
+    depth: NDArray[np.float32]  # (C, C), mm
+
+
+class Light(NamedTuple):
+    """A parallel source."""
+
+    irradiance: NDArray[np.float64]  # (3,), of a surface that faces it
+    share: float  # weight with which the cosine of incidence counts as hidden
+
+
+class Floor(NamedTuple):
+    """A square floor: a source below it shines through its openness."""
+
+    openness: NDArray[np.float64]  # (M, M)
+    x: float  # of its middle, mm
+    y: float
+    z: float
+    half: float  # of its width, mm
 
 
 @kernel
-def fill_depth_map(points, centre, axes, scale, out):
-    """Write the depth map of `points` (N, 3) float32 into `out` (C, C) float32; cost O(N)."""
+def fill_depth_map(points, depth_map):
+    """Write the depth of `points` (N, 3) float32 into a map; cost O(N)."""
+    centre, axes, scale, out = depth_map
     cells = out.shape[0]
     out[:] = -np.inf
     for n in range(points.shape[0]):
@@ -28,9 +57,7 @@ def fill_depth_map(points, centre, axes, scale, out):
 
 
 @kernel
-def add_sunlight(
-    points, normals, lift, centre, axes, scale, depth_map, irradiance, share, floor, lit, hidden
-):
+def add_sunlight(points, normals, lift, depth_map, light, floor, lit, hidden):
     """Add the light of one parallel source to points of a surface; cost O(N).
 
     Parameters
@@ -38,20 +65,16 @@ def add_sunlight(
     points, normals : (N, 3) float32
     lift : float
         How far along its normal a point is moved before it is looked up, mm.
-    centre, axes, scale, depth_map
-        As in `fill_depth_map`.
-    irradiance : (3,) float64
-        Of a surface that faces the source.
-    share : float
-        Weight with which the cosine of incidence counts as hidden.
-    floor : tuple (openness (M, M) float64, x, y, z, half)
-        A square floor, its middle and half-width: a source below shines through its openness.
+    depth_map : DepthMap
+    light : Light
+    floor : Floor
     lit : (N, 3) float64
         Increased by cosine times irradiance where the source is seen.
     hidden : (N,) float64
         Increased by cosine times share where the object stands in between.
     """
-    cells = depth_map.shape[0]
+    centre, axes, scale, depth = depth_map
+    cells = depth.shape[0]
     middle = 0.5 * cells
     for n in range(points.shape[0]):
         cosine = (
@@ -66,13 +89,13 @@ def add_sunlight(
         v = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + middle
         w = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
         inside = 0.0 <= u < cells and 0.0 <= v < cells
-        if inside and depth_map[int(v), int(u)] > w:
-            hidden[n] += share * cosine
+        if inside and depth[int(v), int(u)] > w:
+            hidden[n] += light.share * cosine
             continue
         if axes[2, 2] < 0.0:
             cosine *= _floor_openness(points[n], axes[2], floor)
         for k in range(3):
-            lit[n, k] += cosine * irradiance[k]
+            lit[n, k] += cosine * light.irradiance[k]
 
 
 @kernel

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from paint3d.core.kernel import kernel
@@ -14,13 +16,24 @@ _BELOW = 3.0  # mm: a point so far below the surface, or less, lies on it
 _SLACK = 1e-5  # of a distance, for rounding
 
 
+class _Ray(NamedTuple):
+    """A half-line: where it begins, mm, and its unit direction."""
+
+    x: float
+    y: float
+    z: float
+    dx: float
+    dy: float
+    dz: float
+
+
 @kernel(error_model="numpy")
-def _enters(boxes, node, x, y, z, dx, dy, dz, near, far):
+def _enters(boxes, node, ray, near, far):
     """Where a ray enters a box between two distances along it; inf where it misses it."""
     for low, high, way in (
-        (boxes[node, 0] - x, boxes[node, 3] - x, dx),
-        (boxes[node, 1] - y, boxes[node, 4] - y, dy),
-        (boxes[node, 2] - z, boxes[node, 5] - z, dz),
+        (boxes[node, 0] - ray.x, boxes[node, 3] - ray.x, ray.dx),
+        (boxes[node, 1] - ray.y, boxes[node, 4] - ray.y, ray.dy),
+        (boxes[node, 2] - ray.z, boxes[node, 5] - ray.z, ray.dz),
     ):
         if low > high:  # of an empty node
             return np.inf
@@ -36,8 +49,9 @@ def _enters(boxes, node, x, y, z, dx, dy, dz, near, far):
 
 
 @kernel(error_model="numpy")
-def _meets(points, a, b, c, x, y, z, dx, dy, dz):
+def _meets(points, a, b, c, ray):
     """Where a ray meets the front of triangle abc, and the weights there; inf where it does not."""
+    x, y, z, dx, dy, dz = ray
     ax, ay, az = points[a, 0] - x, points[a, 1] - y, points[a, 2] - z
     bx, by, bz = points[b, 0] - x, points[b, 1] - y, points[b, 2] - z
     cx, cy, cz = points[c, 0] - x, points[c, 1] - y, points[c, 2] - z
@@ -50,6 +64,41 @@ def _meets(points, a, b, c, x, y, z, dx, dy, dz):
     u, v, w = u / total, v / total, w / total
     t = (u * ax + v * bx + w * cx) * dx + (u * ay + v * by + w * cy) * dy
     return t + (u * az + v * bz + w * cz) * dz, u, v, w
+
+
+@kernel(error_model="numpy")
+def _first_met(tree, ray, reach, stack):
+    """The triangle that a point meets on its way, -1 for none; how far along, and its weights."""
+    n_leaves = tree.boxes.shape[0] // 2
+    best, found, at = reach, -1, 0.0
+    wa, wb, wc = 0.0, 0.0, 0.0
+    depth = 0
+    stack[0] = 1
+    while depth >= 0:
+        node = stack[depth]
+        depth -= 1
+        near, far = max(0.0, _BELOW - best), _BELOW + best
+        if _enters(tree.boxes, node, ray, near, far) == np.inf:
+            continue
+        if node < n_leaves:
+            left = _enters(tree.boxes, 2 * node, ray, near, far)
+            right = _enters(tree.boxes, 2 * node + 1, ray, near, far)
+            first = 2 * node + (right < left)
+            if max(left, right) < np.inf:
+                depth += 1
+                stack[depth] = 4 * node + 1 - first
+            if min(left, right) < np.inf:
+                depth += 1
+                stack[depth] = first
+            continue
+        begin = (node - n_leaves) * LEAF_SIZE
+        for k in range(begin, min(begin + LEAF_SIZE, tree.triangles.shape[0])):
+            a, b, c = tree.triangles[k, 0], tree.triangles[k, 1], tree.triangles[k, 2]
+            t, u, v, w = _meets(tree.points, a, b, c, ray)
+            if t >= 0.0 and abs(t - _BELOW) < best:
+                best, found, at = abs(t - _BELOW), k, t
+                wa, wb, wc = u, v, w
+    return found, at, wa, wb, wc
 
 
 @kernel(error_model="numpy")
@@ -73,40 +122,12 @@ def drape_points(tree, points, direction, reach, out, landed):
         1 where there is one.
     """
     dx, dy, dz = direction[0], direction[1], direction[2]
-    n_leaves = tree.boxes.shape[0] // 2
     stack = np.empty(_STACK, np.int64)
     for i in range(points.shape[0]):
         x = points[i, 0] - _BELOW * dx
         y = points[i, 1] - _BELOW * dy
         z = points[i, 2] - _BELOW * dz
-        best, found, at = reach, -1, 0.0
-        wa, wb, wc = 0.0, 0.0, 0.0
-        depth = 0
-        stack[0] = 1
-        while depth >= 0:
-            node = stack[depth]
-            depth -= 1
-            near, far = max(0.0, _BELOW - best), _BELOW + best
-            if _enters(tree.boxes, node, x, y, z, dx, dy, dz, near, far) == np.inf:
-                continue
-            if node < n_leaves:
-                left = _enters(tree.boxes, 2 * node, x, y, z, dx, dy, dz, near, far)
-                right = _enters(tree.boxes, 2 * node + 1, x, y, z, dx, dy, dz, near, far)
-                first = 2 * node + (right < left)
-                if max(left, right) < np.inf:
-                    depth += 1
-                    stack[depth] = 4 * node + 1 - first
-                if min(left, right) < np.inf:
-                    depth += 1
-                    stack[depth] = first
-                continue
-            begin = (node - n_leaves) * LEAF_SIZE
-            for k in range(begin, min(begin + LEAF_SIZE, tree.triangles.shape[0])):
-                a, b, c = tree.triangles[k, 0], tree.triangles[k, 1], tree.triangles[k, 2]
-                t, u, v, w = _meets(tree.points, a, b, c, x, y, z, dx, dy, dz)
-                if t >= 0.0 and abs(t - _BELOW) < best:
-                    best, found, at = abs(t - _BELOW), k, t
-                    wa, wb, wc = u, v, w
+        found, at, wa, wb, wc = _first_met(tree, _Ray(x, y, z, dx, dy, dz), reach, stack)
         landed[i] = found >= 0
         if found < 0:
             continue
