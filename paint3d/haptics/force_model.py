@@ -58,11 +58,11 @@ class ForceStep:
     proxy: NDArray[np.float64]
 
 
-def new_state() -> NDArray[np.float64]:
-    """The servo's state before its first step, (N_STATE,)."""
-    state = np.zeros(hs.N_STATE)
-    state[hs.SOFTENING] = 1.0
-    state[hs.OBJECT_W] = 1.0
+def new_state() -> NDArray[np.void]:
+    """The servo's state before its first step, (1,) STATE."""
+    state = np.zeros(1, hs.STATE)
+    state["softening"] = 1.0
+    state["object_turn"][:, 0] = 1.0
     return state
 
 
@@ -86,12 +86,12 @@ class ForceModel:
     def __init__(self, tree: ContactTree, settings: HapticSettings, awake: bool = False) -> None:
         self.tree = tree
         self.settings = settings
-        self._settings = settings.as_array()
+        self._settings = settings.as_record()
         self.state = new_state()
         self._out = np.zeros(3)
         if awake:
-            self.state[hs.STARTED] = 1.0
-            self.state[hs.RISEN_S] = settings.rise_s
+            self.state["started"] = 1.0
+            self.state["risen_s"] = settings.rise_s
 
     def step(
         self,
@@ -128,22 +128,13 @@ class ForceModel:
         if pose.shape != (7,):
             raise DeviceError(f"the pose has {pose.size} numbers; expected 3 and 4")
         target = as_array(object_pose, "object_pose", (7,), error=DeviceError)
-        flags = servo_step(
-            self.tree,
-            self._settings,
-            self.state,
-            target,
-            pose,
-            dt,
-            pose_age,
-            snapshot_age,
-            stopping,
-            self._out,
-        )
+        moment = hs.Moment(dt, pose_age, snapshot_age, stopping)
+        flags = servo_step(self.tree, self._settings, self.state, target, pose, moment, self._out)
+        state = self.state[0]
         return ForceStep(
             self._out.copy(),
             int(flags),
-            float(self.state[hs.WANTED]),
-            float(self.state[hs.DESCENT]),
-            self.state[hs.PROXY_X : hs.PROXY_X + 3].copy(),
+            float(state["wanted"]),
+            float(state["descent"]),
+            state["proxy"].copy(),
         )

@@ -146,7 +146,9 @@ class ForceFeedback:
         """
         if object_pose is not None:
             self._object_pose = as_array(object_pose, "object_pose", (7,), error=DeviceError)
-        self._board.publish(time.monotonic_ns(), self._object_pose, self.settings.as_array())
+        self._board.publish(
+            time.monotonic_ns(), self._object_pose, self.settings.as_record().view(np.float64)
+        )
 
     def take(self) -> list[StylusReading]:
         """What the stylus did since the last call, in the world's frame (calibrated)."""

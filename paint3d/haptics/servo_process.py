@@ -61,7 +61,7 @@ class _Servo:
         self._snapshot = np.zeros(SNAPSHOT_COLUMNS)
         self._snapshot_ns = self._snapshot[:1].view(np.int64)
         self._target = self._snapshot[1:8]
-        self._settings = self._snapshot[8 : 8 + hs.N_SETTINGS]
+        self._settings = self._snapshot[8 : 8 + hs.N_SETTINGS].view(hs.SETTINGS)
         self._known = False
         self._row = np.zeros(RING_COLUMNS)
         self._row_ns = self._row[:1].view(np.int64)
@@ -75,18 +75,11 @@ class _Servo:
 
     def warm_up(self) -> None:
         """Compile and load every kernel before the device is opened."""
-        servo_step(
-            self.tree,
-            np.ones(hs.N_SETTINGS),
-            new_state(),
-            self._pose,
-            self._pose,
-            0.001,
-            0.0,
-            0.0,
-            True,
-            self._out,
+        settings, moment = (
+            np.ones(hs.N_SETTINGS).view(hs.SETTINGS),
+            hs.Moment(0.001, 0.0, 0.0, True),
         )
+        servo_step(self.tree, settings, new_state(), self._pose, self._pose, moment, self._out)
 
     def stopped(self) -> bool:
         """Whether the loop must end."""
@@ -105,17 +98,14 @@ class _Servo:
         self._last_ns = now_ns
         known = self.board.read_snapshot(self._snapshot) or self._known
         self._known = known
-        self._flags = servo_step(
-            self.tree,
-            self._settings,
-            self._state,
-            self._target,
-            self._pose,
+        moment = hs.Moment(
             min(max(dt, _SHORTEST_DT_S), _LONGEST_DT_S),
             (now_ns - self._pose_ns) * 1e-9 if self._pose_ns else _LONG_AGO_S,
             (now_ns - int(self._snapshot_ns[0])) * 1e-9 if known else _LONG_AGO_S,
             self.stopped(),
-            self._out,
+        )
+        self._flags = servo_step(
+            self.tree, self._settings, self._state, self._target, self._pose, moment, self._out
         )
         self._answered, self._began_ns = pose, now_ns
         return turn(self._back, self._out.tolist())
@@ -138,7 +128,7 @@ class _Servo:
         row[1:8] = self._pose
         row[8] = pose.buttons
         row[9:12] = self._out
-        row[12] = self._state[hs.DESCENT]
+        row[12] = self._state[0]["descent"]
         row[13] = self._flags
         board.push(row)
 
@@ -170,9 +160,10 @@ class _Servo:
         """A loop that is often late is only stable with a softer spring."""
         excess = min(1.0, max(0.0, (late_share - _HARMLESS) / (_GRAVE - _HARMLESS)))
         wanted = 1.0 - (1.0 - _SOFTEST) * excess
-        now = self._state[hs.SOFTENING]
-        self._state[hs.SOFTENING] = min(wanted, now + 0.02) if wanted > now else wanted
-        self.board.counters[board_of.SOFTENING_PPM] = int(1e6 * self._state[hs.SOFTENING])
+        now = float(self._state[0]["softening"])
+        softening = min(wanted, now + 0.02) if wanted > now else wanted
+        self._state["softening"] = softening
+        self.board.counters[board_of.SOFTENING_PPM] = int(1e6 * softening)
 
 
 def run_servo(task: ServoTask) -> None:

@@ -17,6 +17,10 @@ from paint3d.haptics.kernels import state as hs
 __all__ = ["PHANTOM_DESKTOP", "TOUCH", "DeviceLimits", "HapticSettings"]
 
 _LOWEST_TILT = math.radians(30.0)  # where the model of the bent brush ends
+_AS_THEY_ARE = (
+    "length", "spring", "friction", "user_limit", "stick", "ramp_s", "slew", "max_pose_age_s",
+    "max_snapshot_age_s", "start_force", "rise_s", "follow_s",
+)  # fmt: skip
 _PATCH = 0.08  # of the tuft's length: the disc over which the surface's normal is averaged
 
 
@@ -120,19 +124,13 @@ class HapticSettings:
         """The smaller of the device's and the user's limit, N."""
         return min(self.limits.max_force, self.user_limit)
 
-    def as_array(self) -> NDArray[np.float64]:
-        """The settings as the kernels take them, (N_SETTINGS,)."""
-        out = np.zeros(hs.N_SETTINGS)
-        out[hs.LENGTH], out[hs.SPRING], out[hs.FRICTION] = self.length, self.spring, self.friction
-        out[hs.LOWEST_SINE] = math.sin(_LOWEST_TILT)
-        out[hs.DEVICE_LIMIT] = self.limits.max_force
-        out[hs.USER_LIMIT] = self.user_limit
-        out[hs.STIFFEST] = self.limits.max_stiffness
-        out[hs.STICK] = self.stick
-        out[hs.RAMP_S], out[hs.SLEW] = self.ramp_s, self.slew
-        out[hs.MAX_POSE_AGE_S] = self.max_pose_age_s
-        out[hs.MAX_SNAPSHOT_AGE_S] = self.max_snapshot_age_s
-        out[hs.START_FORCE], out[hs.RISE_S] = self.start_force, self.rise_s
-        out[hs.FOLLOW_S] = self.follow_s
-        out[hs.PATCH] = _PATCH * self.length
+    def as_record(self) -> NDArray[np.void]:
+        """The settings as the kernels take them, (1,) SETTINGS."""
+        out = np.zeros(1, hs.SETTINGS)
+        limits = self.limits
+        out["device_limit"], out["stiffest"] = limits.max_force, limits.max_stiffness
+        out["lowest_sine"] = math.sin(_LOWEST_TILT)
+        out["patch"] = _PATCH * self.length
+        for name in _AS_THEY_ARE:
+            out[name] = getattr(self, name)
         return out

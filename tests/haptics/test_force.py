@@ -339,7 +339,7 @@ def test_sliding_over_the_bowl_has_no_steps(trees, speed, towards_wall) -> None:
         step = model.step(root, quaternions_from_matrices(frame[None])[0])
         forces.append(step.force)
         wanted.append(step.wanted)
-        crossed.add(int(model.state[hs.WARM + 1]))
+        crossed.add(int(model.state[0]["warm"][1]))
     steps = np.linalg.norm(np.diff(forces[250:], axis=0), axis=1)
     assert len(crossed) > 50
     assert np.linalg.norm(forces[250:], axis=1).min() > 1.0
@@ -403,5 +403,5 @@ def test_the_search_ends_with_its_budget(trees) -> None:
     assert np.isfinite(out).all()
     model = ForceModel(tree, SETTINGS, awake=True)
     step = model.step([0, 0, 0])
-    assert model.state[hs.SPENT] <= 1500
+    assert model.state[0]["spent"] <= 1500
     assert np.isfinite(step.force).all()

@@ -7,31 +7,13 @@ import numpy as np
 from paint3d.core.kernel import kernel
 from paint3d.haptics.kernels.state import (
     CLAMPED,
-    CONTACT_S,
-    CREDIT,
-    DEVICE_LIMIT,
-    ENERGY,
-    LAST_FORCE_X,
-    MAX_POSE_AGE_S,
-    MAX_SNAPSHOT_AGE_S,
     NOT_FINITE,
-    RAMP_S,
-    RISE_S,
-    RISEN_S,
-    SLEW,
     SLEWED,
-    SLEWED_X,
     STALE_POSE,
     STALE_SNAPSHOT,
-    START_FORCE,
-    STARTED,
     STOPPING,
-    STORED,
     TAMED,
-    TOUCHING,
-    USER_LIMIT,
     WAITING,
-    WANTED,
 )
 
 __all__ = ["make_safe", "tame"]
@@ -42,7 +24,7 @@ _SPARE = 0.02  # N mm that the energy tank may hold beyond what the springs stor
 
 
 @kernel(error_model="numpy")
-def make_safe(settings, state, force, dt, pose_age, snapshot_age, stopping):
+def make_safe(settings, state, force, moment):
     """Make a wanted force (3,), object frame, one that may be sent; in this order.
 
     1. not finite: zero; 2. a contact fades in; 3. at most what the device and the user allow;
@@ -50,58 +32,60 @@ def make_safe(settings, state, force, dt, pose_age, snapshot_age, stopping):
     too old, or the servo stops; 6. at the start nothing until the brush is off the surface, then a
     slow rise.
 
-    Returns the flags of what was done. `state` holds the last force and the times.
+    Returns the flags of what was done. `state` holds the last force and the times; it and the
+    settings are records, `moment` a `Moment`.
     """
+    dt = moment.dt
     flags = 0
     squared = force[0] ** 2 + force[1] ** 2 + force[2] ** 2
     if not squared < _ABSURD:
         force[:] = 0.0
-        state[TOUCHING] = 0.0
+        state.touching = 0.0
         squared = 0.0
         flags |= NOT_FINITE
-    state[WANTED] = np.sqrt(squared)
-    state[CONTACT_S] = state[CONTACT_S] + dt if state[TOUCHING] > 0.0 else 0.0
-    if state[TOUCHING] > 0.0:
-        force *= min(1.0, state[CONTACT_S] / settings[RAMP_S])
+    state.wanted = np.sqrt(squared)
+    state.contact_s = state.contact_s + dt if state.touching > 0.0 else 0.0
+    if state.touching > 0.0:
+        force *= min(1.0, state.contact_s / settings.ramp_s)
     flags |= _clamp(settings, force)
     flags |= _slew(settings, state, force, dt)
-    if pose_age > settings[MAX_POSE_AGE_S]:
+    if moment.pose_age > settings.max_pose_age_s:
         flags |= STALE_POSE
-    if snapshot_age > settings[MAX_SNAPSHOT_AGE_S]:
+    if moment.snapshot_age > settings.max_snapshot_age_s:
         flags |= STALE_SNAPSHOT
-    if stopping:
+    if moment.stopping:
         flags |= STOPPING
     if flags & (STALE_POSE | STALE_SNAPSHOT | STOPPING | NOT_FINITE):
         force[:] = 0.0
-        state[CONTACT_S] = 0.0
+        state.contact_s = 0.0
         if flags & (STALE_SNAPSHOT | STOPPING):
-            state[STARTED] = 0.0
+            state.started = 0.0
     for axis in range(3):
-        state[SLEWED_X + axis] = force[axis]
+        state.slewed[axis] = force[axis]
     return flags | _start(settings, state, force, dt)
 
 
 @kernel(error_model="numpy")
 def _start(settings, state, force, dt):
     """Nothing until the wanted force is small, then a rise from nothing to all of it."""
-    if state[STARTED] == 0.0:
-        if state[WANTED] >= settings[START_FORCE]:
+    if state.started == 0.0:
+        if state.wanted >= settings.start_force:
             force[:] = 0.0
             return WAITING
-        state[STARTED] = 1.0
-        state[RISEN_S] = 0.0
-    before = state[RISEN_S] / settings[RISE_S]
-    state[RISEN_S] = min(settings[RISE_S], state[RISEN_S] + dt)
-    rise = state[RISEN_S] / settings[RISE_S]
+        state.started = 1.0
+        state.risen_s = 0.0
+    before = state.risen_s / settings.rise_s
+    state.risen_s = min(settings.rise_s, state.risen_s + dt)
+    rise = state.risen_s / settings.rise_s
     force *= rise
-    state[CREDIT] = rise * state[CREDIT] + (rise - before) * state[STORED]
-    state[STORED] *= rise
+    state.credit = rise * state.credit + (rise - before) * state.stored
+    state.stored *= rise
     return 0
 
 
 @kernel(error_model="numpy")
 def _clamp(settings, force):
-    limit = max(0.0, min(settings[DEVICE_LIMIT], settings[USER_LIMIT]))
+    limit = max(0.0, min(settings.device_limit, settings.user_limit))
     size = np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
     if size <= limit:
         return 0
@@ -113,19 +97,19 @@ def _clamp(settings, force):
 def _slew(settings, state, force, dt):
     change = 0.0
     for axis in range(3):
-        change += (force[axis] - state[SLEWED_X + axis]) ** 2
+        change += (force[axis] - state.slewed[axis]) ** 2
     change = np.sqrt(change)
-    most = settings[SLEW] * dt
+    most = settings.slew * dt
     if change <= most:
         return 0
     for axis in range(3):
-        before = state[SLEWED_X + axis]
+        before = state.slewed[axis]
         force[axis] = before + (force[axis] - before) * most / change
     return SLEWED
 
 
 @kernel(error_model="numpy")
-def tame(state, force, dx, dy, dz):
+def tame(state, force, way):
     """Let the device give back no more energy than the hand put in (Hannaford and Ryu 2002).
 
     The tank gains what the hand did against the last force, and what turning the pen put into the
@@ -134,27 +118,28 @@ def tame(state, force, dx, dy, dz):
     the force, the force is that of a spring which holds what is in the tank, and never so large
     as to empty it before the next step.
 
-    (dx, dy, dz) is the root's way since the last step, object frame, mm.
+    `way` (3,) is the root's since the last step, object frame, mm.
     """
     given = 0.0
     ahead = 0.0
     size = 0.0
-    for axis, d in ((0, dx), (1, dy), (2, dz)):
-        given -= state[LAST_FORCE_X + axis] * d
+    for axis in range(3):
+        d = way[axis]
+        given -= state.last_force[axis] * d
         ahead += force[axis] * d
         size += force[axis] * force[axis]
     size = np.sqrt(size)
-    stored = state[STORED]
-    energy = min(state[ENERGY] + given + state[CREDIT], stored + _SPARE)
-    state[ENERGY] = energy
+    stored = state.stored
+    energy = min(state.energy + given + state.credit, stored + _SPARE)
+    state.energy = energy
     if ahead <= 0.0 or size <= 0.0:
         return 0
     most = size * max(0.0, energy) / (_FORESIGHT * ahead)
     if stored > 0.0 and energy < stored:
-        most = min(most, state[WANTED] * np.sqrt(max(0.0, energy) / stored))
+        most = min(most, state.wanted * np.sqrt(max(0.0, energy) / stored))
     if most >= size:
         return 0
     force *= most / size
     for axis in range(3):
-        state[SLEWED_X + axis] *= most / size  # it comes back no faster than any force
+        state.slewed[axis] *= most / size  # it comes back no faster than any force
     return TAMED

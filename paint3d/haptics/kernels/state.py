@@ -1,38 +1,80 @@
-"""Places in the flat arrays of the force servo, and the flags of a step.
+"""What the force servo works with: its settings, its state, and the flags of a step.
 
-State and settings are flat float64 arrays, so that a process can keep them in shared memory.
-Vectors take three places, quaternions (w first) four. "Object" means the painted object's frame.
+Both are arrays of one record of float64, so that a process can keep them in shared memory.
+Quaternions have w first. "Object" means the painted object's frame.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 PATCH_SAMPLES = 6  # places around the foot at which the normal is averaged
 
-# -- settings: see paint3d.haptics.settings ----------------------------------------------------
-LENGTH, SPRING, FRICTION, LOWEST_SINE = 0, 1, 2, 3  # mm, N/mm, 1, 1
-DEVICE_LIMIT, USER_LIMIT, STIFFEST, STICK = 4, 5, 6, 7  # N, N, N/mm, N/mm
-RAMP_S, SLEW, MAX_POSE_AGE_S, MAX_SNAPSHOT_AGE_S = 8, 9, 10, 11  # s, N/s, s, s
-START_FORCE, RISE_S, FOLLOW_S, PATCH = 12, 13, 14, 15  # N, s, s, mm
-N_SETTINGS = 16
+_VECTOR = ("f8", (3,))
 
-# -- state ------------------------------------------------------------------------------------
-FORCE_X = 0  # last output, world, N
-PROXY_X = 3  # where friction holds the foot, object, mm
-LAST_X = 6  # last root, object, mm
-LAST_FORCE_X = 9  # last output, object, N
-OBJECT_X, OBJECT_W = 12, 15  # the object's pose as the servo follows it
-WARM = 19  # 1 where there is a last foot; its triangle; its root (3)
-TOUCHING, CONTACT_S, ENERGY, STORED = 24, 25, 26, 27  # flag, s, N mm, N mm
-STARTED, RISEN_S, HAS_OBJECT, HAS_LAST = 28, 29, 30, 31
-DESCENT, NORMAL_X, FOOT_X = 32, 33, 36  # mm; averaged, object; object, mm
-FOOT_NORMAL_X = 39  # the foot's own, object
-SLEWED_X = 42  # last force after the slew limit, object, N
-SOFTENING = 45  # share of the stiffness that the servo's steadiness allows
-SPENT = 46  # tree nodes of the last step
-WANTED = 47  # size of the force before anything was made safe, N
-CREDIT = 48  # N mm that turning or curvature put into the spring since the last step
-NEAR = 49  # of every sample of the patch the triangle that it found last, plus 1
-N_STATE = NEAR + PATCH_SAMPLES
+SETTINGS = np.dtype(  # see paint3d.haptics.settings
+    [
+        ("length", "f8"),  # mm
+        ("spring", "f8"),  # N/mm
+        ("friction", "f8"),
+        ("lowest_sine", "f8"),
+        ("device_limit", "f8"),  # N
+        ("user_limit", "f8"),  # N
+        ("stiffest", "f8"),  # N/mm
+        ("stick", "f8"),  # N/mm
+        ("ramp_s", "f8"),
+        ("slew", "f8"),  # N/s
+        ("max_pose_age_s", "f8"),
+        ("max_snapshot_age_s", "f8"),
+        ("start_force", "f8"),  # N
+        ("rise_s", "f8"),
+        ("follow_s", "f8"),
+        ("patch", "f8"),  # mm
+    ]
+)
+N_SETTINGS = len(SETTINGS)
+
+STATE = np.dtype(
+    [
+        ("force", *_VECTOR),  # last output, world, N
+        ("proxy", *_VECTOR),  # where friction holds the foot, object, mm
+        ("last", *_VECTOR),  # last root, object, mm
+        ("last_force", *_VECTOR),  # last output, object, N
+        ("object_place", *_VECTOR),  # the object's pose as the servo follows it, mm
+        ("object_turn", "f8", (4,)),
+        ("warm", "f8", (5,)),  # 1 where there is a last foot; its triangle; its root (3)
+        ("touching", "f8"),  # 1 or 0
+        ("contact_s", "f8"),
+        ("energy", "f8"),  # N mm
+        ("stored", "f8"),  # N mm
+        ("started", "f8"),  # 1 or 0
+        ("risen_s", "f8"),
+        ("has_object", "f8"),  # 1 or 0
+        ("has_last", "f8"),  # 1 or 0
+        ("descent", "f8"),  # mm
+        ("normal", *_VECTOR),  # averaged, object
+        ("foot", *_VECTOR),  # object, mm
+        ("foot_normal", *_VECTOR),  # the foot's own, object
+        ("slewed", *_VECTOR),  # last force after the slew limit, object, N
+        ("softening", "f8"),  # share of the stiffness that the servo's steadiness allows
+        ("spent", "f8"),  # tree nodes of the last step
+        ("wanted", "f8"),  # size of the force before anything was made safe, N
+        ("credit", "f8"),  # N mm that turning or curvature put into the spring since the last step
+        ("near", "f8", (PATCH_SAMPLES,)),  # every sample's triangle of the last patch, plus 1
+    ]
+)
+
+
+class Moment(NamedTuple):
+    """When a step is made."""
+
+    dt: float  # s since the last one
+    pose_age: float  # s
+    snapshot_age: float  # s
+    stopping: bool
+
 
 # -- flags of a step --------------------------------------------------------------------------
 NOT_FINITE, CLAMPED, SLEWED, TAMED = 1, 2, 4, 8

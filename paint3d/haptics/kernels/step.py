@@ -8,19 +8,7 @@ from paint3d.core.kernel import kernel
 from paint3d.core.quaternion import relative, turn, turn_back
 from paint3d.haptics.kernels.force import push_back
 from paint3d.haptics.kernels.safety import make_safe, tame
-from paint3d.haptics.kernels.state import (
-    BUDGET_SPENT,
-    FOLLOW_S,
-    FORCE_X,
-    HAS_LAST,
-    HAS_OBJECT,
-    LAST_FORCE_X,
-    LAST_X,
-    OBJECT_W,
-    OBJECT_X,
-    SPENT,
-    TOUCHING,
-)
+from paint3d.haptics.kernels.state import BUDGET_SPENT
 
 __all__ = ["NODE_BUDGET", "servo_step"]
 
@@ -29,22 +17,20 @@ NODE_BUDGET = 1500
 
 
 @kernel(error_model="numpy")
-def servo_step(tree, settings, state, target, pose, dt, pose_age, snapshot_age, stopping, out):
+def servo_step(tree, the_settings, the_state, target, pose, moment, out):
     """One step: follow the object, find the contact, make the force safe.
 
     Parameters
     ----------
     tree : ContactTree
-    settings : (N_SETTINGS,) float64
-    state : (N_STATE,) float64
+    the_settings : (1,) SETTINGS
+    the_state : (1,) STATE
         Kept from step to step; zeros (softening 1) at the start.
     target : (7,) float64
         world_from_object of the last snapshot: position mm, quaternion.
     pose : (7,) float64
         world_from_pen: the root, mm, and quaternion.
-    dt, pose_age, snapshot_age : float
-        s.
-    stopping : bool
+    moment : Moment
     out : (3,) float64
         Gets the force on the hand, world, N.
 
@@ -53,69 +39,62 @@ def servo_step(tree, settings, state, target, pose, dt, pose_age, snapshot_age, 
     int
         Flags of what was done to it.
     """
-    _follow(settings, state, target, dt)
-    q = state[OBJECT_W : OBJECT_W + 4]
-    x, y, z = turn_back(
-        q,
-        pose[0] - state[OBJECT_X],
-        pose[1] - state[OBJECT_X + 1],
-        pose[2] - state[OBJECT_X + 2],
-    )
-    held = np.empty(4)
-    relative(q, pose[3:7], held)
+    settings, state = the_settings[0], the_state[0]
+    _follow(settings, state, target, moment.dt)
     work = np.empty(1, np.int64)
     work[0] = NODE_BUDGET
-    force = np.empty(3)
-    dx, dy, dz = 0.0, 0.0, 0.0
+    force, way = np.empty(3), np.zeros(3)
+    _feel(tree, settings, state, pose, work, force, way)
+    state.spent = NODE_BUDGET - work[0]
+    flags = make_safe(settings, state, force, moment)
+    flags |= tame(state, force, way)
+    if work[0] <= 0:
+        flags |= BUDGET_SPENT
+    state.last_force[:] = force
+    out[0], out[1], out[2] = turn(state.object_turn, force[0], force[1], force[2])
+    state.force[:] = out
+    return flags
+
+
+@kernel(error_model="numpy")
+def _feel(tree, settings, state, pose, work, force, way):
+    """Find the force (3,) that is wanted at a pose, and the root's way (3,); object's frame."""
+    q, place = state.object_turn, state.object_place
+    x, y, z = turn_back(q, pose[0] - place[0], pose[1] - place[1], pose[2] - place[2])
+    held = np.empty(4)
+    relative(q, pose[3:7], held)
     finite = x * x + y * y + z * z < 1e12 and held[0] * held[0] <= 2.0
     if not finite:
         force[:] = np.nan
-        state[HAS_LAST] = 0.0
-    else:
-        if state[HAS_LAST] > 0.0:
-            dx = x - state[LAST_X]
-            dy = y - state[LAST_X + 1]
-            dz = z - state[LAST_X + 2]
-        touching = push_back(tree, settings, state, x, y, z, held, work, force)
-        state[TOUCHING] = 1.0 if touching else 0.0
-        state[LAST_X] = x
-        state[LAST_X + 1] = y
-        state[LAST_X + 2] = z
-        state[HAS_LAST] = 1.0
-    state[SPENT] = NODE_BUDGET - work[0]
-    flags = make_safe(settings, state, force, dt, pose_age, snapshot_age, stopping)
-    flags |= tame(state, force, dx, dy, dz)
-    if work[0] <= 0:
-        flags |= BUDGET_SPENT
-    for axis in range(3):
-        state[LAST_FORCE_X + axis] = force[axis]
-    wx, wy, wz = turn(q, force[0], force[1], force[2])
-    out[0] = wx
-    out[1] = wy
-    out[2] = wz
-    state[FORCE_X] = wx
-    state[FORCE_X + 1] = wy
-    state[FORCE_X + 2] = wz
-    return flags
+        state.has_last = 0.0
+        return
+    root = np.array([x, y, z])
+    if state.has_last > 0.0:
+        for axis in range(3):
+            way[axis] = root[axis] - state.last[axis]
+    touching = push_back(tree, settings, state, root, held, work, force)
+    state.touching = 1.0 if touching else 0.0
+    state.last[:] = root
+    state.has_last = 1.0
 
 
 @kernel(error_model="numpy")
 def _follow(settings, state, target, dt):
     """Move the object smoothly after the snapshots, which come only 30 to 60 times a second."""
     share = 1.0
-    if state[HAS_OBJECT] > 0.0:
-        share = 1.0 - np.exp(-dt / settings[FOLLOW_S])
-    state[HAS_OBJECT] = 1.0
+    if state.has_object > 0.0:
+        share = 1.0 - np.exp(-dt / settings.follow_s)
+    state.has_object = 1.0
     dot = 0.0
     for k in range(4):
-        dot += state[OBJECT_W + k] * target[3 + k]
+        dot += state.object_turn[k] * target[3 + k]
     sign = -1.0 if dot < 0.0 else 1.0
     norm = 0.0
     for k in range(4):
-        state[OBJECT_W + k] += share * (sign * target[3 + k] - state[OBJECT_W + k])
-        norm += state[OBJECT_W + k] ** 2
+        state.object_turn[k] += share * (sign * target[3 + k] - state.object_turn[k])
+        norm += state.object_turn[k] ** 2
     norm = np.sqrt(norm)
     for k in range(4):
-        state[OBJECT_W + k] /= norm if norm > 0.0 else 1.0
+        state.object_turn[k] /= norm if norm > 0.0 else 1.0
     for k in range(3):
-        state[OBJECT_X + k] += share * (target[k] - state[OBJECT_X + k])
+        state.object_place[k] += share * (target[k] - state.object_place[k])
