@@ -129,6 +129,23 @@ def _skip_blanks(data, at, delimiter):
 
 
 @kernel
+def _line_end(data, at):
+    while at < len(data) and data[at] != _NEWLINE:
+        at += 1
+    return at
+
+
+@kernel
+def _read_cell(data, at, delimiter, exact, may_lack):
+    """As `_read_number`, but an empty cell is NaN where it may be."""
+    value, whole, end = _read_number(data, at, exact)
+    if end >= 0 or not may_lack or delimiter == 0:
+        return value, whole, end
+    empty = at == len(data) or data[at] == delimiter or data[at] == _NEWLINE
+    return (math.nan, whole, at) if empty else (value, whole, end)
+
+
+@kernel
 def read_rows(data, delimiter, comment, exact, may_lack, values, whole, lines):
     """Read all lines of a text, one row of plain numbers in each that is not blank.
 
@@ -161,21 +178,14 @@ def read_rows(data, delimiter, comment, exact, may_lack, values, whole, lines):
         start = at
         at = _skip_blanks(data, at, delimiter)
         if at < n and data[start] == comment:
-            while at < n and data[at] != _NEWLINE:
-                at += 1
+            at = _line_end(data, at)
         elif at < n and data[at] != _NEWLINE:
             for k in range(n_columns):
-                if k > 0:
-                    if delimiter > 0:
-                        if at == n or data[at] != delimiter:
-                            return -1
-                        at += 1
-                    at = _skip_blanks(data, at, delimiter)
-                before = at
-                value, number, at = _read_number(data, at, exact[k])
-                if at < 0 and may_lack[k] and delimiter > 0:
-                    empty = before == n or data[before] == delimiter or data[before] == _NEWLINE
-                    value, at = (math.nan, before) if empty else (value, at)
+                if k > 0 and delimiter > 0:
+                    if at == n or data[at] != delimiter:
+                        return -1
+                    at = _skip_blanks(data, at + 1, delimiter)
+                value, number, at = _read_cell(data, at, delimiter, exact[k], may_lack[k])
                 if at < 0:
                     return -1
                 if exact[k]:
