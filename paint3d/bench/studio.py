@@ -42,6 +42,10 @@ _RANGES = (1000, 10_000, 100_000)
 _BOWL_VIEW, _SHEET_VIEW = View((0.12, -1.0, 0.62)), View((0.0, -0.45, 1.0), (0.0, 1.0, 0.0))
 _WANTED = {"bowl": 30.0, "sheet": 12.0}  # pictures a second
 _OLDEST_MS = 100.0
+_COLUMNS = (
+    "pictures", "a second", "CPU ms", "of it here", "frame ms", "hand ms",
+    "input to ink ms", "95 % ms", "upload kB", "longest queue", "growth",
+)  # fmt: skip
 
 Way = Callable[[float], tuple[np.ndarray, np.ndarray]]
 """Where the brush's root is, mm, and how it is turned, at a share of the time."""
@@ -281,10 +285,6 @@ def measure(share: float = 1.0) -> Result:
             checks.append(
                 Check("upload for 10,000 dirty vertices, of the whole", size / whole, 0.1)
             )
-    columns = (
-        "pictures", "a second", "CPU ms", "of it here", "frame ms", "hand ms",
-        "input to ink ms", "95 % ms", "upload kB", "longest queue", "growth",
-    )  # fmt: skip
     notes = [
         f"The sheet has {vertices:,} vertices; {_SIZE[0]} x {_SIZE[1]} pixels, by {renderer}.",
         "CPU is what drawing a picture takes of all cores, 'here' in the thread that draws; "
@@ -294,4 +294,4 @@ def measure(share: float = 1.0) -> Result:
         f"The hand is read {_RATE_HZ:g} times a second; the queue counts batches of one sample; "
         "its growth is the second half's mean over the first's.",
     ]
-    return Result("The studio: painting, turning and the picture", columns, rows, checks, notes)
+    return Result("The studio: painting, turning and the picture", _COLUMNS, rows, checks, notes)

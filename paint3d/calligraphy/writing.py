@@ -126,22 +126,19 @@ def write_text(
     """
     as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
     glyphs = load_glyphs(source, "".join(text.split()))
-    surface = _surface_of(mesh)
-    limits = SquareLimits(room_mm=pen.brush.length_mm)
+    surface, limits = _surface_of(mesh), SquareLimits(room_mm=pen.brush.length_mm)
     placed = lay_out(surface, text, pen.em_mm, layout, limits)
     tuft = build_tuft(pen.brush)
     ladder = build_ladder(tuft, _WIDEST * pen.em_mm)
     pen = replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
     motions: dict[str, Motion] = {}
     with closing(_plan_all(glyphs, ladder, pen, processes)) as plans:
-        for k, motion in enumerate(plans):
-            character = list(glyphs)[k]
+        for character, motion in zip(glyphs, plans, strict=True):
             motions[character] = motion
             if progress is not None:
-                progress(character, (k + 1) / len(glyphs))
+                progress(character, len(motions) / len(glyphs))
     laid = [_laid(surface, character, motions[character.text], tuft, pen) for character in placed]
     told = [_described(character) for character in placed]
-    hand = _joined(laid, surface, tuft, pen.tempo)
     entries = {
         "brush": pen.brush.name,
         "object": mesh.name,
@@ -150,7 +147,7 @@ def write_text(
         **(header or {}),
         "characters": told,
     }
-    return Written(_recording(hand, pen, entries), told)
+    return Written(_recording(_joined(laid, surface, tuft, pen.tempo), pen, entries), told)
 
 
 @lru_cache(maxsize=1)

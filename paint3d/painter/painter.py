@@ -311,14 +311,12 @@ class Painter:
             However long: 65,536 samples at a time are made ready for painting, the next ones while
             these are painted.
         progress : callable, optional
-            Called with the fraction done, a few times a second, after every frame and piece of
-            time.
+            Called with the fraction done, a few times a second, after every frame and pause.
         frame_rate : float, optional
             Bring the colours up to date this often, Hz of the recording's own time, as a live
             view would; the painting is the same without.
         wet : bool
-            Let the ink spread and dry meanwhile, in the recording's own time, as in the studio
-            (`painter.ink_time`). Otherwise no time passes.
+            Let the ink spread and dry meanwhile, in the recording's own time (`painter.ink_time`).
         rest_s : float
             Of the ink's time after the last sample, s, if it is wet.
 
@@ -344,8 +342,7 @@ class Painter:
                     self._paint(samples, pause, dips)
                     self._let_pass(pieces, progress, max(0, first + pause + 1) / n)
                 self._paint(samples, stop, dips)
-                is_end = first + stop == n - 1
-                if frame_rate is not None and (is_frame or is_end):
+                if is_frame or (frame_rate is not None and first + stop == n - 1):
                     self._refresh()
                 if progress is not None:
                     progress((first + stop + 1) / n)
