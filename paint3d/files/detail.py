@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.files.readers.textures import Look, linear_from_srgb, srgb_from_linear
 
-__all__ = ["MOST_VERTICES", "Pictured", "show_pictures"]
+__all__ = ["MOST_VERTICES", "Draped", "Pictured", "show_pictures"]
 
 MOST_VERTICES = 200_000
 _SEEN = 10.0  # sRGB codes by which a colour may be missed
@@ -28,6 +28,23 @@ _FARTHEST = 1e4  # pictures side by side: places farther out are damaged, and co
 _CREASE_ANGLE = np.deg2rad(40.0)  # as `paint3d.mesh.base_surface` has it
 _GRIDS = (2, 4, 8, 16, 24)  # steps along an edge at which a triangle's picture is looked at
 _AT_ONCE = 1 << 20  # places
+
+
+class Draped(NamedTuple):
+    """Pictures on the faces of a mesh.
+
+    Attributes
+    ----------
+    uv : (F, 3, 2) float64
+        Place of each corner on the picture of its face's look; nan where unknown.
+    look : (F,) int64
+        -1 for faces without a material, which are white.
+    looks : sequence of Look
+    """
+
+    uv: NDArray
+    look: NDArray
+    looks: Sequence[Look]
 
 
 class Pictured(NamedTuple):
@@ -148,9 +165,7 @@ def _part(corners: Sequence[tuple[NDArray, NDArray]], chosen: NDArray, rows: NDA
 def show_pictures(
     vertices: NDArray,
     faces: NDArray,
-    uv: NDArray,
-    look: NDArray,
-    looks: Sequence[Look],
+    draped: Draped,
     colours: NDArray | None = None,
     normals: NDArray | None = None,
     most: int = MOST_VERTICES,
@@ -162,11 +177,7 @@ def show_pictures(
     ----------
     vertices : (V, 3) float64
     faces : (F, 3) int64
-    uv : (F, 3, 2) float64
-        Place of each corner on the picture of its face's look; nan where unknown.
-    look : (F,) int64
-        -1 for faces without a material, which are white.
-    looks : sequence of Look
+    draped : Draped
     colours : (V, 3) uint8, optional
         Of the vertices; linear light is multiplied.
     normals : (V, 3) float64, optional
@@ -191,6 +202,7 @@ def show_pictures(
     n = len(vertices)
     own = np.ones((n, 3)) if colours is None else linear_from_srgb(colours)
     own = np.hstack([own, np.zeros((n, 3)) if normals is None else normals])
+    uv, look, looks = draped
     uv = np.where(np.abs(uv) <= _FARTHEST, uv, np.nan)
     lost = np.isnan(uv).any(axis=(1, 2))
     plain = {k: Look(one.factor) for k, one in enumerate(looks)}

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from paint3d.files.detail import MOST_VERTICES, show_pictures
+from paint3d.files.detail import MOST_VERTICES, Draped, show_pictures
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh
 from paint3d.files.readers.textures import Look, linear_from_srgb, sample_picture
@@ -34,7 +34,7 @@ def disc(n: int = 128) -> np.ndarray:
 
 def shown(picture: np.ndarray, **others: object):
     looks = (Look(picture=picture),)
-    return show_pictures(SQUARE, FACES, PLACES[FACES], np.zeros(2, int), looks, **others)
+    return show_pictures(SQUARE, FACES, Draped(PLACES[FACES], np.zeros(2, int), looks), **others)
 
 
 def seen_at(mesh, places: np.ndarray) -> np.ndarray:
@@ -116,7 +116,7 @@ def test_a_round_mesh_stays_round_where_it_is_refined() -> None:
         ],
         axis=2,
     )  # fmt: skip
-    mesh = show_pictures(vertices, faces, place, np.zeros(32, int), (Look(picture=disc()),))
+    mesh = show_pictures(vertices, faces, Draped(place, np.zeros(32, int), (Look(picture=disc()),)))
     outward = mesh.vertices[:, :2] / np.linalg.norm(mesh.vertices[:, :2], axis=1, keepdims=True)
     assert np.einsum("ij,ij->i", mesh.normals[:, :2], outward).min() > 0.995
 

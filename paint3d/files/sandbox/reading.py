@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.detail import show_pictures
+from paint3d.files.detail import Draped, show_pictures
 from paint3d.files.readers.contents import PACKED, plain_text, read_contents
 from paint3d.files.readers.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate
@@ -179,11 +179,9 @@ def _checked_mesh(
     if not pictured:
         return Reading(TriangleMesh(vertices, faces, raw.colours, name, normals), notes)
     polygon = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
-    shown = show_pictures(
-        vertices, faces, raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks,
-        raw.colours, normals,
-        corner_colours=None if raw.corner_colours is None else raw.corner_colours[corners],
-    )  # fmt: skip
+    draped = Draped(raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks)
+    of_corners = None if raw.corner_colours is None else raw.corner_colours[corners]
+    shown = show_pictures(vertices, faces, draped, raw.colours, normals, corner_colours=of_corners)
     normals = _unit_normals(shown.normals)
     return Reading(TriangleMesh(*shown[:3], name, normals), notes)
 
