@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from paint3d import errors
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.files.export import export
+    from paint3d.files.export_options import ExportOptions
     from paint3d.files.load import load_mesh
     from paint3d.files.project.session import Session, load_session, save_session
     from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "ExportOptions",
     "PaintedSurface",
     "Painter",
     "Recording",
@@ -45,6 +47,7 @@ __all__ = [
 ]
 
 _HOME_OF = {
+    "ExportOptions": "paint3d.files.export_options",
     "PaintedSurface": "paint3d.surface.painted_surface",
     "Painter": "paint3d.painter.painter",
     "Recording": "paint3d.recording.recording",

@@ -55,7 +55,7 @@ class MissingToolError(Exception):
 def write_variants(surface: object, folder: Path) -> None:
     """Write all variants, and what the checker expects of them."""
     for name, options in VARIANTS.items():
-        paint3d.export(surface, folder / name, **options)
+        paint3d.export(surface, folder / name, paint3d.ExportOptions(**options))
     vertices, faces, normals, srgb = surface.export_arrays()
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     np.savez(folder / "expected.npz", vertices=vertices, faces=faces, normals=normals, srgb=srgb)

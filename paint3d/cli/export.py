@@ -78,6 +78,7 @@ def run(options: argparse.Namespace) -> None:
         If the session cannot be opened, or the file cannot be written.
     """
     from paint3d.files.export import EXPORT_SUFFIXES, export
+    from paint3d.files.export_options import ExportOptions
     from paint3d.files.project.session import is_session_path, load_session, save_session
 
     check_output_file(options.file, EXPORT_SUFFIXES)
@@ -88,9 +89,7 @@ def run(options: argparse.Namespace) -> None:
         if is_session_path(options.file):
             save_session(session, options.file, progress)
         else:
-            export(
-                session.surface,
-                options.file,
+            wishes = ExportOptions(
                 tolerance=options.tolerance,
                 exact=options.exact,
                 unit=options.unit,
@@ -99,7 +98,7 @@ def run(options: argparse.Namespace) -> None:
                 texture=options.texture,
                 filaments=options.filaments,
                 packed_normals=options.packed_normals,
-                progress=progress,
             )
+            export(session.surface, options.file, wishes, progress)
     if not options.quiet:
         sys.stdout.write(f"{options.file}\n")

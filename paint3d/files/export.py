@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from paint3d.files.project.painting import Exportable, Painting, Untextured, rea
 from paint3d.files.project.records import write_records
 from paint3d.files.project.session import SESSION_SUFFIX, Session, save_session
 from paint3d.files.readers.odd_names import plain_name
+from paint3d.files.writers.finish import Finish
 from paint3d.files.writers.write_3mf import write_3mf
 from paint3d.files.writers.write_glb import write_glb, write_textured_glb
 from paint3d.files.writers.write_html import write_html
@@ -51,16 +52,7 @@ class Format(NamedTuple):
 def export(
     surface: Exportable | TriangleMesh,
     path: str | os.PathLike[str],
-    *,
-    tolerance: float = 1.0,
-    exact: bool = False,
-    unit: str | None = None,
-    up_axis: str | None = None,
-    unlit: bool = False,
-    texture: bool | int = False,
-    filaments: int | Sequence[str] | None = None,
-    packed_normals: bool = False,
-    size: tuple[int, int] | None = None,
+    options: ExportOptions | None = None,
     progress: Progress | None = None,
 ) -> None:
     """Write a painting to `path`; the suffix chooses the format.
@@ -77,27 +69,8 @@ def export(
         A mesh is written with the colours that it came with.
     path : path-like
         An existing file is replaced at the end, in one step; after a failure it is as it was.
-    tolerance : float
-        dE00 by which a colour may be missed where vertices that were added for painting are left
-        out again.
-    exact : bool
-        Leave no vertex out.
-    unit : {"mm", "cm", "m", "in"}, optional
-        Length of one unit in the file; by default what is right in the format.
-    up_axis : {"y", "z"}, optional
-        The axis of the file that points up, which in paint3d is z; by default as in the format.
-    unlit : bool
-        glTF: show the colours as they are, without light.
-    texture : bool or int
-        glTF: bake the colours into a texture on the object as it was before painting; True, or
-        the pixels of its longer side. Needs the package xatlas.
-    filaments : int or sequence of str, optional
-        Reduce the colours to so many, or to the nearest of these (sRGB as hex), one for each
-        triangle.
-    packed_normals : bool
-        .p3d.txt: write the paper's seven numbers a vertex, one of them for the normal.
-    size : (int, int), optional
-        .png: width and height, pixels; by default 1600 x 1200.
+    options : ExportOptions, optional
+        Wishes about the file; without, what is right in its format.
     progress : callable, optional
         Called with about the share done, now and then; what it raises leaves everything as it was.
 
@@ -106,18 +79,14 @@ def export(
     ExportError
         If the suffix is not known, the format cannot do what is asked, or the file cannot be
         written.
-    InputError
-        If an option is not possible.
     """
     path = Path(path)
     suffix = check_export_path(path)
     if suffix == SESSION_SUFFIX:
         _save(surface, path, progress)
         return
-    options = ExportOptions(
-        tolerance, exact, unit, up_axis, unlit, texture, filaments, packed_normals, size
-    )
-    prepared = prepare_export(surface, path, options, part_of(progress, 0.0, 0.6))
+    wishes = options or ExportOptions()
+    prepared = prepare_export(surface, path, wishes, part_of(progress, 0.0, 0.6))
     prepared.write(part_of(progress, 0.6, 1.0))
 
 
@@ -227,12 +196,11 @@ def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    looks = {"name": painting.material, "unlit": options.unlit, "steps": painting.steps}
-    looks["roughness"] = _roughness(painting.material)
-    if painting.uv is None:
-        write_glb(path, *painting[:4], **looks)
+    finish, more = _finish(painting), {"unlit": options.unlit, "steps": painting.steps}
+    if painting.texture is None:
+        write_glb(path, *painting[:4], finish, **more)
     else:
-        write_textured_glb(path, *painting[:3], painting.uv, painting.image, **looks)
+        write_textured_glb(path, *painting[:3], painting.texture, finish, **more)
 
 
 def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
@@ -256,8 +224,7 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
     write_usdz(
         path,
         *painting[:4],
-        name=painting.material,
-        roughness=_roughness(painting.material),
+        _finish(painting),
         unit=unit,
         up_axis=options.up_axis or FORMATS[".usdz"].up_axis,
     )
@@ -282,9 +249,9 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
     Image.fromarray(pixels).save(path, format="PNG")
 
 
-def _roughness(material: str) -> float:
-    gloss = _gloss(material)
-    return DEFAULT_ROUGHNESS if gloss is None else gloss.roughness
+def _finish(painting: Painting) -> Finish:
+    gloss = _gloss(painting.material)
+    return Finish(painting.material, DEFAULT_ROUGHNESS if gloss is None else gloss.roughness)
 
 
 def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import ExportError
+from paint3d.files.writers.finish import Finish
 
 __all__ = ["INDEX_DATA", "VERTEX_DATA", "material", "vertex_accessor", "write_container"]
 
@@ -74,11 +75,11 @@ def write_container(
             file.write(bytes(-len(content) % 4))
 
 
-def material(name: str, roughness: float, unlit: bool, **surface: object) -> dict:
+def material(finish: Finish, unlit: bool, **surface: object) -> dict:
     """Return a material that is no metal: without one, viewers would show metal."""
-    surface |= {"metallicFactor": 0, "roughnessFactor": roughness}
+    surface |= {"metallicFactor": 0, "roughnessFactor": finish.roughness}
     extensions = {"extensions": {UNLIT: {}}} if unlit else {}
-    return {"name": name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
+    return {"name": finish.name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
 
 
 def vertex_accessor(view: int, values: NDArray[np.float32], *, limits: bool = False) -> dict:

@@ -8,6 +8,7 @@ import trimesh
 
 from paint3d.errors import ExportError
 from paint3d.files.export import export
+from paint3d.files.export_options import ExportOptions
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.browser import PROGRAM, Browser
 
@@ -201,7 +202,7 @@ def test_a_lost_context_comes_back(browser, ball):
 
 def test_a_page_has_no_unit(tmp_path):
     with pytest.raises(ExportError, match=r"\.html files cannot have unit"):
-        export(patches(2)[0], tmp_path / "a.html", unit="cm")
+        export(patches(2)[0], tmp_path / "a.html", ExportOptions(unit="cm"))
 
 
 def test_a_damaged_page_says_so(browser, ball, tmp_path):

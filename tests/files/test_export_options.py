@@ -17,6 +17,7 @@ import paint3d
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.files.export import FORMATS, export
+from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.project.painting import Painting
 from paint3d.files.project.records import read_records
@@ -45,7 +46,7 @@ def document_of(path):
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".glb", ".3mf"])
 @pytest.mark.parametrize("unit", ["mm", "cm", "m", "in"])
 def test_the_unit_can_be_chosen(tmp_path, suffix, unit):
-    export(box(), tmp_path / f"a{suffix}", unit=unit)
+    export(box(), tmp_path / f"a{suffix}", ExportOptions(unit=unit))
     back = load_mesh(tmp_path / f"a{suffix}", unit=None if suffix == ".3mf" else unit)
     np.testing.assert_allclose(np.ptp(back.vertices, axis=0), (10, 20, 40), rtol=1e-6)
 
@@ -65,7 +66,7 @@ def test_units_and_axes_are_those_of_the_format(tmp_path, suffix, extent):
 def test_the_up_axis_can_be_chosen(tmp_path, suffix):
     mesh = box()
     for up_axis in "yz":
-        export(mesh, tmp_path / f"a{suffix}", up_axis=up_axis, unit="mm")
+        export(mesh, tmp_path / f"a{suffix}", ExportOptions(up_axis=up_axis, unit="mm"))
         other = trimesh.load(tmp_path / f"a{suffix}", process=False, force="mesh")
         tall = (10, 40, 20) if up_axis == "y" else (10, 20, 40)
         np.testing.assert_allclose(other.extents, tall, rtol=1e-6)
@@ -75,7 +76,7 @@ def test_the_up_axis_can_be_chosen(tmp_path, suffix):
 def test_a_glb_can_be_unlit(tmp_path):
     export(box(), tmp_path / "a.glb")
     assert "extensionsUsed" not in document_of(tmp_path / "a.glb")
-    export(box(), tmp_path / "a.glb", unlit=True)
+    export(box(), tmp_path / "a.glb", ExportOptions(unlit=True))
     document = document_of(tmp_path / "a.glb")
     assert document["extensionsUsed"] == ["KHR_materials_unlit"]
     assert document["materials"][0]["extensions"] == {"KHR_materials_unlit": {}}
@@ -123,11 +124,11 @@ def test_exact_leaves_no_vertex_out_and_the_default_does(tmp_path):
         "coarse": {"tolerance": 30.0},
         "all": {"exact": True},
     }.items():
-        export(surface, tmp_path / "a.ply", **options)
+        export(surface, tmp_path / "a.ply", ExportOptions(**options))
         counts[name] = load_mesh(tmp_path / "a.ply").n_vertices
     assert counts["all"] == surface.n_vertices
     assert counts["coarse"] <= counts["usual"] < surface.n_vertices
-    export(surface, tmp_path / "a.ply", exact=True)
+    export(surface, tmp_path / "a.ply", ExportOptions(exact=True))
     back = load_mesh(tmp_path / "a.ply")
     order = surface.paint_mesh.source_order()
     np.testing.assert_array_equal(back.vertices, surface.mesh.vertices[order])
@@ -249,7 +250,7 @@ def test_what_float32_lost_of_metres_is_beside_them(tmp_path):
 )
 def test_wishes_that_cannot_be(tmp_path, options, error, message):
     with pytest.raises(error, match=message):
-        export(box(), tmp_path / "a.ply", **options)
+        export(box(), tmp_path / "a.ply", ExportOptions(**options))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -260,12 +261,12 @@ def test_every_format_says_no_to_what_it_cannot_do(tmp_path):
         for wish, value in wishes.items():
             if wish not in form.takes:
                 with pytest.raises(ExportError, match=wish.replace("_", " ")):
-                    export(box(), tmp_path / f"a{suffix}", **{wish: value})
+                    export(box(), tmp_path / f"a{suffix}", ExportOptions(**{wish: value}))
 
 
 @pytest.mark.parametrize("packed", [False, True])
 def test_records_in_both_readings_of_the_paper(tmp_path, packed):
-    export(box(), tmp_path / "a.p3d.txt", packed_normals=packed)
+    export(box(), tmp_path / "a.p3d.txt", ExportOptions(packed_normals=packed))
     back = read_records(tmp_path / "a.p3d.txt")
     np.testing.assert_allclose(back.vertices, box().vertices)
     np.testing.assert_array_equal(back.srgb, box().colours)

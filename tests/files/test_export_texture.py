@@ -13,6 +13,7 @@ import paint3d
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError
 from paint3d.files.export import export
+from paint3d.files.export_options import ExportOptions
 from paint3d.files.kernels.bake import fill_triangles
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -75,7 +76,7 @@ def ball():
 
 
 def test_a_texture_sampled_back_shows_the_painting_from_near_and_far(ball, tmp_path):
-    export(ball, tmp_path / "a.glb", texture=1024)
+    export(ball, tmp_path / "a.glb", ExportOptions(texture=1024))
     vertices, faces, uv, image = read(tmp_path / "a.glb")
     assert len(faces) == ball.n_faces
     assert max(image.shape) == 1024
@@ -88,7 +89,7 @@ def test_a_texture_sampled_back_shows_the_painting_from_near_and_far(ball, tmp_p
 
 
 def test_every_texel_is_filled_with_a_colour_of_the_painting(ball, tmp_path):
-    export(ball, tmp_path / "a.glb", texture=512)
+    export(ball, tmp_path / "a.glb", ExportOptions(texture=512))
     image = read(tmp_path / "a.glb")[3]
     assert image.min() >= 89
 
@@ -105,7 +106,7 @@ def test_the_texture_lies_on_the_object_as_it_was_before_it_was_refined(tmp_path
     field.amounts[ids, column] = field.coverage[ids] = field.dirty[ids] = 1
     field.dirty_ids[: len(ids)] = ids
     field.n_dirty[0] = len(ids)
-    export(surface, tmp_path / "a.glb", texture=True)
+    export(surface, tmp_path / "a.glb", ExportOptions(texture=True))
     vertices, faces, uv, image = read(tmp_path / "a.glb")
     assert len(faces) == mesh.n_faces < len(surface.paint_mesh.leaf_faces()) / 10
     points, places = points_on(vertices, faces, uv, 20_000)
@@ -116,11 +117,11 @@ def test_the_texture_lies_on_the_object_as_it_was_before_it_was_refined(tmp_path
 
 
 def test_the_glb_is_sound(ball, tmp_path):
-    export(ball, tmp_path / "a.glb", texture=256, unlit=True)
+    export(ball, tmp_path / "a.glb", ExportOptions(texture=256, unlit=True))
     other = trimesh.load(tmp_path / "a.glb", process=False, force="mesh")
     assert other.visual.material.baseColorTexture.size == read(tmp_path / "a.glb")[3].shape[1::-1]
     assert other.is_winding_consistent
-    export(ball, tmp_path / "b.glb", texture=256, unlit=True)
+    export(ball, tmp_path / "b.glb", ExportOptions(texture=256, unlit=True))
     assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
 
 
@@ -151,12 +152,12 @@ def test_what_cannot_be(tmp_path, monkeypatch):
     with pytest.raises(
         ExportError, match=r"\.ply files cannot have texture; expected one of \.glb"
     ):
-        export(mesh, tmp_path / "a.ply", texture=True)
+        export(mesh, tmp_path / "a.ply", ExportOptions(texture=True))
     with pytest.raises(InputError, match="expected 16 to 16384"):
-        export(mesh, tmp_path / "a.glb", texture=5)
+        export(mesh, tmp_path / "a.glb", ExportOptions(texture=5))
     with pytest.raises(InputError, match="exclude each other"):
-        export(mesh, tmp_path / "a.glb", texture=True, filaments=2)
+        export(mesh, tmp_path / "a.glb", ExportOptions(texture=True, filaments=2))
     monkeypatch.setitem(sys.modules, "xatlas", None)
     with pytest.raises(ExportError, match="needs the package xatlas"):
-        export(mesh, tmp_path / "a.glb", texture=True)
+        export(mesh, tmp_path / "a.glb", ExportOptions(texture=True))
     assert list(tmp_path.iterdir()) == []

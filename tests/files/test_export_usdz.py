@@ -8,6 +8,7 @@ import trimesh
 
 from paint3d.colour.spectra import decode_srgb, srgb_from_linear
 from paint3d.files.export import export
+from paint3d.files.export_options import ExportOptions
 from paint3d.files.writers.usd_crate import Spec, SpecType, Type, Value, write_crate
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -62,7 +63,7 @@ def test_the_colour_reaches_the_surface(stage):
 def test_unit_and_up_axis_are_told(tmp_path, unit, metres):
     from pxr import Gf, UsdGeom
 
-    export(ball(), tmp_path / "a.usdz", unit=unit, up_axis="z")
+    export(ball(), tmp_path / "a.usdz", ExportOptions(unit=unit, up_axis="z"))
     stage = Usd.Stage.Open(str(tmp_path / "a.usdz"))
     assert UsdGeom.GetStageMetersPerUnit(stage) == metres
     assert UsdGeom.GetStageUpAxis(stage) == "Z"

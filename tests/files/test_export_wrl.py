@@ -7,6 +7,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImport import vtkVRMLImporter
 
 from paint3d.files.export import export
+from paint3d.files.export_options import ExportOptions
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 
@@ -44,7 +45,7 @@ def test_vtk_reads_points_triangles_normals_and_colours(tmp_path):
 
 @pytest.mark.parametrize(("unit", "size"), [("mm", 60.0), ("in", 60.0 / 25.4)])
 def test_the_unit_is_chosen_and_named(tmp_path, unit, size):
-    export(ball(), tmp_path / "a.wrl", unit=unit, up_axis="z")
+    export(ball(), tmp_path / "a.wrl", ExportOptions(unit=unit, up_axis="z"))
     _, solid = read_vrml(tmp_path / "a.wrl")
     assert np.ptp(vtk_to_numpy(solid.GetPoints().GetData())[:, 2]) == pytest.approx(size)
     text = (tmp_path / "a.wrl").read_text(encoding="utf-8")

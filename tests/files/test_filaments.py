@@ -9,6 +9,7 @@ import trimesh
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.files.export import export
+from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.writers.filaments import (
     choose_filaments,
@@ -96,7 +97,7 @@ def ball():
 
 
 def test_3mf_has_a_material_for_each_filament_and_one_on_each_triangle(ball, tmp_path):
-    export(ball, tmp_path / "a.3mf", filaments=3)
+    export(ball, tmp_path / "a.3mf", ExportOptions(filaments=3))
     with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
         root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
     bases = root.findall("c:resources/c:basematerials/c:base", CORE)
@@ -112,7 +113,7 @@ def test_3mf_has_a_material_for_each_filament_and_one_on_each_triangle(ball, tmp
 
 def test_lib3mf_reads_the_materials_strictly(ball, tmp_path):
     lib3mf = pytest.importorskip("lib3mf")
-    export(ball, tmp_path / "a.3mf", filaments=["#FFFFFF", "#000000"])
+    export(ball, tmp_path / "a.3mf", ExportOptions(filaments=["#FFFFFF", "#000000"]))
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(True)
@@ -128,7 +129,7 @@ def test_lib3mf_reads_the_materials_strictly(ball, tmp_path):
 
 @pytest.mark.parametrize("suffix", [".ply", ".glb", ".obj"])
 def test_other_formats_have_one_colour_a_triangle(ball, tmp_path, suffix):
-    export(ball, tmp_path / f"a{suffix}", filaments=2)
+    export(ball, tmp_path / f"a{suffix}", ExportOptions(filaments=2))
     back = load_mesh(tmp_path / f"a{suffix}")
     corner_colours = back.colours[back.faces]
     np.testing.assert_array_equal(corner_colours, np.repeat(corner_colours[:, :1], 3, axis=1))

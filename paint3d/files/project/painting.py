@@ -18,6 +18,7 @@ from paint3d.files.writers.filaments import (
     choose_for_triangles,
     split_by_filament,
 )
+from paint3d.files.writers.finish import Texture
 from paint3d.files.writers.texture import Detail, bake_detail
 from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
 
@@ -77,8 +78,7 @@ class Painting(NamedTuple):
     srgb: NDArray[np.uint8]
     material: str
     title: str = "painting"
-    uv: NDArray[np.float32] | None = None
-    image: NDArray[np.uint8] | None = None
+    texture: Texture | None = None
     palette: NDArray[np.uint8] | None = None
     face_filaments: NDArray[np.int32] | None = None
     steps: NDArray[np.float32] | None = None
@@ -154,7 +154,7 @@ class Untextured(NamedTuple):
         vertices, faces, normals, uv, image = bake_detail(self.detail, self.size)
         white = np.full((len(vertices), 3), 255, np.uint8)
         painting = _checked((vertices, faces, normals, white), self.material)
-        return painting._replace(uv=uv, image=image)
+        return painting._replace(texture=Texture(uv, image))
 
 
 def read_painting(

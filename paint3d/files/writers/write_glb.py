@@ -17,6 +17,7 @@ from paint3d.files.glb_container import (
     write_container,
 )
 from paint3d.files.project.position_steps import STEPS
+from paint3d.files.writers.finish import Finish, Texture
 
 __all__ = ["write_glb", "write_textured_glb"]
 
@@ -24,6 +25,7 @@ UNSIGNED_SHORT, UNSIGNED_INT = 5123, 5125
 LINEAR, MIPMAPS, CLAMP = 9729, 9987, 33071
 WHITE = [1, 1, 1, 1]
 PNG_COMPRESSION = 6
+PLAIN = Finish()
 
 
 def write_glb(
@@ -32,9 +34,8 @@ def write_glb(
     faces: NDArray[np.int32],
     normals: NDArray[np.float32],
     srgb: NDArray[np.uint8],
+    finish: Finish = PLAIN,
     *,
-    name: str = "painting",
-    roughness: float = 0.5,
     unlit: bool = False,
     steps: NDArray[np.float32] | None = None,
 ) -> None:
@@ -52,10 +53,8 @@ def write_glb(
     normals : (V, 3) float32
         Unit.
     srgb : (V, 3) uint8
-    name : str
-        Of mesh and material.
-    roughness : float
-        Of the material, 0 to 1.
+    finish : Finish
+        Of the material; its name is the mesh's too.
     unlit : bool
         Show the colours without light (KHR_materials_unlit).
     steps : (V,) float32, optional
@@ -78,8 +77,8 @@ def write_glb(
     blocks.append((faces.astype("<u4"), INDEX_DATA))
     _add_steps(steps, attributes, accessors, blocks)
     document = {
-        "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
-        "materials": [material(name, roughness, unlit, baseColorFactor=WHITE)],
+        "meshes": [{"name": finish.name, "primitives": [_primitive(attributes)]}],
+        "materials": [material(finish, unlit, baseColorFactor=WHITE)],
         "accessors": accessors,
     }
     write_container(path, document, blocks)
@@ -90,11 +89,9 @@ def write_textured_glb(
     vertices: NDArray[np.float32],
     faces: NDArray[np.int32],
     normals: NDArray[np.float32],
-    uv: NDArray[np.float32],
-    image: NDArray[np.uint8],
+    texture: Texture,
+    finish: Finish = PLAIN,
     *,
-    name: str = "painting",
-    roughness: float = 0.5,
     unlit: bool = False,
     steps: NDArray[np.float32] | None = None,
 ) -> None:
@@ -102,12 +99,9 @@ def write_textured_glb(
 
     Parameters
     ----------
-    path, vertices, faces, normals, name, roughness, unlit, steps
+    path, vertices, faces, normals, finish, unlit, steps
         As for `write_glb`.
-    uv : (V, 2) float32
-        From the texture's top left, 0 to 1.
-    image : (H, W, 3) uint8
-        sRGB.
+    texture : Texture
 
     Raises
     ------
@@ -117,21 +111,21 @@ def write_textured_glb(
     from PIL import Image
 
     png = io.BytesIO()
-    Image.fromarray(image).save(png, "PNG", compress_level=PNG_COMPRESSION)
+    Image.fromarray(texture.image).save(png, "PNG", compress_level=PNG_COMPRESSION)
     attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
     colour = {"baseColorFactor": WHITE, "baseColorTexture": {"index": 0}}
     accessors = [
         vertex_accessor(0, vertices, limits=True),
         vertex_accessor(1, normals),
-        vertex_accessor(2, uv),
+        vertex_accessor(2, texture.uv),
         _index_accessor(faces),
     ]
-    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, uv)]
+    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, texture.uv)]
     blocks += [(faces.astype("<u4"), INDEX_DATA), (png.getvalue(), None)]
     _add_steps(steps, attributes, accessors, blocks)
     document = {
-        "meshes": [{"name": name, "primitives": [_primitive(attributes)]}],
-        "materials": [material(name, roughness, unlit, **colour)],
+        "meshes": [{"name": finish.name, "primitives": [_primitive(attributes)]}],
+        "materials": [material(finish, unlit, **colour)],
         "textures": [{"sampler": 0, "source": 0}],
         "images": [{"bufferView": 4, "mimeType": "image/png"}],
         "samplers": [{"magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP, "wrapT": CLAMP}],

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
 from paint3d.files.load import UNITS_MM
+from paint3d.files.writers.finish import Finish
 from paint3d.files.writers.usd_crate import ListOp, Spec, SpecType, Type, Value, write_crate
 
 __all__ = ["write_usdz"]
@@ -20,6 +21,7 @@ LOCAL_HEADER, EXTRA_HEADER = 30, 4
 PADDING_TAG = 0x1986  # what Pixar's own packages mark the padding with
 EARLIEST = (1980, 1, 1, 0, 0, 0)
 SCENE, MESH, MATERIAL = "/Painting", "/Painting/Mesh", "/Painting/Material"
+PLAIN = Finish()
 SURFACE, COLOUR = f"{MATERIAL}/Surface", f"{MATERIAL}/Colour"
 
 
@@ -29,9 +31,8 @@ def write_usdz(
     faces: NDArray[np.int32],
     normals: NDArray[np.float32],
     srgb: NDArray[np.uint8],
+    finish: Finish = PLAIN,
     *,
-    name: str = "painting",
-    roughness: float = 0.5,
     unit: str = "m",
     up_axis: str = "y",
 ) -> None:
@@ -46,10 +47,8 @@ def write_usdz(
     faces : (F, 3) int32
     normals : (V, 3) float32, unit
     srgb : (V, 3) uint8
-    name : str
-        What the scene is called in its documentation.
-    roughness : float
-        Of the material, 0 to 1.
+    finish : Finish
+        Of the material; its name goes into the scene's documentation.
     unit : {"mm", "cm", "m", "in"}
         Of the vertices.
     up_axis : {"y", "z"}
@@ -61,10 +60,10 @@ def write_usdz(
     """
     linear = decode_srgb(np.arange(256, dtype=np.uint8)).astype("<f4")
     specs = [
-        _root(name, unit, up_axis),
+        _root(finish.name, unit, up_axis),
         _prim(SCENE, "Xform", children=["Mesh", "Material"], kind=Value(Type.TOKEN, "component")),
         *_mesh(vertices, faces, normals, linear[srgb]),
-        *_material(roughness),
+        *_material(finish.roughness),
     ]
     scene = io.BytesIO()
     write_crate(scene, specs)
