@@ -55,7 +55,7 @@ class HairBend:
         The surface; see `paint3d.brush_engine.bristles.ground_fit`.
     """
 
-    def __init__(self, n_hairs: int, patch: NDArray) -> None:
+    def __init__(self, n_hairs: int, patch: NDArray[np.float64]) -> None:
         spec = load_brush(_BRUSH)
         self._tuft, hairs = build_tuft(spec), BristleSpec(n_hairs=n_hairs)
         self._bristles = build_bristles(spec, hairs)

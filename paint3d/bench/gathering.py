@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.bench.plain import PlainSurface
 from paint3d.bench.result import Check, Result
@@ -16,6 +15,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush_engine.deposit import PAINTED
 from paint3d.brush_engine.tuft import SCRATCH_SIZE, enclose_tuft
 from paint3d.brush_engine.vertex_query import VISITED
+from paint3d.core.types import AnyArray
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -41,7 +41,7 @@ def copy_bandwidth(n_numbers: int = _COPIED) -> float:
     return 2.0 * source.nbytes / seconds
 
 
-def _balls(dab: Dab) -> dict[str, tuple[NDArray, float]]:
+def _balls(dab: Dab) -> dict[str, tuple[AnyArray, float]]:
     """Balls to gather in, relative to the foot point: tight around the footprint, the paper's."""
     corners = dab.footprint.polygon() - [dab.middle, 0.0]
     tight = float(np.linalg.norm(corners, axis=1).max())
@@ -106,7 +106,7 @@ def measure(share: float = 1.0) -> Result:
     feet = ours.centres[:: max(1, n_dabs // _PLAIN_DABS)] - dab.middle * _ALONG
     looked_at: dict[str, list[int]] = {}
 
-    def stamp_all(name: str, ball: tuple[NDArray, float]) -> None:
+    def stamp_all(name: str, ball: tuple[AnyArray, float]) -> None:
         looked_at[name] = [
             plain.stamp(foot, _ALONG, dab.footprint, (foot + ball[0], ball[1]), 1.0)
             for foot in feet

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.bench.result import Check, Result
 from paint3d.brush.presets import load_brush
+from paint3d.core.types import AnyArray
 from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_numbers, encode_force
 from paint3d.device.force.virtual_stylus import Felt, VirtualStylus
@@ -119,7 +120,7 @@ def _work(until: float) -> float:
     return x
 
 
-def _time_echo(poses: NDArray) -> Felt:
+def _time_echo(poses: AnyArray) -> Felt:
     with VirtualStylus(poses, priority=_PRIORITY) as stylus:
         context = multiprocessing.get_context("spawn")
         ready = context.Event()
@@ -148,7 +149,7 @@ def _echo(cable, ready) -> None:
             return
 
 
-def _time_servo(surface: PaintedSurface, poses: NDArray) -> tuple[Felt, ServoStatus, int]:
+def _time_servo(surface: PaintedSurface, poses: AnyArray) -> tuple[Felt, ServoStatus, int]:
     settings = HapticSettings.for_brush(load_brush("full"))
     with (
         VirtualStylus(poses, priority=_PRIORITY) as stylus,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from paint3d.brush.footprint import Footprint
+from paint3d.core.types import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["PlainSurface"]
@@ -40,10 +41,10 @@ class PlainSurface:
 
     def stamp(
         self,
-        foot: NDArray,
-        along: NDArray,
+        foot: NDArray[np.float64],
+        along: NDArray[np.float64],
         footprint: Footprint,
-        ball: tuple[NDArray, float],
+        ball: tuple[AnyArray, float],
         released: float,
     ) -> int:
         """Leave ink under a footprint; return how many vertices lay in the ball.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from paint3d.errors import InputError
 
@@ -70,7 +71,7 @@ class Result:
             if len(row) != len(self.columns):
                 raise InputError(f"a row has {len(row)} cells; expected {len(self.columns)}")
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
         return {
             "title": self.title,

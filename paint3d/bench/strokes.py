@@ -11,13 +11,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.frames import quaternions_from_matrices
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -101,13 +102,13 @@ def make_grid(n_vertices: int, spacing: float) -> TriangleMesh:
     return TriangleMesh(np.stack([x, y, np.zeros_like(x)], axis=1), faces, name="grid")
 
 
-def lissajous(n_dabs: int, half_width: float) -> NDArray:
+def lissajous(n_dabs: int, half_width: float) -> AnyArray:
     """Dab centres (N, 2) on the 3 to 2 figure that reaches `half_width` (mm) from the middle."""
     turn = np.linspace(0.0, 2.0 * math.pi, n_dabs, endpoint=False)
     return half_width * np.stack([np.sin(3.0 * turn + 0.3), np.sin(2.0 * turn)], axis=1)
 
 
-def figure_for(mesh: TriangleMesh, radius: float, n_dabs: int) -> NDArray:
+def figure_for(mesh: TriangleMesh, radius: float, n_dabs: int) -> AnyArray:
     """Dab centres (N, 3), mm, all over a square in the xy plane that is centred on the origin."""
     half_width = float(mesh.bounds[1, 0]) - _MARGIN * radius
     return np.column_stack([lissajous(n_dabs, half_width), np.zeros(n_dabs)])

@@ -21,6 +21,7 @@ from paint3d.app.model.input.navigation import orbit
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.bench.result import Check, Result
+from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera
@@ -47,7 +48,7 @@ _COLUMNS = (
     "input to ink ms", "95 % ms", "upload kB", "longest queue", "growth",
 )  # fmt: skip
 
-Way = Callable[[float], tuple[np.ndarray, np.ndarray]]
+Way = Callable[[float], tuple[AnyArray, AnyArray]]
 """Where the brush's root is, mm, and how it is turned, at a share of the time."""
 
 
@@ -102,7 +103,7 @@ class _Hand:
 def _over_the_sheet(seconds: float) -> Way:
     """Lines to and fro down the sheet, 180 mm/s."""
 
-    def way(share: float) -> tuple[np.ndarray, np.ndarray]:
+    def way(share: float) -> tuple[AnyArray, AnyArray]:
         x = 70.0 * math.asin(math.sin(2.4 * share * seconds)) / (0.5 * math.pi)
         return np.array([x, 75.0 - 150.0 * share, _ABOVE]), _UPRIGHT
 
@@ -113,7 +114,7 @@ def _around_the_bowl(stage: Stage) -> Way:
     """To and fro on the side that is seen, and down."""
     surface = ClosestPoints(stage.easel.document.surface.source)
 
-    def way(share: float) -> tuple[np.ndarray, np.ndarray]:
+    def way(share: float) -> tuple[AnyArray, AnyArray]:
         turn = 0.7 * math.sin(14.0 * share) - 0.5 * math.pi
         out = np.array([math.cos(turn), math.sin(turn), 0.0])
         hit = surface.cast((200.0 * out + [0.0, 0.0, 55.0 - 20.0 * share])[None], -out[None])

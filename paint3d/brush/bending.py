@@ -11,11 +11,11 @@ import functools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.spine import tabulate_bending
 from paint3d.brush_engine.tuft import SHARES, Tuft
+from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = ["GREATEST_FRACTION", "LOWEST_TILT", "BendingTable", "build_tuft"]
@@ -67,15 +67,16 @@ class BendingTable:
             array.setflags(write=False)
 
 
-def joint_stiffness(spec: BrushSpec) -> NDArray:
+def joint_stiffness(spec: BrushSpec) -> AnyArray:
     """k_j (M,) of the joints P_1 to P_m, up to a common factor; see the top of this file."""
     lengths = spec.segment_lengths
     arcs = np.cumsum(lengths)
     rest = np.append(0.5 * (lengths[:-1] + lengths[1:]), lengths[-1])
-    return (arcs / spec.length_mm) ** spec.stiffness_exponent / rest
+    result: AnyArray = (arcs / spec.length_mm) ** spec.stiffness_exponent / rest
+    return result
 
 
-def _refined_diameters(spec: BrushSpec) -> NDArray:
+def _refined_diameters(spec: BrushSpec) -> AnyArray:
     joints = np.concatenate([[0.0], np.cumsum(spec.segment_lengths)])
     inner = joints[:-1, None] + SHARES[1:] * spec.segment_lengths[:, None]
     arcs = np.concatenate([[0.0], inner.ravel()])

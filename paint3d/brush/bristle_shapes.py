@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import BendingTable
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.bristles.bend import ARCS, SAMPLES
+from paint3d.core.types import AnyArray
 
 __all__ = ["MEASURED", "energy_shapes", "measured_shapes"]
 
@@ -51,7 +52,7 @@ tip offset, imprint, upper and lower control length; spread (degrees). FastBrush
 _FINE = 400  # points of a curve that is measured along
 
 
-def energy_shapes(spec: BrushSpec, table: BendingTable) -> tuple[NDArray, NDArray]:
+def energy_shapes(spec: BrushSpec, table: BendingTable) -> tuple[AnyArray, AnyArray]:
     """Shapes (T, D, 3 SAMPLES) float32 and fans (T, D, 2) float32 of a brush's bending table.
 
     The fans are 0: how a tuft spreads is the brush's own law (Guo 2017, Eq. 2).
@@ -74,14 +75,16 @@ def energy_shapes(spec: BrushSpec, table: BendingTable) -> tuple[NDArray, NDArra
     return np.ascontiguousarray(np.concatenate(shapes, axis=-1), np.float32), fans
 
 
-def _along(joints: NDArray, values: NDArray) -> NDArray:
+def _along(joints: AnyArray, values: AnyArray) -> AnyArray:
     """Values at joints (..., M + 1), linear between them, at `ARCS` (..., SAMPLES)."""
     place = np.clip(np.searchsorted(joints, ARCS, side="right") - 1, 0, len(joints) - 2)
     share = (ARCS - joints[place]) / np.diff(joints)[place]
     return (1.0 - share) * values[..., place] + share * values[..., place + 1]
 
 
-def measured_shapes(tilts: NDArray, fractions: NDArray) -> tuple[NDArray, NDArray]:
+def measured_shapes(
+    tilts: NDArray[np.float64], fractions: NDArray[np.float64]
+) -> tuple[AnyArray, AnyArray]:
     """Shapes (T, D, 3 SAMPLES) and fans (T, D, 2) float32 of the measured brush.
 
     Parameters
@@ -104,12 +107,12 @@ def measured_shapes(tilts: NDArray, fractions: NDArray) -> tuple[NDArray, NDArra
     return shapes, fans
 
 
-def _measured_at(angle: float, height: float) -> NDArray:
+def _measured_at(angle: float, height: float) -> AnyArray:
     rows = np.array(MEASURED[angle])[::-1]
     return np.array([np.interp(height, rows[:, 0], rows[:, c]) for c in range(1, 6)])
 
 
-def _bezier_hair(tilt: float, height: float, offset: float, upper: float, lower: float) -> NDArray:
+def _bezier_hair(tilt: float, height: float, offset: float, upper: float, lower: float) -> AnyArray:
     """x, z and angle at `ARCS` of a hair of length 1 along the curve, never under the paper."""
     tip = height / math.tan(tilt) + offset
     corners = np.array(

@@ -6,7 +6,6 @@ import functools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, BendingTable
 from paint3d.brush.bristle_shapes import energy_shapes, measured_shapes
@@ -14,6 +13,7 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.bristles.bend import ARCS, BLOCK, Bristles
 from paint3d.core.arrays import zeros_on_lines
+from paint3d.core.types import AnyArray
 
 __all__ = ["build_bristles", "hair_places"]
 
@@ -23,7 +23,7 @@ _CELLS = 512  # places across the tuft that tell clump and appetite
 _CLUMPS = (9, 31)  # across the tuft: when it parts, and when it falls apart
 
 
-def hair_places(n: int) -> NDArray:
+def hair_places(n: int) -> AnyArray:
     """Places (2, n) float32 of hairs in a disc of radius 1, evenly over its area.
 
     A spiral by the golden angle with the radius as the square root of the number: as many hairs
@@ -82,7 +82,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
     return bristles
 
 
-def _rest_lengths(spec: BrushSpec, places: NDArray, lengths: NDArray) -> NDArray:
+def _rest_lengths(spec: BrushSpec, places: AnyArray, lengths: AnyArray) -> AnyArray:
     """Lengths of a straight hair's pieces, tip first, as `Bristles.rests`."""
     arcs = ARCS * spec.length_mm
     along, out = np.diff(arcs), np.diff(0.5 * spec.diameters(arcs))
@@ -93,25 +93,27 @@ def _rest_lengths(spec: BrushSpec, places: NDArray, lengths: NDArray) -> NDArray
     return on_lines
 
 
-def _scatter(n: int, seed: float = 0.5, step: float = 0.6180339887498949) -> NDArray:
+def _scatter(n: int, seed: float = 0.5, step: float = 0.6180339887498949) -> AnyArray:
     """n numbers, evenly over 0 to 1 and without order: multiples of the golden ratio, or a step."""
     return np.mod(seed + np.arange(n) * step, 1.0) if n > 1 else np.zeros(n)
 
 
-def _clump_middles(count: int) -> NDArray:
+def _clump_middles(count: int) -> AnyArray:
     """For `_CELLS` places in [-1, 1], the middle of the clump there; clumps differ in width."""
     widths = 1.0 + 0.9 * (_scatter(count, 0.3) - 0.5)
     edges = np.concatenate([[0.0], np.cumsum(widths)]) / widths.sum() * 2.0 - 1.0
     places = (np.arange(_CELLS) + 0.5) / _CELLS * 2.0 - 1.0
     at = np.clip(np.searchsorted(edges, places) - 1, 0, count - 1)
-    return (0.5 * (edges[at] + edges[at + 1])).astype(np.float32)
+    result: AnyArray = (0.5 * (edges[at] + edges[at + 1])).astype(np.float32)
+    return result
 
 
-def _noise() -> NDArray:
+def _noise() -> AnyArray:
     """For `_CELLS` places, how hairs differ there: noise in three widths, mean 0."""
     places = (np.arange(_CELLS) + 0.5) / _CELLS
     noise = np.zeros(_CELLS)
     for count, weight, seed in ((7, 0.45, 0.11), (19, 0.45, 0.47), (47, 0.25, 0.83)):
         values = 2.0 * _scatter(count + 1, seed) - 1.0
         noise += weight * np.interp(places * count, np.arange(count + 1), values)
-    return noise - noise.mean()
+    result: AnyArray = noise - noise.mean()
+    return result

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -46,9 +47,9 @@ def check_curves(
     return tuple(found)
 
 
-def _items(value: object, what: str) -> list[tuple[str, object]]:
+def _items(value: Any, what: str) -> list[tuple[str, Any]]:
     try:
-        pairs = list(value.items() if isinstance(value, Mapping) else value)
+        pairs: list[tuple[str, Any]] = list(value.items() if isinstance(value, Mapping) else value)
         names = [name for name, _ in pairs]
     except (TypeError, ValueError):
         raise BrushError(f"{what} is {value!r:.60}; expected names with curves") from None
@@ -57,7 +58,7 @@ def _items(value: object, what: str) -> list[tuple[str, object]]:
     return pairs
 
 
-def _points(points: object, what: str) -> Points:
+def _points(points: Any, what: str) -> Points:
     try:
         pairs = [(x, y) for x, y in points]
     except (TypeError, ValueError):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.brush.footprint import Footprint
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = ["back_zone", "effective_points", "front_zone", "stroke_width", "technique"]
@@ -16,12 +17,12 @@ __all__ = ["back_zone", "effective_points", "front_zone", "stroke_width", "techn
 _ALIGNED = math.radians(15.0)  # how far off the pure techniques their names still hold
 
 
-def _tangent_indices(polygon: NDArray, direction: NDArray) -> tuple[int, int]:
+def _tangent_indices(polygon: AnyArray, direction: AnyArray) -> tuple[int, int]:
     across = polygon @ np.array([-direction[1], direction[0]])
     return int(np.argmax(across)), int(np.argmin(across))
 
 
-def effective_points(footprint: Footprint, direction: ArrayLike) -> tuple[NDArray, NDArray]:
+def effective_points(footprint: Footprint, direction: ArrayLike) -> tuple[AnyArray, AnyArray]:
     """Where the two lines parallel to the motion touch the outline: A on the left, B on the right.
 
     Parameters
@@ -46,12 +47,12 @@ def effective_points(footprint: Footprint, direction: ArrayLike) -> tuple[NDArra
     return polygon[left], polygon[right]
 
 
-def front_zone(footprint: Footprint, direction: ArrayLike) -> NDArray:
+def front_zone(footprint: Footprint, direction: ArrayLike) -> AnyArray:
     """The f zone: the outline (K, 2) ahead of the chord from B to A; raises as effective_points."""
     return _zone(footprint, _unit(direction))
 
 
-def back_zone(footprint: Footprint, direction: ArrayLike) -> NDArray:
+def back_zone(footprint: Footprint, direction: ArrayLike) -> AnyArray:
     """The b zone: the outline (K, 2) behind the chord from A to B; raises as effective_points."""
     return _zone(footprint, -_unit(direction))
 
@@ -85,13 +86,13 @@ def technique(footprint: Footprint, direction: ArrayLike) -> str:
     return "pianfeng" if angle >= 0.5 * math.pi - _ALIGNED else "tip first"
 
 
-def _polygon(footprint: Footprint) -> NDArray:
+def _polygon(footprint: Footprint) -> AnyArray:
     if footprint.is_empty:
         raise BrushError("the footprint is empty; expected a tuft that touches the plane")
     return footprint.polygon()
 
 
-def _zone(footprint: Footprint, heading: NDArray) -> NDArray:
+def _zone(footprint: Footprint, heading: AnyArray) -> AnyArray:
     """Outline points from left to right effective point, clockwise, that is around the front."""
     polygon = _polygon(footprint)
     left, right = _tangent_indices(polygon, heading)
@@ -99,7 +100,7 @@ def _zone(footprint: Footprint, heading: NDArray) -> NDArray:
     return polygon[(left + np.arange(count)) % len(polygon)]
 
 
-def _unit(direction: ArrayLike) -> NDArray:
+def _unit(direction: ArrayLike) -> AnyArray:
     """The direction (2,) with length 1; BrushError where it has none."""
     vector = as_array(direction, "direction", (2,), error=BrushError)
     norm = math.hypot(vector[0], vector[1])

@@ -16,6 +16,7 @@ from paint3d.brush_engine.tuft import (
     trace_outline,
 )
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = ["Footprint", "make_footprint"]
@@ -41,8 +42,8 @@ class Footprint:
         If the arrays do not describe such an outline.
     """
 
-    reach: NDArray
-    half_width: NDArray
+    reach: NDArray[np.float64]
+    half_width: NDArray[np.float64]
     azimuth: float
 
     def __post_init__(self) -> None:
@@ -79,7 +80,7 @@ class Footprint:
         """mm2, of the polygon."""
         return -2.0 * float(np.trapezoid(self.half_width, self.reach))
 
-    def polygon(self) -> NDArray:
+    def polygon(self) -> AnyArray:
         """Closed outline (K, 2), mm, about P'_m: tip, W side, M_d, W' side (Eqs. 7, 9).
 
         Runs clockwise and does not repeat its first point; K = 2 N - 2, or 0 where nothing touches.

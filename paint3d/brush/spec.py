@@ -6,11 +6,12 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.dynamics import InputCurves, check_curves
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = ["HAIRS", "MAX_FORCE", "REFERENCE_LENGTH", "BrushSpec"]
@@ -141,7 +142,7 @@ class BrushSpec:
         as_number(getattr(self, parameter), what, low, high, BrushError)
 
     @property
-    def segment_lengths(self) -> NDArray:
+    def segment_lengths(self) -> AnyArray:
         """le_j (M,), mm, tip first: an arithmetic progression (Guo 2017, Eq. 1)."""
         m = self.n_segments
         difference = 2.0 * (self.length_mm - m * self.tip_segment_mm) / (m * (m - 1))
@@ -168,7 +169,7 @@ class BrushSpec:
         area = 0.25 * math.pi * self.root_diameter_mm**2
         return area * self.length_mm / (2.0 * self.taper + 1.0)
 
-    def diameters(self, arc_lengths: ArrayLike) -> NDArray:
+    def diameters(self, arc_lengths: ArrayLike) -> AnyArray:
         """Round diameter (N,), mm, of the unbent tuft at arc lengths (N,) from the tip, mm.
 
         Raises

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["CentreLine", "OutlineField", "bend_towards", "centre_line", "outline_field", "smoothed"]
@@ -35,7 +36,7 @@ class OutlineField:
         """Which grid points lie inside (H, W)."""
         return self.distance > 0.0
 
-    def room(self, points: NDArray, directions: NDArray, limit: float) -> NDArray[np.float64]:
+    def room(self, points: AnyArray, directions: AnyArray, limit: float) -> NDArray[np.float64]:
         """How far (mm) one can go from `points` (N, 2) along unit `directions` (N, 2)."""
         out = np.empty(len(points))
         kernels.measure_room(
@@ -79,7 +80,7 @@ class CentreLine:
         return _normals(self.headings)
 
 
-def outline_field(outline: NDArray, step: float) -> OutlineField:
+def outline_field(outline: AnyArray, step: float) -> OutlineField:
     """Signed distances around a closed polygon (N, 2), with a margin of four steps."""
     low = outline.min(axis=0) - 4 * step
     columns, rows = np.ceil((outline.max(axis=0) + 4 * step - low) / step).astype(int) + 1
@@ -88,7 +89,7 @@ def outline_field(outline: NDArray, step: float) -> OutlineField:
     return OutlineField(distance, np.array([low[0], low[1], step]))
 
 
-def centre_line(median: NDArray, field: OutlineField, step: float) -> CentreLine:
+def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLine:
     """Smooth a median (M, 2), extend it to the outline's ends, and move it to the middle.
 
     Raises
@@ -116,7 +117,7 @@ def centre_line(median: NDArray, field: OutlineField, step: float) -> CentreLine
     return _measured(points, width, field)
 
 
-def bend_towards(line: CentreLine, corner: NDArray, field: OutlineField) -> CentreLine:
+def bend_towards(line: CentreLine, corner: AnyArray, field: OutlineField) -> CentreLine:
     """Bend a line out to a point (2,) beside it and back, within about a width."""
     apart = np.linalg.norm(line.points - corner, axis=1)
     nearest = int(np.argmin(apart))
@@ -126,7 +127,7 @@ def bend_towards(line: CentreLine, corner: NDArray, field: OutlineField) -> Cent
     return _measured(_resampled(points, line.step), line.width, field)
 
 
-def smoothed(points: NDArray, sigma: float) -> NDArray[np.float64]:
+def smoothed(points: AnyArray, sigma: float) -> NDArray[np.float64]:
     """Gaussian smoothing of values (N, K) along a line; both ends stay. `sigma` in samples."""
     sigma = max(sigma, 0.3)
     n = len(points)
@@ -134,39 +135,42 @@ def smoothed(points: NDArray, sigma: float) -> NDArray[np.float64]:
     head = 2 * points[0] - points[reach:0:-1]
     tail = 2 * points[-1] - points[-2 : -reach - 2 : -1]
     padded = np.concatenate([head, points, tail])
-    return gaussian_filter1d(padded, sigma, axis=0, truncate=4.0)[reach : reach + n]
+    result: NDArray[np.float64] = gaussian_filter1d(padded, sigma, axis=0, truncate=4.0)[
+        reach : reach + n
+    ]
+    return result
 
 
-def _resampled(points: NDArray, step: float) -> NDArray[np.float64]:
+def _resampled(points: AnyArray, step: float) -> NDArray[np.float64]:
     length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
     n = max(4, math.ceil(length[-1] / step))
     at = np.linspace(0.0, length[-1], n + 1)
     return np.stack([np.interp(at, length, points[:, k]) for k in range(2)], axis=1)
 
 
-def _headings(points: NDArray) -> NDArray[np.float64]:
+def _headings(points: AnyArray) -> NDArray[np.float64]:
     ahead = np.gradient(points, axis=0)
     return np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
 
 
-def _normals(headings: NDArray) -> NDArray[np.float64]:
+def _normals(headings: AnyArray) -> NDArray[np.float64]:
     return np.stack([-np.sin(headings), np.cos(headings)], axis=1)
 
 
-def _room(points: NDArray, headings: NDArray, field: OutlineField, limit: float) -> NDArray:
+def _room(points: AnyArray, headings: AnyArray, field: OutlineField, limit: float) -> AnyArray:
     left = _normals(headings)
     sides = [field.room(points, way, limit) for way in (left, -left)]
     return np.stack(sides, axis=1)
 
 
-def _measured(points: NDArray, width: float, field: OutlineField) -> CentreLine:
+def _measured(points: AnyArray, width: float, field: OutlineField) -> CentreLine:
     headings = _headings(points)
     room = _room(points, headings, field, 1.5 * width)
     step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
     return CentreLine(points, headings, room, width, step)
 
 
-def _extended(points: NDArray, field: OutlineField, width: float) -> NDArray[np.float64]:
+def _extended(points: AnyArray, field: OutlineField, width: float) -> NDArray[np.float64]:
     """Go on straight from both ends until the outline is reached."""
     k = min(len(points) - 1, 6)
     ways = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])

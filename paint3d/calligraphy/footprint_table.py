@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.drag import drag_length
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, Tuft, trace_outline
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["FootprintLadder", "build_ladder"]
@@ -43,15 +44,15 @@ class FootprintLadder:
     support: NDArray[np.float64]
     slack: NDArray[np.float64]
 
-    def descent_at(self, level: NDArray) -> NDArray[np.float64]:
+    def descent_at(self, level: AnyArray) -> NDArray[np.float64]:
         """D_s (mm) at fractional levels."""
         return np.interp(level, np.arange(len(self.descents)), self.descents)
 
-    def centroid_at(self, level: NDArray) -> NDArray[np.float64]:
+    def centroid_at(self, level: AnyArray) -> NDArray[np.float64]:
         """Distance of the centroid from P'_m (mm) at fractional levels."""
         return np.interp(level, np.arange(len(self.descents)), self.centroids)
 
-    def slack_at(self, level: NDArray) -> NDArray[np.float64]:
+    def slack_at(self, level: AnyArray) -> NDArray[np.float64]:
         """Slack of the drag law (mm) at fractional levels."""
         return np.interp(level, np.arange(len(self.descents)), self.slack)
 
@@ -88,7 +89,7 @@ def build_ladder(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintL
     return _ladder(tuft, at)
 
 
-def _ladder(tuft: Tuft, descents: NDArray) -> FootprintLadder:
+def _ladder(tuft: Tuft, descents: AnyArray) -> FootprintLadder:
     rungs, centroids = [], []
     for descent in descents:
         reach, half_width = _outline(tuft, float(descent))
@@ -105,7 +106,7 @@ def _ladder(tuft: Tuft, descents: NDArray) -> FootprintLadder:
     )
 
 
-def _outline(tuft: Tuft, descent: float) -> tuple[NDArray, NDArray] | None:
+def _outline(tuft: Tuft, descent: float) -> tuple[AnyArray, AnyArray] | None:
     """Reach (heel first) and half width of an upright footprint, or None without contact."""
     scratch = np.empty(SCRATCH_SIZE)
     reach, half_width = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
@@ -114,15 +115,15 @@ def _outline(tuft: Tuft, descent: float) -> tuple[NDArray, NDArray] | None:
     return (reach[n - 1 :: -1].copy(), half_width[n - 1 :: -1].copy()) if n > 2 else None
 
 
-def _area(outline: tuple[NDArray, NDArray] | None) -> float:
+def _area(outline: tuple[AnyArray, AnyArray] | None) -> float:
     return 0.0 if outline is None else 2.0 * float(np.trapezoid(outline[1], outline[0]))
 
 
-def _centroid(reach: NDArray, half_width: NDArray) -> float:
+def _centroid(reach: AnyArray, half_width: AnyArray) -> float:
     return float(np.trapezoid(reach * half_width, reach) / np.trapezoid(half_width, reach))
 
 
-def _boundary(reach: NDArray, half_width: NDArray) -> NDArray[np.float64]:
+def _boundary(reach: AnyArray, half_width: AnyArray) -> NDArray[np.float64]:
     """Points of the outline, counter-clockwise from the tip, closer together at both ends."""
     share = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, _SIDE + 1) / (_SIDE + 1))
     x = reach[0] + share * (reach[-1] - reach[0])

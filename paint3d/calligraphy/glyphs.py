@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["DESCENDER", "EM_UNITS", "Glyph", "GlyphStroke", "flatten_path", "load_glyph"]
@@ -146,7 +147,7 @@ def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
     return commands
 
 
-def _curve(start: NDArray, controls: NDArray) -> NDArray[np.float64]:
+def _curve(start: AnyArray, controls: AnyArray) -> NDArray[np.float64]:
     """Points of a quadratic or cubic Bezier curve after its start."""
     hull = np.vstack([start, controls])
     bend = np.linalg.norm(np.diff(hull, n=2, axis=0), axis=1).max()
@@ -155,4 +156,5 @@ def _curve(start: NDArray, controls: NDArray) -> NDArray[np.float64]:
     t = np.linspace(0.0, 1.0, n + 1)[1:, None]
     while len(hull) > 1:
         hull = [(1.0 - t) * a + t * b for a, b in itertools.pairwise(hull)]
-    return hull[0]
+    result: NDArray[np.float64] = hull[0]
+    return result

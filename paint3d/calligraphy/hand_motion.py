@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.calligraphy.timing import Motion, Tempo
 from paint3d.core.frames import quaternions_from_matrices, rotate, slerp
+from paint3d.core.types import AnyArray
 from paint3d.mesh.chart import SurfaceChart
 from paint3d.mesh.closest_points import ClosestPoints
 
@@ -77,7 +78,7 @@ def lay_motion(motion: Motion, chart: SurfaceChart, em_mm: float, tuft: Tuft) ->
     )
 
 
-def root_stretch(points: NDArray, normals: NDArray, tuft: Tuft) -> float:
+def root_stretch(points: NDArray[np.float64], normals: NDArray[np.float64], tuft: Tuft) -> float:
     """How much longer than the foot's way the root's is, at most, over a grid of a surface.
 
     Parameters
@@ -135,35 +136,37 @@ def _seconds(span: float, arc: float, start: HandMotion, end: HandMotion, tempo:
     cosine = abs(float(start.orientation[-1] @ end.orientation[0]))
     turn = 2.0 * math.acos(min(1.0, cosine))
     way = span + 4.0 * arc
-    return max(
+    result: float = max(
         tempo.lift_s,
         _PEAK * way / tempo.most_speed,
         math.sqrt(_PEAK_ACCELERATION * way / (0.6 * tempo.most_acceleration)),
         ((_PEAK_JERK * span + _PEAK_JERK_RISE * arc) / (0.9 * tempo.most_jerk)) ** (1.0 / 3.0),
         _PEAK * turn / tempo.most_turn_rate,
     )
+    return result
 
 
-def _arc(first: NDArray, last: NDArray, rise: NDArray, t: NDArray) -> NDArray:
+def _arc(first: AnyArray, last: AnyArray, rise: AnyArray, t: AnyArray) -> AnyArray:
     bump = 64.0 * (t * (1.0 - t)) ** 3
-    return first + _least_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
+    result: AnyArray = first + _least_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
+    return result
 
 
-def _least_jerk(t: NDArray) -> NDArray:
+def _least_jerk(t: AnyArray) -> AnyArray:
     return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
 
-def _ends(start: HandMotion, end: HandMotion, n: int) -> tuple[NDArray, NDArray]:
+def _ends(start: HandMotion, end: HandMotion, n: int) -> tuple[AnyArray, AnyArray]:
     return np.tile(start.orientation[-1], (n, 1)), np.tile(end.orientation[0], (n, 1))
 
 
 def _turned(
-    start: HandMotion, end: HandMotion, t: NDArray, axis: tuple[float, float, float]
-) -> NDArray:
+    start: HandMotion, end: HandMotion, t: AnyArray, axis: tuple[float, float, float]
+) -> AnyArray:
     return rotate(slerp(*_ends(start, end, len(t)), _least_jerk(t)), np.array(axis))
 
 
-def _clear(surface: ClosestPoints, tips: NDArray, roots: NDArray, least: float) -> bool:
+def _clear(surface: ClosestPoints, tips: AnyArray, roots: AnyArray, least: float) -> bool:
     """Whether a tuft on its way stays outside of the object and off it."""
     for points in (tips, 0.5 * (tips + roots), roots):
         found = surface.find(points)

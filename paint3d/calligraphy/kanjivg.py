@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["LineStroke", "load_lines", "parse_lines"]
@@ -83,7 +84,7 @@ def parse_lines(svg: str, name: str = "svg") -> list[LineStroke]:
 
 def _line(path: str, name: str) -> NDArray[np.float64]:
     """Points along a path, in glyph units."""
-    points: list[NDArray] = []
+    points: list[AnyArray] = []
     control = None  # second control point of the curve before
     for command, numbers in _commands(path, name):
         kind = command.upper()
@@ -126,7 +127,7 @@ def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
     return commands
 
 
-def _curve(a: NDArray, b: NDArray, c: NDArray, d: NDArray) -> list[NDArray]:
+def _curve(a: AnyArray, b: AnyArray, c: AnyArray, d: AnyArray) -> list[AnyArray]:
     t = np.linspace(0.0, 1.0, _POINTS_PER_CURVE + 1)[1:, None]
     s = 1.0 - t
     return list(s**3 * a + 3 * s * s * t * b + 3 * s * t * t * c + t**3 * d)

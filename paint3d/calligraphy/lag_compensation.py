@@ -17,6 +17,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 from paint3d.brush_engine.drag import drag_along
 from paint3d.calligraphy.footprint_table import FootprintLadder
 from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.core.types import AnyArray
 
 __all__ = ["Pulled", "pull"]
 
@@ -36,7 +37,7 @@ class Pulled(NamedTuple):
 
 
 def pull(
-    wanted: NDArray,
+    wanted: NDArray[np.float64],
     ladder: FootprintLadder,
     target: kernels.Target,
     start: float,
@@ -69,7 +70,7 @@ def pull(
     return Pulled(handle, azimuth, centre, level)
 
 
-def _light_poses(wanted: NDArray, slack: float) -> NDArray[np.bool_]:
+def _light_poses(wanted: AnyArray, slack: float) -> NDArray[np.bool_]:
     """Where only the tip touches: as the brush lands, and where the line turns back (N,)."""
     steps = np.diff(wanted, axis=0)
     length = np.linalg.norm(steps, axis=1)
@@ -81,26 +82,33 @@ def _light_poses(wanted: NDArray, slack: float) -> NDArray[np.bool_]:
     size = 2 * per_slack + 1
     turn = maximum_filter1d(heading, size, mode="nearest")
     turn -= minimum_filter1d(heading, size, mode="nearest")
-    return light | (turn > _REVERSAL)
+    result: NDArray[np.bool_] = light | (turn > _REVERSAL)
+    return result
 
 
-def _follow(line: NDArray, slack: NDArray, start: float) -> NDArray[np.float64]:
+def _follow(line: AnyArray, slack: AnyArray, start: float) -> NDArray[np.float64]:
     """Directions (N, 2) of what is pulled along a line at a distance (N,)."""
     first = slack[0] * np.array([np.cos(start), np.sin(start)])
     pulled = np.empty_like(line)
     drag_along(line, slack, first[0], first[1], pulled)
     bend = pulled - line
-    return bend / np.maximum(np.linalg.norm(bend, axis=1, keepdims=True), 1e-12)
+    result: NDArray[np.float64] = bend / np.maximum(
+        np.linalg.norm(bend, axis=1, keepdims=True), 1e-12
+    )
+    return result
 
 
-def _turned(handle: NDArray, slack: NDArray, start: float) -> NDArray[np.float64]:
+def _turned(handle: AnyArray, slack: AnyArray, start: float) -> NDArray[np.float64]:
     """Azimuth (N,), rad, that the law gives under a track of the handle."""
     bend = _follow(handle, slack, start)
     return np.unwrap(np.arctan2(bend[:, 1], bend[:, 0]))
 
 
-def _steady(level: NDArray) -> NDArray[np.float64]:
+def _steady(level: AnyArray) -> NDArray[np.float64]:
     """Levels that rise and fall gently and stay on the paper; never above what fits."""
     most = np.maximum(level, 0.0)
     low = minimum_filter1d(most, 7, mode="nearest")
-    return np.minimum(gaussian_filter1d(low, 1.5, truncate=2.0, mode="nearest"), most)
+    result: NDArray[np.float64] = np.minimum(
+        gaussian_filter1d(low, 1.5, truncate=2.0, mode="nearest"), most
+    )
+    return result

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.calligraphy.place_search import frames_to_try
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError, Paint3DError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 from paint3d.mesh.closest_points import ClosestPoints
@@ -247,7 +247,8 @@ class _Grid:
                 except MeshError as cause:
                     fault = fault or cause
                 else:
-                    return sign * min(away, line.length)
+                    result: float = sign * min(away, line.length)
+                    return result
         raise fault or MeshError(f"{self.surface.mesh.name}: no place to write")
 
     def _reach(self, start: float, sign: float) -> float:
@@ -262,17 +263,17 @@ class _Grid:
                 step *= 0.5
         return known
 
-    def _usable(self, point: NDArray) -> bool:
+    def _usable(self, point: AnyArray) -> bool:
         try:
             self._square(point)
         except MeshError:
             return False
         return True
 
-    def _square(self, point: NDArray) -> EmSquare:
+    def _square(self, point: AnyArray) -> EmSquare:
         return lay_square(self.surface, self._frame(point), self.em_mm, self.limits)
 
-    def _frame(self, point: NDArray) -> SurfaceFrame:
+    def _frame(self, point: AnyArray) -> SurfaceFrame:
         try:
             return frame_at(self.surface, point, self.up)
         except InputError:
@@ -288,14 +289,16 @@ class _Grid:
         most = _FARTHEST * self.em_mm if most is None else most
         return walk(self.surface, start, self.up, bearing, most, step)
 
-    def _has_room(self, shape: tuple[int, int], pitch: NDArray) -> bool:
+    def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
         """Whether so many squares fit, across and down, by the lines through the middle alone."""
         low, high = self.span
         down = (shape[1] - 1) * pitch[1] <= high - low + 0.02 * pitch[1]
         if self.right.closed:
-            return down and shape[0] * pitch[0] <= self.right.length * (1.0 + 1e-9)
+            result: bool = down and shape[0] * pitch[0] <= self.right.length * (1.0 + 1e-9)
+            return result
         room = 2.0 * min(self.right.length, self.left.length)
-        return down and (shape[0] - 1) * pitch[0] + self.em_mm <= room * (1.0 + 1e-6)
+        result: bool = down and (shape[0] - 1) * pitch[0] + self.em_mm <= room * (1.0 + 1e-6)
+        return result
 
     def how_many(self, lines: Sequence[str]) -> int:
         """How many characters of the text fit."""
@@ -368,7 +371,7 @@ class _Grid:
         return cells
 
     def _placed(
-        self, cells: Sequence[_Cell], shape: tuple[int, int], pitch: NDArray
+        self, cells: Sequence[_Cell], shape: tuple[int, int], pitch: AnyArray
     ) -> list[EmSquare]:
         """The squares of cells of a grid; MeshError where one cannot be laid."""
         block = (shape[1] - 1) * pitch[1]
@@ -408,7 +411,7 @@ class _Grid:
             return -0.5 * (wide - 1) * pitch
         return -(wide - 1) * pitch if self.layout.order == "columns" else 0.0
 
-    def _overlaps(self, cells: Sequence[_Cell], squares: Sequence[EmSquare], wide: int) -> NDArray:
+    def _overlaps(self, cells: Sequence[_Cell], squares: Sequence[EmSquare], wide: int) -> AnyArray:
         """The largest overlaps (mm) of neighbours in a row or diagonally, and in a column."""
         at = {(c.across, c.down): square for c, square in zip(cells, squares, strict=True)}
         worst = np.zeros(2)

@@ -15,6 +15,7 @@ from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from paint3d.calligraphy.kernels import raster
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["MARGIN", "PIXELS", "Likeness", "compare", "copybook_mask", "painted_mask"]
@@ -135,22 +136,24 @@ def compare(painted: NDArray[np.bool_], wanted: NDArray[np.bool_]) -> Likeness:
     )
 
 
-def _in_samples(points: NDArray, em_mm: float) -> NDArray[np.float64]:
+def _in_samples(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
     scale = PIXELS * SAMPLES / as_number(em_mm, "em (mm)", low=1e-6)
     return np.ascontiguousarray(points * scale + MARGIN * SAMPLES)
 
 
-def _shares(fine: NDArray) -> NDArray[np.float32]:
+def _shares(fine: AnyArray) -> NDArray[np.float32]:
     """Mean over each pixel's samples."""
     blocks = fine.reshape(_SIDE, SAMPLES, _SIDE, SAMPLES)
-    return blocks.mean(axis=(1, 3), dtype=np.float32)
+    result: NDArray[np.float32] = blocks.mean(axis=(1, 3), dtype=np.float32)
+    return result
 
 
-def _edge(mask: NDArray) -> NDArray[np.bool_]:
-    return mask & ~binary_erosion(mask)
+def _edge(mask: AnyArray) -> NDArray[np.bool_]:
+    result: NDArray[np.bool_] = mask & ~binary_erosion(mask)
+    return result
 
 
-def _hausdorff95(a: NDArray, b: NDArray) -> float:
+def _hausdorff95(a: AnyArray, b: AnyArray) -> float:
     """Pixels: 95 % of each edge lie nearer than this to the other edge."""
     one, two = _edge(a), _edge(b)
     there = np.percentile(distance_transform_edt(~two)[one], 95.0)
@@ -158,7 +161,7 @@ def _hausdorff95(a: NDArray, b: NDArray) -> float:
     return float(max(there, back))
 
 
-def _width_error(painted: NDArray, wanted: NDArray) -> float:
+def _width_error(painted: AnyArray, wanted: AnyArray) -> float:
     """Pixels: mean difference of full widths along the wanted shape's middle line."""
     depth, other = distance_transform_edt(wanted), distance_transform_edt(painted)
     slope = np.hypot(*np.gradient(depth))

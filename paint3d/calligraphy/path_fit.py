@@ -19,6 +19,7 @@ from paint3d.calligraphy.footprint_table import FootprintLadder
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.lag_compensation import pull
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
+from paint3d.core.types import AnyArray
 
 __all__ = ["Follower", "StrokeCourse"]
 
@@ -91,7 +92,7 @@ class Follower:
         return course, self.field.inside & ~painted
 
 
-def _choose_course(line: CentreLine, plan: Follower) -> tuple[NDArray, NDArray]:
+def _choose_course(line: CentreLine, plan: Follower) -> tuple[AnyArray, AnyArray]:
     """Return the azimuth (rad) and the side step (mm) for every sample of the line."""
     settings, ladder = plan.settings, plan.ladder
     n, shifts = settings.n_directions, np.array(settings.shifts)
@@ -110,7 +111,7 @@ def _choose_course(line: CentreLine, plan: Follower) -> tuple[NDArray, NDArray]:
     return np.unwrap(directions[angle]), shifts[side] * line.room.min(axis=1)
 
 
-def _cost_of_bend(ahead: NDArray, settings: PlanSettings) -> NDArray[np.float64]:
+def _cost_of_bend(ahead: AnyArray, settings: PlanSettings) -> NDArray[np.float64]:
     """Cost of bends at angles from the heading (rad), in stroke widths left bare."""
     technique = "zhongfeng" if settings.azimuth == "dragged" else settings.technique
     if technique is None:
@@ -121,8 +122,8 @@ def _cost_of_bend(ahead: NDArray, settings: PlanSettings) -> NDArray[np.float64]
 
 
 def _balanced(
-    line: CentreLine, plan: Follower, azimuth: NDArray, shift: NDArray
-) -> tuple[NDArray, NDArray]:
+    line: CentreLine, plan: Follower, azimuth: AnyArray, shift: AnyArray
+) -> tuple[AnyArray, AnyArray]:
     """Smooth the chosen course, and step aside until both edges are reached alike."""
     sigma = 0.2 * line.width / line.step
     azimuth = smoothed(azimuth[:, None], sigma)[:, 0]
@@ -133,8 +134,8 @@ def _balanced(
 
 
 def _smooth_course(
-    line: CentreLine, azimuth: NDArray, shift: NDArray, step: float
-) -> tuple[NDArray, NDArray]:
+    line: CentreLine, azimuth: AnyArray, shift: AnyArray, step: float
+) -> tuple[AnyArray, AnyArray]:
     """Interpolate the chosen course at the final step: centres (N, 2) and azimuths (N,)."""
     centre = line.points + shift[:, None] * line.normals
     way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centre, axis=0), axis=1))]
@@ -145,15 +146,16 @@ def _smooth_course(
     return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
 
 
-def _calm(level: NDArray, half_window: int = 3) -> NDArray[np.float64]:
+def _calm(level: AnyArray, half_window: int = 3) -> NDArray[np.float64]:
     """Smooth the levels from below: never above what fits."""
     low = minimum_filter1d(level, 2 * half_window + 1, mode="nearest")
     calm = gaussian_filter1d(low, 0.5 * half_window, truncate=2.0, mode="nearest")
-    return np.minimum(calm, level)
+    result: NDArray[np.float64] = np.minimum(calm, level)
+    return result
 
 
 def _course(
-    centre: NDArray, azimuth: NDArray, level: NDArray, ladder: FootprintLadder
+    centre: AnyArray, azimuth: AnyArray, level: AnyArray, ladder: FootprintLadder
 ) -> StrokeCourse:
     """Place the handle behind the footprints."""
     bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
@@ -162,7 +164,7 @@ def _course(
 
 
 def _touched(
-    handle: NDArray, azimuth: NDArray, centre: NDArray, level: NDArray, ladder: FootprintLadder
+    handle: AnyArray, azimuth: AnyArray, centre: AnyArray, level: AnyArray, ladder: FootprintLadder
 ) -> StrokeCourse:
     """Add the touch before and the lift after."""
     pick = np.r_[0, np.arange(len(level)), len(level) - 1]

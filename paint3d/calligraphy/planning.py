@@ -18,14 +18,18 @@ from paint3d.calligraphy.footprint_table import FootprintLadder
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.calligraphy.path_fit import Follower, StrokeCourse
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["TECHNIQUES", "PlanSettings", "StrokeCourse", "on_paper", "plan_glyph", "plan_stroke"]
 
 
-def on_paper(points: NDArray, em_mm: float) -> NDArray[np.float64]:
+def on_paper(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
     """Carry glyph units (N, 2) to millimetres from the em square's lower left corner."""
-    return em_mm / EM_UNITS * (np.asarray(points, np.float64) + np.array([0.0, DESCENDER]))
+    result: NDArray[np.float64] = (
+        em_mm / EM_UNITS * (np.asarray(points, np.float64) + np.array([0.0, DESCENDER]))
+    )
+    return result
 
 
 def plan_glyph(
@@ -57,8 +61,8 @@ def plan_glyph(
 
 
 def plan_stroke(
-    outline: NDArray,
-    median: NDArray,
+    outline: NDArray[np.float64],
+    median: NDArray[np.float64],
     em_mm: float,
     ladder: FootprintLadder,
     settings: PlanSettings | None = None,
@@ -110,8 +114,8 @@ def plan_stroke(
 
 
 def _largest_corner(
-    bare: NDArray, tried: NDArray, width: float
-) -> tuple[NDArray | None, NDArray[np.bool_]]:
+    bare: AnyArray, tried: AnyArray, width: float
+) -> tuple[AnyArray | None, NDArray[np.bool_]]:
     """Return the outermost pixel (x, y) of the largest bare patch, or None, and what was tried.
 
     A patch counts where a disc of an eighth of the stroke's width (in pixels) would fit in.

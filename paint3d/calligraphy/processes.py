@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
 from paint3d.errors import Paint3DError
@@ -61,7 +61,7 @@ def in_processes(
             worker.connection.close()
 
 
-def _start(work: Callable, n: int) -> list[_Worker]:
+def _start(work: Callable[..., Any], n: int) -> list[_Worker]:
     context = multiprocessing.get_context("spawn")
     workers = []
     with holding_interrupts():
@@ -85,7 +85,8 @@ def _give(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:
 
 def _answer(worker: _Worker) -> tuple[int, object, Exception | None]:
     try:
-        return worker.connection.recv()
+        result: tuple[int, object, Exception | None] = worker.connection.recv()
+        return result
     except (EOFError, ConnectionError):
         worker.process.join()
         raise Paint3DError(
@@ -93,7 +94,7 @@ def _answer(worker: _Worker) -> tuple[int, object, Exception | None]:
         ) from None
 
 
-def _serve(work: Callable, connection: Connection) -> None:
+def _serve(work: Callable[..., Any], connection: Connection) -> None:
     """Do what comes until the other end is closed."""
     ignore_interrupts()
     end_with_parent()

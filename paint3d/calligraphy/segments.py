@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["BODY", "ZONE", "Leg", "corners_of", "cut_line", "is_hooked"]
 
 ZONE, BODY = 11, 7
@@ -69,7 +71,7 @@ class Leg:
             ]
         )
 
-    def at(self, distances: NDArray) -> tuple[NDArray, NDArray]:
+    def at(self, distances: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Points and unit vectors to the left, (N, 2) each, at distances along the leg."""
         way = np.linspace(0.0, self.length, len(self.points))
         inside = np.clip(distances, 0.0, self.length)
@@ -85,7 +87,7 @@ class Leg:
         return point, np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
 
 
-def cut_line(line: NDArray, n_corners: int, hook: float = 0.0) -> list[Leg]:
+def cut_line(line: AnyArray, n_corners: int, hook: float = 0.0) -> list[Leg]:
     """Cut a line (N, 2) at its sharpest corners into legs.
 
     One of the corners of a line that ends in a hook lies within the share `hook` of its end.
@@ -98,7 +100,7 @@ def cut_line(line: NDArray, n_corners: int, hook: float = 0.0) -> list[Leg]:
     return legs
 
 
-def _sharpest(points: NDArray, n: int, hook: float) -> list[int]:
+def _sharpest(points: AnyArray, n: int, hook: float) -> list[int]:
     """Indices of the n sharpest corners, a leg apart from each other and from the ends."""
     window = int(_WINDOW * _SAMPLES)
     margin = max(2, int(_LEAST_LEG * _SAMPLES))
@@ -120,17 +122,20 @@ def _sharpest(points: NDArray, n: int, hook: float) -> list[int]:
     return chosen
 
 
-def _resampled(line: NDArray, n: int) -> NDArray[np.float64]:
+def _resampled(line: AnyArray, n: int) -> NDArray[np.float64]:
     way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
     at = np.linspace(0.0, way[-1], n)
     return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
 
 
-def _calmed(points: NDArray) -> NDArray[np.float64]:
+def _calmed(points: AnyArray) -> NDArray[np.float64]:
     """Smooth a leg; its ends stay."""
     sigma = 0.05 * len(points)
     chord = np.linspace(points[0], points[-1], len(points))
     reach = len(points) - 1
     off = points - chord
     padded = np.concatenate([-off[reach:0:-1], off, -off[-2 : -reach - 2 : -1]])
-    return chord + gaussian_filter1d(padded, sigma, axis=0)[reach : reach + len(points)]
+    result: NDArray[np.float64] = (
+        chord + gaussian_filter1d(padded, sigma, axis=0)[reach : reach + len(points)]
+    )
+    return result

@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from paint3d.calligraphy.centre_line import smoothed
+from paint3d.core.types import AnyArray
 
 __all__ = ["Limits", "stretched", "travel"]
 
@@ -56,7 +57,7 @@ class Limits:
 
 
 def travel(
-    poses: NDArray, em_mm: float, cruise: float, limits: Limits
+    poses: NDArray[np.float64], em_mm: float, cruise: float, limits: Limits
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times (M,) from 0, and poses (M, 4), along a path from rest to rest.
 
@@ -78,7 +79,7 @@ def travel(
 
 
 def stretched(
-    spans: NDArray, poses: NDArray, limits: Limits
+    spans: AnyArray, poses: AnyArray, limits: Limits
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stretch the time between poses (M, 4), given as M - 1 spans, until the limits are kept.
 
@@ -98,7 +99,7 @@ def stretched(
     return time * _excess(time, poses, limits)[1].max(), poses
 
 
-def _excess(time: NDArray, poses: NDArray, limits: Limits) -> tuple[NDArray, NDArray]:
+def _excess(time: AnyArray, poses: AnyArray, limits: Limits) -> tuple[AnyArray, AnyArray]:
     """By how much time must be stretched to keep the limits, at the times of samples."""
     step = 1.0 / limits.rate_hz
     fine = step / _PHASES
@@ -116,14 +117,14 @@ def _excess(time: NDArray, poses: NDArray, limits: Limits) -> tuple[NDArray, NDA
     return at, excess
 
 
-def _raise(excess: NDArray, shares: NDArray) -> None:
+def _raise(excess: AnyArray, shares: AnyArray) -> None:
     """Lift every sample to the greatest share of the differences that it takes part in."""
     n = len(shares)
     for first in range(len(excess) - n + 1):
         np.maximum(excess[first : first + n], shares, out=excess[first : first + n])
 
 
-def _even_path(poses: NDArray, em_mm: float) -> tuple[NDArray[np.float64], float]:
+def _even_path(poses: AnyArray, em_mm: float) -> tuple[NDArray[np.float64], float]:
     """The path at even steps, its finest curves rounded, and its length (mm)."""
     metric = poses * np.array([1.0, 1.0, 1.0, _TURN_RADIUS])
     steps = np.linalg.norm(np.diff(metric, axis=0), axis=1)
@@ -136,7 +137,7 @@ def _even_path(poses: NDArray, em_mm: float) -> tuple[NDArray[np.float64], float
 
 
 def _bounded_by_bends(
-    path: NDArray, step: float, em_mm: float, cruise: float, limits: Limits
+    path: AnyArray, step: float, em_mm: float, cruise: float, limits: Limits
 ) -> NDArray[np.float64]:
     """Speed (mm/s of the way) that the path's first three derivatives allow."""
     metric = path * np.array([1.0, 1.0, 1.0, _TURN_RADIUS])
@@ -153,27 +154,31 @@ def _bounded_by_bends(
     speed = np.minimum(speed, limits.speed / moving)
     speed = np.minimum(speed, limits.turn_rate / turning)
     sigma = max(1.0, _FINEST_CURVE * em_mm / step)
-    return np.exp(gaussian_filter1d(np.log(speed), sigma, mode="nearest"))
+    result: NDArray[np.float64] = np.exp(gaussian_filter1d(np.log(speed), sigma, mode="nearest"))
+    return result
 
 
-def _eased(speed: NDArray, step: float) -> NDArray[np.float64]:
+def _eased(speed: AnyArray, step: float) -> NDArray[np.float64]:
     """Let speed change gently in time; never above what it was."""
     time = np.r_[0.0, np.cumsum(_spans(speed, step))]
     even = np.linspace(0.0, time[-1], len(speed))
     window = max(1, round(_EASE_S * (len(speed) - 1) / time[-1]))
     low = minimum_filter1d(np.interp(even, time, speed), 2 * window + 1, mode="nearest")
     calm = gaussian_filter1d(low, 0.5 * window, truncate=2.0, mode="nearest")
-    return np.minimum(speed, np.maximum(np.interp(time, even, calm), 0.05 * speed))
+    result: NDArray[np.float64] = np.minimum(
+        speed, np.maximum(np.interp(time, even, calm), 0.05 * speed)
+    )
+    return result
 
 
-def _spans(speed: NDArray, step: float) -> NDArray[np.float64]:
+def _spans(speed: AnyArray, step: float) -> NDArray[np.float64]:
     """Times (s) from point to point."""
     spans = 2.0 * step / (speed[1:] + speed[:-1])
     spans[[0, -1]] *= 1.5  # from rest the speed grows with the square of the time
     return spans
 
 
-def _bounded_by_neighbours(speed: NDArray, step: float, limits: Limits) -> NDArray[np.float64]:
+def _bounded_by_neighbours(speed: AnyArray, step: float, limits: Limits) -> NDArray[np.float64]:
     """Speed that can be reached from rest at both ends and from point to point."""
     way = step * np.arange(len(speed))
     from_end = np.minimum(way, way[-1] - way)

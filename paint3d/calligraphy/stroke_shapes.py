@@ -12,6 +12,7 @@ import json
 import math
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from scipy.interpolate import PchipInterpolator
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
 from paint3d.calligraphy.segments import ZONE, Leg, cut_line, is_hooked
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["SOURCE_OF_SHAPES", "shape_strokes"]
@@ -35,9 +37,10 @@ _LEAST_HALF, _MOST_HALF = 6.0, 60.0  # units
 
 
 @lru_cache(maxsize=1)
-def _shapes() -> dict[str, dict]:
+def _shapes() -> dict[str, dict[str, Any]]:
     file = importlib.resources.files("paint3d.calligraphy").joinpath("data/stroke_shapes.json")
-    return json.loads(file.read_text("utf-8"))["shapes"]
+    result: dict[str, dict[str, Any]] = json.loads(file.read_text("utf-8"))["shapes"]
+    return result
 
 
 def shape_strokes(lines: Sequence[LineStroke], name: str = "glyph") -> list[GlyphStroke]:
@@ -76,7 +79,7 @@ def _shaped(stroke: LineStroke, n_strokes: int, name: str) -> GlyphStroke:
     return GlyphStroke(outline, median[:: max(1, len(median) // 60)])
 
 
-def _shape_of(stroke: LineStroke) -> tuple[str, dict]:
+def _shape_of(stroke: LineStroke) -> tuple[str, dict[str, Any]]:
     """The shape of a stroke's type, or of the type most like it."""
     shapes = _shapes()
     for kind in (stroke.kind, stroke.kind[:1], _LIKE.get(stroke.kind[:1], "")):
@@ -85,7 +88,7 @@ def _shape_of(stroke: LineStroke) -> tuple[str, dict]:
     return _plain(stroke.line)
 
 
-def _plain(line: NDArray) -> tuple[str, dict]:
+def _plain(line: AnyArray) -> tuple[str, dict[str, Any]]:
     """What a line without a type is: level, falling to the left, to the right, or upright."""
     x, y = line[-1] - line[0]
     if abs(y) < 0.4 * abs(x):
@@ -121,7 +124,9 @@ def _hook(before: Leg, hook: Leg, last: Sequence[float]) -> Leg:
     return Leg(np.linspace(before.points[-1], end, len(hook.points)))
 
 
-def _leg_outlines(legs: Sequence[Leg], shapes: Sequence[dict], half: float) -> list[NDArray]:
+def _leg_outlines(
+    legs: Sequence[Leg], shapes: Sequence[dict[str, Any]], half: float
+) -> list[AnyArray]:
     """Polygons of all legs; on the inner side of a fold a leg is no wider than before it."""
     outlines = []
     for k, (leg, facts) in enumerate(zip(legs, shapes, strict=True)):
@@ -141,11 +146,11 @@ def _inner_side(one: Leg, two: Leg) -> str:
     return "hi" if a[0] * b[1] - a[1] * b[0] > 0.0 else "lo"
 
 
-def _no_wider(offsets: NDArray, limit: float) -> NDArray:
+def _no_wider(offsets: AnyArray, limit: float) -> AnyArray:
     return np.minimum(offsets, limit) if limit > 0.0 else np.maximum(offsets, limit)
 
 
-def _leg_outline(leg: Leg, facts: dict, half: float) -> NDArray[np.float64]:
+def _leg_outline(leg: Leg, facts: dict[str, Any], half: float) -> NDArray[np.float64]:
     """Closed polygon (N, 2) around one leg."""
     stations = leg.stations(half, half * facts["before"], half * facts["after"])
     keep = np.r_[True, np.diff(stations) > 1e-6 * half]
@@ -156,7 +161,7 @@ def _leg_outline(leg: Leg, facts: dict, half: float) -> NDArray[np.float64]:
     return np.concatenate([left, right[::-1]])
 
 
-def _joined(outlines: Sequence[NDArray], name: str) -> NDArray[np.float64]:
+def _joined(outlines: Sequence[AnyArray], name: str) -> NDArray[np.float64]:
     """The outline (N, 2) of all legs together, with its corners a little rounded."""
     from shapely import Polygon, unary_union
 

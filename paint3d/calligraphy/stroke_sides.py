@@ -15,13 +15,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.effective_footprint import back_zone, effective_points, front_zone
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.frames import matrices_from_quaternions
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.pose.brush_pose import brush_poses
@@ -39,7 +39,7 @@ _CRACK = 0.02  # of the widest footprint: cracks between bands are closed up to 
 _SIMPLER = 0.004  # mm that an outline may be moved to save points
 
 
-def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[NDArray]]:
+def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[AnyArray]]:
     """The outlines of a recording's strokes on the plane z = 0.
 
     Parameters
@@ -81,7 +81,7 @@ def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[NDArray
     return outlines
 
 
-def stroke_polygon(feet: NDArray, prints: list[Footprint]) -> Polygon:
+def stroke_polygon(feet: AnyArray, prints: list[Footprint]) -> Polygon:
     """The shape of one stroke: footprints about their feet (N, 2), mm, in order."""
     from shapely import Polygon, unary_union
 
@@ -106,12 +106,12 @@ def stroke_polygon(feet: NDArray, prints: list[Footprint]) -> Polygon:
     return shape.buffer(crack).buffer(-crack)
 
 
-def _runs(down: NDArray) -> list[tuple[int, int]]:
+def _runs(down: AnyArray) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.r_[False, down, False].astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _thinned(feet: NDArray, prints: list[Footprint]) -> tuple[NDArray, list[Footprint]]:
+def _thinned(feet: AnyArray, prints: list[Footprint]) -> tuple[AnyArray, list[Footprint]]:
     """Leave out footprints that hardly differ from the last one kept."""
     kept = [0]
     outlines = [_four(f) + foot for f, foot in zip(prints, feet, strict=True)]
@@ -122,7 +122,7 @@ def _thinned(feet: NDArray, prints: list[Footprint]) -> tuple[NDArray, list[Foot
     return feet[kept], [prints[k] for k in kept]
 
 
-def _four(footprint: Footprint) -> NDArray:
+def _four(footprint: Footprint) -> AnyArray:
     """Tip, heel and both sides (4, 2) of a footprint."""
     polygon = footprint.polygon()
     widest = int(np.argmax(footprint.half_width))
@@ -130,7 +130,7 @@ def _four(footprint: Footprint) -> NDArray:
     return polygon[[0, widest, n - 1, (len(polygon) - widest) % len(polygon)]]
 
 
-def _headings(feet: NDArray, prints: list[Footprint]) -> NDArray:
+def _headings(feet: AnyArray, prints: list[Footprint]) -> AnyArray:
     """Directions of motion (N, 2) of the footprints' middles."""
     middles = feet + np.array([f.polygon().mean(axis=0) for f in prints])
     ways = np.diff(middles, axis=0)
@@ -141,7 +141,7 @@ def _headings(feet: NDArray, prints: list[Footprint]) -> NDArray:
     return np.where(size > 1e-6, both / np.maximum(size, 1e-9), np.vstack([ways, ways[-1:]]))
 
 
-def _bands(feet: NDArray, prints: list[Footprint], headings: NDArray) -> Iterable[Polygon]:
+def _bands(feet: AnyArray, prints: list[Footprint], headings: AnyArray) -> Iterable[Polygon]:
     """What lies between the effective points of neighbouring footprints."""
     points = [
         [foot + p for p in effective_points(f, heading)]
@@ -151,7 +151,7 @@ def _bands(feet: NDArray, prints: list[Footprint], headings: NDArray) -> Iterabl
         yield _valid(np.array([a, b, d, c]))
 
 
-def _valid(ring: NDArray) -> Polygon:
+def _valid(ring: AnyArray) -> Polygon:
     """A polygon; the convex hull of a ring that crosses itself."""
     from shapely import MultiPoint, Polygon
 
@@ -163,7 +163,7 @@ def _valid(ring: NDArray) -> Polygon:
     return hull if hull.geom_type == "Polygon" else Polygon()
 
 
-def _rings(shape: Polygon) -> list[NDArray]:
+def _rings(shape: Polygon) -> list[AnyArray]:
     """The rings of a shape, its parts one after the other."""
     from shapely.geometry.polygon import orient
 

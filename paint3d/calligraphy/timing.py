@@ -18,6 +18,7 @@ from scipy.interpolate import CubicSpline
 from paint3d.calligraphy.planning import StrokeCourse
 from paint3d.calligraphy.speed_profile import Limits, travel
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.painter.flat_input import DIP
 
@@ -174,8 +175,8 @@ def time_courses(
 class _Part:
     """A piece of the motion: poses (N, 4) of x, y, height, azimuth at times (N,) from 0."""
 
-    time: NDArray
-    poses: NDArray
+    time: AnyArray
+    poses: AnyArray
     dips: bool
     group: int
 
@@ -184,11 +185,11 @@ def _poses(course: StrokeCourse) -> NDArray[np.float64]:
     return np.column_stack([course.handle, -course.descent, course.azimuth])
 
 
-def _least_jerk(t: NDArray) -> NDArray:
+def _least_jerk(t: AnyArray) -> AnyArray:
     return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
 
-def _lift(start: NDArray, end: NDArray, tempo: Tempo) -> tuple[NDArray, NDArray]:
+def _lift(start: AnyArray, end: AnyArray, tempo: Tempo) -> tuple[AnyArray, AnyArray]:
     """Move over from rest to rest on an arc, as fast as the limits allow but not in a hurry."""
     span = float(np.linalg.norm(end[:3] - start[:3]))
     arc = tempo.lift_mm + 0.1 * span
@@ -200,7 +201,7 @@ def _lift(start: NDArray, end: NDArray, tempo: Tempo) -> tuple[NDArray, NDArray]
     return _unhurried(poses, tempo.lift_s, tempo)
 
 
-def _unhurried(poses: NDArray, least_s: float, tempo: Tempo) -> tuple[NDArray, NDArray]:
+def _unhurried(poses: AnyArray, least_s: float, tempo: Tempo) -> tuple[AnyArray, AnyArray]:
     """Times of poses at even times, in the least time that the limits allow but `least_s`."""
     step, values, seconds = 1.0 / (len(poses) - 1), poses, least_s
     for order, most in enumerate(
@@ -215,7 +216,7 @@ def _unhurried(poses: NDArray, least_s: float, tempo: Tempo) -> tuple[NDArray, N
     return np.linspace(0.0, seconds, len(poses)), poses
 
 
-def _dip(start: NDArray, end: NDArray, tempo: Tempo, group: int) -> list[_Part]:
+def _dip(start: AnyArray, end: AnyArray, tempo: Tempo, group: int) -> list[_Part]:
     """Rise, move over while the brush is in the ink, and come down at the next character."""
     up, over = start.copy(), end.copy()
     up[2] = over[2] = tempo.dip_mm

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
@@ -31,6 +31,7 @@ from paint3d.calligraphy.planning import PlanSettings, plan_glyph
 from paint3d.calligraphy.processes import in_processes
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.chart import make_chart
@@ -85,7 +86,7 @@ class Written:
     """
 
     recording: Recording
-    characters: list[dict]
+    characters: list[dict[str, Any]]
 
 
 def write_text(
@@ -204,7 +205,7 @@ def _laid(
     return lay_motion(motion, chart, em, tuft)
 
 
-def _described(character: PlacedCharacter) -> dict:
+def _described(character: PlacedCharacter) -> dict[str, Any]:
     """A character's entry in the report and in the recording's header."""
     square = character.square
     frame = square.chart.frame
@@ -239,7 +240,7 @@ def _recording(hand: HandMotion, pen: Pen, header: Mapping[str, object]) -> Reco
     )
 
 
-def _rounded(values: NDArray, what: str) -> NDArray:
+def _rounded(values: AnyArray, what: str) -> AnyArray:
     if not np.isfinite(values).all():
         raise InputError(f"the plan's {what} is not finite; expected numbers")
     return np.round(values, _DECIMALS[what])

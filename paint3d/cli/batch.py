@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.batches.emit import KINDS
 from paint3d.cli.options import add_quiet_option
@@ -124,7 +124,7 @@ def run(options: argparse.Namespace) -> None:
     _refuse(options.table, failed, len(rows) + len(refused))
 
 
-def _only(line: int, rows: list) -> list:
+def _only(line: int, rows: list[Any]) -> list[Any]:
     """The row of a line, or its refusal."""
     return [row for row in rows if row.line == line]
 

@@ -7,7 +7,7 @@ import signal
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.options import (
     add_force_option,
@@ -256,7 +256,7 @@ def _record(options: argparse.Namespace) -> None:
     sys.stdout.write(f"{options.file}: {len(samples)} samples in {seconds:.1f} s{others}\n")
 
 
-def _take_samples(options: argparse.Namespace, hands) -> tuple[list, list[str]]:
+def _take_samples(options: argparse.Namespace, hands) -> tuple[list[Any], list[str]]:
     from paint3d.device.device_log import DeviceLog
 
     log = None if options.raw is None else DeviceLog(options.raw)
@@ -279,14 +279,15 @@ def _take_samples(options: argparse.Namespace, hands) -> tuple[list, list[str]]:
     return samples, names
 
 
-def _merge(devices: PluggedDevices, hands, until_ns: int) -> list:
+def _merge(devices: PluggedDevices, hands, until_ns: int) -> list[Any]:
     for event in devices.take_mouse():
         hands.add_deflection(event.time_ns, event.deflection)
     hands.add_stylus(devices.take_stylus())
-    return hands.take(until_ns)
+    result: list[Any] = hands.take(until_ns)
+    return result
 
 
-def _save(samples: list, names: list[str], file: Path) -> None:
+def _save(samples: list[Any], names: list[str], file: Path) -> None:
     import numpy as np
 
     from paint3d.recording.recording import Recording, save_recording

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.progress import ProgressBar
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["load_object"]
 
-_last: dict[tuple, TriangleMesh] = {}  # the one that was read last
+_last: dict[tuple[Any, ...], TriangleMesh] = {}  # the one that was read last
 
 
 def load_object(options: argparse.Namespace) -> TriangleMesh:

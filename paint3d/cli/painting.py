@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.progress import ProgressBar
@@ -69,10 +69,10 @@ class Painting:
     """A painted surface, what painting it took, what made it, and the seconds of each step."""
 
     surface: PaintedSurface
-    counts: dict
+    counts: dict[str, Any]
     seconds: dict[str, float]
     recordings: tuple[Recording | LaidPad, ...] = ()
-    settings: dict = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
 
     def whole_recordings(self) -> tuple[Recording, ...]:
         """The recordings in the world; a pad's is laid down as a whole."""
@@ -80,7 +80,7 @@ class Painting:
 
         return tuple(r.whole() if isinstance(r, LaidPad) else r for r in self.recordings)
 
-    def describe(self) -> dict:
+    def describe(self) -> dict[str, Any]:
         """Everything that ``--report`` writes: versions, seconds by stage, counts, ink ledger."""
         return {
             "versions": find_versions(),

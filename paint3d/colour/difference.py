@@ -7,9 +7,10 @@ Sharma, Wu, Dalal: The CIEDE2000 color-difference formula, Color Research and Ap
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.colour.spectra import RGB_FROM_XYZ, WHITE_XYZ, decode_srgb, xyz_from_reflectance
+from paint3d.core.types import AnyArray
 
 __all__ = [
     "delta_e",
@@ -22,7 +23,7 @@ __all__ = [
 _XYZ_FROM_RGB = np.linalg.inv(RGB_FROM_XYZ)
 
 
-def lab_from_xyz(xyz: ArrayLike) -> NDArray:
+def lab_from_xyz(xyz: ArrayLike) -> AnyArray:
     """CIE L*a*b* (..., 3) of XYZ (..., 3) relative to D65, white at Y = 1."""
     ratio = np.asarray(xyz, dtype=np.float64) / WHITE_XYZ
     line = ratio * (841.0 / 108.0) + 4.0 / 29.0
@@ -31,22 +32,24 @@ def lab_from_xyz(xyz: ArrayLike) -> NDArray:
     return np.stack([116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)], axis=-1)
 
 
-def lab_from_linear_rgb(linear_rgb: ArrayLike) -> NDArray:
+def lab_from_linear_rgb(linear_rgb: ArrayLike) -> AnyArray:
     """CIE L*a*b* (..., 3) of linear sRGB (..., 3)."""
     return lab_from_xyz(np.asarray(linear_rgb, dtype=np.float64) @ _XYZ_FROM_RGB.T)
 
 
-def lab_from_srgb(srgb: ArrayLike) -> NDArray:
+def lab_from_srgb(srgb: ArrayLike) -> AnyArray:
     """CIE L*a*b* (..., 3) of uint8 or float [0, 1] sRGB (..., 3)."""
     return lab_from_linear_rgb(decode_srgb(srgb))
 
 
-def lab_from_reflectance(spectra: ArrayLike) -> NDArray:
+def lab_from_reflectance(spectra: ArrayLike) -> AnyArray:
     """CIE L*a*b* (..., 3) of reflectance spectra (..., 31)."""
     return lab_from_xyz(xyz_from_reflectance(spectra))
 
 
-def _hue_terms(a1, b1, c1, a2, b2, c2):
+def _hue_terms(
+    a1: AnyArray, b1: AnyArray, c1: AnyArray, a2: AnyArray, b2: AnyArray, c2: AnyArray
+) -> tuple[AnyArray, AnyArray]:
     """Hue difference and mean hue, Sharma Eqs. 7, 10, 14, in radians; 0 where a colour is grey."""
     h1, h2 = np.arctan2(b1, a1) % (2 * np.pi), np.arctan2(b2, a2) % (2 * np.pi)
     grey = c1 * c2 == 0
@@ -56,7 +59,7 @@ def _hue_terms(a1, b1, c1, a2, b2, c2):
     return turn, np.where(grey, h1 + h2, mean)
 
 
-def delta_e(lab_1: ArrayLike, lab_2: ArrayLike) -> NDArray:
+def delta_e(lab_1: ArrayLike, lab_2: ArrayLike) -> AnyArray:
     """CIEDE2000 colour difference (...,) of two arrays of L*a*b* (..., 3), kL = kC = kH = 1."""
     one, two = np.asarray(lab_1, dtype=np.float64), np.asarray(lab_2, dtype=np.float64)
     b1, b2 = one[..., 2], two[..., 2]
@@ -79,4 +82,5 @@ def delta_e(lab_1: ArrayLike, lab_2: ArrayLike) -> NDArray:
     d_h = 2 * np.sqrt(c1 * c2) * np.sin(turn / 2) / (1 + 0.015 * chroma * t)
     bend = np.radians(30) * np.exp(-(((np.degrees(hue) - 275) / 25) ** 2))
     rotation = -2 * np.sin(2 * bend) * np.sqrt(chroma**7 / (chroma**7 + 25.0**7))
-    return np.sqrt(np.maximum(d_l**2 + d_c**2 + d_h**2 + rotation * d_c * d_h, 0.0))
+    result: AnyArray = np.sqrt(np.maximum(d_l**2 + d_c**2 + d_h**2 + rotation * d_c * d_h, 0.0))
+    return result

@@ -19,6 +19,7 @@ from paint3d.colour.layers import SAUNDERSON
 from paint3d.colour.pigments import Pigment
 from paint3d.colour.spectra import N_BANDS, rgb_weights
 from paint3d.colour.vertex_colours import srgb_codes
+from paint3d.core.types import AnyArray
 
 __all__ = ["GlazeModel", "make_ground", "spectrum_from_linear_rgb", "srgb_primaries"]
 
@@ -27,14 +28,14 @@ _NO_RGB = np.empty((0, 3), np.float32)
 
 
 @lru_cache(maxsize=1)
-def srgb_primaries() -> NDArray:
+def srgb_primaries() -> AnyArray:
     """Return (31, 3) spectra of red, green and blue; see `spectrum_from_linear_rgb`."""
     primaries = np.loadtxt(_TABLE, delimiter=",", skiprows=1)[:, 1:]
     primaries.flags.writeable = False
     return primaries
 
 
-def spectrum_from_linear_rgb(linear_rgb: ArrayLike) -> NDArray:
+def spectrum_from_linear_rgb(linear_rgb: ArrayLike) -> AnyArray:
     """Smooth reflectances (..., 31) in [0, 1] that have the linear sRGB (..., 3) in [0, 1].
 
     Mallett, Yuksel: Spectral Primary Decomposition for Rendering with sRGB Reflectance, EGSR
@@ -43,7 +44,7 @@ def spectrum_from_linear_rgb(linear_rgb: ArrayLike) -> NDArray:
     return np.asarray(linear_rgb, dtype=np.float64) @ srgb_primaries().T
 
 
-def make_ground(material: NDArray) -> Ground:
+def make_ground(material: AnyArray) -> Ground:
     """The ground of a surface of one material on which nothing has dried."""
     return Ground(
         slots=np.empty(0, np.int32),

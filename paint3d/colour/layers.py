@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.colour.kernels.kubelka_munk import layer_bands
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.colour.spectra import N_BANDS
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = [
@@ -34,7 +35,7 @@ SAUNDERSON = (0.03, 0.5)
 
 def layer_reflectance(
     absorption: ArrayLike, scattering: ArrayLike, coats: ArrayLike, backing: ArrayLike
-) -> NDArray:
+) -> AnyArray:
     """Reflectance of a layer over a backing, element by element (see `layer_bands`).
 
     Parameters
@@ -74,7 +75,7 @@ def layer_reflectance(
     return reflected.reshape(np.broadcast_shapes(*(array.shape for array in given)))
 
 
-def to_measured(internal: ArrayLike, outer: float, inner: float) -> NDArray:
+def to_measured(internal: ArrayLike, outer: float, inner: float) -> AnyArray:
     """Reflectance as measured, gloss included, of a film's internal reflectance.
 
     k1 + (1 - k1)(1 - k2) R / (1 - k2 R) with k1 = `outer`, k2 = `inner` (Saunderson 1942).
@@ -83,13 +84,13 @@ def to_measured(internal: ArrayLike, outer: float, inner: float) -> NDArray:
     return outer + (1.0 - outer) * (1.0 - inner) * r / (1.0 - inner * r)
 
 
-def to_internal(measured: ArrayLike, outer: float, inner: float) -> NDArray:
+def to_internal(measured: ArrayLike, outer: float, inner: float) -> AnyArray:
     """Undo `to_measured`; below k1, darker than the gloss alone, the result is negative."""
     r = np.asarray(measured, dtype=np.float64) - outer
     return r / ((1.0 - outer) * (1.0 - inner) + inner * r)
 
 
-def mix_pigments(fractions: Mapping[str | Pigment, float]) -> tuple[NDArray, NDArray, bool]:
+def mix_pigments(fractions: Mapping[str | Pigment, float]) -> tuple[AnyArray, AnyArray, bool]:
     """K and S (31,) per coat of a wet mixture, and whether its film is glossy.
 
     Parameters
@@ -127,7 +128,7 @@ def mixture_reflectance(
     coats: float,
     backing: ArrayLike,
     saunderson: bool | None = None,
-) -> NDArray:
+) -> AnyArray:
     """Reflectance (31,), 400-700 nm, as measured, of a mixed paint over a backing.
 
     Parameters
@@ -165,7 +166,7 @@ def mixture_reflectance(
 
 def stack_reflectance(
     layers: Sequence[tuple[ArrayLike, ArrayLike, float]], backing: ArrayLike, glossy: bool = False
-) -> NDArray:
+) -> AnyArray:
     """Reflectance (31,) as measured of dry layers over a backing, the lowest first.
 
     Parameters

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-
-from numpy.typing import NDArray
+from typing import Any
 
 from paint3d.colour.pigments import BANDS_NM
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError, UnknownNameError
 
 __all__ = ["WET_COAT_MM", "Material", "load_material", "load_materials", "material_names"]
@@ -77,7 +77,7 @@ class Material:
     """
 
     name: str
-    reflectance: NDArray
+    reflectance: AnyArray
     roughness: float
     coat: float
     absorbency: float
@@ -125,10 +125,12 @@ def load_materials() -> Mapping[str, Material]:
         rows = list(csv.DictReader(stream))
     materials = {}
     for row in rows:
-        words = {key: row[key] for key in ("name", "chinese", "source", "basis", "licence")}
-        looks = {key: float(row[key]) for key in (*_LOOKS, *_DRINKS)}
-        reflectance = [float(row[f"R_{nm:.0f}"]) for nm in BANDS_NM]
-        materials[row["name"]] = Material(reflectance=reflectance, **words, **looks)
+        words: dict[str, Any] = {
+            key: row[key] for key in ("name", "chinese", "source", "basis", "licence")
+        }
+        looks: dict[str, Any] = {key: float(row[key]) for key in (*_LOOKS, *_DRINKS)}
+        looks["reflectance"] = [float(row[f"R_{nm:.0f}"]) for nm in BANDS_NM]
+        materials[row["name"]] = Material(**words, **looks)
     return MappingProxyType(materials)
 
 

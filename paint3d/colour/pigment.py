@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError
 
 __all__ = ["BANDS_NM", "Pigment"]
@@ -41,8 +41,8 @@ class Pigment:
 
     name: str
     chinese: str
-    K: NDArray
-    S: NDArray
+    K: AnyArray
+    S: AnyArray
     source: str = ""
     basis: str = ""
     licence: str = ""

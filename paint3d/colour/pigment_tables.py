@@ -7,12 +7,13 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.colour.masstone import masstone_strengths
 from paint3d.colour.pigment import BANDS_NM, Pigment
+from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError
 
 __all__ = ["load_pigments_csv"]
@@ -60,14 +61,15 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     return MappingProxyType(pigments)
 
 
-def _read_bands(header: list[str], path: Path) -> tuple[NDArray, dict[str, list[str]]]:
+def _read_bands(header: list[str], path: Path) -> tuple[AnyArray, dict[str, list[str]]]:
     """Wavelengths and columns of each letter: K and S for the same wavelengths, or R alone."""
     columns: dict[str, list[str]] = {"K": [], "S": [], "R": []}
+    bands: dict[str, list[float]] = {"K": [], "S": [], "R": []}
     for column in header:
         match = _BAND.fullmatch(column)
         if match:
             columns[match[1]].append(column)
-    bands = {a: [float(_BAND.fullmatch(c)[2]) for c in columns[a]] for a in columns}
+            bands[match[1]].append(float(match[2]))
     masstone = bool(bands["R"]) and not (bands["K"] or bands["S"])
     if not masstone and (bands["R"] or not bands["K"] or bands["K"] != bands["S"]):
         raise PigmentError(
@@ -85,7 +87,9 @@ def _read_bands(header: list[str], path: Path) -> tuple[NDArray, dict[str, list[
     return np.array(nm), {a: names for a, names in columns.items() if names}
 
 
-def _read_row(row: dict, where: str, nm: NDArray, columns: dict[str, list[str]]) -> Pigment:
+def _read_row(
+    row: dict[str, Any], where: str, nm: AnyArray, columns: dict[str, list[str]]
+) -> Pigment:
     spectra = {a: _read_spectrum(row, where, nm, names) for a, names in columns.items()}
     words = {key: (row.get(key) or "").strip() for key in ("name", "chinese", "source", "basis")}
     words["licence"] = (row.get("licence") or "").strip()
@@ -110,7 +114,7 @@ def _read_row(row: dict, where: str, nm: NDArray, columns: dict[str, list[str]])
     return Pigment(**words, K=strengths[0], S=strengths[1], saunderson=gloss == "yes")
 
 
-def _read_spectrum(row: dict, where: str, nm: NDArray, columns: list[str]) -> NDArray:
+def _read_spectrum(row: dict[str, Any], where: str, nm: AnyArray, columns: list[str]) -> AnyArray:
     """Values (31,) of one letter's columns, checked one by one."""
     values = np.empty(nm.size)
     for i, column in enumerate(columns):
@@ -122,4 +126,5 @@ def _read_spectrum(row: dict, where: str, nm: NDArray, columns: list[str]) -> ND
             raise PigmentError(
                 f"{where}: {column} is {values[i]:g}; expected a finite number of at least 0"
             )
-    return np.interp(BANDS_NM, nm, values)
+    result: AnyArray = np.interp(BANDS_NM, nm, values)
+    return result

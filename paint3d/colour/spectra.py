@@ -12,9 +12,10 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = [
@@ -41,7 +42,7 @@ _RED, _GREEN, _BLUE, _WHITE = (0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127,
 _TABLE = Path(__file__).parent / "data" / "observer.csv"
 
 
-def _xyz_of_chromaticity(xy: tuple[float, float]) -> NDArray:
+def _xyz_of_chromaticity(xy: tuple[float, float]) -> AnyArray:
     x, y = xy
     return np.array([x / y, 1.0, (1.0 - x - y) / y])
 
@@ -50,7 +51,7 @@ WHITE_XYZ = _xyz_of_chromaticity(_WHITE)
 """(3,) XYZ of the sRGB white, D65 by its chromaticity (0.3127, 0.3290), Y = 1."""
 
 
-def _rgb_from_xyz() -> NDArray:
+def _rgb_from_xyz() -> AnyArray:
     primaries = np.column_stack([_xyz_of_chromaticity(xy) for xy in (_RED, _GREEN, _BLUE)])
     return np.linalg.inv(primaries * np.linalg.solve(primaries, WHITE_XYZ))
 
@@ -60,7 +61,7 @@ RGB_FROM_XYZ = _rgb_from_xyz()
 
 
 @lru_cache(maxsize=1)
-def xyz_weights() -> NDArray:
+def xyz_weights() -> AnyArray:
     """Return (31, 3) weights: XYZ of a reflectance spectrum is ``spectrum @ weights``."""
     table = np.loadtxt(_TABLE, delimiter=",", skiprows=1)
     weights = table[:, 1:4] * table[:, 4:5]
@@ -70,20 +71,20 @@ def xyz_weights() -> NDArray:
 
 
 @lru_cache(maxsize=1)
-def rgb_weights() -> NDArray:
+def rgb_weights() -> AnyArray:
     """Return (31, 3) weights: linear sRGB of a reflectance spectrum is ``spectrum @ weights``."""
     weights = xyz_weights() @ RGB_FROM_XYZ.T
     weights.flags.writeable = False
     return weights
 
 
-def _as_spectra(spectra: ArrayLike) -> NDArray:
+def _as_spectra(spectra: ArrayLike) -> AnyArray:
     values = np.asarray(spectra)
     shape = (*(None,) * (values.ndim - 1), N_BANDS)
     return as_array(values, "spectra", shape if values.ndim else (N_BANDS,))
 
 
-def xyz_from_reflectance(spectra: ArrayLike) -> NDArray:
+def xyz_from_reflectance(spectra: ArrayLike) -> AnyArray:
     """XYZ (..., 3), white at Y = 1, of reflectance spectra (..., 31).
 
     Raises
@@ -94,7 +95,7 @@ def xyz_from_reflectance(spectra: ArrayLike) -> NDArray:
     return _as_spectra(spectra) @ xyz_weights()
 
 
-def linear_rgb_from_reflectance(spectra: ArrayLike) -> NDArray:
+def linear_rgb_from_reflectance(spectra: ArrayLike) -> AnyArray:
     """Linear sRGB (..., 3) of reflectance spectra (..., 31); saturated colours leave [0, 1].
 
     Raises
@@ -105,7 +106,7 @@ def linear_rgb_from_reflectance(spectra: ArrayLike) -> NDArray:
     return _as_spectra(spectra) @ rgb_weights()
 
 
-def encode_srgb(linear_rgb: ArrayLike) -> NDArray:
+def encode_srgb(linear_rgb: ArrayLike) -> AnyArray:
     """The sRGB transfer function (IEC 61966-2-1), linear to encoded; odd below zero."""
     linear = np.asarray(linear_rgb, dtype=np.float64)
     size = np.abs(linear)
@@ -113,7 +114,7 @@ def encode_srgb(linear_rgb: ArrayLike) -> NDArray:
     return np.copysign(np.where(size <= 0.0031308, 12.92 * size, curve), linear)
 
 
-def decode_srgb(srgb: ArrayLike) -> NDArray:
+def decode_srgb(srgb: ArrayLike) -> AnyArray:
     """Linear RGB of encoded sRGB: floats in [0, 1], or uint8.
 
     Raises
@@ -130,7 +131,7 @@ def decode_srgb(srgb: ArrayLike) -> NDArray:
     return np.where(values <= 0.04045, values / 12.92, curve)
 
 
-def srgb_from_linear(linear_rgb: ArrayLike) -> NDArray:
+def srgb_from_linear(linear_rgb: ArrayLike) -> AnyArray:
     """Rounded uint8 sRGB of linear RGB; colours outside the sRGB gamut go to its border.
 
     Notes
@@ -141,7 +142,7 @@ def srgb_from_linear(linear_rgb: ArrayLike) -> NDArray:
     return np.rint(255.0 * encode_srgb(np.clip(linear_rgb, 0.0, 1.0))).astype(np.uint8)
 
 
-def srgb_from_reflectance(spectra: ArrayLike) -> NDArray:
+def srgb_from_reflectance(spectra: ArrayLike) -> AnyArray:
     """uint8 sRGB (..., 3) of reflectance spectra (..., 31), gamut as in `srgb_from_linear`.
 
     Raises

@@ -37,6 +37,7 @@ from paint3d.colour.spectra import (
     srgb_from_linear,
 )
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["ColourModel", "srgb_codes"]
@@ -47,7 +48,7 @@ _NO_RGB = np.empty((0, 3), np.float32)
 
 
 @lru_cache(maxsize=1)
-def _live_bands() -> tuple[NDArray, NDArray]:
+def _live_bands() -> tuple[AnyArray, AnyArray]:
     """Indices (12,) of the live bands among the 31, and their weights (12, 3)."""
     table = np.loadtxt(_LIVE, delimiter=",", skiprows=1)
     return np.searchsorted(WAVELENGTHS, table[:, 0]), table[:, 1:]
@@ -59,7 +60,7 @@ def _all_of_palette(pigments: Sequence[Pigment]) -> bool:
 
 
 @lru_cache(maxsize=1)
-def srgb_codes() -> NDArray:
+def srgb_codes() -> AnyArray:
     """sRGB code (16384,) uint8 of evenly spaced linear values; at most 0.2 codes a step."""
     return srgb_from_linear(np.linspace(0.0, 1.0, _N_CODES))
 
@@ -122,7 +123,7 @@ class ColourModel:
         else:
             self._look = self._film(np.arange(N_BANDS), rgb_weights())
 
-    def _film(self, bands: NDArray, weights: NDArray) -> Film:
+    def _film(self, bands: AnyArray, weights: AnyArray) -> Film:
         outer, inner = self._gloss
         paints = [(p.K[bands], p.S[bands]) for p in self.pigments]
         scaled = weights * ((1.0 - outer) * (1.0 - inner))
@@ -199,7 +200,7 @@ class ColourModel:
         return out
 
 
-def _check(array: NDArray, name: str, shape: tuple[int, ...], dtype: type) -> None:
+def _check(array: AnyArray, name: str, shape: tuple[int, ...], dtype: type) -> None:
     if array.dtype != dtype or array.shape != shape or not array.flags.c_contiguous:
         raise InputError(
             f"{name} is {array.dtype} {array.shape}; expected {np.dtype(dtype)} {shape}, contiguous"

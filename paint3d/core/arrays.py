@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
-from paint3d.errors import InputError
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError, Paint3DError
 
 __all__ = ["as_array", "as_number", "zeros_on_lines"]
 
@@ -19,8 +20,8 @@ def as_array(
     name: str,
     shape: tuple[int | None, ...],
     dtype: DTypeLike = np.float64,
-    error: type[InputError] = InputError,
-) -> NDArray:
+    error: type[Paint3DError] = InputError,
+) -> AnyArray:
     """Return `values` as a C-contiguous finite array of the wanted shape.
 
     Parameters
@@ -61,7 +62,7 @@ def as_number(
     name: str,
     low: float = -math.inf,
     high: float = math.inf,
-    error: type[InputError] = InputError,
+    error: type[Paint3DError] = InputError,
 ) -> float:
     """Return `value` as a finite float within [low, high].
 
@@ -89,7 +90,7 @@ def as_number(
     return number
 
 
-def zeros_on_lines(shape: int | tuple[int, ...], dtype: DTypeLike) -> NDArray:
+def zeros_on_lines(shape: int | tuple[int, ...], dtype: DTypeLike) -> AnyArray:
     """Zeros whose first element begins a cache line, so that vector loops cross none."""
     kind = np.dtype(dtype)
     size = int(np.prod(shape)) * kind.itemsize

@@ -27,6 +27,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType
+from typing import Any
 
 from numba import config, njit
 from numba.core.dispatcher import Dispatcher
@@ -49,11 +50,16 @@ _PACKAGE = Path(__file__).parents[1]
 log = logging.getLogger("paint3d")
 
 
+def _numba_folder() -> str:
+    """The folder that numba was told to keep what it compiles in; "" for none."""
+    return str(getattr(config, "CACHE_DIR", ""))
+
+
 def _finds_a_folder() -> bool:
     """Whether numba has where to keep what it compiles."""
     beside = Path(__file__).with_name("__pycache__")
     users = os.environ.get("XDG_CACHE_HOME", find_home() or "")
-    if not (config.CACHE_DIR or os.path.isabs(users) or can_write(beside)):
+    if not (_numba_folder() or os.path.isabs(users) or can_write(beside)):
         return False  # it would make a folder named ~ in the working one, or numba
     try:
         njit(cache=True)(_finds_a_folder)
@@ -70,28 +76,34 @@ def _give_a_folder() -> None:
         "folder",
         folder,
     )
-    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = os.fspath(folder)
+    os.environ["NUMBA_CACHE_DIR"] = os.fspath(folder)
+    setattr(config, "CACHE_DIR", os.fspath(folder))  # noqa: B010  # its own, unknown to types
 
 
 if not _finds_a_folder():
     _give_a_folder()
 
 
-def _nothing():
+def _nothing() -> None:
     """Nothing; numba tells where it would keep it."""
 
 
 def compiled_folder(sources: Path) -> Path:
     """The folder in which numba keeps what is compiled of the modules in another."""
     there = _nothing.__code__.replace(co_filename=os.fspath(sources / "__init__.py"))
-    return Path(njit(cache=True)(FunctionType(there, {}, "nothing")).stats.cache_path)
+    return _kept_by(njit(cache=True)(FunctionType(there, {}, "nothing")))
+
+
+def _kept_by(kernel: Any) -> Path:
+    """The folder in which numba keeps a kernel that it keeps."""
+    return Path(kernel.stats.cache_path)
 
 
 def is_compiled(kernel: Dispatcher) -> bool:
     """Whether code of a kernel is kept for this version of Python."""
     name = f"{kernel.py_func.__module__.rpartition('.')[2]}.{kernel.py_func.__qualname__}"
     version = f"py{sys.version_info.major}{sys.version_info.minor}"
-    return any(Path(kernel.stats.cache_path).glob(f"{name}-*.{version}*.nbi"))
+    return any(_kept_by(kernel).glob(f"{name}-*.{version}*.nbi"))
 
 
 def drop_stale(
@@ -115,6 +127,7 @@ def drop_stale(
     }
     record = compiled(package / _FOLDERS[0]) / _RECORD
     before = _read(record)
+    now: dict[str, list[Any]]
     now = {name: [path.stat().st_size, path.stat().st_mtime_ns] for name, path in files.items()}
     if {name: state[:2] for name, state in before.items()} == now:
         return
@@ -149,7 +162,7 @@ def _delete(stale: set[str], package: Path, compiled: Callable[[Path], Path]) ->
                 path.unlink(missing_ok=True)
 
 
-def _read(record: Path) -> dict[str, list]:
+def _read(record: Path) -> dict[str, list[Any]]:
     """The sources' sizes, times and tuples when it was written; none where it cannot be read."""
     try:
         found = json.loads(record.read_text("utf-8"))
@@ -164,7 +177,11 @@ def _read(record: Path) -> dict[str, list]:
 def _tuples(source: Path) -> dict[str, list[str]]:
     """The fields of the named tuples that a source defines."""
     return {
-        node.name: [line.target.id for line in node.body if isinstance(line, ast.AnnAssign)]
+        node.name: [
+            line.target.id
+            for line in node.body
+            if isinstance(line, ast.AnnAssign) and isinstance(line.target, ast.Name)
+        ]
         for node in ast.parse(source.read_text("utf-8")).body
         if isinstance(node, ast.ClassDef)
         and any(isinstance(base, ast.Name) and base.id == "NamedTuple" for base in node.bases)

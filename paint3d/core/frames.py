@@ -9,7 +9,8 @@ Quaternions are (w, x, y, z), unit length; `q` and `-q` are the same rotation.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
 
 __all__ = [
     "cross",
@@ -21,7 +22,7 @@ __all__ = [
 ]
 
 
-def matrices_from_quaternions(quaternions: NDArray) -> NDArray:
+def matrices_from_quaternions(quaternions: AnyArray) -> AnyArray:
     """Rotation matrices (N, 3, 3) of unit quaternions (N, 4), w first."""
     w, x, y, z = np.moveaxis(np.asarray(quaternions, dtype=np.float64), -1, 0)
     rows = [
@@ -32,16 +33,17 @@ def matrices_from_quaternions(quaternions: NDArray) -> NDArray:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def quaternions_from_matrices(matrices: NDArray) -> NDArray:
+def quaternions_from_matrices(matrices: AnyArray) -> AnyArray:
     """Unit quaternions (N, 4), w first and not negative, of rotation matrices (N, 3, 3)."""
     from scipy.spatial.transform import Rotation
 
     xyzw = Rotation.from_matrix(np.asarray(matrices, dtype=np.float64)).as_quat()
     wxyz = np.roll(xyzw, 1, axis=-1)
-    return np.where(wxyz[..., :1] < 0, -wxyz, wxyz)
+    result: AnyArray = np.where(wxyz[..., :1] < 0, -wxyz, wxyz)
+    return result
 
 
-def multiply_quaternions(a: NDArray, b: NDArray) -> NDArray:
+def multiply_quaternions(a: AnyArray, b: AnyArray) -> AnyArray:
     """The rotation `b` followed by the rotation `a`; shapes (..., 4), w first."""
     aw, ax, ay, az = np.moveaxis(np.asarray(a, dtype=np.float64), -1, 0)
     bw, bx, by, bz = np.moveaxis(np.asarray(b, dtype=np.float64), -1, 0)
@@ -56,7 +58,7 @@ def multiply_quaternions(a: NDArray, b: NDArray) -> NDArray:
     )
 
 
-def rotate(quaternions: NDArray, vectors: NDArray) -> NDArray:
+def rotate(quaternions: AnyArray, vectors: AnyArray) -> AnyArray:
     """Rotate vectors (..., 3) by unit quaternions (..., 4), w first."""
     q = np.asarray(quaternions, dtype=np.float64)
     v = np.asarray(vectors, dtype=np.float64)
@@ -65,7 +67,7 @@ def rotate(quaternions: NDArray, vectors: NDArray) -> NDArray:
     return v + q[..., :1] * t + cross(u, t)
 
 
-def cross(u: NDArray, v: NDArray) -> NDArray:
+def cross(u: AnyArray, v: AnyArray) -> AnyArray:
     """Cross products of vectors (..., 3), float64; for few of them faster than NumPy's own."""
     x = u[..., 1] * v[..., 2] - u[..., 2] * v[..., 1]
     y = u[..., 2] * v[..., 0] - u[..., 0] * v[..., 2]
@@ -75,7 +77,7 @@ def cross(u: NDArray, v: NDArray) -> NDArray:
     return out
 
 
-def slerp(a: NDArray, b: NDArray, fraction: NDArray) -> NDArray:
+def slerp(a: AnyArray, b: AnyArray, fraction: AnyArray) -> AnyArray:
     """Interpolate along the shorter arc from `a` (..., 4) to `b` (..., 4); fraction in [0, 1]."""
     a = np.asarray(a, dtype=np.float64)
     b = np.asarray(b, dtype=np.float64)
@@ -89,4 +91,5 @@ def slerp(a: NDArray, b: NDArray, fraction: NDArray) -> NDArray:
     weight_a = np.where(small, 1.0 - t, np.sin((1.0 - t) * angle) / sine)
     weight_b = np.where(small, t, np.sin(t * angle) / sine)
     mixed = weight_a * a + weight_b * b
-    return mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)
+    result: AnyArray = mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)
+    return result

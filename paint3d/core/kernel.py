@@ -14,7 +14,7 @@ __all__ = ["kernel", "uncounted"]
 drop_stale()  # before the first is loaded
 
 
-def kernel(function: Callable | None = None, **options: Any) -> Any:
+def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """Compile a function when it is first called with arguments of new types.
 
     Parameters
@@ -28,7 +28,7 @@ def kernel(function: Callable | None = None, **options: Any) -> Any:
     return _compiled(function, {"_nrt": True, **options})
 
 
-def uncounted(function: Callable | None = None, **options: Any) -> Any:
+def uncounted(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """Compile a function without counting who holds the arrays that it is handed.
 
     numba counts references to every array of every named tuple that a kernel is handed, up at its
@@ -43,6 +43,6 @@ def uncounted(function: Callable | None = None, **options: Any) -> Any:
     return _compiled(function, {"_nrt": False, **options})
 
 
-def _compiled(function: Callable | None, options: dict[str, Any]) -> Any:
+def _compiled(function: Callable[..., Any] | None, options: dict[str, Any]) -> Any:
     decorate = njit(**{"cache": True, "nogil": True, **options})
     return decorate if function is None else decorate(function)

@@ -157,7 +157,7 @@ def handed_to_child(descriptor: int) -> tuple[int, dict[str, object]]:
     if msvcrt is None:
         return descriptor, {"pass_fds": (descriptor,)}
     handle = msvcrt.get_osfhandle(descriptor)
-    os.set_handle_inheritable(handle, True)
+    os.set_handle_inheritable(handle, True)  # type: ignore[attr-defined]  # Windows only
     return handle, {"close_fds": False}
 
 

@@ -63,10 +63,12 @@ def lateness_ms(times_ns: ArrayLike, sequence: ArrayLike) -> NDArray[np.float64]
     from this side.
     """
     times = np.asarray(times_ns, dtype=np.float64)
-    steps = np.diff(np.asarray(sequence, dtype=np.int64)) % 65536
+    numbers: NDArray[np.int64] = np.asarray(sequence, dtype=np.int64)
+    steps = np.diff(numbers) % 65536
     count = np.concatenate([[0], np.cumsum(steps)]).astype(np.float64)
     if len(times) < 3 or count[-1] <= 0:
         return np.zeros(len(times))
     slope, start = np.polyfit(count, times - times[0], 1)
     rest = times - times[0] - (start + slope * count)
-    return (rest - rest.min()) * 1e-6
+    result: NDArray[np.float64] = (rest - rest.min()) * 1e-6
+    return result

@@ -10,6 +10,7 @@ import json
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
+from typing import Any
 
 __all__ = ["MouseQuirks", "find_mouse_quirks", "is_listed_mouse", "is_never_six_dof"]
 
@@ -41,15 +42,17 @@ class MouseQuirks:
 
 
 @lru_cache(maxsize=1)
-def _read() -> dict:
+def _read() -> dict[str, Any]:
     text = resources.files(__package__).joinpath("catalogue.json").read_text(encoding="utf-8")
-    return json.loads(text)
+    result: dict[str, Any] = json.loads(text)
+    return result
 
 
-def _find(table: str, vendor: int, product: int) -> dict | None:
+def _find(table: str, vendor: int, product: int) -> dict[str, Any] | None:
     for row in _read()[table]:
         if int(row["vendor"], 16) == vendor and f"{product:04x}" in row["products"]:
-            return row
+            result: dict[str, Any] | None = row
+            return result
     return None
 
 

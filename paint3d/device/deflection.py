@@ -68,7 +68,10 @@ def deflection(
     counts = as_array(axes, "axes", (6,), error=DeviceError) - np.asarray(settings.rest)
     share = np.clip(counts / quirks.full_deflection, -1.0, 1.0)
     beyond = np.maximum(np.abs(share) - settings.dead_zone, 0.0) / (1.0 - settings.dead_zone)
-    return np.sign(share) * beyond**settings.curve * np.asarray(quirks.axes_signs, np.float64)
+    result: NDArray[np.float64] = (
+        np.sign(share) * beyond**settings.curve * np.asarray(quirks.axes_signs, np.float64)
+    )
+    return result
 
 
 def is_silent(now_ns: int, last_report_ns: int) -> bool:

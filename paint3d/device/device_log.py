@@ -12,9 +12,10 @@ import io
 import json
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from threading import Lock
+from typing import IO, Any
 
 from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode
@@ -102,7 +103,11 @@ class PlaybackLink:
     """
 
     def __init__(
-        self, node: HidNode, descriptor: bytes, entries: list[LogEntry], now_ns=time.monotonic_ns
+        self,
+        node: HidNode,
+        descriptor: bytes,
+        entries: list[LogEntry],
+        now_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         self.node = node
         self.name = node.name
@@ -129,16 +134,17 @@ class PlaybackLink:
             raise DeviceGoneError(f"{self.name}: the recording is over")
         if self._start_ns is None:
             self.start(self._now_ns(), self.entries[0][0])
-        due = self.entries[self._next][0] + self._start_ns
+        start_ns = self._start_ns or 0
+        due = self.entries[self._next][0] + start_ns
         wait_s = min(timeout_ms * 1e-3, (due - self._now_ns()) * 1e-9)
         if wait_s > 0.0:
             time.sleep(wait_s)
         now, ready = self._now_ns(), []
         while self._next < len(self.entries):
             time_ns, report = self.entries[self._next]
-            if time_ns + self._start_ns > now:
+            if time_ns + start_ns > now:
                 break
-            ready.append((time_ns + self._start_ns, report))
+            ready.append((time_ns + start_ns, report))
             self._next += 1
         return ready
 
@@ -163,7 +169,7 @@ def read_device_log(path: str | os.PathLike[str]) -> list[PlaybackLink]:
     try:
         with open(path, "rb") as raw:
             zipped = raw.peek(2)[:2] == b"\x1f\x8b"
-            file = io.BufferedReader(gzip.GzipFile(fileobj=raw)) if zipped else raw
+            file: IO[bytes] = io.BufferedReader(gzip.GzipFile(fileobj=raw)) if zipped else raw
             for number, line in _lines(file):
                 try:
                     _take_line(json.loads(line), number, links)
@@ -176,7 +182,7 @@ def read_device_log(path: str | os.PathLike[str]) -> list[PlaybackLink]:
     return links
 
 
-def _lines(file: io.BufferedReader) -> Iterator[tuple[int, bytes]]:
+def _lines(file: IO[bytes]) -> Iterator[tuple[int, bytes]]:
     number = 0
     while line := file.readline(_MAX_LINE + 1):
         number += 1
@@ -185,7 +191,7 @@ def _lines(file: io.BufferedReader) -> Iterator[tuple[int, bytes]]:
         yield number, line
 
 
-def _take_line(found: object, number: int, links: list[PlaybackLink]) -> None:
+def _take_line(found: Any, number: int, links: list[PlaybackLink]) -> None:
     if number == 1:
         if not isinstance(found, dict) or found.get("format") != _FORMAT:
             raise ValueError(f"expected format {_FORMAT!r} in the first line")

@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from paint3d.device.hid_link import DeviceGoneError, Link
 from paint3d.errors import DeviceError
@@ -72,12 +73,12 @@ class DeviceLoop:
         self._decode = decode
         self._log = log
         self._at_end = at_end
-        self._events: deque = deque()
+        self._events: deque[Any] = deque()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"read {link.name}", daemon=True)
         self._thread.start()
 
-    def take(self) -> list:
+    def take(self) -> list[Any]:
         """All events since the last call, oldest first."""
         events = []
         while self._events:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Protocol
+from typing import Any, Protocol
 
 from paint3d.device.hid_nodes import HidNode, backend_module
 from paint3d.device.permission import explain_failure
@@ -39,7 +39,7 @@ class Link(Protocol):
 class HidLink:
     """A device that hidapi opened; see `open_node`."""
 
-    def __init__(self, device: object, name: str) -> None:
+    def __init__(self, device: Any, name: str) -> None:
         self._device = device
         self.name = name
         self.descriptor = bytes(device.get_report_descriptor())

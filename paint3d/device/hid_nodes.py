@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from paint3d.device.catalogue import find_mouse_quirks, is_listed_mouse, is_never_six_dof
 from paint3d.device.descriptor import parse_descriptor
@@ -112,7 +113,7 @@ def _merged(nodes: list[HidNode]) -> list[HidNode]:
     return [best[path] for path in sorted(best)]
 
 
-def _make_node(backend: str, entry: dict) -> HidNode:
+def _make_node(backend: str, entry: dict[str, Any]) -> HidNode:
     vendor, product = entry["vendor_id"], entry["product_id"]
     path = entry["path"].decode(errors="replace")
     usages = (entry["usage_page"], entry["usage"])

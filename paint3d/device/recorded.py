@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
 
@@ -65,15 +67,30 @@ class Recording:
         quaternion's length is further than 1e-3 from 1.
     """
 
-    time_ns: NDArray
-    position: NDArray
-    orientation: NDArray
-    pressure: NDArray | None = None
-    buttons: NDArray | None = None
-    object_position: NDArray | None = None
-    object_orientation: NDArray | None = None
-    header: Mapping[str, object] = field(default_factory=dict)
-    contact: NDArray | None = None
+    time_ns: NDArray[np.int64]
+    position: NDArray[np.float64]
+    orientation: NDArray[np.float64]
+    pressure: NDArray[np.float64] | None = None
+    buttons: NDArray[np.int32] = None  # type: ignore[assignment]  # filled in below
+    object_position: NDArray[np.float64] = None  # type: ignore[assignment]  # filled in below
+    object_orientation: NDArray[np.float64] = None  # type: ignore[assignment]  # filled in below
+    header: Mapping[str, Any] = field(default_factory=dict)
+    contact: NDArray[np.float64] | None = None
+
+    if TYPE_CHECKING:  # what it takes is more than what it holds
+
+        def __init__(
+            self,
+            time_ns: ArrayLike,
+            position: ArrayLike,
+            orientation: ArrayLike,
+            pressure: ArrayLike | None = None,
+            buttons: ArrayLike | None = None,
+            object_position: ArrayLike | None = None,
+            object_orientation: ArrayLike | None = None,
+            header: Mapping[str, Any] = ...,
+            contact: ArrayLike | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         time_ns = _times(self.time_ns)
@@ -105,7 +122,7 @@ class Recording:
     @property
     def is_pad(self) -> bool:
         """Whether the samples lie on a flat pad and must be laid on a surface first."""
-        return self.header["space"] == "pad"
+        return bool(self.header["space"] == "pad")
 
     @property
     def duration_s(self) -> float:
@@ -135,11 +152,11 @@ class Recording:
                 self._contact_of(i),
             )
 
-    def _contact_of(self, i: int) -> NDArray | None:
+    def _contact_of(self, i: int) -> AnyArray | None:
         return None if self.contact is None or np.isnan(self.contact[i, 0]) else self.contact[i]
 
 
-def checked_header(header: Mapping[str, object]) -> dict[str, object]:
+def checked_header(header: Mapping[str, Any]) -> dict[str, Any]:
     """A copy of `header` with its defaults filled in.
 
     Raises
@@ -147,7 +164,7 @@ def checked_header(header: Mapping[str, object]) -> dict[str, object]:
     RecordingError
         For a format, version, space or azimuth that is not known.
     """
-    filled = {
+    filled: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "units": {"position": "mm", "time": "ns", "force": "N"},
@@ -166,7 +183,7 @@ def checked_header(header: Mapping[str, object]) -> dict[str, object]:
     return filled
 
 
-def _times(values: object) -> NDArray:
+def _times(values: ArrayLike) -> AnyArray:
     raw = np.asarray(values)
     if raw.ndim != 1 or raw.dtype.kind not in "iu":
         raise RecordingError(
@@ -185,26 +202,26 @@ def _times(values: object) -> NDArray:
     return times
 
 
-def _floats(values: object, name: str, shape: tuple[int, ...]) -> NDArray:
+def _floats(values: ArrayLike, name: str, shape: tuple[int, ...]) -> AnyArray:
     if _is_one_row(values, shape):  # stays one
         return np.broadcast_to(_floats(values[:1], name, (1, *shape[1:])), shape)
     return _own(as_array(values, name, shape, error=RecordingError), values)
 
 
-def _own(array: NDArray, given: object) -> NDArray:
+def _own(array: AnyArray, given: object) -> AnyArray:
     """A copy that nobody else can write to; the array itself where it is such a one already."""
     frozen = array is given and array.base is None and not array.flags.writeable
     return array if frozen else array.copy()
 
 
-def _is_one_row(values: object, shape: tuple[int, ...]) -> bool:
+def _is_one_row(values: ArrayLike, shape: tuple[int, ...]) -> TypeGuard[AnyArray]:
     """Whether it is an array of that shape in which all rows are the same memory."""
     if not isinstance(values, np.ndarray) or values.shape != shape or len(shape) != 2:
         return False
     return shape[0] > 1 and values.strides[0] == 0
 
 
-def _unit(values: object, name: str, n: int) -> NDArray:
+def _unit(values: ArrayLike, name: str, n: int) -> AnyArray:
     if _is_one_row(values, (n, 4)):
         return np.broadcast_to(_unit(values[:1], name, 1), (n, 4))
     array = _floats(values, name, (n, 4))
@@ -223,7 +240,7 @@ def _unit(values: object, name: str, n: int) -> NDArray:
     return array
 
 
-def _pressures(values: object, n: int) -> NDArray:
+def _pressures(values: ArrayLike, n: int) -> AnyArray:
     array = _floats(values, "pressure", (n,))
     bad = np.flatnonzero((array < 0.0) | (array > 1.0))
     if len(bad):
@@ -231,7 +248,7 @@ def _pressures(values: object, n: int) -> NDArray:
     return array
 
 
-def _contacts(values: object, n: int, with_pressure: bool) -> NDArray | None:
+def _contacts(values: ArrayLike | None, n: int, with_pressure: bool) -> AnyArray | None:
     """Checked places on the surface; None where no sample says one."""
     if values is None:
         return None
@@ -251,7 +268,7 @@ def _contacts(values: object, n: int, with_pressure: bool) -> NDArray | None:
     return array
 
 
-def _buttons(values: object, n: int) -> NDArray:
+def _buttons(values: ArrayLike | None, n: int) -> AnyArray:
     if values is None:
         return np.zeros(n, dtype=np.int32)
     raw = np.asarray(values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import NDArray
 
 __all__ = ["DeviceSample"]
@@ -36,10 +37,10 @@ class DeviceSample:
     """
 
     time_ns: int
-    position: NDArray
-    orientation: NDArray
+    position: NDArray[np.float64]
+    orientation: NDArray[np.float64]
     pressure: float | None
     buttons: int
-    object_position: NDArray
-    object_orientation: NDArray
-    contact: NDArray | None = None
+    object_position: NDArray[np.float64]
+    object_orientation: NDArray[np.float64]
+    contact: NDArray[np.float64] | None = None

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.files.readers.textures import Look, linear_from_srgb, srgb_from_linear
 
 __all__ = ["MOST_VERTICES", "Draped", "Pictured", "show_pictures"]
@@ -42,18 +43,18 @@ class Draped(NamedTuple):
     looks : sequence of Look
     """
 
-    uv: NDArray
-    look: NDArray
+    uv: NDArray[np.float64]
+    look: NDArray[np.int64]
     looks: Sequence[Look]
 
 
 class Pictured(NamedTuple):
     """Vertices (V, 3), faces (F, 3), colours (V, 3) uint8 and normals (V, 3) or None."""
 
-    vertices: NDArray
-    faces: NDArray
+    vertices: AnyArray
+    faces: AnyArray
     colours: NDArray[np.uint8]
-    normals: NDArray | None
+    normals: AnyArray | None
 
 
 class _Mesh:
@@ -74,7 +75,12 @@ class _Mesh:
     """
 
     def __init__(
-        self, vertices: NDArray, faces: NDArray, uv: NDArray, look: NDArray, own: NDArray
+        self,
+        vertices: AnyArray,
+        faces: NDArray[np.int64],
+        uv: NDArray[np.float64],
+        look: NDArray[np.int64],
+        own: NDArray[np.float64],
     ) -> None:
         single = np.ascontiguousarray(vertices, np.float32) + np.float32(0.0)
         rows = single.view([("x", "f4"), ("y", "f4"), ("z", "f4")]).ravel()
@@ -83,17 +89,21 @@ class _Mesh:
         self.faces, self.uv, self.look, self.own = faces, uv, look, own
         self.error = np.full(len(faces), np.nan)
 
-    def lengths(self) -> NDArray:
+    def lengths(self) -> NDArray[np.float64]:
         """(F, 3) float64: of the edges from each corner to the next."""
         corners = self.points[self.place[self.faces]]
-        return np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        result: NDArray[np.float64] = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        return result
 
-    def pixel_lengths(self, sizes: NDArray) -> NDArray:
+    def pixel_lengths(self, sizes: AnyArray) -> NDArray[np.float64]:
         """(F, 3) float64: the same on the picture, in pixels; sizes (L + 1, 2)."""
         corners = self.uv * sizes[self.look][:, None]
-        return np.nan_to_num(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2))
+        result: NDArray[np.float64] = np.nan_to_num(
+            np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        )
+        return result
 
-    def edges(self) -> tuple[NDArray, int]:
+    def edges(self) -> tuple[NDArray[np.int64], int]:
         """(F, 3) int64 edges from each corner to the next, alike where positions are; how many."""
         ends = self.place[self.faces]
         after = np.roll(ends, -1, axis=1)
@@ -101,7 +111,7 @@ class _Mesh:
         known, ids = np.unique(code.ravel(), return_inverse=True)
         return ids.reshape(-1, 3), len(known)
 
-    def halve(self, edges: NDArray, marked: NDArray, longest: NDArray) -> None:
+    def halve(self, edges: AnyArray, marked: AnyArray, longest: AnyArray) -> None:
         """Halve the marked edges (E,) bool; a face with one has its longest (F,) marked too."""
         rows = np.arange(len(self.faces))
         turn = (longest[:, None] + np.arange(3)) % 3  # the longest edge first: a, b, then c
@@ -134,8 +144,8 @@ class _Mesh:
         self.error = np.concatenate([p.error for p in parts])
 
     def _middles(
-        self, faces: NDArray, position: NDArray, marked: NDArray
-    ) -> tuple[NDArray, NDArray]:
+        self, faces: AnyArray, position: AnyArray, marked: AnyArray
+    ) -> tuple[AnyArray, AnyArray]:
         """New vertices (F, 3) on the marked edges (-1: none), and the ends (M, 2) of each."""
         after = np.roll(faces, -1, axis=1)
         low, high = np.minimum(faces, after)[marked], np.maximum(faces, after)[marked]
@@ -150,26 +160,26 @@ class _Mesh:
 
 
 class _Part(NamedTuple):
-    faces: NDArray
-    uv: NDArray
-    rows: NDArray  # of the faces they come from
-    error: NDArray
+    faces: AnyArray
+    uv: AnyArray
+    rows: AnyArray  # of the faces they come from
+    error: AnyArray
 
 
-def _part(corners: Sequence[tuple[NDArray, NDArray]], chosen: NDArray, rows: NDArray) -> _Part:
+def _part(corners: Sequence[tuple[AnyArray, AnyArray]], chosen: AnyArray, rows: AnyArray) -> _Part:
     faces = np.stack([vertex[chosen] for vertex, _ in corners], axis=1)
     uv = np.stack([place[chosen] for _, place in corners], axis=1)
     return _Part(faces, uv, rows[chosen], np.full(len(faces), np.nan))
 
 
 def show_pictures(
-    vertices: NDArray,
-    faces: NDArray,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
     draped: Draped,
-    colours: NDArray | None = None,
-    normals: NDArray | None = None,
+    colours: NDArray[np.uint8] | None = None,
+    normals: NDArray[np.float64] | None = None,
     most: int = MOST_VERTICES,
-    corner_colours: NDArray | None = None,
+    corner_colours: NDArray[np.uint8] | None = None,
 ) -> Pictured:
     """Refine a mesh where its pictures ask for it, and colour its vertices after them.
 
@@ -258,15 +268,16 @@ def _smooth(mesh: _Mesh) -> None:
     mesh.faces = faces
 
 
-def _angles(corners: NDArray) -> NDArray:
+def _angles(corners: AnyArray) -> AnyArray:
     """(F, 3) angles at the corners (F, 3, 3), rad."""
     along = np.roll(corners, -1, axis=1) - corners
     back = np.roll(corners, 1, axis=1) - corners
     across = np.linalg.norm(np.cross(along, back), axis=2)
-    return np.arctan2(across, np.einsum("fij,fij->fi", along, back))
+    result: AnyArray = np.arctan2(across, np.einsum("fij,fij->fi", along, back))
+    return result
 
 
-def _split(faces: NDArray, key: NDArray, n: int) -> tuple[NDArray, NDArray]:
+def _split(faces: AnyArray, key: AnyArray, n: int) -> tuple[AnyArray, AnyArray]:
     """Faces on vertices whose corners have one key (3 F,) each, and whose copies they are (K,).
 
     Of a vertex (n,) that becomes several, one keeps its number.
@@ -282,7 +293,7 @@ def _split(faces: NDArray, key: NDArray, n: int) -> tuple[NDArray, NDArray]:
     return number[which].reshape(-1, 3), np.concatenate([np.arange(n), owner[~leads]])
 
 
-def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: NDArray, most: int) -> None:
+def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> None:
     finest = _FINEST * float(np.ptp(mesh.points, axis=0).max())
     for _ in range(_ROUNDS):
         pixels = mesh.pixel_lengths(sizes)
@@ -311,7 +322,7 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: NDArray, most: int) -> No
         mesh.halve(edges, marked, longest)
 
 
-def _misses(mesh: _Mesh, faces: NDArray, looks: Sequence[Look], pixels: NDArray) -> NDArray:
+def _misses(mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray) -> AnyArray:
     """By how many codes the faces (N,) would miss their pictures, as far as looked; (N,) f32.
 
     Those that miss theirs at the first look are not looked at again.
@@ -329,7 +340,7 @@ def _misses(mesh: _Mesh, faces: NDArray, looks: Sequence[Look], pixels: NDArray)
     return missed
 
 
-def _corner_codes(mesh: _Mesh, faces: NDArray, looks: Sequence[Look]) -> NDArray:
+def _corner_codes(mesh: _Mesh, faces: AnyArray, looks: Sequence[Look]) -> NDArray[np.float32]:
     """(3, N, 3) float32: the codes that the corners of faces (N,) of one look get.
 
     Between pixels they are mixed: on a border of the picture with those of the opposite one.
@@ -339,8 +350,8 @@ def _corner_codes(mesh: _Mesh, faces: NDArray, looks: Sequence[Look]) -> NDArray
 
 
 def _looked_at(
-    mesh: _Mesh, faces: NDArray, looks: Sequence[Look], pixels: NDArray, grids: tuple[int, ...]
-) -> Iterator[tuple[NDArray, NDArray, NDArray]]:
+    mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray, grids: tuple[int, ...]
+) -> Iterator[tuple[AnyArray, AnyArray, AnyArray]]:
     """Yield rows (N,), weights (K, 3) of the corners, and sRGB codes (K, N, 3) f32 seen there.
 
     The first three places are the corners; steps are about as many as pixels.
@@ -369,7 +380,7 @@ def _grid(n: int) -> NDArray[np.float64]:
     return np.concatenate([np.eye(3), weights[~corner]])
 
 
-def _coloured(mesh: _Mesh, looks: Sequence[Look], sizes: NDArray, with_normals: bool) -> Pictured:
+def _coloured(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, with_normals: bool) -> Pictured:
     corners = _corner_colours(mesh, looks)
     linear = _means_where_coarse(mesh, looks, sizes, corners)
     faces, source, seen = _vertices(mesh.faces, linear, len(mesh.place))
@@ -381,7 +392,7 @@ def _coloured(mesh: _Mesh, looks: Sequence[Look], sizes: NDArray, with_normals: 
     return Pictured(mesh.points[mesh.place[source]], faces, colours, normals)
 
 
-def _corner_colours(mesh: _Mesh, looks: Sequence[Look]) -> NDArray:
+def _corner_colours(mesh: _Mesh, looks: Sequence[Look]) -> NDArray[np.float64]:
     """(F, 3, 3) float64 linear colours of the corners."""
     colours = np.ones((len(mesh.faces), 3, 3))
     for which, one in enumerate(looks):
@@ -391,8 +402,8 @@ def _corner_colours(mesh: _Mesh, looks: Sequence[Look]) -> NDArray:
 
 
 def _means_where_coarse(
-    mesh: _Mesh, looks: Sequence[Look], sizes: NDArray, corners: NDArray
-) -> NDArray:
+    mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, corners: AnyArray
+) -> AnyArray:
     """The corners' colours; around faces that miss their picture still, means of what is there."""
     pixels = mesh.pixel_lengths(sizes).max(axis=1)
     coarse = np.flatnonzero((mesh.error > 2.0 * _SEEN) & (pixels > 2.0 * _PIXEL))
@@ -416,7 +427,7 @@ def _means_where_coarse(
     return colours
 
 
-def _vertices(faces: NDArray, linear: NDArray, n: int) -> tuple[NDArray, NDArray, NDArray]:
+def _vertices(faces: AnyArray, linear: AnyArray, n: int) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Faces on vertices of one colour each, whose copies they are (K,), linear colours (K, 3).
 
     A vertex whose corners differ visibly becomes several; those that no face uses are white.

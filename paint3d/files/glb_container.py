@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.files.writers.finish import Finish
 
@@ -22,7 +24,7 @@ TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 
 
 def write_container(
-    path: Path, document: dict, blocks: Sequence[tuple[NDArray | bytes, int | None]]
+    path: Path, document: dict[str, Any], blocks: Sequence[tuple[AnyArray | bytes, int | None]]
 ) -> None:
     """Write a scene of one mesh, whose nodes, buffers and views are added to its document.
 
@@ -75,14 +77,16 @@ def write_container(
             file.write(bytes(-len(content) % 4))
 
 
-def material(finish: Finish, unlit: bool, **surface: object) -> dict:
+def material(finish: Finish, unlit: bool, **surface: object) -> dict[str, Any]:
     """Return a material that is no metal: without one, viewers would show metal."""
     surface |= {"metallicFactor": 0, "roughnessFactor": finish.roughness}
     extensions = {"extensions": {UNLIT: {}}} if unlit else {}
     return {"name": finish.name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
 
 
-def vertex_accessor(view: int, values: NDArray[np.float32], *, limits: bool = False) -> dict:
+def vertex_accessor(
+    view: int, values: NDArray[np.float32], *, limits: bool = False
+) -> dict[str, Any]:
     """Return the accessor of float32 numbers (V,) or vectors (V, 2 or 3), with limits if wanted."""
     accessor = {"bufferView": view, "componentType": FLOAT, "count": len(values)}
     accessor["type"] = TYPES[values.size // len(values)]

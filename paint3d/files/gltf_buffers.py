@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import base64
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.contents import parse_json, read_beside
 from paint3d.files.readers.gltf_kinds import check_kinds
@@ -64,9 +65,10 @@ class GltfFile:
                 f"of {len(data)}; expected one after the header"
             )
         self.binary = chunks.get(BIN_CHUNK)
-        return chunks[JSON_CHUNK]
+        result: bytes = chunks[JSON_CHUNK]
+        return result
 
-    def item(self, kind: str, index: object) -> dict:
+    def item(self, kind: str, index: object) -> dict[str, Any]:
         """Return one entry of a top-level list such as "nodes".
 
         Raises
@@ -79,9 +81,10 @@ class GltfFile:
             raise MeshError(f"it refers to {kind}[{index}], of which there are {len(entries)}")
         if not isinstance(entries[index], dict):
             raise MeshError(f"{kind}[{index}] is not an object")
-        return entries[index]
+        result: dict[str, Any] = entries[index]
+        return result
 
-    def numbers(self, index: object) -> NDArray:
+    def numbers(self, index: object) -> AnyArray:
         """Return an accessor's values, (N, width), as stored or as floats where normalised.
 
         Raises
@@ -104,7 +107,9 @@ class GltfFile:
             return np.maximum(values / float(np.iinfo(dtype).max), -1.0)
         return values
 
-    def _with_sparse(self, values: NDArray, sparse: dict, dtype: np.dtype, width: int) -> NDArray:
+    def _with_sparse(
+        self, values: AnyArray, sparse: dict[str, Any], dtype: np.dtype, width: int
+    ) -> AnyArray:
         where, what, n = sparse["indices"], sparse["values"], sparse["count"]
         index_type = np.dtype(COMPONENTS[where["componentType"]])
         rows = self._view(where["bufferView"], where.get("byteOffset", 0), index_type, 1, n)[:, 0]
@@ -114,7 +119,7 @@ class GltfFile:
         changed[rows] = self._view(what["bufferView"], what.get("byteOffset", 0), dtype, width, n)
         return changed
 
-    def _view(self, index: int, start: int, dtype: np.dtype, width: int, count: int) -> NDArray:
+    def _view(self, index: int, start: int, dtype: np.dtype, width: int, count: int) -> AnyArray:
         """Return (count, width) values of a buffer view, without copying."""
         view = self.item("bufferViews", index)
         if "EXT_meshopt_compression" in view.get("extensions", {}):

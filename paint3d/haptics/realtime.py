@@ -48,7 +48,8 @@ def _ask_for_short_slice() -> bool:
         return False
     attributes = struct.pack("=IIQiIQQQ", 48, 0, 0, 0, 0, _SLICE_NS, 0, 0)
     libc = ctypes.CDLL(None, use_errno=True)
-    return libc.syscall(number, 0, ctypes.c_char_p(attributes), 0) == 0
+    result: bool = libc.syscall(number, 0, ctypes.c_char_p(attributes), 0) == 0
+    return result
 
 
 def keep_in_memory() -> bool:
@@ -58,7 +59,8 @@ def keep_in_memory() -> bool:
     gc.disable()
     if not sys.platform.startswith("linux"):
         return False
-    return ctypes.CDLL(None).mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0
+    result: bool = ctypes.CDLL(None).mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0
+    return result
 
 
 def end_with_parent() -> None:

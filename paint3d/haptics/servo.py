@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.device.force.force_port import ForcePort, HidForcePort
 from paint3d.device.force.haptic_stylus import encode_force
 from paint3d.device.hid_link import open_node
@@ -162,7 +163,7 @@ class ForceFeedback:
             for t, row in zip(times, rows, strict=True)
         ]
 
-    def take_forces(self) -> np.ndarray:
+    def take_forces(self) -> AnyArray:
         """As `take`, but (N, 5): force x, y, z in N, descent in mm, flags; for displays."""
         rows, lost = self._board.take()
         self._lost += lost

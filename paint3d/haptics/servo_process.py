@@ -23,6 +23,7 @@ from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.kernels.step import servo_step
 from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, keep_in_memory
 from paint3d.haptics.shared_state import RING_COLUMNS, SNAPSHOT_COLUMNS, ServoBoard, TreeBlock
+from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.single_turns import multiply, turn
 
@@ -50,11 +51,11 @@ class ServoTask:
 class _Servo:
     """Everything that one step needs, made before the loop begins."""
 
-    def __init__(self, task: ServoTask, tree, board: ServoBoard) -> None:
+    def __init__(self, task: ServoTask, tree: ContactTree, board: ServoBoard) -> None:
         self.tree, self.board, self.parent = tree, board, task.parent
         calibration = task.calibration
-        self._rotation = tuple(calibration.rotation.tolist())
-        w, x, y, z = self._rotation
+        w, x, y, z = calibration.rotation.tolist()
+        self._rotation = (w, x, y, z)
         self._back = (w, -x, -y, -z)
         self._scale, self._shift = calibration.scale, calibration.shift.tolist()
         self._state = new_state()
@@ -108,7 +109,8 @@ class _Servo:
             self.tree, self._settings, self._state, self._target, self._pose, moment, self._out
         )
         self._answered, self._began_ns = pose, now_ns
-        return turn(self._back, self._out.tolist())
+        x, y, z = self._out.tolist()
+        return turn(self._back, (x, y, z))
 
     def sent(self) -> None:
         """Keep the books of the last step."""

@@ -15,6 +15,7 @@ from multiprocessing import shared_memory
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = [
@@ -70,7 +71,7 @@ class TreeBlock:
             view.view(np.uint8).reshape(-1)[::4096].sum()  # touch every page now, not in the loop
         return ContactTree(*views), memory
 
-    def _views(self, memory: shared_memory.SharedMemory) -> list[NDArray]:
+    def _views(self, memory: shared_memory.SharedMemory) -> list[AnyArray]:
         return [np.ndarray(shape, dtype, memory.buf, offset) for shape, dtype, offset in self.parts]
 
 
@@ -104,7 +105,7 @@ class ServoBoard:
 
     # -- snapshots: program to servo --------------------------------------------------------
 
-    def publish(self, time_ns: int, object_pose: NDArray, settings: NDArray) -> None:
+    def publish(self, time_ns: int, object_pose: AnyArray, settings: AnyArray) -> None:
         """Write a snapshot: where the object is, and what the force depends on."""
         row = np.zeros(SNAPSHOT_COLUMNS)
         row[:1].view(np.int64)[0] = time_ns
@@ -114,7 +115,7 @@ class ServoBoard:
         self._snapshot[:] = row
         self.counters[SEQUENCE] += 1
 
-    def read_snapshot(self, out: NDArray) -> bool:
+    def read_snapshot(self, out: AnyArray) -> bool:
         """Copy the last whole snapshot into `out` (32,); False if there is none to be had."""
         for _ in range(4):
             before = self.counters[SEQUENCE]
@@ -129,7 +130,7 @@ class ServoBoard:
 
     # -- samples: servo to program ----------------------------------------------------------
 
-    def push(self, row: NDArray) -> None:
+    def push(self, row: AnyArray) -> None:
         """Add a sample (RING_COLUMNS,)."""
         head = int(self.counters[HEAD])
         self._ring[head % _RING_ROWS] = row
@@ -146,7 +147,7 @@ class ServoBoard:
 
     # -- statistics -------------------------------------------------------------------------
 
-    def note(self, bins: NDArray, nanoseconds: int) -> None:
+    def note(self, bins: AnyArray, nanoseconds: int) -> None:
         """Count a time in a histogram of 10 us bins."""
         bins[min(nanoseconds // (1000 * BIN_US), _BINS - 1)] += 1
 
@@ -167,7 +168,7 @@ class ServoBoard:
             self._memory.unlink()
 
 
-def percentile_us(bins: NDArray, percent: float) -> float:
+def percentile_us(bins: AnyArray, percent: float) -> float:
     """A percentile of a histogram of 10 us bins: the upper edge of its bin, us."""
     total = int(bins.sum())
     if total == 0:

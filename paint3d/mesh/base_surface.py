@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE
 from paint3d.mesh.kernels.topology import (
@@ -30,15 +31,15 @@ _AGREES = 0.8  # cosine at which a normal from the file is believed
 class BaseSurface:
     """Triangles with one normal per smooth corner group, and the rings around their edges."""
 
-    points: NDArray  # (B, 3) float32, mm
-    normals: NDArray  # (B, 3) float32
-    faces: NDArray  # (R, 3) int32
-    radial: NDArray  # (3 R,) int32
-    areas: NDArray  # (R,) float64, mm2
-    source_vertices: NDArray  # (B,) int32
-    source_faces: NDArray  # (R,) int64
+    points: AnyArray  # (B, 3) float32, mm
+    normals: AnyArray  # (B, 3) float32
+    faces: AnyArray  # (R, 3) int32
+    radial: AnyArray  # (3 R,) int32
+    areas: AnyArray  # (R,) float64, mm2
+    source_vertices: AnyArray  # (B,) int32
+    source_faces: AnyArray  # (R,) int64
 
-    def longest_edges(self) -> NDArray:
+    def longest_edges(self) -> NDArray[np.float64]:
         """(R,) float64: the longest edge of every triangle, mm."""
         longest = np.empty(len(self.faces))
         longest_sides(self.points, self.faces, longest)
@@ -98,7 +99,7 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     )
 
 
-def _weld(points: NDArray) -> NDArray:
+def _weld(points: AnyArray) -> NDArray[np.int32]:
     """(V,) int32: a dense id for each position."""
     table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)
     ids = np.empty(len(points), np.int32)
@@ -106,7 +107,7 @@ def _weld(points: NDArray) -> NDArray:
     return ids
 
 
-def _with_given(normals: NDArray, given: NDArray | None, source: NDArray) -> NDArray:
+def _with_given(normals: AnyArray, given: AnyArray | None, source: AnyArray) -> AnyArray:
     """Take the file's own normal where the vertex is smooth and the two roughly agree."""
     if given is None:
         return normals.astype(np.float32)

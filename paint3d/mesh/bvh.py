@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.kernels.bvh import LEAF_SIZE, ContactTree, build_boxes
 from paint3d.mesh.kernels.median_split import order_by_halving
 from paint3d.mesh.refined_mesh import PaintMesh
@@ -23,8 +24,12 @@ def build_contact_tree(mesh: PaintMesh) -> ContactTree:
 
 
 def build_box_tree(
-    points: NDArray, triangles: NDArray, leaf_size: int, *, halve: bool = False
-) -> tuple[NDArray, NDArray, NDArray]:
+    points: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    leaf_size: int,
+    *,
+    halve: bool = False,
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Build a box tree over triangles.
 
     Parameters
@@ -59,7 +64,7 @@ def build_box_tree(
     return order, boxes, triangles
 
 
-def _centres(points: NDArray, triangles: NDArray) -> NDArray:
+def _centres(points: AnyArray, triangles: AnyArray) -> AnyArray:
     """Three times the triangles' centres (T, 3) float32."""
     centres = np.zeros((len(triangles), 3), np.float32)
     for corner in range(3):
@@ -67,7 +72,7 @@ def _centres(points: NDArray, triangles: NDArray) -> NDArray:
     return centres
 
 
-def _morton_order(centres: NDArray) -> NDArray:
+def _morton_order(centres: AnyArray) -> AnyArray:
     """Triangle ids (T,) int32 sorted by the interleaved bits of their centres' coordinates."""
     low = centres.min(axis=0)
     span = max(float((centres.max(axis=0) - low).max()), 1e-12)

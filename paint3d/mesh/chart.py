@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.spline_map import SplineMap
@@ -45,10 +46,10 @@ class SurfaceFrame:
         Outward unit normal, x_axis cross y_axis.
     """
 
-    origin: NDArray
-    x_axis: NDArray
-    y_axis: NDArray
-    normal: NDArray
+    origin: NDArray[np.float64]
+    x_axis: NDArray[np.float64]
+    y_axis: NDArray[np.float64]
+    normal: NDArray[np.float64]
 
 
 def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> SurfaceFrame:
@@ -72,7 +73,7 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     normal = found.normals[0]
     tangent = wanted - normal * (wanted @ normal)
     length = np.linalg.norm(tangent)
-    if length < 1e-6 * max(np.linalg.norm(wanted), 1e-12):
+    if length < 1e-6 * max(float(np.linalg.norm(wanted)), 1e-12):
         raise InputError(
             f"up is {wanted.tolist()}, along the surface's normal; expected another direction"
         )
@@ -96,17 +97,17 @@ class SurfaceChart:
     def __init__(
         self,
         frame: SurfaceFrame,
-        xs: NDArray,
-        ys: NDArray,
-        points: NDArray,
-        normals: NDArray,
+        xs: AnyArray,
+        ys: AnyArray,
+        points: AnyArray,
+        normals: AnyArray,
     ) -> None:
         self.frame = frame
         self.half_width = float(xs[-1])
         self.half_height = float(ys[-1])
         self._points, self._normals = SplineMap(xs, ys, points), SplineMap(xs, ys, normals)
 
-    def points(self, xy: ArrayLike) -> NDArray:
+    def points(self, xy: ArrayLike) -> AnyArray:
         """Points (N, 3) of the surface at chart coordinates (N, 2), mm.
 
         Raises
@@ -116,11 +117,11 @@ class SurfaceChart:
         """
         return self._points(self._checked(xy))
 
-    def normals(self, xy: ArrayLike) -> NDArray:
+    def normals(self, xy: ArrayLike) -> AnyArray:
         """Outward unit normals (N, 3)."""
         return _normalised(self._normals(self._checked(xy)))
 
-    def tangents(self, xy: ArrayLike) -> NDArray:
+    def tangents(self, xy: ArrayLike) -> AnyArray:
         """Frames (N, 3, 3) whose columns are the directions of x and y and the normal.
 
         The normal is that of `normals`; x and y are turned alike until they are orthogonal, so
@@ -136,7 +137,7 @@ class SurfaceChart:
         x_axis, y_axis = root * (middle - across), root * (middle + across)
         return np.stack([x_axis, y_axis, normals], axis=-1)
 
-    def coordinates(self, points: ArrayLike, most_off: float = 0.5) -> NDArray:
+    def coordinates(self, points: ArrayLike, most_off: float = 0.5) -> AnyArray:
         """Chart coordinates (N, 2), mm, of points (N, 3) on the surface.
 
         NaN for points outside the chart, or farther than `most_off` mm from its surface.
@@ -171,7 +172,7 @@ class SurfaceChart:
         out[near[kept]] = inside[kept]
         return out
 
-    def _checked(self, xy: ArrayLike) -> NDArray:
+    def _checked(self, xy: ArrayLike) -> AnyArray:
         checked = as_array(xy, "xy", (None, 2))
         reach = np.array([self.half_width, self.half_height])
         out = np.flatnonzero((np.abs(checked) > reach * (1.0 + 1e-9)).any(axis=1))
@@ -238,12 +239,12 @@ def make_chart(
     return SurfaceChart(frame, xs, ys, points.reshape(shape), normals.reshape(shape))
 
 
-def _nodes(half: float, spacing: float) -> NDArray:
+def _nodes(half: float, spacing: float) -> AnyArray:
     n = min(max(2, math.ceil(half / spacing)), _MOST_NODES // 2)
     return np.linspace(-half, half, 2 * n + 1)
 
 
-def _rim(half_width: float, half_height: float) -> tuple[NDArray, NDArray]:
+def _rim(half_width: float, half_height: float) -> tuple[AnyArray, AnyArray]:
     """Some chart coordinates x, y (N,) on the rectangle's rim, with its corners."""
     along = np.linspace(-1.0, 1.0, _PROBES)
     x, y = (grid.ravel() for grid in np.meshgrid(along, along, indexing="ij"))
@@ -252,8 +253,8 @@ def _rim(half_width: float, half_height: float) -> tuple[NDArray, NDArray]:
 
 
 def _trace(
-    surface: ClosestPoints, frame: SurfaceFrame, x: NDArray, y: NDArray, step_mm: float
-) -> tuple[NDArray, NDArray]:
+    surface: ClosestPoints, frame: SurfaceFrame, x: AnyArray, y: AnyArray, step_mm: float
+) -> tuple[AnyArray, AnyArray]:
     """Follow the straightest geodesics from the frame to chart coordinates x, y: (N, 3) each."""
     reach = np.hypot(x, y)
     n_steps = max(1, math.ceil(reach.max() / step_mm))
@@ -278,7 +279,7 @@ def _trace(
     return points, normals
 
 
-def _carried(heading: NDArray, before: NDArray, after: NDArray) -> NDArray:
+def _carried(heading: AnyArray, before: AnyArray, after: AnyArray) -> AnyArray:
     """Tangents (N, 3) turned by the least rotation that takes one normal to the next.
 
     Projecting them instead would pull every geodesic towards the direction of least bending.
@@ -287,11 +288,11 @@ def _carried(heading: NDArray, before: NDArray, after: NDArray) -> NDArray:
     return _in_plane(heading - share[:, None] * (before + after), after)
 
 
-def _normalised(vectors: NDArray) -> NDArray:
+def _normalised(vectors: AnyArray) -> AnyArray:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0.0, length, 1.0)
 
 
-def _in_plane(vectors: NDArray, normals: NDArray) -> NDArray:
+def _in_plane(vectors: AnyArray, normals: AnyArray) -> AnyArray:
     """Unit vectors along the parts of `vectors` that are orthogonal to `normals`."""
     return _normalised(vectors - normals * np.sum(vectors * normals, axis=-1, keepdims=True))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.mesh.base_surface import make_base_surface
 from paint3d.mesh.bvh import build_box_tree
 from paint3d.mesh.kernels.bvh import ContactTree
@@ -20,26 +20,26 @@ __all__ = ["ClosestPoints", "Found", "RayHits"]
 class Found(NamedTuple):
     """N points on the surface."""
 
-    points: NDArray
+    points: AnyArray
     """(N, 3) float64, mm."""
-    faces: NDArray
+    faces: AnyArray
     """(N,) int64."""
-    barycentric: NDArray
+    barycentric: AnyArray
     """(N, 3) float64, weights of the face's corners."""
-    normals: NDArray
+    normals: AnyArray
     """(N, 3) float64, unit; interpolated where the surface is smooth, not across its edges."""
 
 
 class RayHits(NamedTuple):
     """First hits of N rays."""
 
-    hit: NDArray
+    hit: AnyArray
     """(N,) bool."""
-    distance: NDArray
+    distance: AnyArray
     """(N,) float64 in lengths of the ray's direction; inf where nothing is hit."""
-    faces: NDArray
+    faces: AnyArray
     """(N,) int64, -1 where nothing is hit."""
-    points: NDArray
+    points: AnyArray
     """(N, 3) float64, mm; NaN where nothing is hit."""
 
 
@@ -71,7 +71,7 @@ class ClosestPoints:
         faces = base.source_faces.astype(np.int32)[order]
         self._tree = ContactTree(faces, boxes, triangles, base.points, base.normals)
 
-    def find(self, points: NDArray) -> Found:
+    def find(self, points: AnyArray) -> Found:
         """The closest point of the surface to each of `points` (N, 3), mm."""
         queries = as_array(points, "points", (None, 3))
         n = len(queries)
@@ -82,7 +82,7 @@ class ClosestPoints:
             normals[cancelled] = self.mesh.face_normals[faces[cancelled]]
         return Found(there, faces, weights, normals)
 
-    def cast(self, origins: NDArray, directions: NDArray) -> RayHits:
+    def cast(self, origins: AnyArray, directions: AnyArray) -> RayHits:
         """The first hits of rays from `origins` (N, 3) along `directions` (N, 3)."""
         origins = as_array(origins, "origins", (None, 3))
         directions = as_array(directions, "directions", (len(origins), 3))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 from paint3d.mesh.closest_points import ClosestPoints
@@ -29,7 +30,7 @@ def is_flat(surface: ClosestPoints) -> bool:
     return bool(height < _FLAT * min(width, depth))
 
 
-def upwards(normal: NDArray) -> NDArray[np.float64]:
+def upwards(normal: AnyArray) -> NDArray[np.float64]:
     """What is up on paper that lies along a normal (3,): +z, or +y where it nearly lies flat."""
     return np.array([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [0.0, 1.0, 0.0])
 
@@ -82,7 +83,7 @@ def place(
     return frame_at(surface, point, upwards(normal) if up is None else up)
 
 
-def _ray(surface: ClosestPoints, at: NDArray, side: str) -> tuple[NDArray, NDArray]:
+def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, AnyArray]:
     """Start and unit direction of the ray that finds the place, from outside or the axis."""
     low, high = surface.mesh.bounds
     middle, far = 0.5 * (low + high), float(np.linalg.norm(high - low)) + 1.0

@@ -55,14 +55,14 @@ def triangulate(
     first_corner = np.cumsum(sizes) - sizes
     first_triangle = np.cumsum(n_triangles) - n_triangles
     faces = np.empty((int(n_triangles.sum()), 3), np.int64)
-    for size in np.unique(sizes[sizes >= 3]):
-        which = np.flatnonzero(sizes == size)
-        polygons = corners[first_corner[which, None] + np.arange(size)]
+    for size in np.unique(sizes[sizes >= 3]).tolist():
+        rows = np.flatnonzero(sizes == size)
+        polygons = corners[first_corner[rows, None] + np.arange(size)]
         cut = _fans(polygons)
         if size > 3:
             for k in np.flatnonzero(_is_concave(vertices, polygons)):
                 cut[k] = _clip_ears(vertices[polygons[k]], polygons[k])
-        faces[first_triangle[which, None] + np.arange(size - 2)] = cut
+        faces[first_triangle[rows, None] + np.arange(size - 2)] = cut
     return faces
 
 
@@ -81,7 +81,8 @@ def _is_concave(vertices: NDArray[np.float64], polygons: NDArray[np.int64]) -> N
     turn = np.cross(points - np.roll(points, 1, axis=1), following - points)
     inward = np.einsum("pnk,pk->pn", turn, newell)
     tolerance = 1e-9 * np.einsum("pk,pk->p", newell, newell)
-    return (inward < -tolerance[:, None]).any(axis=1)
+    result: NDArray[np.bool_] = (inward < -tolerance[:, None]).any(axis=1)
+    return result
 
 
 def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[np.int64]:

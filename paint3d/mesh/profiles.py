@@ -15,6 +15,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["Arc", "Line", "Offset", "Piece", "sample_profile", "vessel_profile"]
 
 Point = tuple[float, float]
@@ -23,7 +25,7 @@ Point = tuple[float, float]
 class Piece(Protocol):
     """A smooth curve with a parameter from 0 to 1."""
 
-    def at(self, t: NDArray) -> tuple[NDArray, NDArray]:
+    def at(self, t: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Return points and unit tangents, (N, 2) each, at the parameters `t` (N,)."""
         ...
 
@@ -35,7 +37,7 @@ class Line:
     start: Point
     end: Point
 
-    def at(self, t: NDArray) -> tuple[NDArray, NDArray]:
+    def at(self, t: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Return points and unit tangents at `t`."""
         start, end = np.array(self.start), np.array(self.end)
         tangent = (end - start) / np.linalg.norm(end - start)
@@ -51,7 +53,7 @@ class Arc:
     start: float
     end: float
 
-    def at(self, t: NDArray) -> tuple[NDArray, NDArray]:
+    def at(self, t: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Return points and unit tangents at `t`."""
         angle = self.start + t * (self.end - self.start)
         ray = np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -72,7 +74,7 @@ class Offset:
     distance: float
     backwards: bool = False
 
-    def at(self, t: NDArray) -> tuple[NDArray, NDArray]:
+    def at(self, t: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Return points and unit tangents at `t`."""
         s = (1.0 - t if self.backwards else t)[:, None]
         p = np.array(self.controls)
@@ -115,7 +117,7 @@ def vessel_profile(
     rise = lip - np.array(wall[-1][2])
     across = math.atan2(rise[1], rise[0]) + math.pi / 2.0
     top = foot_height + thickness
-    inside = [Line((0.0, top), (floor_radius, top)), *(Offset(c, half) for c in wall)]
+    inside: list[Piece] = [Line((0.0, top), (floor_radius, top)), *(Offset(c, half) for c in wall)]
     turns = (across, math.pi / 2.0, 0.0, across - math.pi)  # stops at the highest and widest point
     centre = (float(lip[0]), float(lip[1]))
     round_lip = [Arc(centre, half, a, b) for a, b in pairwise(turns)]

@@ -12,10 +12,12 @@ import copy
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.mesh.base_surface import BaseSurface, make_base_surface
 from paint3d.mesh.kernels.cell_components import (
@@ -121,7 +123,7 @@ class PaintMesh:
             )
         return max(edges_per_cell * self.resolution, least)
 
-    def _make_arrays(self, base: BaseSurface, order: NDArray, edges: NDArray) -> None:
+    def _make_arrays(self, base: BaseSurface, order: AnyArray, edges: AnyArray) -> None:
         n, roots = self.n_base_vertices, len(self.base_faces)
         points, normals = base.points[order], base.normals[order]
         shift = 2 * max(0, int(np.ceil(np.log2(float(edges.max()) / self.resolution)))) + 6
@@ -175,6 +177,7 @@ class PaintMesh:
         vertices = n + extra + MOST_AROUND_EDGE
         # a vertex on an edge halves two triangles: four nodes
         room = nodes + 4 * extra + 4 * MOST_AROUND_EDGE
+        grown: dict[str, Any]
         grown = {name: _grow(getattr(field, name), n, vertices) for name in _PER_VERTEX}
         for name in ("node_vertices", "node_root", "child", "longest", "node_area"):
             grown[name] = _grow(getattr(field, name), nodes, room)
@@ -234,37 +237,37 @@ class PaintMesh:
         return len(self.arrays.sheet_cell)
 
     @property
-    def vertices(self) -> NDArray:
+    def vertices(self) -> NDArray[np.float32]:
         """(V, 3) float32 positions, mm: base vertices in the order of their cells, then added."""
         n = self.n_vertices
         return np.stack([getattr(self.arrays, a)[:n] for a in ("px", "py", "pz")], axis=1)
 
     @property
-    def normals(self) -> NDArray:
+    def normals(self) -> NDArray[np.float32]:
         """(V, 3) float32 unit normals."""
         n = self.n_vertices
         return np.stack([getattr(self.arrays, a)[:n] for a in ("nx", "ny", "nz")], axis=1)
 
     @property
-    def vertex_areas(self) -> NDArray:
+    def vertex_areas(self) -> NDArray[np.float64]:
         """(V,) float64, mm2: a third of the triangles around each vertex."""
         return self.arrays.area_units[: self.n_vertices] * self.arrays.area_unit
 
-    def leaf_faces(self) -> NDArray:
+    def leaf_faces(self) -> NDArray[np.int32]:
         """(F, 3) int32: the triangles there are now."""
         if not self.refines:
             return self.base_faces
         nodes = int(self.arrays.counts[1])
         return self.arrays.node_vertices[:nodes][self.arrays.child[:nodes] < 0]
 
-    def leaf_roots(self) -> NDArray:
+    def leaf_roots(self) -> NDArray[np.int32]:
         """(F,) int32: the base face that each of the `leaf_faces` lies in."""
         if not self.refines:
             return np.arange(len(self.base_faces), dtype=np.int32)
         nodes = int(self.arrays.counts[1])
         return self.arrays.node_root[:nodes][self.arrays.child[:nodes] < 0]
 
-    def source_order(self) -> NDArray:
+    def source_order(self) -> NDArray[np.int32]:
         """(V,) int32: base vertices as the source has them, then added ones as they came."""
         base = np.argsort(self.source_vertices, kind="stable").astype(np.int32)
         return np.concatenate(
@@ -272,7 +275,7 @@ class PaintMesh:
         )
 
 
-def _check_precision(points: NDArray, resolution: float) -> None:
+def _check_precision(points: AnyArray, resolution: float) -> None:
     farthest = float(np.abs(points).max())
     step = float(np.spacing(np.float32(farthest)))
     if _STEPS_PER_EDGE * step > resolution:
@@ -290,13 +293,13 @@ def _check_precision(points: NDArray, resolution: float) -> None:
         )
 
 
-def _grow(array: NDArray, used: int, room: int) -> NDArray:
+def _grow(array: AnyArray, used: int, room: int) -> AnyArray:
     grown = np.empty((room, *array.shape[1:]), array.dtype)
     grown[:used] = array[:used]
     return grown
 
 
-def _position_keys(points: NDArray) -> NDArray:
+def _position_keys(points: AnyArray) -> AnyArray:
     """uint64 keys that depend on the position alone, so that both sides of a seam agree."""
     bits = (np.ascontiguousarray(points) + np.float32(0.0)).view(np.uint32).astype(np.uint64)
     with np.errstate(over="ignore"):
@@ -311,14 +314,14 @@ def _position_keys(points: NDArray) -> NDArray:
 class _Lattice:
     """Cells, sheets and their links, as arrays for `SurfaceField`."""
 
-    def __init__(self, size: float, arrays: dict[str, NDArray], vertex_sheets: NDArray) -> None:
+    def __init__(self, size: float, arrays: dict[str, AnyArray], vertex_sheets: AnyArray) -> None:
         self.size = size
         self.arrays = arrays
         self.vertex_sheets = vertex_sheets
         self.n_cells = len(arrays["cell_place"])
 
     @classmethod
-    def build(cls, base: BaseSurface, size: float) -> tuple[NDArray, _Lattice]:
+    def build(cls, base: BaseSurface, size: float) -> tuple[AnyArray, _Lattice]:
         """Return the base vertices' new order (cell by cell) and the lattice."""
         low = base.points.min(axis=0).astype(np.float64)
         span = float((base.points.max(axis=0) - low).max())
@@ -383,8 +386,8 @@ class _Lattice:
 
 
 def _pairs_by_cell(
-    base: BaseSurface, origin: NDArray, size: float
-) -> tuple[NDArray, NDArray, NDArray]:
+    base: BaseSurface, origin: AnyArray, size: float
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Cells (C, 3) in Morton order, the roots that meet them, and each cell's run of roots."""
     room = int(_PAIRS_PER_FACE * len(base.faces) + _PAIRS_PER_CELL * base.areas.sum() / size**2)
     n = room + 1
@@ -407,7 +410,7 @@ def _pairs_by_cell(
     return np.ascontiguousarray(places[first]), roots, runs
 
 
-def _morton(places: NDArray) -> NDArray:
+def _morton(places: AnyArray) -> AnyArray:
     """Interleave the bits of lattice places (n, 3) into int64 codes."""
     code = np.zeros(len(places), np.int64)
     for axis in range(3):
@@ -425,16 +428,16 @@ def _morton(places: NDArray) -> NDArray:
 
 
 def _links(
-    table: NDArray,
-    places: NDArray,
+    table: AnyArray,
+    places: AnyArray,
     n_roots: int,
-    pair_cell: NDArray,
-    cell_pairs: NDArray,
-    pair_root: NDArray,
-    pair_sheet: NDArray,
+    pair_cell: AnyArray,
+    cell_pairs: AnyArray,
+    pair_root: AnyArray,
+    pair_sheet: AnyArray,
     n_sheets: int,
-    others: NDArray,
-) -> tuple[NDArray, NDArray]:
+    others: AnyArray,
+) -> tuple[AnyArray, AnyArray]:
     """The sheets' graph as runs (S + 1,) and neighbours, each link once in either direction.
 
     `others` (M, 2) are links besides those of triangles in two cells.
@@ -463,14 +466,14 @@ def _links(
 
 def _over_cracks(
     base: BaseSurface,
-    origin: NDArray,
+    origin: AnyArray,
     size: float,
-    table: NDArray,
-    places: NDArray,
-    cell_pairs: NDArray,
-    pair_root: NDArray,
-    pair_sheet: NDArray,
-) -> NDArray:
+    table: AnyArray,
+    places: AnyArray,
+    cell_pairs: AnyArray,
+    pair_root: AnyArray,
+    pair_sheet: AnyArray,
+) -> NDArray[np.int32]:
     """(n, 2) int32: sheets that end beside one another, at most a hair's breadth away."""
     room = 0
     links = np.empty((room, 2), np.int32)
@@ -489,14 +492,14 @@ def _over_cracks(
 
 def _sort_vertices(
     base: BaseSurface,
-    origin: NDArray,
+    origin: AnyArray,
     size: float,
-    places: NDArray,
-    table: NDArray,
-    cell_pairs: NDArray,
-    pair_root: NDArray,
-    pair_sheet: NDArray,
-) -> tuple[NDArray, NDArray, NDArray]:
+    places: AnyArray,
+    table: AnyArray,
+    cell_pairs: AnyArray,
+    pair_root: AnyArray,
+    pair_sheet: AnyArray,
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Order of the base vertices by cell and place in it, each cell's run, every vertex's sheet."""
     root_of = np.empty(len(base.points), np.int32)
     for corner in range(3):
@@ -513,7 +516,7 @@ def _sort_vertices(
     return order, starts, sheets[order]
 
 
-def _blocks(points: NDArray, starts: NDArray) -> dict[str, NDArray]:
+def _blocks(points: AnyArray, starts: AnyArray) -> dict[str, AnyArray]:
     """Cut every cell's run of vertices (B, 3) into blocks; a ball around each."""
     counts = -(-np.diff(starts) // BLOCK_VERTICES)
     cell_blocks = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)

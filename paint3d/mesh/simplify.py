@@ -13,18 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 
 __all__ = ["coarse_faces"]
 
-Difference = Callable[[NDArray, NDArray], NDArray]
+Difference = Callable[[AnyArray, AnyArray], AnyArray]
 
 _JUDGED_AT_ONCE = 1 << 16  # triangles: some hundredths of a second
 
 
 def coarse_faces(
     paint_mesh: PaintMesh,
-    colours: NDArray,
+    colours: AnyArray,
     tolerance: float,
     difference: Difference,
     progress: Callable[[float], None] | None = None,
@@ -74,7 +75,7 @@ def coarse_faces(
     return _compact(order, forest.faces(wanted), paint_mesh.n_base_vertices)
 
 
-def _compact(order: NDArray, faces: NDArray, n_base: int) -> tuple[NDArray, NDArray]:
+def _compact(order: AnyArray, faces: AnyArray, n_base: int) -> tuple[AnyArray, AnyArray]:
     """Number the vertices that are used, in the given order; base vertices always stay."""
     used = np.zeros(len(order), bool)
     used[:n_base] = True
@@ -102,14 +103,14 @@ class _Forest:
 
     def coarse_misses(
         self,
-        colours: NDArray,
+        colours: AnyArray,
         tolerance: float,
         difference: Difference,
         progress: Callable[[float], None] | None = None,
-    ) -> NDArray:
+    ) -> NDArray[np.bool_]:
         """(N,) bool: nodes that are too coarse for one of the vertices inside."""
         misses = np.zeros(len(self.nodes), bool)
-        node = self.halved
+        node: AnyArray = self.halved
         vertex = self.nodes[self.child[node], 1]
         weights = np.zeros((len(node), 3))
         rows = np.arange(len(node))
@@ -132,7 +133,8 @@ class _Forest:
 
     def _n_judged(self) -> int:
         """How many pairs there are of a halved node and itself or one above it."""
-        node, total = self.halved, 0
+        node: AnyArray = self.halved
+        total = 0
         while len(node):
             total += len(node)
             above = self.parent[node]
@@ -141,11 +143,11 @@ class _Forest:
 
     def _judge(
         self,
-        misses: NDArray,
-        node: NDArray,
-        vertex: NDArray,
-        weights: NDArray,
-        colours: NDArray,
+        misses: AnyArray,
+        node: AnyArray,
+        vertex: AnyArray,
+        weights: AnyArray,
+        colours: AnyArray,
         tolerance: float,
         difference: Difference,
     ) -> None:
@@ -159,7 +161,7 @@ class _Forest:
             far = difference(shown, colours[vertex[rows]]) > tolerance
             misses[node[rows[far]]] = True
 
-    def _lift(self, node: NDArray, above: NDArray, weights: NDArray) -> NDArray:
+    def _lift(self, node: AnyArray, above: AnyArray, weights: AnyArray) -> AnyArray:
         """Barycentric weights in a node as weights in its parent.
 
         Child 0 of (a, b, c) halved at m on ab is (a, m, c), child 1 is (m, b, c).
@@ -176,7 +178,7 @@ class _Forest:
         lifted[rows, (turn + 2) % 3] = weights[:, 2]
         return lifted
 
-    def close(self, misses: NDArray) -> NDArray:
+    def close(self, misses: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: nodes to halve, with all that must be halved before or along with them."""
         wanted = np.zeros(int(self.split.max(initial=-1)) + 1, bool)
         split_of = np.full(len(self.nodes), -1, np.int64)
@@ -193,7 +195,7 @@ class _Forest:
         halve[self.halved] = wanted[self.split]
         return halve
 
-    def faces(self, halve: NDArray) -> NDArray:
+    def faces(self, halve: AnyArray) -> AnyArray:
         """Triangles (F, 3) of the forest with only some of its nodes halved."""
         there = np.zeros(len(self.nodes), bool)
         there[: self.n_roots] = True
@@ -202,7 +204,7 @@ class _Forest:
         return self.nodes[there & ~halve]
 
 
-def _splits(mesh: PaintMesh) -> NDArray:
+def _splits(mesh: PaintMesh) -> NDArray[np.int64]:
     """(V,) int64: which halving of an edge made a vertex; both sides of a crease share one.
 
     They are made one after the other, with the same key.

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.mesh.profiles import Point, sample_profile, vessel_profile
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -72,7 +73,7 @@ def revolve(
     )
 
 
-def _stitch(one: tuple[int, NDArray], two: tuple[int, NDArray]) -> NDArray[np.int32]:
+def _stitch(one: tuple[int, AnyArray], two: tuple[int, AnyArray]) -> NDArray[np.int32]:
     """Return the triangles between two rings, each (first vertex id, turns of its vertices)."""
     (first_a, turn_a), (first_b, turn_b) = one, two
     n_a, n_b = len(turn_a), len(turn_b)
@@ -151,7 +152,7 @@ def make_sphere() -> TriangleMesh:
     return TriangleMesh(75.0 * points, faces, name="sphere", normals=points)
 
 
-def _icosahedron() -> tuple[NDArray, NDArray]:
+def _icosahedron() -> tuple[AnyArray, AnyArray]:
     g = (1.0 + math.sqrt(5.0)) / 2.0
     pairs = [(s, t * g) for s in (-1.0, 1.0) for t in (-1.0, 1.0)]
     points = np.array([np.roll((0.0, s, t), axis) for axis in range(3) for s, t in pairs])
@@ -166,7 +167,7 @@ def _icosahedron() -> tuple[NDArray, NDArray]:
     return points / math.hypot(1.0, g), np.array(faces, np.int32)
 
 
-def _halve_edges(points: NDArray, faces: NDArray) -> tuple[NDArray, NDArray]:
+def _halve_edges(points: AnyArray, faces: AnyArray) -> tuple[AnyArray, AnyArray]:
     """Split every triangle in four and push the new vertices out to the unit sphere."""
     edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     unique, back = np.unique(edges, axis=0, return_inverse=True)

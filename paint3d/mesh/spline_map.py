@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.kernels.tensor_spline import evaluate_splines
 
 __all__ = ["SplineMap"]
@@ -23,7 +24,9 @@ class SplineMap:
     values : (A, B, F) float64
     """
 
-    def __init__(self, xs: NDArray, ys: NDArray, values: NDArray) -> None:
+    def __init__(
+        self, xs: NDArray[np.float64], ys: NDArray[np.float64], values: NDArray[np.float64]
+    ) -> None:
         shape = (len(xs), len(ys))
         coefficients = np.empty((*shape, values.shape[2]))
         for f in range(values.shape[2]):
@@ -40,7 +43,7 @@ class SplineMap:
             ),
         }  # fmt: skip
 
-    def __call__(self, xy: NDArray, dx: int = 0, dy: int = 0) -> NDArray:
+    def __call__(self, xy: AnyArray, dx: int = 0, dy: int = 0) -> AnyArray:
         """Values (N, F) at places (N, 2), or their first derivatives along x or along y.
 
         Beyond the grid the rim's hold.
@@ -51,7 +54,8 @@ class SplineMap:
         return out
 
 
-def _differences(coefficients: NDArray, knots: NDArray) -> NDArray:
+def _differences(coefficients: AnyArray, knots: AnyArray) -> AnyArray:
     """Coefficients of the derivative along the first axis."""
     spans = knots[_DEGREE + 1 : -1] - knots[1 : -_DEGREE - 1]
-    return np.diff(coefficients, axis=0) * _DEGREE / spans[:, None, None]
+    result: AnyArray = np.diff(coefficients, axis=0) * _DEGREE / spans[:, None, None]
+    return result

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 
 __all__ = ["TriangleMesh"]
@@ -55,6 +57,17 @@ class TriangleMesh:
     name: str = "mesh"
     normals: NDArray[np.float32] | None = None
 
+    if TYPE_CHECKING:  # what it takes is more than what it holds
+
+        def __init__(
+            self,
+            vertices: ArrayLike,
+            faces: ArrayLike,
+            colours: ArrayLike | None = None,
+            name: str = "mesh",
+            normals: ArrayLike | None = None,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         vertices = _vertices(self.vertices)
         faces = _faces(self.faces, len(vertices))
@@ -66,7 +79,7 @@ class TriangleMesh:
             shape = (len(vertices), 3)
             self._set("normals", as_array(self.normals, "normals", shape, np.float32, MeshError))
 
-    def _set(self, field: str, array: NDArray) -> None:
+    def _set(self, field: str, array: AnyArray) -> None:
         array = array.copy() if array.flags.writeable else array.view()
         array.setflags(write=False)
         object.__setattr__(self, field, array)
@@ -146,7 +159,7 @@ class TriangleMesh:
         return bool((np.bincount(piece, cones)[np.unique(piece)] > 0.0).all())
 
 
-def _vertices(values: object) -> NDArray[np.float32]:
+def _vertices(values: ArrayLike) -> NDArray[np.float32]:
     vertices = as_array(values, "vertices", (None, 3), np.float64, MeshError)
     if len(vertices) == 0:
         raise MeshError("vertices is empty; expected at least 3")
@@ -158,7 +171,7 @@ def _vertices(values: object) -> NDArray[np.float32]:
     return vertices.astype(np.float32)
 
 
-def _faces(values: object, n_vertices: int) -> NDArray[np.int32]:
+def _faces(values: ArrayLike, n_vertices: int) -> NDArray[np.int32]:
     array = np.asarray(values)
     if array.dtype.kind not in "iu" and array.size:
         raise MeshError(f"faces has type {array.dtype}; expected integers")
@@ -174,7 +187,7 @@ def _faces(values: object, n_vertices: int) -> NDArray[np.int32]:
     return np.ascontiguousarray(array, dtype=np.int32)
 
 
-def _colours(values: object, n_vertices: int) -> NDArray[np.uint8]:
+def _colours(values: ArrayLike, n_vertices: int) -> NDArray[np.uint8]:
     array = np.asarray(values)
     if array.dtype != np.uint8:
         raise MeshError(f"colours has type {array.dtype}; expected uint8 sRGB codes")

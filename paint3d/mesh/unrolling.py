@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import KDTree
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.mesh.chart import SurfaceChart
 
 __all__ = ["unroll"]
@@ -48,7 +49,7 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     return flat
 
 
-def _newton_step(chart: SurfaceChart, at: NDArray, wanted: NDArray) -> NDArray[np.float64]:
+def _newton_step(chart: SurfaceChart, at: AnyArray, wanted: AnyArray) -> NDArray[np.float64]:
     """Least-squares step (N, 2) in the chart towards points (N, 3)."""
     reach = np.array([chart.half_width, chart.half_height])
     away = wanted - chart.points(at)
@@ -64,4 +65,7 @@ def _newton_step(chart: SurfaceChart, at: NDArray, wanted: NDArray) -> NDArray[n
     yy = np.sum(along_y * along_y, axis=1)
     bx, by = np.sum(along_x * away, axis=1), np.sum(along_y * away, axis=1)
     determinant = xx * yy - xy * xy
-    return np.stack([yy * bx - xy * by, xx * by - xy * bx], axis=1) / determinant[:, None]
+    result: NDArray[np.float64] = (
+        np.stack([yy * bx - xy * by, xx * by - xy * bx], axis=1) / determinant[:, None]
+    )
+    return result

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import UnknownNameError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -68,10 +69,11 @@ def stand_on(side: NDArray[np.float64]) -> NDArray[np.float64]:
     k = np.array(
         [[0.0, -cross[2], cross[1]], [cross[2], 0.0, -cross[0]], [-cross[1], cross[0], 0.0]]
     )
-    return np.eye(3) + k + k @ k / (1.0 + cosine)
+    result: NDArray[np.float64] = np.eye(3) + k + k @ k / (1.0 + cosine)
+    return result
 
 
-def turn_rows(rows: NDArray, turn: NDArray[np.float64]) -> NDArray:
+def turn_rows(rows: AnyArray, turn: NDArray[np.float64]) -> AnyArray:
     """Return vectors (N, 3) after a rotation (3, 3); quarter turns are exact to the last bit."""
     if (np.count_nonzero(turn, axis=1) == 1).all():
         axes = np.abs(turn).argmax(axis=1)
@@ -128,7 +130,7 @@ def guess_up(mesh: TriangleMesh) -> Upright:
 
 
 def _standing(
-    corners: NDArray[np.float64], area: NDArray, normals: NDArray, foot: NDArray, size: float
+    corners: NDArray[np.float64], area: AnyArray, normals: AnyArray, foot: AnyArray, size: float
 ) -> float:
     """How well an object (F, 3, 3) would stand on its foot (N, 3), 0 to about 1.5."""
     low = foot[:, 2].min()
@@ -142,16 +144,17 @@ def _standing(
     broad = _hull_area(foot) / outline
     middle = np.average(corners.mean(axis=1)[:, :2], axis=0, weights=area + 1e-30)
     held = _depth_inside(foot, middle) / np.sqrt(outline)
-    return 0.4 * np.sqrt(flat) + 0.4 * np.sqrt(broad) + 0.8 * min(held, 0.4)
+    result: float = 0.4 * np.sqrt(flat) + 0.4 * np.sqrt(broad) + 0.8 * min(held, 0.4)
+    return result
 
 
-def _hull_area(points: NDArray) -> float:
+def _hull_area(points: AnyArray) -> float:
     hull = _hull(points)
     x, y = hull.T
     return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
 
-def _hull(points: NDArray) -> NDArray:
+def _hull(points: AnyArray) -> AnyArray:
     """Corners (H, 2) of the convex hull, counter-clockwise (Andrew's monotone chain)."""
     points = np.unique(points, axis=0)
     if len(points) > 400:  # only what lies outermost in some direction can be a corner, nearly
@@ -162,7 +165,7 @@ def _hull(points: NDArray) -> NDArray:
         return points
     chains = []
     for run in (points, points[::-1]):
-        chain: list[NDArray] = []
+        chain: list[AnyArray] = []
         for p in run:
             while len(chain) > 1 and _left_of(chain[-2], chain[-1], p) <= 0.0:
                 chain.pop()
@@ -171,11 +174,11 @@ def _hull(points: NDArray) -> NDArray:
     return np.array(chains)
 
 
-def _left_of(a: NDArray, b: NDArray, c: NDArray) -> float:
+def _left_of(a: AnyArray, b: AnyArray, c: AnyArray) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def _depth_inside(points: NDArray, place: NDArray) -> float:
+def _depth_inside(points: AnyArray, place: AnyArray) -> float:
     """How deep a place lies in the convex hull of points; 0 outside."""
     hull = _hull(points)
     if len(hull) < 3:
@@ -186,7 +189,7 @@ def _depth_inside(points: NDArray, place: NDArray) -> float:
     return max(0.0, float(np.einsum("ij,ij->i", inward, place - hull).min()))
 
 
-def _mirrored(points: NDArray, size: float) -> list[bool]:
+def _mirrored(points: AnyArray, size: float) -> list[bool]:
     """Whether points (N, 3) are their own mirror image along each axis, nearly."""
     from scipy.spatial import cKDTree
 
@@ -213,7 +216,10 @@ def _even_points(mesh: TriangleMesh) -> NDArray[np.float64]:
     over = u + v > 1.0
     u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
     weights = np.stack([1.0 - u - v, u, v], axis=1)
-    return np.einsum("nc,nci->ni", weights, mesh.vertices[mesh.faces[face]].astype(np.float64))
+    result: NDArray[np.float64] = np.einsum(
+        "nc,nci->ni", weights, mesh.vertices[mesh.faces[face]].astype(np.float64)
+    )
+    return result
 
 
 def _holds(points: NDArray[np.float64], size: float) -> float:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.bristles.ink import sum_hairs
 from paint3d.brush_engine.bristles.state import MEMORY_SIZE, WAY, Hairs, make_hairs
+from paint3d.core.types import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["HairTuft"]
@@ -50,7 +50,7 @@ class HairTuft:
         """Bring the tuft to a point: no bend is left in it, and its clumps join."""
         self.memory[:WAY] = 0.0
 
-    def dip(self, load: NDArray, reach: float = 1.0) -> NDArray:
+    def dip(self, load: AnyArray, reach: float = 1.0) -> AnyArray:
         """Let every hair hold its share of `load` (P,) up to `reach` of its length.
 
         Above that it keeps what it held; either part mixes along the hair. Returns the sum (P,).
@@ -61,13 +61,13 @@ class HairTuft:
         self.load += reach * load / len(self.load)
         return self.held()
 
-    def held(self) -> NDArray:
+    def held(self) -> AnyArray:
         """Ink in all hairs (P,)."""
         held = np.empty(self.load.shape[1])
         sum_hairs(self.load, held)  # the same sum as while painting, to the bit
         return held
 
-    def hold(self, load: NDArray) -> None:
+    def hold(self, load: AnyArray) -> None:
         """Let the hairs hold `load` (P,) in all, each as much of it as it had before."""
         self._fit(len(load))
         held = self.held()
@@ -82,11 +82,11 @@ class HairTuft:
         if missing > 0:
             self.load = np.pad(self.load, ((0, 0), (0, missing)))
 
-    def keep(self) -> dict[str, NDArray]:
+    def keep(self) -> dict[str, AnyArray]:
         """What `restore` takes: the ink of every hair, and what the tuft remembers."""
         return {"load": self.load.copy(), "memory": self.memory.copy()}
 
-    def restore(self, kept: Mapping[str, NDArray]) -> None:
+    def restore(self, kept: Mapping[str, AnyArray]) -> None:
         """Be as when it was kept."""
         self.load = kept["load"].copy()
         self.memory[:] = kept["memory"]
@@ -104,7 +104,8 @@ class HairTuft:
             if work is not None and work.load.shape == self.load.shape:  # a stroke goes on
                 for name in ("pace", "roll", "turned", "track"):
                     getattr(new, name)[:] = getattr(work, name)
-            self._work = new
+            work = new
         elif len(work.lanes) != capacity + 1:
-            self._work = work._replace(lanes=np.zeros(capacity + 1, np.int16))
-        return self._work
+            work = work._replace(lanes=np.zeros(capacity + 1, np.int16))
+        self._work = work
+        return work

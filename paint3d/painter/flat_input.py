@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.chart import SurfaceChart
@@ -77,19 +78,19 @@ class LaidPad:
 
     pad: Recording
     chart: SurfaceChart
-    middle: NDArray
+    middle: NDArray[np.float64]
     scale: float = 1.0
 
     def __len__(self) -> int:
         return len(self.pad)
 
     @property
-    def time_ns(self) -> NDArray:
+    def time_ns(self) -> NDArray[np.int64]:
         """(N,) int64, as on the pad."""
         return self.pad.time_ns
 
     @property
-    def pressure(self) -> NDArray | None:
+    def pressure(self) -> NDArray[np.float64] | None:
         """(N,) float64 in [0, 1], as on the pad."""
         return self.pad.pressure
 
@@ -116,7 +117,9 @@ class LaidPad:
         return self.part(0, len(self))
 
 
-def size_of(recording: Recording, width_mm: float | None = None) -> tuple[NDArray, NDArray, float]:
+def size_of(
+    recording: Recording, width_mm: float | None = None
+) -> tuple[AnyArray, AnyArray, float]:
     """Where a pad recording's middle is, and how large it is to be laid.
 
     Parameters

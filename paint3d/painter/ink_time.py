@@ -53,7 +53,7 @@ class Pauses:
         Before the samples up to this one they have by now.
     """
 
-    def __init__(self, time_ns: NDArray, joined: NDArray, first: int) -> None:
+    def __init__(self, time_ns: NDArray[np.int64], joined: NDArray[np.bool_], first: int) -> None:
         due = np.diff(time_ns // PIECE_NS)
         self._before = np.flatnonzero(due) + 1
         self._before = self._before[self._before > first]

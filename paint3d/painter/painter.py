@@ -12,6 +12,7 @@ import dataclasses
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +33,7 @@ from paint3d.brush_engine.scratch import Room, grow_room, make_room
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.ahead import ahead
@@ -48,6 +50,9 @@ __all__ = ["Painter"]
 _PART = 1 << 16  # samples of a recording that are made ready at once
 _CHUNK = 2000  # samples between two calls of `progress`
 _STATIONS = 12  # pieces of a tuft that is loaded differently along its length
+
+Ink = str | Pigment | Mapping[str, float] | Mapping[Pigment, float]
+"""An ink, or the parts of several that are stirred."""
 
 
 class Painter:
@@ -80,7 +85,7 @@ class Painter:
         self,
         surface: PaintedSurface,
         brush: str | BrushSpec = "full",
-        ink: str | Pigment | Mapping | None = "pine soot",
+        ink: Ink | None = "pine soot",
         azimuth: str = "commanded",
         pickup: float | None = None,
         hairs: int | BristleSpec | None = None,
@@ -103,6 +108,7 @@ class Painter:
         self._origin_ns = 0
         self._n_samples = 0
         self._dip_down = False
+        self._dipped: Ink = {}
         if pickup is not None:
             surface.ink.habit[PICKUP] = as_number(pickup, "pickup (1/mm)", 0.0)
         if ink is None:
@@ -112,7 +118,7 @@ class Painter:
 
     # -- the brush --------------------------------------------------------------------------
 
-    def dip(self, ink: str | Pigment | Mapping | None = None, reach: float | None = None) -> None:
+    def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
         """Rinse the brush and load it fully with `ink` (None: the same again).
 
         Parameters
@@ -212,7 +218,7 @@ class Painter:
             self.hairs.shape()
 
     @property
-    def dipped(self) -> str | Pigment | Mapping:
+    def dipped(self) -> Ink:
         """What the brush was dipped in last."""
         return self._dipped
 
@@ -222,7 +228,7 @@ class Painter:
         kept = {name: getattr(self, name) for name in names}
         return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
 
-    def restore(self, kept: Mapping[str, object]) -> None:
+    def restore(self, kept: Mapping[str, Any]) -> None:
         """Be as when it was kept; the surface is brought back by `surface.undo`."""
         of_hairs = kept.get("of_hairs")
         for name, value in kept.items():
@@ -232,9 +238,9 @@ class Painter:
             self.hairs.restore(of_hairs)
         self._room = self._make_room()
 
-    def _mixture(self, ink: str | Pigment | Mapping) -> NDArray:
+    def _mixture(self, ink: Ink) -> AnyArray:
         """(P,) parts of the pigments on the surface, of sum 1."""
-        stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
+        stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
         if not stirred:
             raise InputError("the brush is dipped in nothing; expected an ink")
         columns, weights = [], []
@@ -246,7 +252,7 @@ class Painter:
         np.add.at(parts, columns, np.array(weights) / sum(weights))
         return parts
 
-    def _hold(self, load: NDArray) -> None:
+    def _hold(self, load: AnyArray) -> None:
         """Let the brush hold `load` (P,), alike all along the tuft."""
         surface = self.surface
         self.loaded += surface.lasting(load - surface.ink.load)
@@ -254,7 +260,7 @@ class Painter:
         surface.ink.habit[CAPACITY] = self.tuft.load
         surface.ink = surface.ink._replace(stations=np.zeros((1, len(load))))
 
-    def _hold_along(self, stations: NDArray) -> None:
+    def _hold_along(self, stations: AnyArray) -> None:
         """Let the brush hold `stations` (N, P) along the tuft, tip first."""
         surface = self.surface
         stations = np.ascontiguousarray(stations)
@@ -266,7 +272,7 @@ class Painter:
         surface.ink.habit[REACH] = self.brush.length_mm / len(stations)
         surface.ink = surface.ink._replace(stations=stations)
 
-    def _dip_tip(self, parts: NDArray, reach: float) -> None:
+    def _dip_tip(self, parts: AnyArray, reach: float) -> None:
         held = self.surface.ink.stations
         if len(held) == 1:
             held = np.repeat(self.surface.ink.load[None] / _STATIONS, _STATIONS, axis=0)
@@ -378,7 +384,7 @@ class Painter:
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int
-    ) -> tuple[NDArray, stroke.Samples, NDArray]:
+    ) -> tuple[AnyArray, stroke.Samples, AnyArray]:
         """The times of a part that follows the one before, its samples, and their dips."""
         started = time.perf_counter()
         part = recording.part(first, last)
@@ -433,7 +439,7 @@ class Painter:
         self._held = self._held[done:]
         self._progress.at[0] -= done
 
-    def _paint(self, samples: stroke.Samples, last: int, dips: NDArray) -> None:
+    def _paint(self, samples: stroke.Samples, last: int, dips: AnyArray) -> None:
         """Paint up to sample `last`, dipping the brush where the recording does."""
         at = self._progress.at
         first = int(at[0])
@@ -464,14 +470,16 @@ class Painter:
         tree, field = surface.contact_tree, surface.paint_mesh.arrays
         work = (self._progress, self._counters, self._pose, self._room)
         if self.hairs is None:
-            return stroke.paint_samples(
+            painted = stroke.paint_samples(
                 samples, last, dragged, self.tuft, self._curves, tree, field, surface.ink, *work
             )
-        hairs = self.hairs.work(surface)
-        return paint_with_hairs(
-            samples, last, dragged, self.tuft, self._curves, self.hairs.bristles, tree, field,
-            surface.ink, *work, hairs,
-        )  # fmt: skip
+        else:
+            hairs = self.hairs.work(surface)
+            painted = paint_with_hairs(
+                samples, last, dragged, self.tuft, self._curves, self.hairs.bristles, tree, field,
+                surface.ink, *work, hairs,
+            )  # fmt: skip
+        return int(painted)
 
     def _make_room(self) -> Room:
         mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
@@ -495,7 +503,7 @@ class Painter:
         self.surface.refresh()
         self.seconds["colour"] += time.perf_counter() - started
 
-    def report(self) -> dict:
+    def report(self) -> dict[str, Any]:
         """Counts, seconds by stage, and the ink ledger, ready for JSON."""
         self._refresh()
         return {
@@ -529,14 +537,14 @@ def _spans(n: int) -> Iterator[tuple[int, int]]:
     yield first, n
 
 
-def _dips(buttons: NDArray) -> NDArray:
+def _dips(buttons: AnyArray) -> AnyArray:
     """Samples at which the dip button goes down."""
     down = (np.asarray(buttons) & DIP) != 0
     return np.flatnonzero(down[1:] & ~down[:-1]) + 1
 
 
 def _stops(
-    time_s: NDArray, first: int, last: int, frame_rate: float | None
+    time_s: AnyArray, first: int, last: int, frame_rate: float | None
 ) -> Iterator[tuple[int, bool]]:
     """Samples after `first`, up to `last`, that are painted up to, and whether a frame ends there.
 
@@ -554,7 +562,9 @@ def _stops(
         yield last, False
 
 
-def _samples(path: BrushPath, time_ns: NDArray, origin_ns: int) -> tuple[stroke.Samples, NDArray]:
+def _samples(
+    path: BrushPath, time_ns: NDArray[np.int64], origin_ns: int
+) -> tuple[stroke.Samples, AnyArray]:
     """Make a path ready for interpolation.
 
     Time counts from where the brush came down last, whatever was painted before: so a stroke is the
@@ -579,7 +589,8 @@ def _samples(path: BrushPath, time_ns: NDArray, origin_ns: int) -> tuple[stroke.
     joined = joined_samples(path)
     came_down = np.where(joined, 0, np.arange(len(path)))
     origins = np.where(came_down > 0, time_ns, origin_ns)[np.maximum.accumulate(came_down)]
-    path = dataclasses.replace(path, time_s=(time_ns - origins) * 1e-9)
+    since = np.asarray((time_ns - origins) * 1e-9, np.float64)
+    path = dataclasses.replace(path, time_s=since)
     samples = stroke.Samples(
         time=np.ascontiguousarray(path.time_s, np.float64),
         position=np.ascontiguousarray(path.way, np.float64),
@@ -592,7 +603,7 @@ def _samples(path: BrushPath, time_ns: NDArray, origin_ns: int) -> tuple[stroke.
     return samples, origins
 
 
-def _one_hemisphere(quaternions: NDArray) -> NDArray:
+def _one_hemisphere(quaternions: AnyArray) -> AnyArray:
     """Flip signs so that neighbouring quaternions (N, 4) lie less than a right angle apart."""
     q = np.array(quaternions, dtype=np.float64)
     flips = np.sum(q[1:] * q[:-1], axis=1) < 0.0

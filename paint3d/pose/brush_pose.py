@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.frames import multiply_quaternions, rotate
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
@@ -40,25 +41,25 @@ class BrushPath:
         Places on the surface that the hand meant, mm; rows of NaN where it said none.
     """
 
-    time_s: NDArray
-    position: NDArray
-    orientation: NDArray
-    pressure: NDArray | None
-    buttons: NDArray
-    contact: NDArray | None = None
+    time_s: NDArray[np.float64]
+    position: NDArray[np.float64]
+    orientation: NDArray[np.float64]
+    pressure: NDArray[np.float64] | None
+    buttons: NDArray[np.int32]
+    contact: NDArray[np.float64] | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)
 
     @property
-    def has_contact(self) -> NDArray:
+    def has_contact(self) -> NDArray[np.bool_]:
         """(N,) bool: whether the hand said which place on the surface it meant."""
         if self.contact is None:
             return np.zeros(len(self), bool)
         return ~np.isnan(self.contact[:, 0])
 
     @property
-    def way(self) -> NDArray:
+    def way(self) -> AnyArray:
         """(N, 3) what moves along the stroke, mm: the place on the surface, else the root."""
         if self.contact is None:
             return self.position
@@ -121,7 +122,7 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
     )
 
 
-def contacts_of(samples: Sequence[DeviceSample]) -> NDArray | None:
+def contacts_of(samples: Sequence[DeviceSample]) -> AnyArray | None:
     """(N, 3) the places on the surface that samples mean, rows of NaN for none; None if all are."""
     if all(sample.contact is None for sample in samples):
         return None
@@ -130,14 +131,14 @@ def contacts_of(samples: Sequence[DeviceSample]) -> NDArray | None:
 
 
 def _path(
-    time_ns: NDArray,
-    position: NDArray,
-    orientation: NDArray,
-    pressure: NDArray | None,
-    buttons: NDArray,
-    object_position: NDArray,
-    object_orientation: NDArray,
-    contact: NDArray | None,
+    time_ns: AnyArray,
+    position: AnyArray,
+    orientation: AnyArray,
+    pressure: AnyArray | None,
+    buttons: AnyArray,
+    object_position: AnyArray,
+    object_orientation: AnyArray,
+    contact: AnyArray | None,
 ) -> BrushPath:
     object_from_world = object_orientation * _CONJUGATE
     turned = multiply_quaternions(object_from_world, orientation)

@@ -11,12 +11,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.frames import quaternions_from_matrices, rotate
+from paint3d.core.types import AnyArray
 from paint3d.errors import DeviceError
 from paint3d.pose.single_turns import multiply, turn
 
@@ -62,21 +64,21 @@ class DeviceCalibration:
         object.__setattr__(self, "shift", shift.copy())
         as_number(self.scale, "scale", *_SCALES, DeviceError)
 
-    def to_world(self, points: NDArray) -> NDArray:
+    def to_world(self, points: AnyArray) -> AnyArray:
         """Points (..., 3), mm, from the device's frame to the world's."""
         return self.scale * rotate(self.rotation, points) + self.shift
 
-    def place(self, point: NDArray, orientation: NDArray) -> tuple[NDArray, NDArray]:
+    def place(self, point: AnyArray, orientation: AnyArray) -> tuple[AnyArray, AnyArray]:
         """One point (3,) and one orientation (4,) in the world."""
         q, d = tuple(self.rotation.tolist()), tuple(point.tolist())
         turned = np.array(multiply(q, tuple(orientation.tolist())))
         return self.scale * np.array(turn(q, d)) + self.shift, turned
 
-    def force_to_device(self, force: NDArray) -> NDArray:
+    def force_to_device(self, force: AnyArray) -> AnyArray:
         """A force (..., 3), N, from the world's frame to the device's: turned, never scaled."""
         return rotate(self.rotation * np.array([1.0, -1.0, -1.0, -1.0]), force)
 
-    def as_dict(self) -> dict:
+    def as_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
         return {
             "format": _FORMAT,

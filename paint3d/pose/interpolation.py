@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.frames import slerp
+from paint3d.core.types import AnyArray
 from paint3d.pose.brush_pose import BrushPath
 
 __all__ = ["MAX_CURVED_GAP_S", "DensePath", "densify", "evaluate", "joined_samples", "velocities"]
@@ -39,11 +40,11 @@ class DensePath:
     """
 
     path: BrushPath
-    joined: NDArray
-    velocity: NDArray
+    joined: NDArray[np.bool_]
+    velocity: NDArray[np.float64]
 
 
-def joined_samples(path: BrushPath) -> NDArray:
+def joined_samples(path: BrushPath) -> AnyArray:
     """Whether the pen came to each sample from the one before it: (N,) bool.
 
     False for the first sample, where the pressure is 0 at both ends of the interval, and where only
@@ -58,7 +59,7 @@ def joined_samples(path: BrushPath) -> NDArray:
     return joined
 
 
-def velocities(path: BrushPath, joined: NDArray) -> NDArray:
+def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
     """Tangents of the cubics along `BrushPath.way` in mm/s, (N, 3).
 
     The derivative of the parabola through a sample and its two neighbours; at the ends of a
@@ -97,13 +98,19 @@ def velocities(path: BrushPath, joined: NDArray) -> NDArray:
     return velocity * _cut(velocity, chords, joined)[:, None]
 
 
-def _weighted(a: NDArray, b: NDArray, weight_a: NDArray, weight_b: NDArray) -> NDArray:
+def _weighted(a: AnyArray, b: AnyArray, weight_a: AnyArray, weight_b: AnyArray) -> AnyArray:
     total = (weight_a + weight_b)[:, None]
-    return (weight_a[:, None] * a + weight_b[:, None] * b) / total
+    result: AnyArray = (weight_a[:, None] * a + weight_b[:, None] * b) / total
+    return result
 
 
 def _set_ends(
-    velocity: NDArray, chords: NDArray, steps: NDArray, curved: NDArray, ends: NDArray, way: int
+    velocity: AnyArray,
+    chords: AnyArray,
+    steps: AnyArray,
+    curved: AnyArray,
+    ends: AnyArray,
+    way: int,
 ) -> None:
     """Fill the tangents of samples that end a curved run; `way` is 1 where it goes on after."""
     near = ends if way == 1 else ends - 1
@@ -113,7 +120,7 @@ def _set_ends(
     velocity[ends] = chords[near] + (chords[near] - chords[far]) * share[:, None]
 
 
-def _cut(velocity: NDArray, chords: NDArray, joined: NDArray) -> NDArray:
+def _cut(velocity: AnyArray, chords: AnyArray, joined: AnyArray) -> AnyArray:
     """Factors (N,) in [0, 1] that keep the tangents from overshooting."""
     speed = np.linalg.norm(chords, axis=1)
     speed[~joined[1:]] = np.inf
@@ -132,8 +139,8 @@ def densify(path: BrushPath) -> DensePath:
 
 
 def evaluate(
-    dense: DensePath, sample_index: NDArray, fraction: NDArray
-) -> tuple[NDArray, NDArray, NDArray | None]:
+    dense: DensePath, sample_index: AnyArray, fraction: NDArray[np.float64]
+) -> tuple[AnyArray, AnyArray, AnyArray | None]:
     """The pose a fraction of the way from sample i to sample i + 1.
 
     Intervals that are not joined are crossed on a straight line.

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import DeviceError
 from paint3d.pose.single_turns import slerp_one
 
@@ -67,8 +68,8 @@ def smooth_pose(
     settings: SmoothingSettings,
     before: SmoothedPose | None,
     time_ns: int,
-    position: NDArray,
-    orientation: NDArray,
+    position: AnyArray,
+    orientation: AnyArray,
     pressure: float | None,
 ) -> SmoothedPose:
     """One step of the filter; without `before` the sample passes unchanged.

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.device.deflection import SILENCE_NS
 from paint3d.errors import DeviceError
 from paint3d.pose.single_turns import Quaternion, Vector, multiply, normalized, turn, turn_by
@@ -71,8 +72,8 @@ class SteeringOptions:
     turning: bool = True
     dominant_axis: bool = False
     zoom_axis: str = "y"
-    pivot: tuple[float, ...] = (0.0, 0.0, 0.0)
-    world_from_view: tuple[float, ...] = _IDENTITY
+    pivot: Vector = (0.0, 0.0, 0.0)
+    world_from_view: Quaternion = _IDENTITY
 
     def __post_init__(self) -> None:
         if self.mode not in ("object", "camera"):
@@ -150,7 +151,7 @@ def apply_action(options: SteeringOptions, action: str) -> SteeringOptions:
     return options
 
 
-def _rates(options: SteeringOptions, deflection: NDArray) -> tuple[Vector, Vector]:
+def _rates(options: SteeringOptions, deflection: AnyArray) -> tuple[Vector, Vector]:
     """Velocity, mm/s, and angular velocity, rad/s, in the world."""
     share = np.where(options.inverted, -deflection, deflection)
     if options.zoom_axis == "z":

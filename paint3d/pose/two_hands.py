@@ -54,7 +54,7 @@ class TwoHands:
         self._smoothing = smoothing
         self._state = SteeringState(time_ns, pose or ObjectPose())
         self._smoothed: SmoothedPose | None = None
-        self._waiting: list[tuple[int, int, object]] = []
+        self._waiting: list[tuple[int, int, StylusReading | ArrayLike]] = []
         self._count = itertools.count()
         self._last_ns = time_ns - 1
         self.late = 0
@@ -93,7 +93,7 @@ class TwoHands:
         self._state = advance(self.steering, self._state, until_ns)
         return samples
 
-    def _put(self, time_ns: int, what: object) -> None:
+    def _put(self, time_ns: int, what: StylusReading | ArrayLike) -> None:
         heapq.heappush(self._waiting, (time_ns, next(self._count), what))
 
     def _sample(self, time_ns: int, reading: StylusReading) -> list[DeviceSample]:

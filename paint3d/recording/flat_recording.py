@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from paint3d.core.frames import (
     multiply_quaternions,
     quaternions_from_matrices,
 )
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 
 __all__ = [
@@ -36,8 +38,10 @@ _UPRIGHT = 1e-9
 
 
 def orientations_from_angles(
-    azimuth: NDArray, altitude: NDArray, rotation: NDArray | float = 0.0
-) -> NDArray:
+    azimuth: NDArray[np.float64],
+    altitude: NDArray[np.float64],
+    rotation: NDArray[np.float64] | float = 0.0,
+) -> AnyArray:
     """Pen orientations whose tip trails opposite to the lean.
 
     Parameters
@@ -64,7 +68,7 @@ def orientations_from_angles(
     return multiply_quaternions(leaning, np.stack([np.cos(half), zero, zero, np.sin(half)], -1))
 
 
-def angles_from_orientations(orientations: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+def angles_from_orientations(orientations: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Azimuth, altitude and rotation (rad, each (N,)) of pad orientations (N, 4)."""
     axes = matrices_from_quaternions(orientations)
     x, z = axes[..., 0], axes[..., 2]
@@ -78,7 +82,7 @@ def angles_from_orientations(orientations: NDArray) -> tuple[NDArray, NDArray, N
     return azimuth, altitude, np.arctan2(across, along)
 
 
-def spread_ties(time_ns: NDArray) -> tuple[NDArray, int]:
+def spread_ties(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
     """Times with runs of equal ones spread evenly up to the next later time.
 
     Tablets hand over several points at once under one time stamp. Nothing is dropped and no
@@ -124,7 +128,9 @@ class Lifts:
         Last samples of all strokes but the last one.
     """
 
-    def __init__(self, time_ns: NDArray, pressed: NDArray, ends: NDArray) -> None:
+    def __init__(
+        self, time_ns: NDArray[np.int64], pressed: NDArray[np.float64], ends: NDArray[np.int64]
+    ) -> None:
         gaps = time_ns[ends + 1] - time_ns[ends]
         lift = np.minimum(LIFT_NS, gaps // 4)
         after = (pressed[ends] > 0) & (lift > 0)
@@ -136,38 +142,39 @@ class Lifts:
             [time_ns[ends[after]] + lift[after], time_ns[ends[before] + 1] - lift[before]]
         )
 
-    def put_times(self, time_ns: NDArray) -> NDArray:
+    def put_times(self, time_ns: AnyArray) -> AnyArray:
         """(N + L,) the times with those of the lifted samples."""
         return _frozen(np.insert(time_ns, self._places, self._times))
 
-    def put_pressure(self, pressed: NDArray) -> NDArray:
+    def put_pressure(self, pressed: AnyArray) -> AnyArray:
         """(N + L,) the pressures with 0 where the pen is lifted."""
         return _frozen(np.insert(pressed, self._places, 0.0))
 
-    def put(self, values: NDArray) -> NDArray:
+    def put(self, values: AnyArray) -> AnyArray:
         """(N + L, ...) the values, lifted samples having those of the end that they belong to."""
         if values.ndim == 2 and values.strides[0] == 0:  # one for all, whichever sample
             return np.broadcast_to(values[:1], (len(values) + len(self._places), values.shape[1]))
         return _frozen(np.insert(values, self._places, values[self._source], axis=0))
 
-    def put_columns(self, columns: Iterable[NDArray]) -> NDArray:
+    def put_columns(self, columns: Iterable[AnyArray]) -> AnyArray:
         """(N + L, K) columns side by side with the lifted samples', each let go before the next."""
-        whole = None
+        whole: NDArray[np.float64] | None = None
         for k, column in enumerate(columns):
             with_lifts = self.put(column)
             if whole is None:
                 whole = np.empty((len(with_lifts), 3))
             whole[:, k] = with_lifts
+        assert whole is not None, "no columns"
         return _frozen(whole)
 
 
 def join_strokes(
-    time_ns: NDArray,
-    position: NDArray,
-    orientation: NDArray,
-    pressure: NDArray | None,
-    stroke: NDArray,
-    header: dict,
+    time_ns: AnyArray,
+    position: AnyArray,
+    orientation: AnyArray,
+    pressure: AnyArray | None,
+    stroke: NDArray[np.int64],
+    header: dict[str, Any],
 ) -> Recording:
     """One pad recording of several strokes, with the pen lifted in between (see `Lifts`).
 
@@ -193,7 +200,7 @@ def join_strokes(
     )
 
 
-def _frozen(array: NDArray) -> NDArray:
+def _frozen(array: AnyArray) -> AnyArray:
     """A new array that is not written to any more, so that it need not be copied."""
     array.setflags(write=False)
     return array

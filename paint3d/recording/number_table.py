@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import RecordingError
 from paint3d.recording.kernels.number_rows import read_rows
 from paint3d.recording.text_lines import TextLines
@@ -43,7 +43,7 @@ class NumberTable:
         self.names, self.name = names, name
         self._exact = np.array([column in set(exact) for column in names])
         self._may_lack = np.array([column in set(may_lack) for column in names])
-        self._lines: list[range | NDArray] = []
+        self._lines: list[range | AnyArray] = []
         self._columns = {
             column: _Column(np.int64 if exact else np.float64)
             for column, exact in zip(names, self._exact, strict=True)
@@ -100,8 +100,8 @@ class NumberTable:
         lines: Iterable[tuple[int, str]],
         split: Callable[[str], list[str] | None],
         first: int,
-        values: NDArray,
-        at: NDArray,
+        values: AnyArray,
+        at: AnyArray,
     ) -> int:
         """Fill a block's numbers and lines row by row, so that the one that is wrong is named."""
         whole = values.view(np.int64)
@@ -146,7 +146,7 @@ class NumberTable:
             row -= len(lines)
         raise IndexError(row)
 
-    def column(self, *names: str) -> tuple[str, NDArray] | None:
+    def column(self, *names: str) -> tuple[str, AnyArray] | None:
         """The first of the named columns that is there, and its values."""
         for name in names:
             if name in self._columns:
@@ -158,7 +158,7 @@ class NumberTable:
         for name in names:
             self._columns.pop(name, None)
 
-    def check(self, name: str, values: NDArray, low: float, high: float) -> NDArray:
+    def check(self, name: str, values: AnyArray, low: float, high: float) -> AnyArray:
         """Return values that lie between bounds.
 
         Raises
@@ -175,7 +175,7 @@ class NumberTable:
         return values
 
 
-def _told_briefly(first: int, lines: NDArray) -> range | NDArray:
+def _told_briefly(first: int, lines: AnyArray) -> range | AnyArray:
     """Numbers of lines, from those counted in a block that begins with line `first`."""
     if len(lines) == 0 or lines[-1] - lines[0] == len(lines) - 1:  # they rise: all in between
         start = first + int(lines[0]) if len(lines) else first
@@ -188,10 +188,10 @@ class _Column:
 
     def __init__(self, kind: type) -> None:
         self._kind = kind
-        self._pieces: list[NDArray] = []
+        self._pieces: list[AnyArray] = []
         self._n_last = 0  # in the last piece
 
-    def add(self, block: NDArray) -> None:
+    def add(self, block: AnyArray) -> None:
         while len(block):
             if not self._pieces or self._n_last == len(self._pieces[-1]):
                 room = 2 * len(self._pieces[-1]) if self._pieces else _FEWEST
@@ -203,7 +203,7 @@ class _Column:
             self._n_last += n
             block = block[n:]
 
-    def values(self) -> NDArray:
+    def values(self) -> AnyArray:
         """All of them in one array."""
         last = self._pieces[-1:]
         if last and self._n_last < len(last[0]):

@@ -12,13 +12,14 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from typing import Any
 from xml.etree import ElementTree
 from xml.parsers import expat
 from xml.sax.saxutils import escape
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.recording.flat_recording import (
@@ -150,7 +151,7 @@ def _channels(root: ElementTree.Element, name: str) -> tuple[list[dict[str, str]
     return channels, len(extra)
 
 
-def _trace(text: str, n_channels: int, intermittent: int) -> NDArray:
+def _trace(text: str, n_channels: int, intermittent: int) -> AnyArray:
     """Points of a trace, (N, C); differences are summed up, and missing channels are NaN."""
     rows: list[list[float]] = []
     order = ["!"] * n_channels
@@ -191,21 +192,25 @@ def _words(point: str) -> list[tuple[str, float]]:
 
 
 def _assemble(
-    traces: list[NDArray], channels: list[dict[str, str]], header: dict, scale: float, y_down: bool
+    traces: list[AnyArray],
+    channels: list[dict[str, str]],
+    header: dict[str, Any],
+    scale: float,
+    y_down: bool,
 ) -> Recording:
     table = np.concatenate(traces)
     stroke = np.repeat(np.arange(len(traces)), [len(t) for t in traces])
     column = {channel["name"]: (k, channel) for k, channel in enumerate(channels)}
     up = -1.0 if _is_down(column["Y"][1], y_down) else 1.0
 
-    def values(key: str, units: dict[str, float], default: float, otherwise: float) -> NDArray:
+    def values(key: str, units: dict[str, float], default: float, otherwise: float) -> AnyArray:
         if key not in column:
             return np.full(len(table), otherwise)
         k, channel = column[key]
         unit = channel.get("units")
         if unit is not None and unit not in units and unit not in ("dev", "px", "*"):
             raise RecordingError(f"units of {key} are {unit!r}; expected {' or '.join(units)}")
-        found = table[:, k] * units.get(unit, default)
+        found = table[:, k] * (default if unit is None else units.get(unit, default))
         missing = np.isnan(found)
         return np.where(missing, otherwise, found) if missing.any() else found
 
@@ -231,7 +236,7 @@ def _is_down(channel: dict[str, str], y_down: bool) -> bool:
     return y_down if orientation is None else orientation != "-ve"
 
 
-def _pressures(table: NDArray, found: tuple[int, dict[str, str]] | None) -> NDArray | None:
+def _pressures(table: AnyArray, found: tuple[int, dict[str, str]] | None) -> AnyArray | None:
     """Pressures from F: newtons over 7.9 N, or the channel's own range, or 0 to 1."""
     if found is None:
         return None
@@ -251,11 +256,12 @@ def _pressures(table: NDArray, found: tuple[int, dict[str, str]] | None) -> NDAr
         return (force - low) / (high - low)
 
 
-def _times(table: NDArray, stroke: NDArray, found: tuple[int, dict[str, str]] | None) -> NDArray:
+def _times(table: AnyArray, stroke: AnyArray, found: tuple[int, dict[str, str]] | None) -> AnyArray:
     """Times from T, or 100 points a second with 0.1 s between strokes."""
     n = len(table)
     if found is None:
-        return np.arange(n) * _DEFAULT_STEP_NS + stroke * _PEN_UP_NS
+        result: AnyArray = np.arange(n) * _DEFAULT_STEP_NS + stroke * _PEN_UP_NS
+        return result
     k, channel = found
     unit = channel.get("units", "ms")
     if unit not in _TIMES:
@@ -277,7 +283,7 @@ def _times(table: NDArray, stroke: NDArray, found: tuple[int, dict[str, str]] | 
     return spread_ties(times)[0]
 
 
-def _note(root: ElementTree.Element) -> dict:
+def _note(root: ElementTree.Element) -> dict[str, Any]:
     """Our header, where we wrote the document."""
     for element in root.iter():
         if _local(element) == "annotation" and element.get("type") == _NOTE:
@@ -333,7 +339,7 @@ def write_inkml(recording: Recording) -> Iterator[str]:
     yield "</ink>\n"
 
 
-def _written(recording: Recording) -> NDArray:
+def _written(recording: Recording) -> AnyArray:
     azimuth, altitude, rotation = angles_from_orientations(recording.orientation)
     pressure = 0.5 if recording.pressure is None else recording.pressure
     return np.column_stack(

@@ -15,9 +15,11 @@ import difflib
 import json
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import (
     FORMAT,
     MAX_FORCE_N,
@@ -84,7 +86,7 @@ def _refuse_constant(word: str) -> float:
 _DECODER = json.JSONDecoder(parse_constant=_refuse_constant)
 
 
-def _decode(text: str) -> dict:
+def _decode(text: str) -> dict[str, Any]:
     try:
         value = _DECODER.decode(text)
     except RecordingError:
@@ -96,7 +98,7 @@ def _decode(text: str) -> dict:
     return value
 
 
-def _file_header(header: dict) -> dict:
+def _file_header(header: dict[str, Any]) -> dict[str, Any]:
     for key in ("format", "version"):
         if key not in header:
             raise RecordingError(f"the header has no {key!r}; expected {key!r} of {FORMAT!r}")
@@ -131,7 +133,7 @@ class _Rows:
         self.object = ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])
         self.accepted = set(_KEYS)
 
-    def add(self, sample: dict) -> None:
+    def add(self, sample: dict[str, Any]) -> None:
         if not self.accepted.issuperset(sample):
             self._accept(sample)
         right = _nested(sample, _RIGHT) or sample
@@ -172,14 +174,14 @@ class _Rows:
         self.object_positions.append(self.object[0])
         self.object_orientations.append(self.object[1])
 
-    def _accept(self, keys: dict) -> None:
+    def _accept(self, keys: dict[str, Any]) -> None:
         for key in keys:
             near = difflib.get_close_matches(key, _KEYS, n=1, cutoff=0.8)
             if key not in self.accepted and near:
                 raise RecordingError(f"a key is {key!r}; expected {near[0]!r}")
             self.accepted.add(key)
 
-    def recording(self, header: dict) -> Recording:
+    def recording(self, header: dict[str, Any]) -> Recording:
         with_pressure = self.pressures[0] is not None
         return Recording(
             np.array(self.times, dtype=np.int64),
@@ -194,7 +196,7 @@ class _Rows:
         )
 
 
-def _nested(sample: dict, names: tuple[str, ...]) -> dict | None:
+def _nested(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | None:
     for name in names:
         value = sample.get(name)
         if value is not None:
@@ -204,7 +206,7 @@ def _nested(sample: dict, names: tuple[str, ...]) -> dict | None:
     return None
 
 
-def _vector(owner: dict, key: str, n: int, largest: float) -> list[float]:
+def _vector(owner: dict[str, Any], key: str, n: int, largest: float) -> list[float]:
     value = owner.get(key)
     if type(value) is not list or len(value) != n:
         got = "missing" if key not in owner else f"{value!r:.60}"
@@ -218,7 +220,7 @@ def _vector(owner: dict, key: str, n: int, largest: float) -> list[float]:
     return value
 
 
-def _quaternion(owner: dict) -> list[float]:
+def _quaternion(owner: dict[str, Any]) -> list[float]:
     w, x, y, z = value = _vector(owner, "orientation", 4, 2.0)
     length = (w * w + x * x + y * y + z * z) ** 0.5
     if abs(length - 1.0) > UNIT_TOLERANCE:
@@ -228,7 +230,7 @@ def _quaternion(owner: dict) -> list[float]:
     return value
 
 
-def _pressure(owner: dict) -> float | None:
+def _pressure(owner: dict[str, Any]) -> float | None:
     for key, most in (("pressure", 1.0), ("force", MAX_FORCE_N)):
         value = owner.get(key)
         if value is None:
@@ -237,11 +239,11 @@ def _pressure(owner: dict) -> float | None:
         if (kind is not float and kind is not int) or not 0 <= value <= most:
             unit = " N" if key == "force" else ""
             raise RecordingError(f"{key} is {value!r:.60}; expected 0 to {most:g}{unit}")
-        return value / most
+        return float(value / most)
     return None
 
 
-def _integer(owner: dict, key: str, least: int, most: int) -> int:
+def _integer(owner: dict[str, Any], key: str, least: int, most: int) -> int:
     value = owner.get(key)
     if type(value) is not int or not least <= value <= most:
         got = "missing" if key not in owner else f"{value!r:.60}"
@@ -254,14 +256,14 @@ def write_jsonl(recording: Recording) -> Iterator[str]:
     yield json.dumps(dict(recording.header), separators=(",", ":"), allow_nan=False) + "\n"
     poses = np.hstack([recording.object_position, recording.object_orientation])
     previous = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
-    pressures = [None] * len(recording) if recording.pressure is None else recording.pressure
+    pressures = recording.pressure
     for i in range(len(recording)):
         parts = [
             f'{{"time_ns":{recording.time_ns[i]}',
             f'"position":{_compact(recording.position[i])}',
             f'"orientation":{_compact(recording.orientation[i])}',
         ]
-        if pressures[i] is not None:
+        if pressures is not None:
             parts.append(f'"pressure":{_compact(pressures[i : i + 1])[1:-1]}')
         parts.append(f'"buttons":{recording.buttons[i]}')
         if recording.contact is not None and not np.isnan(recording.contact[i, 0]):
@@ -275,7 +277,7 @@ def write_jsonl(recording: Recording) -> Iterator[str]:
         yield ",".join(parts) + "}\n"
 
 
-def _compact(numbers: np.ndarray) -> str:
+def _compact(numbers: AnyArray) -> str:
     words = (repr(number) for number in numbers.tolist())
     return (
         "["

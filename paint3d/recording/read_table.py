@@ -31,10 +31,11 @@ import json
 import math
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.recording.flat_recording import (
@@ -89,7 +90,7 @@ def read_csv(lines: TextLines, name: str, *, scale: float, y_down: bool) -> Reco
     """
     filled = ((number, text.strip()) for number, text in lines if text.strip())
     number, text = next(filled, (1, ""))
-    header: dict = {}
+    header: dict[str, Any] = {}
     if text.startswith("#"):
         header = _header(text[1:], f"{name}:{number}")
         number, text = next(filled, (number + 1, ""))
@@ -129,17 +130,18 @@ def _words(line: str) -> list[str] | None:
     return None if line.startswith("#") else line.split() or None
 
 
-def _header(text: str, where: str) -> dict:
+def _header(text: str, where: str) -> dict[str, Any]:
     if not text.strip().startswith("{"):
         return {}
     try:
         header = json.loads(text)
     except (ValueError, RecursionError) as cause:
         raise RecordingError(f"{where}: the header is not JSON ({cause})") from None
-    return header
+    result: dict[str, Any] = header
+    return result
 
 
-def _assemble(table: NumberTable, header: dict, scale: float, y_down: bool) -> Recording:
+def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: bool) -> Recording:
     if not len(table):
         raise RecordingError(f"{table.name}: there are no samples; expected at least one")
     up = 1.0 if table.column("y_mm") or not y_down else -1.0
@@ -177,7 +179,7 @@ def _assemble(table: NumberTable, header: dict, scale: float, y_down: bool) -> R
         raise RecordingError(f"{table.name}: {cause}") from None
 
 
-def _changes(table: NumberTable) -> NDArray:
+def _changes(table: NumberTable) -> AnyArray:
     """First samples of all strokes but the first."""
     found = table.column(*_STROKES)
     if found is None:
@@ -186,17 +188,17 @@ def _changes(table: NumberTable) -> NDArray:
     return np.flatnonzero(stroke[1:] != stroke[:-1]) + 1
 
 
-def _listed(notes: object) -> list:
+def _listed(notes: object) -> list[Any]:
     return list(notes) if isinstance(notes, list) else []
 
 
 def _posed(
     table: NumberTable,
-    header: dict,
-    time_ns: NDArray,
-    position: NDArray,
-    pressure: NDArray | None,
-    buttons: NDArray | None,
+    header: dict[str, Any],
+    time_ns: AnyArray,
+    position: AnyArray,
+    pressure: AnyArray | None,
+    buttons: AnyArray | None,
 ) -> Recording:
     orientation = _columns(table, _QUATERNION)
     held = _columns(table, _OBJECT) if table.column(_OBJECT[0]) else None
@@ -213,11 +215,13 @@ def _posed(
     )
 
 
-def _columns(table: NumberTable, names: tuple[str, ...]) -> NDArray:
-    found = [table.column(name) for name in names]
-    if None in found:
-        raise RecordingError(f"there is no column {names[found.index(None)]!r}")
-    checked = [table.check(name, values, -_LARGEST, _LARGEST) for name, values in found]
+def _columns(table: NumberTable, names: tuple[str, ...]) -> AnyArray:
+    checked = []
+    for wanted in names:
+        found = table.column(wanted)
+        if found is None:
+            raise RecordingError(f"there is no column {wanted!r}")
+        checked.append(table.check(*found, -_LARGEST, _LARGEST))
     return np.stack(checked, axis=1)
 
 
@@ -232,7 +236,7 @@ def _check_place(table: NumberTable, axis: str) -> None:
         )
 
 
-def _places(table: NumberTable, scale: float, up: float) -> Iterator[NDArray]:
+def _places(table: NumberTable, scale: float, up: float) -> Iterator[AnyArray]:
     """x, y and z in mm, y upwards; each is forgotten by the table when the next is asked for."""
     for axis in "xyz":
         found = table.column(*_PLACES[axis])
@@ -247,7 +251,7 @@ def _places(table: NumberTable, scale: float, up: float) -> Iterator[NDArray]:
         yield -values if axis == "y" and up < 0.0 else values
 
 
-def _pressures(table: NumberTable) -> NDArray | None:
+def _pressures(table: NumberTable) -> AnyArray | None:
     found = table.column(*_PRESSURES)
     if found is None:
         return None
@@ -257,7 +261,7 @@ def _pressures(table: NumberTable) -> NDArray | None:
     return checked if most == 1.0 else checked / most
 
 
-def _leaning(table: NumberTable, up: float) -> NDArray:
+def _leaning(table: NumberTable, up: float) -> AnyArray:
     """Orientations from the lean; upright, the tip pointing up left, where it is not known."""
     angles, known = [], False
     for key, otherwise in (
@@ -277,9 +281,11 @@ def _leaning(table: NumberTable, up: float) -> NDArray:
     return np.broadcast_to(same, (len(table), 4))
 
 
-def _times(table: NumberTable, starts: NDArray) -> tuple[NDArray, list[str]]:
+def _times(table: NumberTable, starts: AnyArray) -> tuple[AnyArray, list[str]]:
     """Times in ns, and what had to be done to them; `starts` are the strokes' first samples."""
-    name, values = table.column(*_TIMES)
+    found = table.column(*_TIMES)
+    assert found is not None, "the reader asks for one"
+    name, values = found
     late = np.flatnonzero(values[1:] < values[:-1])
     if len(late):
         i = int(late[0]) + 1
@@ -288,7 +294,7 @@ def _times(table: NumberTable, starts: NDArray) -> tuple[NDArray, list[str]]:
             f"expected at least {values[i - 1]:.17g}, the time before it"
         )
     if name == "time_ns":
-        times, notes = values, []
+        times, notes = values, list[str]()
     else:
         times, notes = _rounded(values, _TIMES[name], starts)
     times, n_moved = spread_ties(times)
@@ -303,7 +309,7 @@ def _times(table: NumberTable, starts: NDArray) -> tuple[NDArray, list[str]]:
     return times, notes
 
 
-def _rounded(values: NDArray, unit: float, starts: NDArray) -> tuple[NDArray, list[str]]:
+def _rounded(values: AnyArray, unit: float, starts: AnyArray) -> tuple[AnyArray, list[str]]:
     """ns from the first stamp; strokes that start in ms but go on in s are put right."""
     counts = np.diff(np.append(starts, len(values)))
     total = values - np.repeat(values[starts], counts)
@@ -318,7 +324,7 @@ def _rounded(values: NDArray, unit: float, starts: NDArray) -> tuple[NDArray, li
     return np.round(total, out=total).astype(np.int64), notes
 
 
-def _starts_in_ms(values: NDArray, starts: NDArray, since: NDArray) -> bool:
+def _starts_in_ms(values: AnyArray, starts: AnyArray, since: AnyArray) -> bool:
     """Whether strokes start at times in ms, but count s `since` then."""
     steps = np.diff(since)
     steps = steps[steps > 0]
@@ -337,7 +343,7 @@ def write_csv(recording: Recording) -> Iterator[str]:
     names += () if recording.contact is None else _CONTACT
     yield ",".join(names) + "\n"
     floats = [recording.position, recording.orientation]
-    if pressure:
+    if recording.pressure is not None:
         floats.append(recording.pressure[:, None])
     left = np.hstack([*floats])
     right = np.hstack([recording.object_position, recording.object_orientation])

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.surface.dry_layers import DryRows
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.vertex_sets import union
@@ -25,10 +26,10 @@ __all__ = ["BrushLoad", "DeltaRecorder", "SurfaceDelta"]
 class BrushLoad:
     """The ink in the brush, and what ran off the surface; see `InkField`."""
 
-    load: NDArray
-    off_surface: NDArray
-    stations: NDArray
-    habit: NDArray
+    load: AnyArray
+    off_surface: AnyArray
+    stations: AnyArray
+    habit: AnyArray
 
     @classmethod
     def of(cls, surface: PaintedSurface) -> BrushLoad:
@@ -61,12 +62,12 @@ class SurfaceDelta:
         As `PaintedSurface.keep_flow` gives it.
     """
 
-    vertex_ids: NDArray
-    amounts: NDArray
-    coverage: NDArray
+    vertex_ids: NDArray[np.int32]
+    amounts: NDArray[np.float32]
+    coverage: NDArray[np.float32]
     dry: DryRows
     brush: BrushLoad
-    flow: Mapping[str, NDArray] | None
+    flow: Mapping[str, AnyArray] | None
 
     @property
     def n_bytes(self) -> int:
@@ -75,8 +76,8 @@ class SurfaceDelta:
         return sum(array.nbytes for array in [*arrays, *(self.flow or {}).values()])
 
     def exchange(
-        self, surface: PaintedSurface, water: Mapping[str, NDArray] | None
-    ) -> tuple[SurfaceDelta, NDArray]:
+        self, surface: PaintedSurface, water: Mapping[str, AnyArray] | None
+    ) -> tuple[SurfaceDelta, AnyArray]:
         """Bring the surface there.
 
         Parameters
@@ -113,7 +114,7 @@ class SurfaceDelta:
             surface.restore_flow(self.flow)
 
 
-def _same(one: Mapping[str, NDArray] | None, two: Mapping[str, NDArray] | None) -> bool:
+def _same(one: Mapping[str, AnyArray] | None, two: Mapping[str, AnyArray] | None) -> bool:
     """Whether the water was kept twice as it is."""
     if one is None or two is None:
         return one is two
@@ -144,17 +145,17 @@ class DeltaRecorder:
         self._follow(painted, self._surface.keep_flow())
 
     @property
-    def water(self) -> Mapping[str, NDArray] | None:
+    def water(self) -> Mapping[str, AnyArray] | None:
         """What `PaintedSurface.keep_flow` gave when this was last asked."""
         return self._flow
 
-    def accept(self, vertex_ids: NDArray, water: Mapping[str, NDArray] | None) -> None:
+    def accept(self, vertex_ids: AnyArray, water: Mapping[str, AnyArray] | None) -> None:
         """Take what was brought to these vertices (N,), and this water, as what there is."""
         self._surface.take_changed()
         self._fit()
         self._follow(vertex_ids, water)
 
-    def before(self, vertex_ids: NDArray) -> tuple[NDArray, NDArray]:
+    def before(self, vertex_ids: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Amounts (N, P) and coverage (N,) of vertices (N,) when this was last asked."""
         self._fit()
         return self._amounts[vertex_ids], self._coverage[vertex_ids]
@@ -180,7 +181,7 @@ class DeltaRecorder:
         self._follow(ids[at], self._flow if _same(self._flow, water) else water)
         return delta
 
-    def _follow(self, ids: NDArray, water: Mapping[str, NDArray] | None) -> None:
+    def _follow(self, ids: AnyArray, water: Mapping[str, AnyArray] | None) -> None:
         surface = self._surface
         self._amounts[ids] = surface.ink.amounts[ids]
         self._coverage[ids] = surface.ink.coverage[ids]

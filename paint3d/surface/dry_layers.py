@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from paint3d.colour.kernels.glazing import Ground
 from paint3d.colour.kernels.layering import GROUNDS
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.types import AnyArray
 
 __all__ = ["DryLayers", "DryRows"]
 
@@ -32,12 +33,12 @@ class DryRows(NamedTuple):
     """Rows as they are at another time (K: rows, P: pigments)."""
 
     count: int  # how many rows there are then
-    rows: NDArray  # (K,) int32 rows that differ
-    vertex_ids: NDArray  # (K,) int32
-    spectra: NDArray  # (K, 31) uint16
-    amounts: NDArray  # (K, P) float32
-    share: NDArray  # (K,) float32
-    over: tuple[NDArray, NDArray, NDArray]  # (K, 31) uint16 each, or (K, 0)
+    rows: AnyArray  # (K,) int32 rows that differ
+    vertex_ids: AnyArray  # (K,) int32
+    spectra: AnyArray  # (K, 31) uint16
+    amounts: AnyArray  # (K, P) float32
+    share: AnyArray  # (K,) float32
+    over: tuple[AnyArray, AnyArray, AnyArray]  # (K, 31) uint16 each, or (K, 0)
 
 
 class DryLayers:
@@ -68,27 +69,27 @@ class DryLayers:
         self._before: list[DryRows] = []
 
     @property
-    def vertex_ids(self) -> NDArray:
+    def vertex_ids(self) -> NDArray[np.int32]:
         """(D,) int32, in the order in which they first dried."""
         return self._ids[: self.count]
 
     @property
-    def amounts(self) -> NDArray:
+    def amounts(self) -> NDArray[np.float32]:
         """(D, P) float32 of every pigment, coats times the share covered, all layers together."""
         return self._amounts[: self.count]
 
     @property
-    def share(self) -> NDArray:
+    def share(self) -> NDArray[np.float32]:
         """(D,) float32: greatest share of the vertex's area that any of the layers covers."""
         return self._share[: self.count]
 
     @property
-    def spectra(self) -> NDArray:
+    def spectra(self) -> NDArray[np.uint16]:
         """(D, 31) uint16 reflectance shown, in steps of 1/65535."""
         return self._spectra[: self.count]
 
     @property
-    def over(self) -> tuple[NDArray, NDArray, NDArray]:
+    def over(self) -> tuple[AnyArray, AnyArray, AnyArray]:
         """(D, 31) uint16 each: reflectance shown over each of the grey grounds."""
         return tuple(array[: self.count] for array in self._over)
 
@@ -97,12 +98,12 @@ class DryLayers:
         """Whether rows say what they show over other grounds."""
         return self._over[0].shape[1] > 0
 
-    def add_filters(self, over: tuple[NDArray, NDArray, NDArray]) -> None:
+    def add_filters(self, over: tuple[AnyArray, AnyArray, AnyArray]) -> None:
         """From now on rows say what they show over grey grounds; `over` is that of those here."""
         room = len(self._ids)
         self._over = tuple(_grown(array, self.count, room) for array in over)
 
-    def rows_of(self, vertex_ids: NDArray) -> NDArray:
+    def rows_of(self, vertex_ids: AnyArray) -> NDArray[np.int32]:
         """(N,) int32 rows of vertices (N,), -1 for those that nothing has dried on."""
         if not self.count:
             return np.full(len(vertex_ids), -1, np.int32)
@@ -122,7 +123,7 @@ class DryLayers:
         """Give back the room that vertices without rows take; `fit` takes it again."""
         self._slots = self._slots[:0]
 
-    def has_row(self, vertex_ids: NDArray) -> NDArray:
+    def has_row(self, vertex_ids: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether something has dried on the vertices (N,)."""
         if not self.count:
             return np.zeros(len(vertex_ids), bool)
@@ -143,7 +144,7 @@ class DryLayers:
         if missing > 0:
             self._amounts = np.pad(self._amounts, ((0, 0), (0, missing)))
 
-    def reserve_rows(self, vertex_ids: NDArray, capacity: int) -> NDArray:
+    def reserve_rows(self, vertex_ids: AnyArray, capacity: int) -> NDArray[np.int32]:
         """(N,) int32 rows of `spectra` for some distinct vertices; `settle` makes them theirs."""
         if len(self._slots) < capacity:
             self._slots = _padded(self._slots, capacity)
@@ -155,7 +156,9 @@ class DryLayers:
         self._reserve(self.count + np.count_nonzero(fresh))
         return rows
 
-    def settle(self, vertex_ids: NDArray, rows: NDArray, amounts: NDArray, share: NDArray) -> None:
+    def settle(
+        self, vertex_ids: AnyArray, rows: AnyArray, amounts: AnyArray, share: AnyArray
+    ) -> None:
         """From now on these rows are the vertices' grounds.
 
         Amounts (N, P) have dried there and cover shares (N,) of the vertices.
@@ -203,12 +206,12 @@ class DryLayers:
         self.count = then.count
         return now
 
-    def _keep_before(self, rows: NDArray) -> None:
+    def _keep_before(self, rows: AnyArray) -> None:
         old = rows[rows < self._marked]
         if len(old):
             self._before.append(self._rows(old, self._marked))
 
-    def _rows(self, rows: NDArray, count: int) -> DryRows:
+    def _rows(self, rows: AnyArray, count: int) -> DryRows:
         columns = (self._ids, self._spectra, self._amounts, self._share)
         over = tuple(array[rows] for array in self._over)
         return DryRows(count, rows, *(column[rows] for column in columns), over)
@@ -225,11 +228,11 @@ class DryLayers:
     def restore(
         self,
         capacity: int,
-        vertex_ids: NDArray,
-        spectra: NDArray,
-        amounts: NDArray,
-        share: NDArray,
-        over: tuple[NDArray, NDArray, NDArray] | None = None,
+        vertex_ids: AnyArray,
+        spectra: AnyArray,
+        amounts: AnyArray,
+        share: AnyArray,
+        over: tuple[AnyArray, AnyArray, AnyArray] | None = None,
     ) -> None:
         """Take over layers that were kept elsewhere; see the attributes of the same names."""
         self._slots = np.full(capacity if len(vertex_ids) else 0, -1, np.int32)
@@ -244,20 +247,20 @@ class DryLayers:
         self._over = tuple(np.array(array, np.uint16) for array in over)
 
 
-def _grown(array: NDArray, used: int, room: int) -> NDArray:
+def _grown(array: AnyArray, used: int, room: int) -> AnyArray:
     grown = np.zeros((room, *array.shape[1:]), array.dtype)
     grown[:used] = array[:used]
     return grown
 
 
-def _padded(slots: NDArray, capacity: int) -> NDArray:
+def _padded(slots: AnyArray, capacity: int) -> AnyArray:
     """Slots for so many vertices; -1 for those that nothing has dried on."""
     if len(slots) >= capacity:
         return slots
     return np.pad(slots, (0, capacity - len(slots)), constant_values=-1)
 
 
-def _wide(array: NDArray, layers: DryLayers) -> NDArray:
+def _wide(array: AnyArray, layers: DryLayers) -> AnyArray:
     """Amounts (K, p) with a column for every pigment that is known by now; other arrays as is."""
     if array.dtype != np.float32 or array.ndim == 1:
         return array

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.block_groups import grade_paces
 from paint3d.surface.kernels.diffusion import evaporate, solve_edges
@@ -61,10 +62,10 @@ class _Step:
         How often more of the surface had to be known.
     """
 
-    due: NDArray
-    moved: NDArray
-    mobile: NDArray
-    still_wet: NDArray
+    due: NDArray[np.bool_]
+    moved: NDArray[np.float64]
+    mobile: NDArray[np.bool_]
+    still_wet: NDArray[np.bool_]
     rings: int = 0
 
 
@@ -114,13 +115,13 @@ class Flow:
         wet = patch.wet_blocks()
         return max(0.0, float((patch.pace[wet] - patch.owed[wet]).min(initial=np.inf)))
 
-    def depths(self) -> tuple[NDArray, NDArray]:
+    def depths(self) -> tuple[AnyArray, AnyArray]:
         """Vertices (C,) int32 of the patch and the depth of water on each (C,), mm."""
         graph = self._patch.graph
         node = graph.node_of[: graph.n_places]
         return graph.vertices[: graph.n_places], self._patch.water[node]
 
-    def keep(self) -> dict[str, NDArray]:
+    def keep(self) -> dict[str, AnyArray]:
         """What `restore` takes: what is on the patch, vertex by vertex."""
         return self._patch.keep()
 
@@ -129,14 +130,14 @@ class Flow:
         self._patch.clear()
         self.waiting = self.waiting[:0]
 
-    def restore(self, kept: Mapping[str, NDArray]) -> None:
+    def restore(self, kept: Mapping[str, AnyArray]) -> None:
         """Go on where another flow, on the same surface with the same ink, was kept."""
         self.waiting = self.waiting[:0]
         self._patch.restore(kept)
 
     # -- time -------------------------------------------------------------------------------
 
-    def advance(self, seconds: float, step: float | None, fresh: NDArray) -> None:
+    def advance(self, seconds: float, step: float | None, fresh: AnyArray) -> None:
         """Let time pass; `fresh` (N,) int32 are vertices whose ink may have changed since."""
         patch = self._patch
         self._ease = 1.0
@@ -159,7 +160,7 @@ class Flow:
         while len(wet := patch.wet_blocks()) and patch.owed[wet].any():
             self._step(wet[patch.owed[wet] > 0.0])
 
-    def follow(self, seconds: float, fresh: NDArray, most_nodes: int) -> bool:
+    def follow(self, seconds: float, fresh: AnyArray, most_nodes: int) -> bool:
         """Let time pass, and let what is due move, as far as there is time for it.
 
         Water that moves little is left where it is until its step is due, and of what is due no
@@ -192,7 +193,7 @@ class Flow:
         is_late = patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])
         return not is_late.any() and self._waited < _LATE
 
-    def _due(self, wet: NDArray, pace: NDArray) -> NDArray:
+    def _due(self, wet: AnyArray, pace: AnyArray) -> AnyArray:
         """Those of the wet blocks (K,), of paces (K,), that take a step now."""
         patch, graph = self._patch, self._patch.graph
         share = np.zeros(graph.n_blocks)
@@ -203,7 +204,7 @@ class Flow:
             is_due[beside] |= share[beside] >= _BESIDE
         return np.flatnonzero(is_due)
 
-    def _most_urgent(self, due: NDArray, most_nodes: int) -> NDArray:
+    def _most_urgent(self, due: AnyArray, most_nodes: int) -> AnyArray:
         """Those of the blocks (K,) that wait longest for their pace, rising; one at least."""
         patch = self._patch
         late = np.argsort(-patch.owed[due] / patch.pace[due], kind="stable")
@@ -211,7 +212,7 @@ class Flow:
         n = int(np.searchsorted(sizes, most_nodes, side="right"))
         return np.sort(due[late[: max(1, n)]])
 
-    def _take_up(self, fresh: NDArray) -> None:
+    def _take_up(self, fresh: AnyArray) -> None:
         """Follow what happened to the ink, after the water there was brought to now."""
         patch = self._patch
         at = patch.find_changed(fresh)
@@ -224,7 +225,7 @@ class Flow:
 
     # -- steps ------------------------------------------------------------------------------
 
-    def _step(self, blocks: NDArray) -> None:
+    def _step(self, blocks: AnyArray) -> None:
         """Let the water of some blocks (K,), rising, move and dry for the time they are owed."""
         if not len(blocks):
             return
@@ -261,10 +262,10 @@ class Flow:
             patch.owed[own] = np.where(step.still_wet[own], left, np.inf)
         self._choose_pace(step, np.flatnonzero(was_dry & np.isfinite(patch.owed)))
 
-    def _bundles(self, blocks: NDArray) -> list[NDArray]:
+    def _bundles(self, blocks: AnyArray) -> list[AnyArray]:
         """Blocks (K,) in bundles that have nothing to do with one another, none very small."""
         graph = self._patch.graph
-        bundles: list[list[NDArray]] = []
+        bundles: list[list[AnyArray]] = []
         size = _BUNDLE
         for group in graph.apart(blocks):
             if size >= _BUNDLE:
@@ -274,7 +275,7 @@ class Flow:
             size += int(graph.block_nodes[group].sum())
         return [np.sort(np.concatenate(bundle)) for bundle in bundles]
 
-    def _choose_pace(self, step: _Step, came: NDArray) -> None:
+    def _choose_pace(self, step: _Step, came: AnyArray) -> None:
         """Let the next steps follow the motion in these; `came` (K,) are blocks wet since."""
         p, due, graph = self._patch, step.due, self._patch.graph
         pores = p.material.pores_mm
@@ -291,7 +292,7 @@ class Flow:
         )
         p.pace[np.isinf(p.owed)] = FIRST_PACE
 
-    def _move_and_dry(self, blocks: NDArray, rest: NDArray, step: _Step) -> NDArray | None:
+    def _move_and_dry(self, blocks: AnyArray, rest: AnyArray, step: _Step) -> AnyArray | None:
         """A step of some blocks (K,), which touches nothing that other bundles know of.
 
         Returns the nodes that are dry now, or None where more of the surface has to be known: then
@@ -310,7 +311,7 @@ class Flow:
                 return None
         return self._evaporate(nodes, float(rest[0]), step)
 
-    def _wanted(self, blocks: NDArray, step: _Step) -> NDArray:
+    def _wanted(self, blocks: AnyArray, step: _Step) -> AnyArray:
         """Blocks to be opened before the water on some blocks (K,) can move."""
         graph, water = self._patch.graph, self._patch.water
         ring = graph.rims_of(blocks)
@@ -322,7 +323,7 @@ class Flow:
             wanted = graph.blocks_around(wanted)
         return wanted
 
-    def _evaporate(self, nodes: NDArray, rest: float, step: _Step) -> NDArray:
+    def _evaporate(self, nodes: AnyArray, rest: float, step: _Step) -> AnyArray:
         """Let the water of some nodes (N,) dry; return those that are dry now."""
         p = self._patch
         graph = p.graph

@@ -17,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.surface.kernels.block_groups import group_blocks
 from paint3d.surface.kernels.diffusion import activate_cells
@@ -86,7 +87,7 @@ class FlowGraph:
         self._cell_runs = np.searchsorted(
             self._cell_block[self._cells], np.arange(self.n_blocks + 1)
         )
-        self._rims: dict[int, NDArray] = {}
+        self._rims: dict[int, AnyArray] = {}
         self.beside, self._n_beside = np.zeros(0, np.int32), 0
         self.first_beside, self.last_beside = np.zeros((2, self.n_blocks), np.int64)
         self._heads = np.full(self.n_blocks, -1, np.int32)
@@ -111,30 +112,31 @@ class FlowGraph:
 
     # -- where things are -------------------------------------------------------------------
 
-    def places(self, ids: NDArray) -> NDArray:
+    def places(self, ids: AnyArray) -> AnyArray:
         """(N,) place of vertices among those known, -1 for others."""
         known = ids < len(self._place)  # the mesh may have grown since
         place = np.full(len(ids), -1, np.int32)
         place[known] = self._place[ids[known]] - 1
         return place
 
-    def cells_of(self, ids: NDArray) -> NDArray:
+    def cells_of(self, ids: AnyArray) -> AnyArray:
         """The cells in which some vertices (N,) lie, rising."""
         fields = self._mesh.arrays
         marks = np.zeros(self._mesh.n_cells, bool)
         marks[fields.sheet_cell[fields.vertex_sheet[ids]]] = True
         return np.flatnonzero(marks)
 
-    def block_of(self, ids: NDArray) -> NDArray:
+    def block_of(self, ids: AnyArray) -> NDArray[np.int32]:
         """(N,) int32 block in which each of some vertices lies."""
         fields = self._mesh.arrays
-        return self._cell_block[fields.sheet_cell[fields.vertex_sheet[ids]]]
+        result: NDArray[np.int32] = self._cell_block[fields.sheet_cell[fields.vertex_sheet[ids]]]
+        return result
 
-    def blocks_of(self, cells: NDArray) -> NDArray:
+    def blocks_of(self, cells: AnyArray) -> AnyArray:
         """The blocks of some cells (K,), rising."""
         return np.unique(self._cell_block[cells])
 
-    def around(self, cells: NDArray) -> NDArray:
+    def around(self, cells: AnyArray) -> AnyArray:
         """Some cells (K,) and those that the surface goes on into from there, rising."""
         fields = self._mesh.arrays
         marks = np.zeros(self._mesh.n_cells, bool)
@@ -144,11 +146,11 @@ class FlowGraph:
         marks[fields.sheet_cell[linked]] = True
         return np.flatnonzero(marks)
 
-    def blocks_around(self, blocks: NDArray) -> NDArray:
+    def blocks_around(self, blocks: AnyArray) -> AnyArray:
         """Some blocks (K,) and those next to them, rising."""
         return self.blocks_of(self.around(self._cells[_runs(self._cell_runs, blocks)]))
 
-    def apart(self, blocks: NDArray) -> list[NDArray]:
+    def apart(self, blocks: AnyArray) -> list[AnyArray]:
         """Some open blocks (K,), rising, in groups that no block lies next to two of."""
         group = np.empty(len(blocks), np.int32)
         count = group_blocks(
@@ -158,7 +160,7 @@ class FlowGraph:
         ends = np.cumsum(np.bincount(group, minlength=count))[:-1]
         return np.split(blocks[order], ends)
 
-    def nodes_of(self, blocks: NDArray) -> NDArray:
+    def nodes_of(self, blocks: AnyArray) -> AnyArray:
         """The known nodes of some blocks (K,), rising: always in the same order."""
         cells = self._cells[_runs(self._cell_runs, blocks)]
         cells = cells[self._known[cells]]
@@ -167,7 +169,7 @@ class FlowGraph:
         pick_nodes(starts, stops, nodes)
         return nodes
 
-    def rims_of(self, blocks: NDArray) -> NDArray:
+    def rims_of(self, blocks: AnyArray) -> AnyArray:
         """Nodes (R,) next to those of some open blocks (K,): always in the same order.
 
         Some of them may come twice, or be of these blocks.
@@ -177,7 +179,7 @@ class FlowGraph:
 
     # -- growth -----------------------------------------------------------------------------
 
-    def know(self, cells: NDArray) -> None:
+    def know(self, cells: AnyArray) -> None:
         """Refine some cells (K,), and give their vertices nodes."""
         cells = cells[~self._known[cells]]
         done = 0
@@ -188,7 +190,7 @@ class FlowGraph:
         if len(cells):
             self._add_nodes(cells)
 
-    def _add_nodes(self, cells: NDArray) -> None:
+    def _add_nodes(self, cells: AnyArray) -> None:
         fields = self._mesh.arrays
         ids = np.empty(count_vertices(fields, cells), np.int32)
         number = np.empty(len(ids), np.int32)
@@ -225,7 +227,7 @@ class FlowGraph:
         self._known[cells] = True
         self.n_nodes, self.n_places = n, c
 
-    def open(self, blocks: NDArray) -> None:
+    def open(self, blocks: AnyArray) -> None:
         """Learn the ways from all nodes of some blocks (K,)."""
         for block in blocks[~self.block_open[blocks]]:
             self._open(int(block))
@@ -276,11 +278,11 @@ class FlowGraph:
         self.n_links = n
         self.block_open[block] = True
 
-    def _first_place(self, nodes: NDArray) -> NDArray:
+    def _first_place(self, nodes: AnyArray) -> AnyArray:
         """A place of each of some nodes (N,)."""
         return np.searchsorted(self.node_of[: self.n_places], nodes)
 
-    def _faces_near(self, block: int, cells: NDArray) -> NDArray:
+    def _faces_near(self, block: int, cells: AnyArray) -> AnyArray:
         """(F, 3) vertices of the triangles in a block and a margin."""
         mesh = self._mesh
         fields = mesh.arrays
@@ -296,7 +298,7 @@ class FlowGraph:
         return corners[out[:n]]
 
 
-def graph_of_triangles(points: NDArray, faces: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+def graph_of_triangles(points: AnyArray, faces: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Links of a triangle mesh: points (N, 3), faces (F, 3) to `runs`, `links`, `weights`.
 
     Triangles without an area are left out. Cost: about 1.5 us a triangle.
@@ -318,7 +320,9 @@ def graph_of_triangles(points: NDArray, faces: NDArray) -> tuple[NDArray, NDArra
     return _links(n, faces.ravel(), np.roll(faces, -1, axis=1).ravel(), halves.ravel())
 
 
-def _links(n: int, a: NDArray, b: NDArray, halves: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+def _links(
+    n: int, a: AnyArray, b: AnyArray, halves: AnyArray
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Add up the weights of half-edges a-b; negative ones, at borders alone, become 0."""
     key = np.concatenate([a.astype(np.int64) * n + b, b.astype(np.int64) * n + a])
     weight = np.concatenate([halves, halves])
@@ -333,7 +337,7 @@ def _links(n: int, a: NDArray, b: NDArray, halves: NDArray) -> tuple[NDArray, ND
     return runs.astype(np.int64), (key % n).astype(np.int32), weight
 
 
-def with_room(array: NDArray, n: int) -> NDArray:
+def with_room(array: AnyArray, n: int) -> AnyArray:
     """An array that starts alike and is at least `n` long, 0 beyond."""
     if len(array) >= n:
         return array
@@ -342,14 +346,14 @@ def with_room(array: NDArray, n: int) -> NDArray:
     return longer
 
 
-def _runs(starts: NDArray, chosen: NDArray) -> NDArray:
+def _runs(starts: AnyArray, chosen: AnyArray) -> AnyArray:
     """All places in some runs (K,) of `starts` (N + 1,), run after run."""
     first = starts[chosen].astype(np.int64)
     counts = starts[chosen + 1].astype(np.int64) - first
     return np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))
 
 
-def _in_order(faces: NDArray) -> NDArray:
+def _in_order(faces: AnyArray) -> AnyArray:
     """Triangles (F, 3) each from its first corner on, sorted: whatever order they came in."""
     turn = faces.argmin(axis=1)[:, None] + np.arange(3)
     faces = np.take_along_axis(faces, turn % 3, axis=1)

@@ -18,6 +18,7 @@ from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -170,7 +171,7 @@ class InkStore:
             mesh = self.paint_mesh
             self._mesh_colours.know(mesh.arrays.parents, mesh.n_vertices, self._srgb)
 
-    def colour_as_one(self, ids: NDArray) -> None:
+    def colour_as_one(self, ids: AnyArray) -> None:
         """Bring the colours of vertices (N,) int32 up to date, as if this were the only layer.
 
         Some pigment is known.
@@ -188,7 +189,7 @@ class InkStore:
         if len(own):
             self._glaze.srgb(ink.amounts, ink.coverage, self.ground(), self._srgb, own)
 
-    def bare_spectra(self, vertex_ids: NDArray) -> NDArray:
+    def bare_spectra(self, vertex_ids: AnyArray) -> NDArray[np.uint16]:
         """(N, 31) uint16 reflectance of vertices without paint, in steps of 1/65535."""
         if self._mesh_colours is None:
             return np.tile(_in_steps(self._ground.material), (len(vertex_ids), 1))
@@ -208,7 +209,7 @@ class InkStore:
             ground = self._mesh_colours.ground_of(ground)
         return self.dry_layers.ground_under(ground)
 
-    def settle(self, vertex_ids: NDArray) -> None:
+    def settle(self, vertex_ids: AnyArray) -> None:
         """Turn the wet paint of some vertices (N,) int32 into a dry layer."""
         ink = self.ink
         if not len(vertex_ids) or self._glaze is None:
@@ -227,7 +228,7 @@ class InkStore:
         ink.coverage[vertex_ids] = 0.0
         self.touch(vertex_ids)
 
-    def touch(self, vertex_ids: NDArray) -> None:
+    def touch(self, vertex_ids: AnyArray) -> None:
         """Note that the colours of some vertices are out of date."""
         ink = self.ink
         fresh = vertex_ids[ink.dirty[vertex_ids] == 0]
@@ -237,7 +238,7 @@ class InkStore:
         ink.n_dirty[0] = count + len(fresh)
 
     @property
-    def _lasting(self) -> NDArray:
+    def _lasting(self) -> NDArray[np.float32]:
         """(P,) float32: 1 for a pigment, 0 for water, which no account holds."""
         return np.array([p is not WATER for p in self.pigments], np.float32)
 
@@ -247,36 +248,36 @@ class InkStore:
         return self.paint_mesh.n_vertices
 
     @property
-    def codes(self) -> NDArray:
+    def codes(self) -> NDArray[np.uint8]:
         """(cap, 3) uint8 sRGB as `refresh` last left it; rows of vertices to come are bare."""
         return self._srgb
 
     @property
-    def coverage(self) -> NDArray:
+    def coverage(self) -> NDArray[np.float32]:
         """(V,) float32: share of each vertex's own area that is under wet paint, 0 to 1."""
         return self.ink.coverage[: self.n_vertices]
 
     @property
-    def amounts(self) -> NDArray:
+    def amounts(self) -> NDArray[np.float32]:
         """(V, P) float32: wet ink at each vertex, full coats times the covered share."""
         return self.ink.amounts[: self.n_vertices]
 
     @property
-    def vertex_areas(self) -> NDArray:
+    def vertex_areas(self) -> NDArray[np.float64]:
         """(V,) float64: the surface's area that each vertex stands for, mm2."""
         return self.paint_mesh.vertex_areas
 
-    def main_pigment(self, parts: NDArray) -> Pigment:
+    def main_pigment(self, parts: AnyArray) -> Pigment:
         """The pigment that most of a mixture (P,) is, not counting water unless it is alone."""
         inked = parts * self._lasting
         return self.pigments[int(np.argmax(inked if inked.any() else parts))]
 
-    def lasting(self, per_pigment: NDArray) -> float:
+    def lasting(self, per_pigment: AnyArray) -> float:
         """Sum of a quantity (P,) over the pigments, without water."""
         return float(per_pigment @ self._lasting)
 
 
-def _in_steps(reflectance: NDArray) -> NDArray:
+def _in_steps(reflectance: AnyArray) -> AnyArray:
     """Reflectance as it is kept: uint16, in steps of 1/65535."""
     return (np.clip(reflectance, 0.0, 1.0) * 65535.0 + 0.5).astype(np.uint16)
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from paint3d.colour.glazing import GlazeModel
 from paint3d.colour.kernels.layering import GROUNDS, see_through
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.ink_store import InkStore
@@ -55,12 +56,12 @@ class _Content:
     """What is on a layer while another one is painted on: wet vertices (N,), dried rows, water."""
 
     dry: DryLayers
-    ids: NDArray = field(default_factory=lambda: np.empty(0, np.int32))
-    amounts: NDArray = field(default_factory=lambda: np.empty((0, 0), np.float32))
-    coverage: NDArray = field(default_factory=lambda: np.empty(0, np.float32))
-    flow: Mapping[str, NDArray] | None = None
-    dry_ids: NDArray = field(default_factory=lambda: np.empty(0, np.int32))  # sorted
-    dry_rows: NDArray = field(default_factory=lambda: np.empty(0, np.int32))  # of each
+    ids: AnyArray = field(default_factory=lambda: np.empty(0, np.int32))
+    amounts: AnyArray = field(default_factory=lambda: np.empty((0, 0), np.float32))
+    coverage: AnyArray = field(default_factory=lambda: np.empty(0, np.float32))
+    flow: Mapping[str, AnyArray] | None = None
+    dry_ids: AnyArray = field(default_factory=lambda: np.empty(0, np.int32))  # sorted
+    dry_rows: AnyArray = field(default_factory=lambda: np.empty(0, np.int32))  # of each
 
 
 class StackState(NamedTuple):
@@ -69,7 +70,7 @@ class StackState(NamedTuple):
     keys: tuple[int, ...]
     active: int
 
-    def exchange(self, surface: _Layered) -> tuple[StackState, NDArray]:
+    def exchange(self, surface: _Layered) -> tuple[StackState, AnyArray]:
         """Bring the stack there; a part of an undo step."""
         return surface.layers.exchange(self)
 
@@ -192,7 +193,7 @@ class LayerStack:
         """Which layers there are; those that were removed are still known to it."""
         return StackState(tuple(self._keys), self._active)
 
-    def exchange(self, state: StackState) -> tuple[StackState, NDArray]:
+    def exchange(self, state: StackState) -> tuple[StackState, AnyArray]:
         """Have the layers of a state; return the way back, and vertices to colour anew (N,)."""
         back, before = self.state(), self.painted_ids()
         self.put(state)
@@ -246,7 +247,7 @@ class LayerStack:
 
     # -- what shows -------------------------------------------------------------------------
 
-    def colour(self, glaze: GlazeModel, vertex_ids: NDArray, srgb: NDArray) -> None:
+    def colour(self, glaze: GlazeModel, vertex_ids: AnyArray, srgb: AnyArray) -> None:
         """Fill `srgb` (cap, 3) for some distinct vertices (N,) int32."""
         for start in range(0, len(vertex_ids), _AT_ONCE):
             ids = vertex_ids[start : start + _AT_ONCE]
@@ -256,7 +257,7 @@ class LayerStack:
                     self._lay(glaze, key, ids, spectra)
             srgb[ids] = self._seen(glaze, spectra)
 
-    def _lay(self, glaze: GlazeModel, key: int, ids: NDArray, spectra: NDArray) -> None:
+    def _lay(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
         """Lay one layer over the spectra (N, 31) of the vertices (N,)."""
         dry, rows, places, amounts, coverage = self._on(key, ids)
         dried = np.flatnonzero(rows >= 0).astype(np.int32)
@@ -269,7 +270,9 @@ class LayerStack:
             all_of_them = np.arange(len(places), dtype=np.int32)
             glaze.dry(amounts, coverage, ground, all_of_them, places)
 
-    def _on(self, key: int, ids: NDArray) -> tuple[DryLayers, NDArray, NDArray, NDArray, NDArray]:
+    def _on(
+        self, key: int, ids: AnyArray
+    ) -> tuple[DryLayers, AnyArray, AnyArray, AnyArray, AnyArray]:
         """A layer's dried rows (N,) of vertices, and of the M wet ones place, amounts, share."""
         store, count = self._store, len(self._store.pigments)
         if key == self._active:
@@ -286,7 +289,7 @@ class LayerStack:
         amounts = np.pad(amounts, ((0, 0), (0, count - amounts.shape[1])))
         return content.dry, rows, places, amounts, content.coverage[at]
 
-    def _seen(self, glaze: GlazeModel, spectra: NDArray) -> NDArray:
+    def _seen(self, glaze: GlazeModel, spectra: AnyArray) -> AnyArray:
         """The sRGB (N, 3) of spectra (N, 31)."""
         n = len(spectra)
         every = np.arange(n, dtype=np.int32)
@@ -298,7 +301,7 @@ class LayerStack:
         glaze.srgb(nothing, np.zeros(n, np.float32), ground, seen, every)
         return seen
 
-    def painted_ids(self) -> NDArray:
+    def painted_ids(self) -> NDArray[np.int32]:
         """(N,) int32 vertices with paint on any layer, visible or not."""
         store = self._store
         found = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
@@ -306,7 +309,7 @@ class LayerStack:
             found += [content.ids, content.dry_ids]
         return union(found, store.paint_mesh.capacity)
 
-    def parts_at(self, vertex_id: int) -> NDArray:
+    def parts_at(self, vertex_id: int) -> AnyArray:
         """(P,) ink on a vertex in the highest visible layer that has any there: wet, else dry."""
         ids = np.array([vertex_id], np.int32)
         for key in reversed(self._keys):
@@ -314,14 +317,16 @@ class LayerStack:
                 continue
             dry, rows, _, amounts, _ = self._on(key, ids)
             if amounts.any():
-                return amounts[0].astype(np.float64)
+                result: AnyArray = amounts[0].astype(np.float64)
+                return result
             if rows[0] >= 0:
-                return dry.amounts[rows[0]].astype(np.float64)
+                result: AnyArray = dry.amounts[rows[0]].astype(np.float64)
+                return result
         return np.zeros(len(self._store.pigments))
 
     # -- accounts ---------------------------------------------------------------------------
 
-    def resting_ink(self, areas: NDArray, lasting: NDArray) -> tuple[float, float]:
+    def resting_ink(self, areas: AnyArray, lasting: AnyArray) -> tuple[float, float]:
         """Wet and dry pigment on the layers that are not painted on, coats x mm2."""
         wet = dry = 0.0
         for content in self._others():
@@ -331,7 +336,7 @@ class LayerStack:
             dry += float(areas[content.dry.vertex_ids] @ amounts)
         return wet, dry
 
-    def add_shares(self, share: NDArray) -> None:
+    def add_shares(self, share: AnyArray) -> None:
         """Raise (V,) to the share that paint on the layers that rest covers, visible or not."""
         for content in self._others():
             for ids, own in (
@@ -350,7 +355,7 @@ def _checked_name(name: object) -> str:
     return name
 
 
-def _find(known: NDArray, ids: NDArray) -> tuple[NDArray, NDArray]:
+def _find(known: AnyArray, ids: AnyArray) -> tuple[AnyArray, AnyArray]:
     """Where ids (N,) that are among the sorted known ones (K,) lie: places there, and in ids."""
     if not len(known):
         return np.empty(0, np.int64), np.empty(0, np.int32)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.kernels.glazing import Ground, add_between
 from paint3d.colour.spectra import decode_srgb
+from paint3d.core.types import AnyArray
 
 __all__ = ["MeshColours"]
 
@@ -23,7 +24,7 @@ class MeshColours:
         Colours of the base vertices.
     """
 
-    def __init__(self, srgb: NDArray) -> None:
+    def __init__(self, srgb: NDArray[np.uint8]) -> None:
         self._known = len(srgb)
         self._encoded = (srgb / 255.0).astype(np.float32)
         self._linear = decode_srgb(srgb).astype(np.float32)
@@ -34,7 +35,7 @@ class MeshColours:
             self._encoded = _grown(self._encoded, self._known, capacity)
             self._linear = _grown(self._linear, self._known, capacity)
 
-    def know(self, parents: NDArray, n_vertices: int, srgb: NDArray) -> None:
+    def know(self, parents: AnyArray, n_vertices: int, srgb: AnyArray) -> None:
         """Give colours to vertices that have appeared, also as codes in `srgb` (cap, 3)."""
         first, last = self._known, n_vertices
         if first == last:
@@ -50,7 +51,7 @@ class MeshColours:
         return ground._replace(linear_rgb=self._linear)
 
 
-def _grown(array: NDArray, used: int, room: int) -> NDArray:
+def _grown(array: AnyArray, used: int, room: int) -> AnyArray:
     grown = np.empty((room, *array.shape[1:]), array.dtype)
     grown[:used] = array[:used]
     return grown

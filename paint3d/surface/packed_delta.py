@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.refinement_log import saved_ids
 from paint3d.surface.delta import BrushLoad, SurfaceDelta
@@ -35,16 +36,16 @@ class VertexNumbers:
         self._now = np.empty(n, np.int32)
         self._now[self._saved] = np.arange(n, dtype=np.int32)
 
-    def saved(self, vertex_ids: NDArray) -> NDArray:
+    def saved(self, vertex_ids: AnyArray) -> NDArray[np.int32]:
         """(N,) int32 in a file."""
         return _mapped(vertex_ids, self._saved)
 
-    def now(self, saved: NDArray) -> NDArray:
+    def now(self, saved: AnyArray) -> NDArray[np.int32]:
         """(N,) int32 in the mesh."""
         return _mapped(saved, self._now)
 
 
-def _mapped(ids: NDArray, table: NDArray) -> NDArray:
+def _mapped(ids: AnyArray, table: AnyArray) -> AnyArray:
     found = np.array(ids, np.int32)
     base = found < len(table)
     found[base] = table[found[base]]
@@ -66,15 +67,15 @@ class PackedFlow:
     """
 
     n: int
-    rows: NDArray
-    arrays: Mapping[str, NDArray]
+    rows: NDArray[np.int32]
+    arrays: Mapping[str, AnyArray]
 
     @property
     def n_bytes(self) -> int:
         """Memory that it takes."""
         return self.rows.nbytes + sum(array.nbytes for array in self.arrays.values())
 
-    def unpacked(self, numbers: VertexNumbers) -> dict[str, NDArray]:
+    def unpacked(self, numbers: VertexNumbers) -> dict[str, AnyArray]:
         """As `PaintedSurface.restore_flow` takes it."""
         flow = {}
         for name, array in self.arrays.items():
@@ -88,12 +89,12 @@ class PackedFlow:
         return flow
 
 
-def is_by_vertex(name: str, array: NDArray) -> bool:
+def is_by_vertex(name: str, array: AnyArray) -> bool:
     """Whether an array of a flow has floats for each vertex of its patch."""
     return array.dtype.kind == "f"
 
 
-def pack_flow(flow: Mapping[str, NDArray], numbers: VertexNumbers) -> PackedFlow:
+def pack_flow(flow: Mapping[str, AnyArray], numbers: VertexNumbers) -> PackedFlow:
     """Leave out what is nothing."""
     n = len(flow["vertices"])
     own = [name for name, array in flow.items() if is_by_vertex(name, array)]
@@ -126,9 +127,9 @@ class PackedDelta:
     flow : PackedFlow or None
     """
 
-    vertex_ids: NDArray
-    amounts: NDArray
-    coverage: NDArray
+    vertex_ids: NDArray[np.int32]
+    amounts: NDArray[np.float32]
+    coverage: NDArray[np.float32]
     dry: DryRows
     brush: BrushLoad
     flow: PackedFlow | None
@@ -140,7 +141,7 @@ class PackedDelta:
         own = sum(array.nbytes for array in arrays)
         return own + (0 if self.flow is None else self.flow.n_bytes)
 
-    def unpacked(self, numbers: VertexNumbers, flow: Mapping[str, NDArray] | None) -> SurfaceDelta:
+    def unpacked(self, numbers: VertexNumbers, flow: Mapping[str, AnyArray] | None) -> SurfaceDelta:
         """The delta, with its flow as it was unpacked elsewhere."""
         missing = len(self.vertex_ids) - len(self.coverage)
         return SurfaceDelta(

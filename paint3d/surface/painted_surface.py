@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.materials import Material, load_material
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.mesh.bvh import build_contact_tree
 from paint3d.mesh.kernels.bvh import ContactTree
@@ -71,14 +72,14 @@ class PaintedSurface(InkStore):
         self.layers: LayerStack | None = None
         self.keeps_up = True
         self._water = Water(self)
-        self._changed: list[NDArray] | None = None
+        self._changed: list[AnyArray] | None = None
 
     @cached_property
     def contact_tree(self) -> ContactTree:
         """Where a brush meets the shape; made when first asked for (.2 s for a million faces)."""
         return build_contact_tree(self.paint_mesh)
 
-    def refresh(self) -> NDArray:
+    def refresh(self) -> AnyArray:
         """Bring the colours of all vertices that got ink up to date; return their ids (int32)."""
         self.know_vertices()
         count = int(self.ink.n_dirty[0])
@@ -95,7 +96,7 @@ class PaintedSurface(InkStore):
             self.ink.n_dirty[0] = 0
         return ids
 
-    def take_changed(self) -> NDArray:
+    def take_changed(self) -> NDArray[np.int32]:
         """(N,) int32 vertices whose ink may have changed since the last call; all at the first.
 
         Whoever asks once is expected to ask again: what changes is remembered from then on.
@@ -123,11 +124,11 @@ class PaintedSurface(InkStore):
         """Time that may pass before `follow_flow` has anything to do, s; infinite if all is dry."""
         return self._water.patience
 
-    def keep_flow(self) -> dict[str, NDArray] | None:
+    def keep_flow(self) -> dict[str, AnyArray] | None:
         """What `restore_flow` takes, or None where no water has ever moved; see `Water.keep`."""
         return self._water.keep()
 
-    def restore_flow(self, kept: Mapping[str, NDArray]) -> None:
+    def restore_flow(self, kept: Mapping[str, AnyArray]) -> None:
         """Let the water go on as on the surface that it was kept from."""
         self._water.restore(kept)
 
@@ -197,13 +198,13 @@ class PaintedSurface(InkStore):
         self.drop_flow()
 
     @property
-    def srgb(self) -> NDArray:
+    def srgb(self) -> NDArray[np.uint8]:
         """(V, 3) uint8 sRGB of every vertex, up to date; the order is that of `mesh.vertices`."""
         self.refresh()
         return self._srgb[: self.n_vertices]
 
     @property
-    def painted(self) -> NDArray:
+    def painted(self) -> NDArray[np.bool_]:
         """(V,) bool: whether there is paint on a vertex, wet or dry."""
         painted = self.coverage > 0.0
         painted[self.dry_layers.vertex_ids] = True
@@ -211,16 +212,17 @@ class PaintedSurface(InkStore):
             painted[self.layers.painted_ids()] = True
         return painted
 
-    def parts_at(self, vertex_id: int) -> NDArray:
+    def parts_at(self, vertex_id: int) -> NDArray[np.float64]:
         """(P,) float64 ink on one vertex, coats times the covered share: what is wet, else dry."""
         if self.layers is not None:
             return self.layers.parts_at(vertex_id)
         wet = self.ink.amounts[vertex_id]
         row = self.dry_layers.rows_of(np.array([vertex_id]))[0]
         found = wet if wet.any() or row < 0 else self.dry_layers.amounts[row]
-        return found.astype(np.float64)
+        result: NDArray[np.float64] = found.astype(np.float64)
+        return result
 
-    def share_painted(self) -> NDArray:
+    def share_painted(self) -> NDArray[np.float32]:
         """(V,) float32: greatest share of each vertex that any paint covers, wet or dry."""
         share = self.coverage.copy()
         ids = self.dry_layers.vertex_ids
@@ -243,9 +245,9 @@ class PaintedSurface(InkStore):
     def export_arrays(
         self,
         tolerance: float | None = EXPORT_TOLERANCE,
-        srgb: NDArray | None = None,
+        srgb: NDArray[np.uint8] | None = None,
         progress: Callable[[float], None] | None = None,
-    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    ) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
         """The painting for a file: bisections that its colours do not need are taken back.
 
         Parameters
@@ -280,7 +282,7 @@ class PaintedSurface(InkStore):
             ids, faces = coarse_faces(mesh, codes, tolerance, _code_difference, progress)
         return mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]
 
-    def detail_arrays(self) -> tuple[NDArray, ...]:
+    def detail_arrays(self) -> tuple[AnyArray, ...]:
         """The object's own triangles, and those painted on it, for a texture.
 
         Returns
@@ -298,7 +300,7 @@ class PaintedSurface(InkStore):
         own = vertices[:n], mesh.base_faces, mesh.normals[:n]
         return *own, vertices, mesh.leaf_faces(), mesh.leaf_roots(), self.srgb
 
-    def _source_arrays(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    def _source_arrays(self) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
         """The source's own vertices and triangles; normals are not of length 1."""
         source, base = self.source, self.paint_mesh.source_vertices
         srgb, normals = source.colours, source.normals
@@ -327,6 +329,6 @@ class PaintedSurface(InkStore):
         return self.layers.resting_ink(self.vertex_areas, self._lasting)
 
 
-def _code_difference(a: NDArray, b: NDArray) -> NDArray:
+def _code_difference(a: AnyArray, b: AnyArray) -> AnyArray:
     """CIEDE2000 (n,) between sRGB codes (n, 3), 0 to 255."""
     return delta_e(lab_from_srgb(a / 255.0), lab_from_srgb(b / 255.0))

@@ -8,25 +8,27 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import SessionError
 
 __all__ = ["Ragged", "pack_arrays", "unpack_arrays"]
 
-Ragged = dict[str, NDArray]
+Ragged = dict[str, AnyArray]
 """By name: the column, NAME_starts (U + 1,) int64 of the U different arrays in it, and NAME_of
 (K,) int32, which of them each of the K arrays is."""
 
 
 def pack_arrays(
-    name: str, arrays: Sequence[NDArray], dtype: DTypeLike, shape: tuple[int, ...] = ()
+    name: str, arrays: Sequence[AnyArray], dtype: DTypeLike, shape: tuple[int, ...] = ()
 ) -> Ragged:
     """Join K arrays of some type, each (n, *shape), to a column."""
     places: dict[bytes, int] = {}
-    different: list[NDArray] = []
+    different: list[AnyArray] = []
     of = np.empty(len(arrays), np.int32)
     for k, array in enumerate(arrays):
         array = np.ascontiguousarray(array, dtype).reshape(-1, *shape)
@@ -40,8 +42,12 @@ def pack_arrays(
 
 
 def unpack_arrays(
-    state: Mapping[str, object], name: str, count: int, dtype: DTypeLike, shape: tuple = ()
-) -> list[NDArray]:
+    state: Mapping[str, object],
+    name: str,
+    count: int,
+    dtype: DTypeLike,
+    shape: tuple[Any, ...] = (),
+) -> list[AnyArray]:
     """The K arrays of a column, as views of it; they may come from a stranger.
 
     Raises

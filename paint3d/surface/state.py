@@ -18,6 +18,7 @@ from paint3d.colour.materials import Material, load_materials
 from paint3d.colour.pigments import WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -106,7 +107,7 @@ def surface_state(surface: PaintedSurface) -> State:
     }
 
 
-def layer_state(surface: PaintedSurface, ids: NDArray) -> State:
+def layer_state(surface: PaintedSurface, ids: NDArray[np.int32]) -> State:
     """Return what is on the layer that is painted on, as `surface_state` names it.
 
     Parameters
@@ -133,7 +134,7 @@ def layer_state(surface: PaintedSurface, ids: NDArray) -> State:
     return state
 
 
-def _resting_layers(surface: PaintedSurface, ids: NDArray) -> State:
+def _resting_layers(surface: PaintedSurface, ids: AnyArray) -> State:
     stack = surface.layers
     if stack is None:
         return {"layers": None, "active": 0}
@@ -170,7 +171,7 @@ def _alike(n_pigments: int) -> State:
     return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(HABIT))}
 
 
-def _kept_flow(surface: PaintedSurface, ids: NDArray) -> State:
+def _kept_flow(surface: PaintedSurface, ids: AnyArray) -> State:
     kept = surface.keep_flow()
     if kept is None:
         return {"flows": False}
@@ -279,7 +280,7 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
     surface.touch(stack.painted_ids())
 
 
-def restore_layer(surface: PaintedSurface, state: State, now: NDArray) -> None:
+def restore_layer(surface: PaintedSurface, state: State, now: NDArray[np.int32]) -> None:
     """Put what `layer_state` gave on the layer that is painted on, which is empty.
 
     Parameters
@@ -340,8 +341,8 @@ def checked_flow(
     state: Mapping[str, object],
     n_vertices: int,
     n_pigments: int,
-    now: Callable[[NDArray], NDArray],
-) -> dict[str, NDArray]:
+    now: Callable[[AnyArray], AnyArray],
+) -> dict[str, AnyArray]:
     """Return what `PaintedSurface.restore_flow` takes, of what a file holds as ``flow_...``.
 
     Parameters
@@ -381,7 +382,7 @@ def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:
 
 def _amounts(
     state: State, name: str, shape: tuple[int, ...], dtype: type, most: float = MOST_INK
-) -> NDArray:
+) -> AnyArray:
     values = as_array(state[name], name, shape, dtype, SessionError)
     if values.size and not 0.0 <= values.min() <= values.max() <= most:
         raise SessionError(

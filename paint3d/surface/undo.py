@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.surface.delta import BrushLoad, DeltaRecorder, SurfaceDelta
 from paint3d.surface.layer_stack import StackState
 from paint3d.surface.packed_delta import (
@@ -37,7 +37,7 @@ _LAYER = "1"
 class Part(Protocol):
     """Something that a step changed besides ink; exchanged like a `SurfaceDelta`."""
 
-    def exchange(self, surface: PaintedSurface) -> tuple[Part, NDArray]:
+    def exchange(self, surface: PaintedSurface) -> tuple[Part, AnyArray]:
         """Bring the surface there; return the way back, and vertices to colour anew (N,)."""
 
 
@@ -75,7 +75,7 @@ class UndoHistory:
         self._since = Step(None, 0)  # what came after an undo: the next undo or redo forgets it
         self._newest = 0
         self._numbers: VertexNumbers | None = None
-        self._water: tuple[PackedFlow | None, Mapping[str, NDArray] | None] = (None, None)
+        self._water: tuple[PackedFlow | None, Mapping[str, AnyArray] | None] = (None, None)
         self._file = _StepFile()
         self._kept = self._keep()
 
@@ -142,7 +142,7 @@ class UndoHistory:
         self._add(before)
         self._begin_here()
 
-    def before(self, vertex_ids: NDArray) -> tuple[NDArray, NDArray]:
+    def before(self, vertex_ids: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Amounts (N, P) and coverage (N,) of vertices (N,) when a step or `seal` was last."""
         return self._recorder.before(vertex_ids)
 
@@ -174,7 +174,7 @@ class UndoHistory:
         self._kept = self._keep()
         return Painting(delta, kept, delta.n_bytes)
 
-    def undo(self) -> NDArray:
+    def undo(self) -> AnyArray:
         """Take back the last step; return the vertices (N,) int32 whose colours may change.
 
         Nothing happens where there is none.
@@ -188,7 +188,7 @@ class UndoHistory:
         self._spill()
         return self._union([first, second])
 
-    def redo(self) -> NDArray:
+    def redo(self) -> AnyArray:
         """Do again what was undone last; return vertices (N,) int32. What came since goes."""
         if not self._undone:
             return np.empty(0, np.int32)
@@ -199,16 +199,16 @@ class UndoHistory:
         self._spill()
         return self._union([first, second])
 
-    def _take_back_since(self) -> NDArray:
+    def _take_back_since(self) -> AnyArray:
         """Bring the surface to the end of the last step that is done, where one was undone."""
         self.seal()
         step, self._since = self._since, Step(None, 0)
         return self._exchange(step)
 
-    def _union(self, sets: list[NDArray]) -> NDArray:
+    def _union(self, sets: list[AnyArray]) -> AnyArray:
         return union(sets, self._surface.paint_mesh.capacity)
 
-    def revert(self) -> NDArray:
+    def revert(self) -> AnyArray:
         """Take back the step that goes on and forget it, as when a stroke is cancelled."""
         touched = self.undo()
         if self._undone:
@@ -261,7 +261,7 @@ class UndoHistory:
         self._recorder.restart()
         self._kept = self._keep()
 
-    def _exchange(self, step: Step) -> NDArray:
+    def _exchange(self, step: Step) -> AnyArray:
         """Bring the surface to the other end of a step, and turn the step round."""
         if not step.parts:
             return np.empty(0, np.int32)
@@ -285,8 +285,8 @@ class UndoHistory:
         return everything
 
     def _exchange_painting(
-        self, part: Painting, water: Mapping[str, NDArray] | None
-    ) -> tuple[Painting, NDArray, Mapping[str, NDArray] | None]:
+        self, part: Painting, water: Mapping[str, AnyArray] | None
+    ) -> tuple[Painting, AnyArray, Mapping[str, AnyArray] | None]:
         delta = self._read(part)
         if isinstance(delta, PackedDelta):
             delta = delta.unpacked(self._vertex_numbers(), self._unpacked_flow(delta.flow))
@@ -307,7 +307,7 @@ class UndoHistory:
             self._numbers = VertexNumbers(self._surface.paint_mesh)
         return self._numbers
 
-    def _unpacked_flow(self, flow: PackedFlow | None) -> Mapping[str, NDArray] | None:
+    def _unpacked_flow(self, flow: PackedFlow | None) -> Mapping[str, AnyArray] | None:
         """Water as it was; the same where it is asked for twice, so that none has to be moved."""
         if flow is not self._water[0]:
             self._water = flow, flow.unpacked(self._vertex_numbers()) if flow else None
@@ -427,4 +427,7 @@ class _StepFile:
 
     def read(self, place: _Place) -> SurfaceDelta | PackedDelta:
         self._file.seek(place.start)
-        return pickle.loads(self._file.read(place.length))  # our own bytes, in a file of our own
+        result: SurfaceDelta | PackedDelta = pickle.loads(
+            self._file.read(place.length)
+        )  # our own bytes, in a file of our own
+        return result

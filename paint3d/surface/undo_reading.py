@@ -7,12 +7,13 @@ between, is refused. What `undo_state` wrote comes back to the bit.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.colour.spectra import N_BANDS
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, SessionError
 from paint3d.mesh.refinement_log import saved_ids
 from paint3d.surface.delta import BrushLoad
@@ -92,7 +93,10 @@ def restore_undo(
 
 
 def _parts(
-    kinds: NDArray, stacks: Sequence[StackState], deltas: Sequence[PackedDelta], kept: Sequence
+    kinds: AnyArray,
+    stacks: Sequence[StackState],
+    deltas: Sequence[PackedDelta],
+    kept: Sequence[Any],
 ) -> Iterator[StackState | Painting]:
     """The parts of all steps, in order."""
     if kinds.max(initial=-1) >= len(stacks) or kinds.min(initial=0) < -1:
@@ -134,7 +138,7 @@ def _deltas(surface: PaintedSurface, state: State, count: int) -> list[PackedDel
     """The K deltas, each checked by itself."""
     n, p = surface.n_vertices, (len(surface.pigments),)
 
-    def column(name: str, dtype: type, shape: tuple = ()) -> list[NDArray]:
+    def column(name: str, dtype: type, shape: tuple[Any, ...] = ()) -> list[AnyArray]:
         return unpack_arrays(state, name, count, dtype, shape)
 
     _check_ink(state, ("amounts", "dry_amounts", "stations", "load", "off_surface", "habit"))
@@ -197,7 +201,7 @@ class _Distinct:
         self._n = n
         self._seen: set[tuple[int, int]] = set()
 
-    def __call__(self, ids: NDArray, name: str) -> None:
+    def __call__(self, ids: AnyArray, name: str) -> None:
         where = ids.__array_interface__["data"][0], len(ids)
         if where in self._seen or not len(ids):
             return
@@ -263,7 +267,7 @@ class _SameNumbers:
     """Numbers of vertices that are left as they are; see `VertexNumbers`."""
 
     @staticmethod
-    def now(saved: NDArray) -> NDArray:
+    def now(saved: AnyArray) -> AnyArray:
         return saved
 
 
@@ -290,7 +294,7 @@ def _check_course(
                     dried[active] = _exchanged(dried[active], part.delta.dry)
 
 
-def _exchanged(now: NDArray, then: DryRows) -> NDArray:
+def _exchanged(now: AnyArray, then: DryRows) -> AnyArray:
     """(D',) dried vertices after an exchange with rows of another time."""
     rows, ids = then.rows, then.vertex_ids
     shared = rows < len(now)
@@ -314,7 +318,7 @@ def _exchanged(now: NDArray, then: DryRows) -> NDArray:
     return after
 
 
-def _integers(state: State, name: str) -> NDArray:
+def _integers(state: State, name: str) -> AnyArray:
     values = np.asarray(state[name])
     if values.dtype != np.int32 or values.ndim != 1:
         raise SessionError(f"{name} is {values.dtype} {values.shape}; expected (n,) int32")

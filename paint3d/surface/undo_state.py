@@ -10,9 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refinement_log import saved_ids
 from paint3d.surface.layer_stack import StackState
 from paint3d.surface.packed_delta import PackedDelta, PackedFlow
@@ -222,10 +222,10 @@ def _flow_columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
     return state
 
 
-def _wide(array: NDArray, n_pigments: int) -> NDArray:
+def _wide(array: AnyArray, n_pigments: int) -> AnyArray:
     """An array (..., p) with a column for every pigment that is known now."""
     return np.pad(array, ((0, 0), (0, n_pigments - array.shape[1])))
 
 
-def _rows(arrays: Sequence[NDArray], width: int) -> NDArray:
+def _rows(arrays: Sequence[AnyArray], width: int) -> AnyArray:
     return np.concatenate([np.empty((0, width)), *arrays])

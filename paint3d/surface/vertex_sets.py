@@ -7,12 +7,14 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["union"]
 
 _FEW = 64  # one in so many: marking all vertices then costs more than sorting these
 
 
-def union(sets: Iterable[NDArray], capacity: int) -> NDArray[np.int32]:
+def union(sets: Iterable[AnyArray], capacity: int) -> NDArray[np.int32]:
     """The distinct numbers (N,) int32, rising, of some arrays of them, all below `capacity`."""
     ids = np.concatenate([np.empty(0, np.int32), *sets]).astype(np.int32, copy=False)
     if len(ids) * _FEW < capacity:

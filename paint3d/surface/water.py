@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.surface.flow import Flow
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.vertex_sets import union
@@ -26,7 +26,7 @@ class Water:
         self._store = store
         self._flow: Flow | None = None
         self._still: Flow | None = None  # one that was dropped: its graph may serve again
-        self._fresh: list[NDArray] = []
+        self._fresh: list[AnyArray] = []
 
     @property
     def flow(self) -> Flow:
@@ -46,7 +46,7 @@ class Water:
         is_fresh = n_dirty > 0 or any(len(ids) for ids in self._fresh)
         return 0.0 if is_fresh else self._flow.patience
 
-    def note(self, vertex_ids: NDArray) -> None:
+    def note(self, vertex_ids: AnyArray) -> None:
         """Hear of vertices (N,) int32 whose ink may have changed."""
         if self._flow is not None:
             self._fresh.append(vertex_ids)
@@ -61,7 +61,7 @@ class Water:
         self._fresh.append(self.flow.waiting)
         return keeps_up
 
-    def keep(self) -> dict[str, NDArray] | None:
+    def keep(self) -> dict[str, AnyArray] | None:
         """What `restore` takes, or None where no water has ever moved.
 
         Besides what `Flow.keep` says, fresh (N,) int32: vertices whose ink came since.
@@ -71,7 +71,7 @@ class Water:
         fresh = [*self._fresh, self._dirty()]
         return {**self._flow.keep(), "fresh": union(fresh, self._store.paint_mesh.capacity)}
 
-    def restore(self, kept: Mapping[str, NDArray]) -> None:
+    def restore(self, kept: Mapping[str, AnyArray]) -> None:
         """Go on as on the surface that it was kept from."""
         kept, count = dict(kept), len(self._store.pigments)
         for name in ("pigment", "written"):  # pigments may have come since
@@ -85,12 +85,12 @@ class Water:
         self._still = self._flow or self._still
         self._flow, self._fresh = None, []
 
-    def _take_fresh(self) -> NDArray:
+    def _take_fresh(self) -> AnyArray:
         """Vertices (N,) int32 whose ink may have changed since the water was told."""
         fresh = [*self._fresh, self._dirty()]
         self._fresh = []
         return np.concatenate(fresh)
 
-    def _dirty(self) -> NDArray:
+    def _dirty(self) -> AnyArray:
         ink = self._store.ink
         return ink.dirty_ids[: int(ink.n_dirty[0])]

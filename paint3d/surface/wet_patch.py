@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from paint3d.brush_engine.grain import fill_grain
 from paint3d.colour.materials import WET_COAT_MM
 from paint3d.colour.pigments import WATER
+from paint3d.core.types import AnyArray
 from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.wet_step import WetFields
@@ -77,7 +78,7 @@ class WetPatch:
         self.pace = np.full(self.graph.n_blocks, FIRST_PACE, np.float32)
         self._follow()
 
-    def keep(self) -> dict[str, NDArray]:
+    def keep(self) -> dict[str, AnyArray]:
         """What `restore` takes, vertex by vertex, where there is anything."""
         self._know_pigments()
         n, places = self.graph.n_nodes, self.graph.n_places
@@ -106,7 +107,7 @@ class WetPatch:
         self.changed[:] = False
         self.owed[:], self.pace[:] = np.inf, FIRST_PACE
 
-    def restore(self, kept: Mapping[str, NDArray]) -> None:
+    def restore(self, kept: Mapping[str, AnyArray]) -> None:
         """Take over what another patch kept, on the same vertices of the same surface."""
         ids = kept["vertices"]
         self.graph.know(self.graph.cells_of(ids))  # the ways from there are found when needed
@@ -122,7 +123,7 @@ class WetPatch:
         block = self.graph.block[node[wet]]
         self.owed[block], self.pace[block] = kept["owed"][wet], kept["pace"][wet]
 
-    def fields(self, due: NDArray, mobile: NDArray, moved: NDArray) -> WetFields:
+    def fields(self, due: AnyArray, mobile: AnyArray, moved: AnyArray) -> WetFields:
         """What a step of some blocks, `due` (B,) bool, knows; see there for the others."""
         graph = self.graph
         return WetFields(
@@ -135,13 +136,13 @@ class WetPatch:
         """Whether there is any water left."""
         return bool(np.isfinite(self.owed).any())
 
-    def wet_blocks(self) -> NDArray:
+    def wet_blocks(self) -> AnyArray:
         """The blocks with water (K,), rising."""
         return np.flatnonzero(np.isfinite(self.owed))
 
     # -- what comes and goes ----------------------------------------------------------------
 
-    def find_changed(self, fresh: NDArray) -> NDArray:
+    def find_changed(self, fresh: AnyArray) -> AnyArray:
         """Places of those of some vertices (N,) whose ink is not what was handed back."""
         store = self._store
         self._know_pigments()
@@ -154,9 +155,12 @@ class WetPatch:
         seen[place[place >= 0]] = True
         at = np.flatnonzero(seen)
         now = store.ink.amounts[self.graph.vertices[at]]
-        return at[(now != self.written[at]).any(axis=1)]  # most are what was handed back
+        result: AnyArray = at[
+            (now != self.written[at]).any(axis=1)
+        ]  # most are what was handed back
+        return result
 
-    def take_up(self, at: NDArray) -> None:
+    def take_up(self, at: AnyArray) -> None:
         """Follow what happened to the ink at some places (N,); see `find_changed`."""
         graph = self.graph
         now = self._store.ink.amounts[graph.vertices[at]]
@@ -188,7 +192,7 @@ class WetPatch:
             for name in ("pigment", "written"):
                 setattr(self, name, np.pad(getattr(self, name), ((0, 0), (0, missing))))
 
-    def _drop_water(self, nodes: NDArray) -> None:
+    def _drop_water(self, nodes: AnyArray) -> None:
         """Plain water has become depth: it is no longer an amount."""
         for column, pigment in enumerate(self._store.pigments):
             if pigment is WATER:
@@ -211,7 +215,7 @@ class WetPatch:
         self._store.touch(ids)
         self.changed[nodes] = False
 
-    def dry(self, nodes: NDArray) -> None:
+    def dry(self, nodes: AnyArray) -> None:
         """What is on some nodes (N,) has lost its water: it becomes a dry layer."""
         self.hand_back()
         graph = self.graph
@@ -231,7 +235,7 @@ class WetPatch:
 
     # -- where ------------------------------------------------------------------------------
 
-    def _is_open(self, place: NDArray) -> NDArray:
+    def _is_open(self, place: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether the ways from some places (N,) are known, if they have to be."""
         if self.material.pores_mm <= 0.0:
             return place >= 0
@@ -241,7 +245,7 @@ class WetPatch:
         found[here] = graph.block_open[graph.block[graph.node_of[place[here]]]]
         return found
 
-    def reach(self, ids: NDArray) -> None:
+    def reach(self, ids: AnyArray) -> None:
         """Reach as far as some vertices (N,)."""
         cells = self.graph.cells_of(ids)
         if self.material.pores_mm > 0.0:
@@ -250,7 +254,7 @@ class WetPatch:
             self.graph.know(cells)
         self._follow()
 
-    def open_some(self, ids: NDArray, most: int) -> tuple[NDArray, NDArray]:
+    def open_some(self, ids: AnyArray, most: int) -> tuple[AnyArray, AnyArray]:
         """Reach as far as some vertices (N,) with ink, but open no more than so many blocks.
 
         Returns those whose ink can be taken up now, and those that have to wait.
@@ -274,7 +278,7 @@ class WetPatch:
         self.open(closed[:most])
         return len(closed) <= most
 
-    def open(self, blocks: NDArray) -> None:
+    def open(self, blocks: AnyArray) -> None:
         """Learn the ways in some blocks (K,)."""
         self.graph.open(blocks)
         self._follow()

@@ -23,6 +23,7 @@ from paint3d.brush_engine.tuft import (
     trace_outline,
 )
 from paint3d.core.frames import cross
+from paint3d.core.types import AnyArray
 
 __all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "tuft_rings"]
 
@@ -60,16 +61,16 @@ class BrushStand:
         Unit, up the handle.
     """
 
-    root: NDArray
-    axes: NDArray
-    origin: NDArray
+    root: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    origin: NDArray[np.float64]
     descent: float
     tilt: float
     pressure: float
-    handle: NDArray
+    handle: NDArray[np.float64]
 
     @classmethod
-    def of(cls, tuft: Tuft, root: NDArray, axes: NDArray, contact: Contact | None) -> BrushStand:
+    def of(cls, tuft: Tuft, root: AnyArray, axes: AnyArray, contact: Contact | None) -> BrushStand:
         """Return how the brush of a pose stands.
 
         Parameters
@@ -98,11 +99,11 @@ class BrushStand:
         """Whether the tuft is bent by the surface."""
         return self.descent > 0.0
 
-    def place(self, points: NDArray) -> NDArray:
+    def place(self, points: AnyArray) -> AnyArray:
         """Points (..., 3), along, side and up, in the object's frame (mm)."""
         return self.origin + points @ self.axes
 
-    def outline(self, tuft: Tuft) -> NDArray:
+    def outline(self, tuft: Tuft) -> AnyArray:
         """(N, 3) mm: the footprint's outline in the plane, all around; empty where none."""
         reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
         scratch = np.empty(SCRATCH_SIZE)
@@ -112,7 +113,7 @@ class BrushStand:
         return self.place(np.stack([along, sides, np.zeros(2 * n)], axis=1))
 
 
-def _spine(tuft: Tuft, descent: float, tilt: float) -> tuple[NDArray, ...]:
+def _spine(tuft: Tuft, descent: float, tilt: float) -> tuple[AnyArray, ...]:
     """Along, up, angle (R,) and arc length from the tip of the bent spine, tip first."""
     angles = np.empty(SCRATCH_SIZE)
     bend_angles(tuft, descent, tilt, angles)
@@ -130,7 +131,7 @@ def _spine(tuft: Tuft, descent: float, tilt: float) -> tuple[NDArray, ...]:
     return along - along[-1], up, angle, arc
 
 
-def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
+def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
     """The surface of the tuft, hair by hair.
 
     Returns
@@ -169,12 +170,12 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
 
 
 @cache
-def _hair_noise() -> NDArray:
+def _hair_noise() -> AnyArray:
     """(AROUND,) in [0, 1]: which hairs stand out, always the same."""
     return np.random.default_rng(5).random(AROUND)
 
 
-def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
+def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
     """The ferrule and the handle.
 
     Returns
@@ -202,7 +203,7 @@ def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[NDArray, NDArray]:
 
 
 @cache
-def grid_faces(rows: int, columns: int = AROUND) -> NDArray:
+def grid_faces(rows: int, columns: int = AROUND) -> NDArray[np.int32]:
     """(L, 3) int32: triangles between rings, which close around; always the same array."""
     ring = np.arange(columns)
     after = (ring + 1) % columns
@@ -213,7 +214,7 @@ def grid_faces(rows: int, columns: int = AROUND) -> NDArray:
     return faces.reshape(-1, 3).astype(np.int32)
 
 
-def grid_normals(points: NDArray) -> NDArray:
+def grid_normals(points: AnyArray) -> NDArray[np.float32]:
     """(R, AROUND, 3) float32: unit normals of rings of points, outward."""
     ring = np.concatenate([points[:, -1:], points, points[:, :1]], axis=1)
     normals = cross(ring[:, 2:] - ring[:, :-2], np.gradient(points, axis=0))

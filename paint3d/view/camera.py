@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["Camera", "View", "find_view", "fit_camera", "is_flat", "studio_axes", "vertex_areas"]
@@ -65,14 +66,14 @@ class Camera:
     view_angle: float
 
 
-def vertex_areas(vertices: NDArray, faces: NDArray) -> NDArray[np.float64]:
+def vertex_areas(vertices: AnyArray, faces: AnyArray) -> NDArray[np.float64]:
     """Return a third of the area of the faces around each vertex, (V,) mm^2."""
     a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
     third = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
     return np.bincount(faces.ravel(), np.repeat(third, 3), minlength=len(vertices))
 
 
-def is_flat(vertices: NDArray) -> bool:
+def is_flat(vertices: AnyArray) -> bool:
     """Return whether the object is a sheet: far thinner than long, in whatever direction."""
     spread = vertices - vertices.mean(axis=0, dtype=np.float64)
     axes = np.linalg.eigh(spread.T @ spread)[1]
@@ -80,7 +81,9 @@ def is_flat(vertices: NDArray) -> bool:
     return bool(extents.min() < FLAT_RATIO * extents.max() and np.sort(extents)[1] > 0)
 
 
-def find_view(vertices: NDArray, normals: NDArray, srgb: NDArray, areas: NDArray) -> View:
+def find_view(
+    vertices: AnyArray, normals: AnyArray, srgb: NDArray[np.uint8], areas: AnyArray
+) -> View:
     """Return the view onto the painted side, from slightly above; a sheet is looked at squarely.
 
     Painted are the vertices that differ from the colour covering the largest area. Without paint
@@ -102,7 +105,7 @@ def find_view(vertices: NDArray, normals: NDArray, srgb: NDArray, areas: NDArray
     return _raised_view(facing)
 
 
-def fit_camera(vertices: NDArray, view: View, aspect: float) -> Camera:
+def fit_camera(vertices: AnyArray, view: View, aspect: float) -> Camera:
     """Return the camera that sees all `vertices` as large as the frame allows.
 
     Parameters
@@ -131,7 +134,7 @@ def fit_camera(vertices: NDArray, view: View, aspect: float) -> Camera:
     return Camera(focus + (eye - z.mean()) * back, focus, up, float(angle))
 
 
-def studio_axes(vertices: NDArray, view: View) -> NDArray[np.float64]:
+def studio_axes(vertices: AnyArray, view: View) -> NDArray[np.float64]:
     """Return rows right, away from the camera and up: the studio's axes in the object's frame.
 
     Up is the view's; under a sheet that is looked at from above it is the sheet's normal, so that
@@ -147,12 +150,12 @@ def studio_axes(vertices: NDArray, view: View) -> NDArray[np.float64]:
     return np.stack([np.cross(away, up), away, up])
 
 
-def _thin_axis(vertices: NDArray) -> NDArray[np.float64]:
+def _thin_axis(vertices: AnyArray) -> NDArray[np.float64]:
     spread = vertices - vertices.mean(axis=0, dtype=np.float64)
     return np.linalg.eigh(spread.T @ spread)[1][:, 0]
 
 
-def _paint_weights(srgb: NDArray, areas: NDArray) -> NDArray[np.float64]:
+def _paint_weights(srgb: AnyArray, areas: AnyArray) -> NDArray[np.float64]:
     packed = srgb.astype(np.int64) @ np.array([65536, 256, 1])
     colours, index = np.unique(packed, return_inverse=True)
     bare = colours[np.argmax(np.bincount(index, areas))]
@@ -161,14 +164,14 @@ def _paint_weights(srgb: NDArray, areas: NDArray) -> NDArray[np.float64]:
     return np.where(away >= PAINT_STEP, areas * away, 0.0)
 
 
-def _sheet_view(vertices: NDArray, facing: NDArray) -> View:
+def _sheet_view(vertices: AnyArray, facing: AnyArray) -> View:
     normal = _thin_axis(vertices)
     normal = normal if normal @ facing >= 0 else -normal
     up = Z_AXIS if abs(normal[2]) < 0.7 else np.array([0.0, 1.0, 0.0])
     return View(normal, _unit(up - (up @ normal) * normal, "up"))
 
 
-def _raised_view(facing: NDArray) -> View:
+def _raised_view(facing: AnyArray) -> View:
     level = np.hypot(facing[0], facing[1])
     if level <= LEVEL_RATIO * abs(facing[2]) or level < 1e-12:  # no side: upright, from the front
         upward = HIGHEST if facing[2] > 0 else LOWEST
@@ -178,8 +181,9 @@ def _raised_view(facing: NDArray) -> View:
     return View(np.append(flat * np.cos(elevation), np.sin(elevation)), Z_AXIS)
 
 
-def _unit(vector: NDArray, name: str) -> NDArray[np.float64]:
+def _unit(vector: AnyArray, name: str) -> NDArray[np.float64]:
     length = np.linalg.norm(vector)
     if length < 1e-12:
         raise InputError(f"{name} has length 0; expected a direction")
-    return vector / length
+    result: NDArray[np.float64] = vector / length
+    return result

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from paint3d.core.types import AnyArray
 from paint3d.view.kernels.depth_map import DepthMap, Floor, Light, add_sunlight, fill_depth_map
 from paint3d.view.studio import Sun
 
@@ -39,7 +40,7 @@ class Occluder:
     faces : (F, 3) integer array
     """
 
-    def __init__(self, vertices: NDArray, faces: NDArray) -> None:
+    def __init__(self, vertices: AnyArray, faces: AnyArray) -> None:
         corners = vertices[faces].astype(np.float32)
         edges = corners[:, 1:] - corners[:, :1]
         areas = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).astype(np.float64)
@@ -56,7 +57,7 @@ class Occluder:
         self.cell = 2.04 * self.radius / CELLS
 
     def shine(
-        self, suns: list[Sun], points: NDArray, normals: NDArray, lift: float, ground: Ground
+        self, suns: list[Sun], points: AnyArray, normals: AnyArray, lift: float, ground: Ground
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the irradiance (N, 3) of `suns` and the hidden part (N,) of each point's sky.
 
@@ -74,7 +75,7 @@ class Occluder:
         return lit, hidden
 
 
-def _axes_toward(direction: NDArray) -> NDArray[np.float64]:
+def _axes_toward(direction: AnyArray) -> NDArray[np.float64]:
     u = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     u /= np.linalg.norm(u)
     return np.stack([u, np.cross(direction, u), direction])
@@ -108,19 +109,20 @@ def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     return Ground(origin, half, _smooth_shade((lit / full).reshape(GROUND_CELLS, GROUND_CELLS)))
 
 
-def _smooth_shade(openness: NDArray) -> NDArray[np.float64]:
+def _smooth_shade(openness: AnyArray) -> NDArray[np.float64]:
     """Blur the shade, least where it is darkest: under the object, where contact is seen."""
     near, far = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
     dark = np.clip((SHARP_BELOW - far) / SHARP_BELOW * 2, 0, 1)
-    return far + dark * (near - far)
+    result: NDArray[np.float64] = far + dark * (near - far)
+    return result
 
 
 def light_points(
     occluder: Occluder,
     ground: Ground,
     suns: list[Sun],
-    points: NDArray,
-    normals: NDArray,
+    points: NDArray[np.float32],
+    normals: NDArray[np.float32],
     albedo: float,
 ) -> NDArray[np.float64]:
     """Return the (N, 3) irradiance over pi at points of the surface.
@@ -140,4 +142,5 @@ def light_points(
     """
     lit, hidden = occluder.shine(suns, points, normals, OFFSET * occluder.cell, ground)
     lit /= np.pi
-    return lit + albedo * hidden[:, None] * lit.mean(axis=0)
+    result: NDArray[np.float64] = lit + albedo * hidden[:, None] * lit.mean(axis=0)
+    return result

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.core.frames import cross
+from paint3d.core.types import AnyArray
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.view.brush_shape import (
     AROUND,
@@ -56,7 +59,7 @@ class LiveBrush:
         self._hair = np.array(HAIR_COLOURS.get(hair, HAIR_COLOURS["mixed"]), np.float64)
         self._parts = {name: DrawnMesh() for name in ("tuft", "handle", "shadow", "outline")}
         self._scene = scene
-        self._seen: list[NDArray] = []
+        self._seen: list[AnyArray] = []
         self._seen_from: Camera | None = None
         self._seen_in = (0, 0)
         self._box: Box | None = None
@@ -90,7 +93,7 @@ class LiveBrush:
         self,
         stand: BrushStand,
         tree: ContactTree,
-        up: NDArray,
+        up: AnyArray,
         ink: tuple[int, int, int] | None,
         fill: float,
     ) -> None:
@@ -120,7 +123,7 @@ class LiveBrush:
         self._draw_shadow(stand, rings, points, tree, up)
         self._draw_outline(stand, tree)
 
-    def _draw(self, name: str, rings: NDArray, colours: NDArray) -> None:
+    def _draw(self, name: str, rings: AnyArray, colours: AnyArray) -> None:
         part = self._parts[name]
         faces = grid_faces(len(rings))
         part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
@@ -128,7 +131,7 @@ class LiveBrush:
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
         part.show(True)
 
-    def _laid(self, rings: NDArray, stand: BrushStand, tree: ContactTree) -> NDArray:
+    def _laid(self, rings: AnyArray, stand: BrushStand, tree: ContactTree) -> AnyArray:
         """Rings moved up or down with the surface under each, and kept above it."""
         normal, length = stand.axes[2], self._tuft.length
         centres = rings.mean(axis=1)
@@ -141,9 +144,10 @@ class LiveBrush:
         ground = found[:, 3:]
         over = np.einsum("rkc,rc->rk", moved - found[:, None, :3], ground)
         lift = np.maximum(0.0, _HAIR_LIFT - over) * (share > 0.0)[:, None]
-        return moved + lift[..., None] * ground[:, None]
+        result: AnyArray = moved + lift[..., None] * ground[:, None]
+        return result
 
-    def _tuft_colours(self, arc: NDArray, ink: tuple | None, fill: float) -> NDArray:
+    def _tuft_colours(self, arc: AnyArray, ink: tuple[Any, ...] | None, fill: float) -> AnyArray:
         """(R, AROUND, 3): hair, darker at the root, with the ink as high as the tuft is full."""
         hairs = 0.86 + 0.28 * np.random.default_rng(11).random(AROUND)
         shade = 0.72 + 0.28 * np.clip((1.0 - arc) / 0.25, 0.0, 1.0)
@@ -155,12 +159,13 @@ class LiveBrush:
         share = np.clip((ragged[None] - arc[:, None]) / 0.10, 0.0, 1.0)
         share *= 0.45 + 0.55 * min(1.0, 3.0 * fill)
         inked = np.asarray(ink, np.float64) * (0.9 + 0.2 * (hairs - 0.86))[None, :, None]
-        return colours + share[..., None] * (inked - colours)
+        result: AnyArray = colours + share[..., None] * (inked - colours)
+        return result
 
     # -- on the surface ---------------------------------------------------------------------
 
     def _draw_shadow(
-        self, stand: BrushStand, tuft: NDArray, handle: NDArray, tree: ContactTree, up: NDArray
+        self, stand: BrushStand, tuft: AnyArray, handle: AnyArray, tree: ContactTree, up: AnyArray
     ) -> None:
         part = self._parts["shadow"]
         fall = _SHADOW_FALL @ up
@@ -207,7 +212,7 @@ class LiveBrush:
         part.set_colours(np.tile(np.uint8(colour), (len(line) + 1, 1)))
         part.show(True)
 
-    def _landing(self, stand: BrushStand) -> NDArray:
+    def _landing(self, stand: BrushStand) -> AnyArray:
         """(N, 3): the ring around the straight tip that tells where it would come down."""
         turn = 2.0 * np.pi * np.arange(36) / 36
         radius = 0.22 * self._tuft.diameters[-1]
@@ -216,22 +221,23 @@ class LiveBrush:
 
 
 def _drape(
-    tree: ContactTree, points: NDArray, direction: NDArray, reach: float
-) -> tuple[NDArray, NDArray]:
+    tree: ContactTree, points: AnyArray, direction: AnyArray, reach: float
+) -> tuple[AnyArray, AnyArray]:
     out, landed = np.zeros((len(points), 6)), np.zeros(len(points), np.uint8)
     if len(points):
         drape_points(tree, np.ascontiguousarray(points, np.float64), direction, reach, out, landed)
     return out, landed.astype(bool)
 
 
-def _whole_faces(landed: NDArray) -> NDArray:
+def _whole_faces(landed: AnyArray) -> NDArray[np.int32]:
     """(L, 3) int32: triangles of a strip (R, C) all of whose corners have landed."""
     rows, columns = landed.shape
     number = np.arange(rows * columns).reshape(rows, columns)
     a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
     c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
     faces = np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
-    return faces[landed.ravel()[faces].all(axis=1)].astype(np.int32)
+    result: NDArray[np.int32] = faces[landed.ravel()[faces].all(axis=1)].astype(np.int32)
+    return result
 
 
 def _look(part: DrawnMesh, name: str) -> None:

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.kernels.clusters import (
     Members,
@@ -48,11 +49,11 @@ class CoarsePiece:
         Where it lies.
     """
 
-    clusters: NDArray
-    points: NDArray
-    normals: NDArray
-    faces: NDArray
-    centre: NDArray
+    clusters: NDArray[np.int32]
+    points: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    centre: NDArray[np.float64]
 
 
 class CoarseObject:
@@ -91,8 +92,8 @@ class CoarseObject:
         mesh: PaintMesh,
         patches: LivePatches,
         size: float,
-        shown: Callable[[NDArray, NDArray], NDArray],
-        srgb: NDArray,
+        shown: Callable[[AnyArray, AnyArray], AnyArray],
+        srgb: NDArray[np.uint8],
     ) -> None:
         self.size, self._look = size, shown
         self.n_vertices = n = mesh.n_vertices
@@ -120,7 +121,7 @@ class CoarseObject:
         sums = np.cumsum(areas, dtype=np.float64)
         return float(np.sqrt(areas[np.searchsorted(sums, _MOST * sums[-1])]))
 
-    def repaint(self, vertex_ids: NDArray, srgb: NDArray) -> None:
+    def repaint(self, vertex_ids: AnyArray, srgb: AnyArray) -> None:
         """Take the paint (V, 3) of some vertices (N,) int32 anew; later ones are passed over."""
         ids = vertex_ids[vertex_ids < self.n_vertices]
         self._shown[ids] = self._look(ids, srgb)
@@ -129,7 +130,7 @@ class CoarseObject:
         chosen = np.flatnonzero(touched).astype(np.int32)
         mean_of(self._members, chosen, self._shown, self.colours)
 
-    def _mean(self, chosen: NDArray, columns: NDArray) -> NDArray:
+    def _mean(self, chosen: AnyArray, columns: AnyArray) -> AnyArray:
         out = np.empty((len(self._members.starts) - 1, columns.shape[1]), np.float32)
         mean_of(self._members, chosen, columns, out)
         return out
@@ -153,13 +154,13 @@ class CoarseObject:
         return pieces
 
 
-def _of(mesh: PaintMesh) -> tuple[tuple[NDArray, ...], ...]:
+def _of(mesh: PaintMesh) -> tuple[tuple[AnyArray, ...], ...]:
     """The columns of places, and of normals."""
     field = mesh.arrays
     return (field.px, field.py, field.pz), (field.nx, field.ny, field.nz)
 
 
-def _clusters(mesh: PaintMesh, size: float) -> tuple[NDArray, int]:
+def _clusters(mesh: PaintMesh, size: float) -> tuple[AnyArray, int]:
     """The cluster of each vertex (V,), and how many there are."""
     n = mesh.n_vertices
     columns = [column[:n] for column in _of(mesh)[0]]

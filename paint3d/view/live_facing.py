@@ -7,14 +7,15 @@ cone of normals technique for fast processing of curved patches, 1993).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
 
 __all__ = ["turned_away"]
 
 _SLACK = 1e-4  # cosines: what rounding may take
 
 
-def turned_away(bounds: NDArray, cones: NDArray, eye: NDArray) -> NDArray:
+def turned_away(bounds: AnyArray, cones: AnyArray, eye: AnyArray) -> AnyArray:
     """Whether an eye sees all triangles of each patch from behind.
 
     Parameters
@@ -41,4 +42,5 @@ def turned_away(bounds: NDArray, cones: NDArray, eye: NDArray) -> NDArray:
         spread = np.arccos(np.clip(cones[:, 3] - _SLACK, -1.0, 1.0))
         seen_under = np.arcsin(np.minimum(radius / away, 1.0))
         between = np.arccos(np.clip((ahead * cones[:, :3]).sum(axis=1) / away, -1.0, 1.0))
-        return between + spread + seen_under < 0.5 * np.pi
+        result: AnyArray = between + spread + seen_under < 0.5 * np.pi
+        return result

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 
 __all__ = ["Box", "KeptPicture", "Target"]
@@ -84,7 +85,7 @@ class Target:
     def __init__(self, window) -> None:
         self._window = window
 
-    def read(self, box: Box) -> NDArray:
+    def read(self, box: Box) -> NDArray[np.uint8]:
         """(H, W, 4) uint8: a box of its pixels, the first row at the bottom.
 
         Raises
@@ -100,9 +101,10 @@ class Target:
         self._window.GetRGBACharPixelData(x0, y0, x1 - 1, y1 - 1, 0, pixels)
         if pixels.GetNumberOfTuples() != (x1 - x0) * (y1 - y0):
             raise ExportError("nothing could be drawn: OpenGL gave no pixels")
-        return vtk_to_numpy(pixels).reshape(y1 - y0, x1 - x0, 4)
+        result: NDArray[np.uint8] = vtk_to_numpy(pixels).reshape(y1 - y0, x1 - x0, 4)
+        return result
 
-    def write(self, box: Box, pixels: NDArray) -> None:
+    def write(self, box: Box, pixels: AnyArray) -> None:
         """Put pixels (H, W, 4) uint8 there; depths stay as they are."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import find_view, studio_axes
 from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
@@ -43,9 +44,9 @@ class BakedLight:
         Rows: the studio's right, depth and up in the object's frame.
     """
 
-    light: NDArray
+    light: NDArray[np.float32]
     ground: Ground
-    axes: NDArray
+    axes: NDArray[np.float64]
 
 
 class LiveLight:
@@ -65,7 +66,7 @@ class LiveLight:
         self._known = 0
         self.take(self._plain())
 
-    def take(self, light: NDArray) -> None:
+    def take(self, light: AnyArray) -> None:
         """Use this light (B, 3) of the base vertices from now on."""
         self._light = np.ascontiguousarray(light, np.float32)
         self._known = len(light)
@@ -82,7 +83,7 @@ class LiveLight:
         light = light_points(occluder, ground, suns, points, normals, _ALBEDO)
         return BakedLight(self._exposed(light), ground, self.axes)
 
-    def colours(self, vertex_ids: NDArray, srgb: NDArray) -> NDArray:
+    def colours(self, vertex_ids: AnyArray, srgb: AnyArray) -> AnyArray:
         """(N, 3) uint8: vertices (N,) int32 as they are seen; srgb (V, 3) is their paint."""
         self._follow()
         out = np.empty((len(vertex_ids), 3), np.uint8)
@@ -100,7 +101,7 @@ class LiveLight:
         light_of_added(self._mesh.arrays.parents, self._known, n, self._light)
         self._known = n
 
-    def _plain(self) -> NDArray:
+    def _plain(self) -> AnyArray:
         """Light (B, 3) that falls on every vertex as if nothing stood in its way."""
         suns = light_samples(_N_DOME)
         toward = np.stack([sun.direction for sun in suns]) @ self.axes
@@ -112,7 +113,7 @@ class LiveLight:
             light[at : at + _CHUNK] = cosines @ shine
         return self._exposed(light)
 
-    def _exposed(self, light: NDArray) -> NDArray:
+    def _exposed(self, light: AnyArray) -> AnyArray:
         brightness = light.mean(axis=1)
         order = np.argsort(brightness)
         share = np.cumsum(self._areas[order]) / self._areas.sum()
@@ -120,7 +121,7 @@ class LiveLight:
         return light * (_WHITE / max(float(best), 1e-6))
 
 
-def _film() -> NDArray:
+def _film() -> AnyArray:
     """sRGB code (M,) of even steps of linear light, through the film curve of the pictures."""
     x = np.linspace(0.0, 1.0, _CODES)
     return np.rint(255.0 * linear_to_srgb(1.0 - (1.0 - x) ** _SHOULDER)).astype(np.uint8)

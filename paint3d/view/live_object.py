@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_light import BakedLight, LiveLight
@@ -39,10 +40,10 @@ class PatchUpload:
     """
 
     patch: int
-    colours: NDArray
-    points: NDArray | None = None
-    normals: NDArray | None = None
-    faces: NDArray | None = None
+    colours: NDArray[np.uint8]
+    points: NDArray[np.float32] | None = None
+    normals: NDArray[np.float32] | None = None
+    faces: NDArray[np.int32] | None = None
 
     @property
     def n_bytes(self) -> int:
@@ -84,11 +85,11 @@ class LiveObject:
         self._all = True
         self._coarse: CoarseObject | None = None
         self._changed = np.empty(0, np.int32)
-        self._covers: Callable[[NDArray], NDArray] | None = None
+        self._covers: Callable[[AnyArray], AnyArray] | None = None
         edge = 1.1 * float(np.sqrt(surface.vertex_areas.sum() / len(surface.source.vertices)))
         self._stripe = max(2.0 * self.radius / _STRIPES, _LEAST_EDGES * edge)
 
-    def veil(self, covers: Callable[[NDArray], NDArray] | None) -> None:
+    def veil(self, covers: Callable[[AnyArray], AnyArray] | None) -> None:
         """Hatch what takes no paint; the next `uploads` brings every colour.
 
         Parameters
@@ -104,7 +105,7 @@ class LiveObject:
         self.light.take(baked.light)
         self._all = True
 
-    def uploads(self, vertex_ids: NDArray) -> list[PatchUpload]:
+    def uploads(self, vertex_ids: NDArray[np.int32]) -> list[PatchUpload]:
         """What has changed since the last call.
 
         Parameters
@@ -130,14 +131,14 @@ class LiveObject:
             found.append(PatchUpload(change.patch, colours, points, normals, change.faces))
         return found
 
-    def _shown(self, ids: NDArray, srgb: NDArray) -> NDArray:
+    def _shown(self, ids: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
         """(N, 3) uint8: vertices (N,) as they are seen; srgb (V, 3) is their paint."""
         colours = self.light.colours(ids, srgb)
         if self._covers is not None:
             self._hatch(ids, colours)
         return colours
 
-    def _hatch(self, ids: NDArray, colours: NDArray) -> None:
+    def _hatch(self, ids: AnyArray, colours: AnyArray) -> None:
         """Lay a striped veil over the colours (N, 3) of those vertices (N,) that are covered."""
         covered = self._covers(ids)
         ids, field = ids[covered], self.surface.paint_mesh.arrays

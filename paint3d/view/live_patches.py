@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.kernels.chunks import Entries, add_faces, mark_holders, mark_split, place_faces
 
@@ -39,8 +40,8 @@ class PatchChange:
     """
 
     patch: int
-    vertex_ids: NDArray
-    faces: NDArray | None
+    vertex_ids: NDArray[np.int32]
+    faces: NDArray[np.int32] | None
 
 
 class LivePatches:
@@ -70,11 +71,11 @@ class LivePatches:
         none = np.empty(0, np.int32)
         self._entries = Entries(none, none, none, none, np.zeros(1, np.int64))
 
-    def vertex_ids(self, patch: int) -> NDArray:
+    def vertex_ids(self, patch: int) -> NDArray[np.int32]:
         """(K,) int32: the vertices of one patch."""
         return self._ids[patch]
 
-    def changes(self, vertex_ids: NDArray) -> list[PatchChange]:
+    def changes(self, vertex_ids: NDArray[np.int32]) -> list[PatchChange]:
         """What to draw anew after these vertices' colours have changed and the mesh was refined.
 
         Parameters
@@ -106,13 +107,13 @@ class LivePatches:
         """How much of the mesh so many triangles cover if they are refined, mm^2, about."""
         return min(self._area, _FACE_AREA * self.mesh.resolution**2 * self.n_leaves)
 
-    def leaves(self) -> tuple[NDArray, list[NDArray]]:
+    def leaves(self) -> tuple[AnyArray, list[AnyArray]]:
         """All triangles there ever were (F, 3), and which of them each patch consists of (L,)."""
         return self._all_faces()[0], self._leaves
 
     # -- refinement -------------------------------------------------------------------------
 
-    def _rebuild(self) -> dict[int, NDArray]:
+    def _rebuild(self) -> dict[int, AnyArray]:
         """Take in the triangles that are new; return the faces of the patches they change."""
         faces, child = self._all_faces()
         before, n = self._n_faces, len(faces)
@@ -134,7 +135,7 @@ class LivePatches:
             for p in np.flatnonzero(marks)
         }
 
-    def _all_faces(self) -> tuple[NDArray, NDArray | None]:
+    def _all_faces(self) -> tuple[AnyArray, AnyArray | None]:
         """Triangles there ever were (F, 3), and their first children (None: nothing refines)."""
         mesh = self.mesh
         if not mesh.refines:
@@ -142,14 +143,16 @@ class LivePatches:
         n = int(mesh.arrays.counts[1])
         return mesh.arrays.node_vertices[:n], mesh.arrays.child[:n]
 
-    def _by_patch(self, faces: NDArray) -> tuple[NDArray, NDArray]:
+    def _by_patch(self, faces: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Sort faces (N,) by patch; return them and where each patch's run begins (P + 1,)."""
         patches = self._face_patch[faces]
         counts = np.bincount(patches, minlength=self.n_patches)
         order = np.argsort(patches, kind="stable")
         return faces[order], np.concatenate([[0], np.cumsum(counts)])
 
-    def _refit(self, patch: int, faces: NDArray, child: NDArray | None, fresh: NDArray) -> NDArray:
+    def _refit(
+        self, patch: int, faces: AnyArray, child: AnyArray | None, fresh: AnyArray
+    ) -> AnyArray:
         """Give a patch its present triangles, and return them with the patch's own numbers."""
         kept = self._leaves[patch]
         if child is not None:
@@ -177,7 +180,7 @@ class LivePatches:
         self._entries = Entries(head, *columns, old.count)
 
 
-def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray, float]:
+def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray[np.int32], float]:
     """(S,) int32: the patch of each sheet; and the whole area."""
     field = mesh.arrays
     along = np.abs(field.sheet_normal).argmax(axis=1)
@@ -195,7 +198,7 @@ def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray, float]:
     return numbers, total
 
 
-def _compact_groups(places: NDArray, areas: NDArray, target: float) -> list[NDArray]:
+def _compact_groups(places: AnyArray, areas: AnyArray, target: float) -> list[AnyArray]:
     """Cut places (N, 3) with areas (N,) in two, again and again, until about `target` is left."""
     groups, waiting = [], [np.arange(len(places))] if len(places) else []
     while waiting:
@@ -211,7 +214,7 @@ def _compact_groups(places: NDArray, areas: NDArray, target: float) -> list[NDAr
     return groups
 
 
-def _grown(array: NDArray, used: int, room: int) -> NDArray:
+def _grown(array: AnyArray, used: int, room: int) -> AnyArray:
     """An array with space for `room`, and more, whose first `used` entries are kept."""
     if len(array) >= room:
         return array

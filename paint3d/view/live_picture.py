@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.view.live_layers import Box
 from paint3d.view.live_scene import LiveScene, joined_box
 
@@ -85,7 +86,7 @@ class LivePicture:
         """Whether nothing is left to draw."""
         return not (self._stale or self._object or self._front or self._left().any())
 
-    def draw(self) -> NDArray | None:
+    def draw(self) -> NDArray[np.uint8] | None:
         """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
         started, scene = time.perf_counter(), self._scene
         if self._stale:
@@ -110,13 +111,13 @@ class LivePicture:
             return None
         return self._show(joined_box(boxes), started, fine=fine)
 
-    def draw_whole(self, *, fine: bool) -> NDArray:
+    def draw_whole(self, *, fine: bool) -> NDArray[np.uint8]:
         """(H, W, 4) uint8 pixels, all of them drawn anew to the last triangle."""
         pixels = self._scene.draw(fine=fine)
         self.touch()
         return pixels
 
-    def draw_by_parts(self, *, fine: bool) -> Iterator[tuple[float, NDArray]]:
+    def draw_by_parts(self, *, fine: bool) -> Iterator[tuple[float, AnyArray]]:
         """Draw all anew as `draw_whole` does, and yield after each part, so that it can be left.
 
         Yields
@@ -135,7 +136,7 @@ class LivePicture:
             self.touch()
             yield (k + 1) / len(corners), pixels
 
-    def _show(self, box: Box | None, started: float, *, fine: bool = False) -> NDArray:
+    def _show(self, box: Box | None, started: float, *, fine: bool = False) -> AnyArray:
         pixels = self._scene.show(box, fine=fine)
         self._front_is_fine = fine and box == self._scene.whole
         self.changed = box
@@ -166,7 +167,7 @@ class LivePicture:
             return self._step(rough, started, _PLAIN)
         return self._step(left, started, _FINE) if fine else []
 
-    def _step(self, cells: NDArray, started: float, state: int) -> list[Box]:
+    def _step(self, cells: AnyArray, started: float, state: int) -> list[Box]:
         """Draw cells for as long as a step may last."""
         boxes = []
         for row, column in np.argwhere(cells):
@@ -178,7 +179,7 @@ class LivePicture:
                 break
         return boxes
 
-    def _left(self) -> NDArray:
+    def _left(self) -> NDArray[np.bool_]:
         """(R, C) bool: the cells that can be drawn better than they are."""
         best = _FINE
         if not self._scene.is_software or self._scene.seen()[0] > _TOO_MANY:

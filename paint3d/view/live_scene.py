@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.view.camera import Camera
 from paint3d.view.kernels.facing import cone_of
@@ -124,7 +125,7 @@ class LiveScene:
             self._window.SetMultiSamples(_SAMPLES)
         self._target = Target(self._window)
         self._kept: tuple[KeptPicture, KeptPicture] | None = None
-        self._pixels: NDArray | None = None
+        self._pixels: AnyArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
         self._coarse: list[DrawnMesh] = []
         self._coarse_is_new = False
@@ -133,7 +134,7 @@ class LiveScene:
         self._counts = np.empty(0, np.int64)
         self._is_solid = False
         self._shown = np.empty(0, bool)
-        self._boxes: NDArray | None = None
+        self._boxes: AnyArray | None = None
         self._seen: tuple[int, int] | None = None
         self._ground: DrawnMesh | None = None
         self._gloss = Gloss.of("porcelain")
@@ -178,7 +179,7 @@ class LiveScene:
         self._backdrop.SetBackground2(*mood.above)
         self._forget()
 
-    def clear(self, centre: NDArray, radius: float, gloss: Gloss, *, solid: bool = False) -> None:
+    def clear(self, centre: AnyArray, radius: float, gloss: Gloss, *, solid: bool = False) -> None:
         """Take the object away; the next one lies within `radius` mm of `centre`.
 
         What is seen from behind is not drawn if the next one is `solid` (`TriangleMesh.is_solid`).
@@ -205,7 +206,7 @@ class LiveScene:
         for drawn in (*self._patches.values(), *self._coarse):
             _shine(drawn.actor.GetProperty(), gloss)
 
-    def apply(self, uploads: Iterable[PatchUpload]) -> list[NDArray]:
+    def apply(self, uploads: Iterable[PatchUpload]) -> list[AnyArray]:
         """Take new arrays of some patches.
 
         Returns
@@ -368,14 +369,14 @@ class LiveScene:
         far = depth + 5.0 * radius
         eye.SetClippingRange(max(depth - 2.0 * radius, 0.002 * far), far)
 
-    def screen_box(self, points: NDArray) -> Box | None:
+    def screen_box(self, points: AnyArray) -> Box | None:
         """The smallest box of pixels that points (N, 3) are seen in, y up; None if in none."""
         points = np.asarray(points, np.float64)
         if len(points) == 0:
             return None
         return _box_of(self._screen_boxes(points[None])[0])
 
-    def _patch_boxes(self) -> NDArray:
+    def _patch_boxes(self) -> AnyArray:
         """(P, 4) the box of each patch; empty where it is seen nowhere."""
         if self._boxes is None:
             low, high = self._bounds_of[:, :3], self._bounds_of[:, 3:]
@@ -383,7 +384,7 @@ class LiveScene:
             self._boxes = self._screen_boxes(np.where(corner, high[:, None], low[:, None]))
         return self._boxes
 
-    def _screen_boxes(self, points: NDArray) -> NDArray:
+    def _screen_boxes(self, points: AnyArray) -> AnyArray:
         """(P, 4) int: the boxes around points (P, N, 3); x1 <= x0 or y1 <= y0 where in none."""
         camera, (width, height) = self._camera, self._size
         seen = (points - camera.position) @ self._axes
@@ -394,7 +395,8 @@ class LiveScene:
             [place.min(axis=1) - _MARGIN, place.max(axis=1) + _MARGIN + 1.0], axis=1
         )
         boxes[~(near > 0.0)] = self.whole  # at the eye or behind it: anywhere; also what is nan
-        return np.clip(boxes, 0, (width, height, width, height)).astype(np.int64)
+        result: AnyArray = np.clip(boxes, 0, (width, height, width, height)).astype(np.int64)
+        return result
 
     # -- pixels -----------------------------------------------------------------------------
 
@@ -429,7 +431,7 @@ class LiveScene:
         kept.keep(box)
         self.frame_s = time.perf_counter() - started
 
-    def show(self, box: Box | None = None, *, fine: bool = False) -> NDArray:
+    def show(self, box: Box | None = None, *, fine: bool = False) -> AnyArray:
         """The object as it was drawn last, with the brush in front of it.
 
         Parameters
@@ -467,7 +469,7 @@ class LiveScene:
         self.frame_s += time.perf_counter() - started
         return self._pixels[::-1]
 
-    def draw(self, *, fine: bool = False, only: Box | None = None) -> NDArray:
+    def draw(self, *, fine: bool = False, only: Box | None = None) -> NDArray[np.uint8]:
         """(H, W, 4) uint8 sRGB pixels, the first row at the bottom; the next call changes them.
 
         Parameters
@@ -494,7 +496,7 @@ class LiveScene:
             self._seen = int(self._counts[inside].sum()), int(np.count_nonzero(inside))
         return self._seen
 
-    def _in_sight(self, box: Box) -> NDArray:
+    def _in_sight(self, box: Box) -> NDArray[np.bool_]:
         """(P,) bool: the patches that may be seen within a box of pixels."""
         inside = _overlap(self._patch_boxes(), box)
         if self._is_solid:
@@ -508,7 +510,8 @@ class LiveScene:
         depth = ((middle - camera.position) @ ahead)[_overlap(self._patch_boxes(), self.whole)]
         depth = depth[depth > 0.0]
         away = float(depth.min()) if len(depth) else float(np.linalg.norm(camera.focus))
-        return 2.0 * away * np.tan(0.5 * camera.view_angle) / self._size[1]
+        result: float = 2.0 * away * np.tan(0.5 * camera.view_angle) / self._size[1]
+        return result
 
     def _has_front(self) -> bool:
         """Whether anything is there to be drawn in front of the object."""
@@ -573,7 +576,7 @@ class LiveScene:
         self._window.Finalize()
 
 
-def _picture_axes(camera: Camera) -> NDArray:
+def _picture_axes(camera: Camera) -> AnyArray:
     """(3, 3): columns to the right, up and ahead."""
     back = camera.position - camera.focus
     back = back / np.linalg.norm(back)
@@ -582,23 +585,23 @@ def _picture_axes(camera: Camera) -> NDArray:
     return np.stack([right, np.cross(back, right), -back], axis=1)
 
 
-def _box_of(edges: NDArray) -> Box | None:
+def _box_of(edges: AnyArray) -> Box | None:
     x0, y0, x1, y1 = (int(edge) for edge in edges)
     return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
 
-def _mean(sums: NDArray) -> NDArray:
+def _mean(sums: AnyArray) -> AnyArray:
     """The mean (H, W, 4) uint8 of four pictures, from their sum."""
     return ((sums + 2) >> 2).astype(np.uint8)
 
 
-def _overlap(boxes: NDArray, box: Box) -> NDArray:
+def _overlap(boxes: AnyArray, box: Box) -> NDArray[np.bool_]:
     """(P,) bool: which of the boxes (P, 4) have pixels in common with another."""
     low, high = np.maximum(boxes[:, :2], box[:2]), np.minimum(boxes[:, 2:], box[2:])
     return (high > low).all(axis=1)
 
 
-def _unit(vector: Iterable[float]) -> NDArray:
+def _unit(vector: Iterable[float]) -> AnyArray:
     array = np.asarray(vector, np.float64)
     return array / np.linalg.norm(array)
 
@@ -620,7 +623,7 @@ def _shine(look, gloss: Gloss) -> None:
     look.SetInterpolationToPhong()
 
 
-def _where_dense(pixels: NDArray) -> tuple[NDArray, NDArray]:
+def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
     """A grid over a texture (H, W, 4) without the squares in which nothing is to be seen.
 
     Returns
@@ -641,7 +644,7 @@ def _where_dense(pixels: NDArray) -> tuple[NDArray, NDArray]:
     return places, faces.astype(np.int32)
 
 
-def _shade_pixels(openness: NDArray) -> NDArray:
+def _shade_pixels(openness: AnyArray) -> NDArray[np.uint8]:
     """(N, N, 4) uint8: black, as dense as the light is kept away, fading toward the border."""
     n = len(openness)
     ticks = (np.arange(n) + 0.5) / n * 2.0 - 1.0

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, InputError, MeshError
 from paint3d.view.camera import View, find_view, fit_camera, studio_axes, vertex_areas
 from paint3d.view.daylight import Occluder, light_ground, light_points
@@ -119,11 +120,11 @@ def draw_picture(
 
 
 def _set_up(
-    vertices: NDArray,
-    faces: NDArray,
-    normals: NDArray,
-    srgb: NDArray,
-    areas: NDArray,
+    vertices: AnyArray,
+    faces: AnyArray,
+    normals: AnyArray,
+    srgb: AnyArray,
+    areas: AnyArray,
     view: View,
     size: tuple[int, int],
 ) -> Scene:
@@ -149,7 +150,7 @@ def _set_up(
     )
 
 
-def _seen(normals: NDArray, to_camera: NDArray, faces: NDArray) -> NDArray[np.bool_]:
+def _seen(normals: AnyArray, to_camera: AnyArray, faces: AnyArray) -> NDArray[np.bool_]:
     """Which vertices (V,) have a part in what may be seen, and so need light.
 
     All three of a triangle that turns to the camera with one: else it would fade into black.
@@ -169,7 +170,10 @@ def _develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     height, width = pixels.shape[:2]
     printed = (1 - (1 - srgb_to_linear(pixels)) ** SHOULDER) * _vignette(height, width)
     grain = np.random.default_rng(7).random((height, width, 1), dtype=np.float32) - 0.5
-    return np.rint(np.clip(linear_to_srgb(printed) * 255 + grain, 0, 255)).astype(np.uint8)
+    result: NDArray[np.uint8] = np.rint(
+        np.clip(linear_to_srgb(printed) * 255 + grain, 0, 255)
+    ).astype(np.uint8)
+    return result
 
 
 def _vignette(height: int, width: int) -> NDArray[np.float32]:
@@ -191,7 +195,7 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
 
 def _checked_arrays(
     vertices: ArrayLike, faces: ArrayLike, normals: ArrayLike, srgb: ArrayLike
-) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
     vertices = as_array(vertices, "vertices", (None, 3), np.float32, MeshError)
     faces = as_array(faces, "faces", (None, 3), np.int32, MeshError)
     n_vertices = len(vertices)

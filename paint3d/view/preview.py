@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Preview"]
@@ -69,7 +70,7 @@ class Preview:
         shown = picture.reshape(size, _DETAIL, size, _DETAIL, 3).mean(axis=(1, 3))
         return np.ascontiguousarray(np.clip(shown, 0.0, 255.0).astype(np.uint8))
 
-    def side_at(self, turn: NDArray[np.float64], across: float, down: float) -> NDArray | None:
+    def side_at(self, turn: NDArray[np.float64], across: float, down: float) -> AnyArray | None:
         """Return the unit normal (3,) of what is seen at a place of the picture, 0 to 1 each.
 
         In the mesh's own axes, out of the side that is seen; None beside the object.
@@ -89,7 +90,7 @@ class Preview:
 
     def _laid(
         self, turn: NDArray[np.float64], n: int
-    ) -> tuple[NDArray, NDArray, NDArray, float, NDArray]:
+    ) -> tuple[AnyArray, AnyArray, AnyArray, float, AnyArray]:
         """The eye's axes, points and their shadows in them, and how they lie on n pixels."""
         ca, sa, ch, sh = np.cos(_AZIMUTH), np.sin(_AZIMUTH), np.sin(_HEIGHT), np.cos(_HEIGHT)
         right = np.array([-sa, ca, 0.0])
@@ -105,9 +106,10 @@ class Preview:
         return frame, seen, shadow, scale, middle
 
 
-def _pixels(points: NDArray, middle: NDArray, scale: float, n: int) -> NDArray[np.int64]:
+def _pixels(points: AnyArray, middle: AnyArray, scale: float, n: int) -> NDArray[np.int64]:
     """Numbers of the pixels that points cover, 2 x 2 each (4 N,), row by row from the top."""
     place = ((points[:, :2] - middle) * (scale, -scale) + 0.5 * n).astype(np.int64)
     column, row = np.clip(place, 0, n - 2).T
     first = row * n + column
-    return (first[:, None] + np.array([0, 1, n, n + 1])).ravel()
+    result: NDArray[np.int64] = (first[:, None] + np.array([0, 1, n, n + 1])).ravel()
+    return result

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.view.camera import Camera
 from paint3d.view.daylight import Ground
@@ -83,7 +84,8 @@ def _joined(pixels: NDArray[np.uint8], scale: int) -> NDArray[np.uint8]:
     height, width = pixels.shape[0] // scale, pixels.shape[1] // scale
     light = srgb_to_linear(np.arange(256, dtype=np.uint8)).astype(np.float32)[pixels]
     light = light.reshape(height, scale, width, scale, 3).mean(axis=(1, 3))
-    return np.rint(255 * linear_to_srgb(light)).astype(np.uint8)
+    result: NDArray[np.uint8] = np.rint(255 * linear_to_srgb(light)).astype(np.uint8)
+    return result
 
 
 def _add_object(plotter, scene: Scene, gloss: Gloss) -> None:
@@ -120,7 +122,10 @@ def _ground_light(ground: Ground) -> NDArray[np.float64]:
     pool = np.exp(-((radius / POOL_RADIUS) ** 2)) * np.clip(1.0 - radius, 0, 1) ** 0.5
     fade = np.clip((1.0 - radius) / 0.35, 0, 1)
     shade = 1 - (1 - ground.openness) * fade * fade * (3 - 2 * fade)
-    return (BACKDROP + pool[..., None] * (POOL - BACKDROP)) * shade[..., None]
+    result: NDArray[np.float64] = (BACKDROP + pool[..., None] * (POOL - BACKDROP)) * shade[
+        ..., None
+    ]
+    return result
 
 
 def _add_studio(plotter, peak: float, exposure: float) -> None:
@@ -151,7 +156,7 @@ def _place_camera(plotter, scene: Scene) -> None:
     plotter.reset_camera_clipping_range()
 
 
-def _texture(pixels: NDArray, *, plain: bool = False):
+def _texture(pixels: AnyArray, *, plain: bool = False):
     """Return a texture of the (H, W, 3) array, first row at the bottom, values as they are.
 
     A `plain` one has no coarser copies: where it is seen at a slant, the step from one to the next

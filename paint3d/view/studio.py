@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import UnknownNameError
 
 __all__ = ["DOME", "SOFTBOXES", "Gloss", "Softbox", "Sun", "light_samples", "make_panorama"]
@@ -77,13 +78,16 @@ class Softbox:
         right = right / np.linalg.norm(right)
         return np.stack([right, np.cross(towards, right), towards])
 
-    def radiance_at(self, directions: NDArray) -> NDArray[np.float64]:
+    def radiance_at(self, directions: AnyArray) -> NDArray[np.float64]:
         """Return the (N, 3) radiance along unit `directions` (N, 3), soft at the edges."""
         u, v, w = (directions @ self.axes().T).T
         ahead = np.maximum(w, 1e-3)
         inside_u = _soft_step((self.half_width - np.abs(np.arctan(u / ahead))) / 0.05)
         inside_v = _soft_step((self.half_height - np.abs(np.arctan(v / ahead))) / 0.05)
-        return ((w > 0) * inside_u * inside_v)[:, None] * np.asarray(self.radiance)
+        result: NDArray[np.float64] = ((w > 0) * inside_u * inside_v)[:, None] * np.asarray(
+            self.radiance
+        )
+        return result
 
     def suns(self, n: int) -> list[Sun]:
         """Return n directions that share out the light of the box evenly (a golden lattice)."""
@@ -123,13 +127,16 @@ class Dome:
     zenith: tuple[float, float, float]
     floor: tuple[float, float, float]
 
-    def radiance_at(self, directions: NDArray) -> NDArray[np.float64]:
+    def radiance_at(self, directions: AnyArray) -> NDArray[np.float64]:
         """Return the (N, 3) radiance along unit `directions` (N, 3)."""
         height = directions[:, 2:3]
         sky = np.asarray(self.horizon) + np.maximum(height, 0) * (
             np.asarray(self.zenith) - np.asarray(self.horizon)
         )
-        return sky + _soft_step(-height / 0.03) * (np.asarray(self.floor) - sky)
+        result: NDArray[np.float64] = sky + _soft_step(-height / 0.03) * (
+            np.asarray(self.floor) - sky
+        )
+        return result
 
 
 DOME = Dome(horizon=(0.40, 0.41, 0.43), zenith=(0.62, 0.63, 0.65), floor=(0.50, 0.48, 0.455))
@@ -178,6 +185,6 @@ def make_panorama(height: int = 256) -> NDArray[np.float32]:
     return radiance.reshape(height, 2 * height, 3).astype(np.float32)
 
 
-def _soft_step(x: NDArray) -> NDArray[np.float64]:
+def _soft_step(x: AnyArray) -> NDArray[np.float64]:
     t = np.clip(0.5 + 0.5 * x, 0.0, 1.0)
     return t * t * (3 - 2 * t)

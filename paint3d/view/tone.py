@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["linear_to_srgb", "srgb_to_linear"]
 
 _CODES = np.arange(256) / 255
@@ -16,6 +18,6 @@ def srgb_to_linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
     return _LINEAR.astype(np.float32)[srgb]
 
 
-def linear_to_srgb(linear: NDArray) -> NDArray:
+def linear_to_srgb(linear: AnyArray) -> AnyArray:
     """Return sRGB in [0, 1] for linear light in [0, 1] of any shape."""
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
 
 __all__ = ["DrawnMesh", "camera_light", "make_texture", "quiet_vtk"]
 
@@ -42,7 +43,7 @@ class DrawnMesh:
         self.actor.SetMapper(self._mapper)
         self.actor.PickableOff()
 
-    def set_shape(self, points: NDArray, faces: NDArray, normals: NDArray | None = None) -> None:
+    def set_shape(self, points: AnyArray, faces: AnyArray, normals: AnyArray | None = None) -> None:
         """Replace the triangles: points (K, 3) float32, faces (L, 3) int32, normals (K, 3).
 
         Given the same array of faces as the last time, only the places are replaced.
@@ -67,7 +68,7 @@ class DrawnMesh:
             self._vtk_normals = numpy_to_vtk(self._normals, deep=False)
             self._data.GetPointData().SetNormals(self._vtk_normals)
 
-    def _move(self, points: NDArray, normals: NDArray | None) -> bool:
+    def _move(self, points: AnyArray, normals: AnyArray | None) -> bool:
         """Replace the places of as many points, and their normals; whether that was possible."""
         if self._points.shape != points.shape or (normals is None) != (self._normals is None):
             return False
@@ -79,12 +80,12 @@ class DrawnMesh:
             self._vtk_normals.Modified()
         return True
 
-    def set_line(self, points: NDArray, *, closed: bool) -> None:
+    def set_line(self, points: AnyArray, *, closed: bool) -> None:
         """Replace everything by one line through the points (K, 3)."""
         ring = np.concatenate([points, points[:1]]) if closed else points
         self.set_lines([ring])
 
-    def set_lines(self, lines: Sequence[NDArray]) -> None:
+    def set_lines(self, lines: Sequence[AnyArray]) -> None:
         """Replace everything by lines, each through its own points (K, 3)."""
         from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
         from vtkmodules.vtkCommonCore import vtkPoints
@@ -101,7 +102,7 @@ class DrawnMesh:
         self._data.SetPoints(place)
         self._data.SetLines(cells)
 
-    def set_colours(self, colours: NDArray) -> NDArray:
+    def set_colours(self, colours: AnyArray) -> AnyArray:
         """Replace the colours (K, 3) or (K, 4) uint8 of the points.
 
         Returns
@@ -124,9 +125,10 @@ class DrawnMesh:
         self._data.GetPointData().SetScalars(self._vtk_colours)
         return changed
 
-    def around(self, chosen: NDArray) -> NDArray:
+    def around(self, chosen: AnyArray) -> AnyArray:
         """(N, 3) float32: the corners of all triangles that have one of the points (K,) bool."""
-        return self._points[self._faces[chosen[self._faces].any(axis=1)].ravel()]
+        result: AnyArray = self._points[self._faces[chosen[self._faces].any(axis=1)].ravel()]
+        return result
 
     def show(self, on: bool) -> None:
         """Let it be seen, or not."""
@@ -140,7 +142,7 @@ class DrawnMesh:
         self._mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
         self._mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -4.0)
 
-    def set_texture(self, pixels: NDArray, corners: NDArray) -> None:
+    def set_texture(self, pixels: AnyArray, corners: AnyArray) -> None:
         """Paste (H, W, 4) uint8 pixels, first row at v = 0; corners (K, 2) are the points' u, v."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
 
@@ -149,7 +151,7 @@ class DrawnMesh:
         self.actor.SetTexture(make_texture(pixels))
 
 
-def make_texture(pixels: NDArray):
+def make_texture(pixels: AnyArray):
     """A smooth texture of (H, W, C) uint8 pixels, first row at the bottom."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonDataModel import vtkImageData

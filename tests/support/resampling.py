@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import RecordingError
 from paint3d.pose.brush_pose import BrushPath
@@ -61,6 +61,6 @@ def resample(recording: Recording, rate_hz: float) -> Recording:
     )
 
 
-def _hand(recording: Recording, position: NDArray, orientation: NDArray) -> BrushPath:
+def _hand(recording: Recording, position: AnyArray, orientation: AnyArray) -> BrushPath:
     time_s = (recording.time_ns - recording.time_ns[0]) * 1e-9
     return BrushPath(time_s, position, orientation, recording.pressure, recording.buttons)

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.brush_engine.drag import drag_along
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = ["drag_track", "handle_track"]
 
 
-def drag_track(handle: ArrayLike, slack: ArrayLike, start: ArrayLike = (0.0, 0.0)) -> NDArray:
+def drag_track(handle: ArrayLike, slack: ArrayLike, start: ArrayLike = (0.0, 0.0)) -> AnyArray:
     """Track of the dragged contact Q under a track of the handle's foot H.
 
     Parameters
@@ -51,7 +53,7 @@ def drag_track(handle: ArrayLike, slack: ArrayLike, start: ArrayLike = (0.0, 0.0
     return contact
 
 
-def handle_track(contact: ArrayLike, slack: ArrayLike) -> NDArray:
+def handle_track(contact: ArrayLike, slack: ArrayLike) -> AnyArray:
     """Track of the handle that drags the contact along a wanted track: H = Q + l T.
 
     The inverse of `drag_track` is exact where the track is smooth; T is the tangent by central
@@ -83,15 +85,16 @@ def handle_track(contact: ArrayLike, slack: ArrayLike) -> NDArray:
     if not steps.all():
         raise BrushError(f"contact stands still after sample {int(np.argmin(steps))}")
     arcs = np.concatenate([[0.0], np.cumsum(steps)])
-    order = 2 if len(points) > 2 else 1
-    tangents = np.gradient(points, arcs, axis=0, edge_order=order)
+    order: Literal[1, 2] = 2 if len(points) > 2 else 1
+    tangents: AnyArray = np.gradient(points, arcs, axis=0, edge_order=order)
     norms = np.hypot(*tangents.T)
     if not (norms > 1e-9).all():
         raise BrushError(f"contact turns straight back at sample {int(np.argmin(norms))}")
-    return points + lengths[:, None] * tangents / norms[:, None]
+    result: AnyArray = points + lengths[:, None] * tangents / norms[:, None]
+    return result
 
 
-def _as_slack(slack: ArrayLike, n: int) -> NDArray:
+def _as_slack(slack: ArrayLike, n: int) -> AnyArray:
     if np.ndim(slack) == 0:
         return np.full(n, as_number(slack, "slack", low=1e-9, error=BrushError))
     lengths = as_array(slack, "slack", (n,), error=BrushError)

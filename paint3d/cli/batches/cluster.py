@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.batches.rows import Outcome, Row, placed, run_row
 from paint3d.errors import InputError
@@ -98,7 +98,7 @@ class _Work:
                 message = f"no worker sees the folder {self._folder}"
                 yield row, Outcome(row.line, message, 0.0, "")
 
-    def _submit(self, row: Row) -> Future:
+    def _submit(self, row: Row) -> Future[Any]:
         where = self._seeing() if self._blind else None
         task = self._client.submit(
             _run_there, self._folder, tuple(row), workers=where, pure=False, retries=0
@@ -111,7 +111,7 @@ class _Work:
         return [w for w in self._client.scheduler_info(-1)["workers"] if w not in self._blind]
 
 
-def _run_there(folder: str, row: tuple) -> tuple[str, tuple | None]:
+def _run_there(folder: str, row: tuple[Any, ...]) -> tuple[str, tuple[Any, ...] | None]:
     """Run a row on a worker; its address, and how it went, None where it has no such folder."""
     from distributed import get_worker
 

@@ -124,7 +124,7 @@ def encode_force(force: ArrayLike, sequence: int = 0) -> bytes:
     DeviceError
         If the force is not finite or above the device's limit: it must be made safe before.
     """
-    x, y, z = (float(part) for part in force)
+    x, y, z = np.asarray(force, np.float64).tolist()
     squared = x * x + y * y + z * z
     if not squared <= (MAX_FORCE_N + 1e-6) ** 2:  # also where it is NaN
         raise DeviceError(f"force is ({x:g}, {y:g}, {z:g}) N; expected at most {MAX_FORCE_N} N")

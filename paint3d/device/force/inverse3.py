@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,7 +90,7 @@ def encode_force(device_id: str, force: ArrayLike) -> str:
     DeviceError
         If the force is not finite or above the device's limit: it must be made safe before.
     """
-    x, y, z = (float(part) for part in force)
+    x, y, z = np.asarray(force, np.float64).tolist()
     if not math.hypot(x, y, z) <= MAX_FORCE_N + 1e-6:
         raise DeviceError(f"force is ({x:g}, {y:g}, {z:g}) N; expected at most {MAX_FORCE_N} N")
     values = {"x": x, "y": y, "z": z}
@@ -97,14 +98,14 @@ def encode_force(device_id: str, force: ArrayLike) -> str:
     return json.dumps({"inverse3": [command]}, allow_nan=False)
 
 
-def _first(message: object, name: str) -> dict | None:
+def _first(message: object, name: str) -> dict[str, Any] | None:
     """The first entry of a list of devices."""
     devices = message.get(name) if isinstance(message, dict) else None
     found = devices[0] if isinstance(devices, list) and devices else None
     return found if isinstance(found, dict) else None
 
 
-def _numbers(device: dict, name: str, keys: str) -> list[float]:
+def _numbers(device: dict[str, Any], name: str, keys: str) -> list[float]:
     state = device.get("state")
     parts = state.get(name) if isinstance(state, dict) else None
     if not isinstance(parts, dict):
@@ -123,7 +124,7 @@ def _numbers(device: dict, name: str, keys: str) -> list[float]:
     return found
 
 
-def _orientation(grip: dict) -> list[float]:
+def _orientation(grip: dict[str, Any]) -> list[float]:
     parts = _numbers(grip, "orientation", "wxyz")
     length = math.hypot(*parts)
     if not 0.9 <= length <= 1.1:
@@ -131,7 +132,7 @@ def _orientation(grip: dict) -> list[float]:
     return [part / length for part in parts]
 
 
-def _held(grip: dict) -> int:
+def _held(grip: dict[str, Any]) -> int:
     state = grip.get("state")
     held = state.get("buttons") if isinstance(state, dict) else None
     if not isinstance(held, dict):

@@ -9,11 +9,15 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from paint3d.device.force.force_port import ForceLoop
 from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.device.force.inverse3 import URI, Inverse3State, decode_state, encode_force
 from paint3d.errors import DeviceError
+
+if TYPE_CHECKING:
+    from websockets.sync.client import ClientConnection
 
 __all__ = ["Inverse3Port"]
 
@@ -50,7 +54,7 @@ class Inverse3Port:
                 f"the Inverse3 service at {self.uri} has gone or does not run ({cause})"
             ) from None
 
-    def _serve(self, service, loop: ForceLoop) -> None:
+    def _serve(self, service: ClientConnection, loop: ForceLoop) -> None:
         state = decode_state(service.recv(timeout=_FIRST_S), time.monotonic_ns())
         device_id = state.device_id
         try:
@@ -63,7 +67,7 @@ class Inverse3Port:
             with suppress(Exception):  # it may be gone; there is nothing more to be done
                 service.send(encode_force(device_id, _NOTHING))
 
-    def _next(self, service, loop: ForceLoop) -> tuple[float, float, float]:
+    def _next(self, service: ClientConnection, loop: ForceLoop) -> tuple[float, float, float]:
         """The force after the newest state, or after a silence.
 
         A silence is answered too, with what is then no force; its own answer comes on top of the

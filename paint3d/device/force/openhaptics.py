@@ -15,6 +15,7 @@ import math
 import threading
 import time
 from dataclasses import dataclass, field
+from typing import Any
 
 from paint3d.device.force.force_port import ForceLoop
 from paint3d.device.force.haptic_stylus import MAX_FORCE_N, PoseNumbers
@@ -137,7 +138,7 @@ class _Session:
         except Exception as cause:
             self.failure = DeviceError(f"the servo failed: {cause!r}")
             force, go_on = (0.0, 0.0, 0.0), _DONE
-        self._force[:] = force
+        self._force[:] = list(force)
         hd.hdSetDoublev(_FORCE, self._force)
         hd.hdEndFrame(self.handle)
         if go_on == _GO_ON and (code := hd.hdGetError().code):
@@ -156,7 +157,7 @@ class _Session:
         return force[0] * scale, force[1] * scale, force[2] * scale
 
 
-def _pose(matrix, buttons: int, time_ns: int) -> PoseNumbers:
+def _pose(matrix: Any, buttons: int, time_ns: int) -> PoseNumbers:
     """Position and quaternion out of a column-major 4 x 4 matrix."""
     m = [[matrix[4 * column + row] for column in range(3)] for row in range(3)]
     trace = m[0][0] + m[1][1] + m[2][2]

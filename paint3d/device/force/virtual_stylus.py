@@ -13,12 +13,14 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import shared_memory
+from multiprocessing.synchronize import Event
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.device.force.haptic_stylus import decode_force, encode_pose
 from paint3d.errors import DeviceError
 
@@ -69,6 +71,7 @@ class VirtualStylus:
         self._n = len(path)
         ours, self.plug = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._memory = shared_memory.SharedMemory(create=True, size=8 * _COLUMNS * self._n)
+        self._table: NDArray[np.float64] | None
         self._table = np.ndarray((self._n, _COLUMNS), np.float64, self._memory.buf)
         self._table[:] = np.nan
         reports = [encode_pose(p[:3], p[3:], 0, i & 0xFFFF) for i, p in enumerate(path)]
@@ -100,6 +103,7 @@ class VirtualStylus:
 
     def felt(self) -> Felt:
         """What the device has measured so far."""
+        assert self._table is not None, "unplugged"
         table = self._table.copy()
         sent = np.nan_to_num(table[:, 5:6]).copy().astype(np.int64)[:, 0]
         return Felt(table[:, 0] * 1e-3, table[:, 1:4], table[:, 4] * 1e-3, sent)
@@ -115,7 +119,9 @@ class VirtualStylus:
             self._memory.unlink()
 
 
-def _play(cable: socket.socket, name: str, reports: list[bytes], hz: float, priority: int, go):
+def _play(
+    cable: socket.socket, name: str, reports: list[bytes], hz: float, priority: int, go: Event
+) -> None:
     memory = shared_memory.SharedMemory(name=name)
     table = np.ndarray((len(reports), _COLUMNS), np.float64, memory.buf)
     if priority:
@@ -138,7 +144,7 @@ def _hurry(priority: int) -> None:
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
 
 
-def _send_all(cable: socket.socket, table: NDArray, reports: list[bytes], hz: float) -> None:
+def _send_all(cable: socket.socket, table: AnyArray, reports: list[bytes], hz: float) -> None:
     period = 1.0 / hz
     start = time.monotonic() + 0.05
     for i, report in enumerate(reports):
@@ -153,7 +159,7 @@ def _send_all(cable: socket.socket, table: NDArray, reports: list[bytes], hz: fl
     _listen(cable, table, len(reports), start + (len(reports) + 20) * period)
 
 
-def _listen(cable: socket.socket, table: NDArray, n_sent: int, until: float) -> None:
+def _listen(cable: socket.socket, table: AnyArray, n_sent: int, until: float) -> None:
     """Take forces until a time; the answer to pose i carries its number."""
     while (left := until - time.monotonic()) > 0.0:
         if not select.select([cable], [], [], left)[0]:

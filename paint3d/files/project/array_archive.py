@@ -19,8 +19,8 @@ from typing import BinaryIO
 
 import numpy as np
 from numpy.lib import format as npy
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import SessionError
 from paint3d.files.progress import Progress
 
@@ -42,7 +42,7 @@ HEADER = re.compile(  # plain numbers only: never objects, which would be pickle
 def write_archive(
     path: Path,
     text: Mapping[str, object],
-    arrays: Mapping[str, NDArray],
+    arrays: Mapping[str, AnyArray],
     progress: Progress | None = None,
 ) -> None:
     """Write a JSON object and arrays by name.
@@ -82,7 +82,7 @@ def _entry(name: str) -> zipfile.ZipInfo:
 
 def read_archive(
     path: Path, progress: Progress | None = None
-) -> tuple[dict[str, object], dict[str, NDArray]]:
+) -> tuple[dict[str, object], dict[str, AnyArray]]:
     """Return the JSON object and the arrays of a file that may come from a stranger.
 
     Nothing is executed or unpacked to the disk. Arrays of objects are refused, and no memory is
@@ -140,7 +140,7 @@ def _parse(data: bytes) -> dict[str, object]:
     return text
 
 
-def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray:
+def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> AnyArray:
     with archive.open(entry) as file:
         shape, dtype, length = _array_header(file, entry.filename)
         count = 1

@@ -27,12 +27,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.core.machine import APPENDING, flush_file
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording, checked_header
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, RecordingError, SessionError
@@ -162,7 +162,7 @@ class Journal:
         self._write(_block(NOTE, content))
         self._last_ns = self._has_pressure = None
 
-    def _check(self, table: NDArray) -> None:
+    def _check(self, table: AnyArray) -> None:
         times, missing = table["time_ns"], np.isnan(table["pressure"])
         before = times[:-1] if self._last_ns is None else np.append(self._last_ns, times[:-1])
         if (times[-len(before) :] <= before).any() and len(before):
@@ -255,7 +255,7 @@ def read_events(
     """
     header, pieces, loss = _read_pieces(path)
     events: list[Recording | dict[str, object]] = []
-    tables: list[NDArray] = []
+    tables: list[AnyArray] = []
     for piece in pieces:
         if isinstance(piece, dict):
             events += [*_gathered(path, tables), piece]
@@ -267,11 +267,11 @@ def read_events(
 
 def _read_pieces(
     path: str | os.PathLike[str],
-) -> tuple[dict[str, object], list[NDArray | dict[str, object]], Loss]:
+) -> tuple[dict[str, object], list[AnyArray | dict[str, object]], Loss]:
     """Return a journal's header, its tables of samples and its notes in order, and what is lost."""
     data = _read(path)
     header: object = None
-    pieces: list[NDArray | dict[str, object]] = []
+    pieces: list[AnyArray | dict[str, object]] = []
     at, closed = len(MAGIC), False
     for kind, content, end in _blocks(data):
         if kind == HEADER and header is None:
@@ -288,7 +288,7 @@ def _read_pieces(
     return header, pieces, _loss(len(data), at, closed)
 
 
-def _without_contact(table: NDArray) -> NDArray:
+def _without_contact(table: AnyArray) -> AnyArray:
     """Samples of an older journal as those of this one."""
     whole = np.empty(len(table), SAMPLE)
     for name in table.dtype.names:
@@ -297,7 +297,7 @@ def _without_contact(table: NDArray) -> NDArray:
     return whole
 
 
-def _gathered(path: str | os.PathLike[str], tables: list[NDArray]) -> list[Recording]:
+def _gathered(path: str | os.PathLike[str], tables: list[AnyArray]) -> list[Recording]:
     return [_recording(path, {}, tables, Loss())[0]] if tables else []
 
 
@@ -353,7 +353,7 @@ def _loss(size: int, at: int, closed: bool) -> Loss:
 
 
 def _recording(
-    path: str | os.PathLike[str], header: dict, tables: list[NDArray], loss: Loss
+    path: str | os.PathLike[str], header: dict[str, Any], tables: list[AnyArray], loss: Loss
 ) -> tuple[Recording, Loss]:
     """Return the samples up to the first that no recording could have."""
     table = np.concatenate(tables) if tables else np.empty(0, SAMPLE)

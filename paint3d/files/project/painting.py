@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import UNITS_MM
@@ -50,7 +51,7 @@ class Exportable(Protocol):
         tolerance: float | None = 1.0,
         srgb: NDArray[np.uint8] | None = None,
         progress: Progress | None = None,
-    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    ) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
         """Return vertices (K, 3) mm, faces (F, 3), unit normals (K, 3) and sRGB codes (K, 3).
 
         Parameters
@@ -118,13 +119,13 @@ class PlainSurface:
         tolerance: float | None = 1.0,
         srgb: NDArray[np.uint8] | None = None,
         progress: Progress | None = None,
-    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    ) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
         """Return the mesh's arrays as they are; none of its vertices was added for painting."""
         mesh = self.mesh
         normals = _smooth_normals(mesh) if mesh.normals is None else mesh.normals
         return mesh.vertices, mesh.faces, normals, self.srgb if srgb is None else srgb
 
-    def detail_arrays(self) -> tuple[NDArray, ...]:
+    def detail_arrays(self) -> tuple[AnyArray, ...]:
         """Return the mesh, and the mesh again as what is painted on it."""
         mesh = self.mesh
         vertices, faces, normals, srgb = self.export_arrays()
@@ -210,7 +211,7 @@ def _in_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:
     )
 
 
-def _checked(arrays: tuple[NDArray, NDArray, NDArray, NDArray], material: str) -> Painting:
+def _checked(arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray], material: str) -> Painting:
     vertices = as_array(arrays[0], "vertices", (None, 3), np.float32, MeshError)
     faces = as_array(arrays[1], "faces", (None, 3), np.int32, MeshError)
     shape = (len(vertices), 3)
@@ -231,7 +232,7 @@ def _checked(arrays: tuple[NDArray, NDArray, NDArray, NDArray], material: str) -
     )
 
 
-def _codes(srgb: NDArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
+def _codes(srgb: AnyArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
     srgb = np.ascontiguousarray(srgb)
     if srgb.dtype != np.uint8 or srgb.shape != shape:
         raise MeshError(f"srgb is {srgb.dtype} {srgb.shape}; expected uint8 {shape}")

@@ -39,7 +39,8 @@ def find_steps(
     if np.array_equal(back, vertices):
         return None
     steps = np.clip(vertices.view(np.int32) - back.view(np.int32), -1, 1)  # of their magnitude
-    return (steps @ _PLACES).astype(np.float32)
+    result: NDArray[np.float32] | None = (steps @ _PLACES).astype(np.float32)
+    return result
 
 
 def take_steps(metres: NDArray[np.float64], codes: NDArray[np.float64]) -> NDArray[np.float64]:

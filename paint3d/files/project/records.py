@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.contents import plain_text, read_contents
 from paint3d.files.readers.raw_mesh import parse_numbers
@@ -54,8 +55,8 @@ class Records(NamedTuple):
 
 def write_records(
     path: str | os.PathLike[str],
-    vertices: NDArray,
-    normals: NDArray,
+    vertices: AnyArray,
+    normals: AnyArray,
     srgb: NDArray[np.uint8],
     *,
     initial_position: Sequence[float] = (0.0, 0.0, 0.0),
@@ -139,7 +140,8 @@ def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
         length = np.linalg.norm(normals, axis=1, keepdims=True)
     if not ((length > 0.0) & (length < np.inf)).all():
         raise MeshError("a normal has length 0, or more than numbers can tell")
-    return normals / length
+    result: NDArray[np.float64] = normals / length
+    return result
 
 
 def _table(path: Path, rows: list[tuple[int, str]]) -> NDArray[np.float64]:
@@ -175,7 +177,7 @@ def pack_normals(normals: NDArray[np.float64]) -> NDArray[np.int64]:
     return 256 * cell[:, 1] + cell[:, 0]
 
 
-def unpack_normals(codes: NDArray) -> NDArray[np.float64]:
+def unpack_normals(codes: AnyArray) -> NDArray[np.float64]:
     """Return the unit normals (V, 3) at the middle of the octahedral cells `codes` (V,).
 
     Raises
@@ -192,4 +194,5 @@ def unpack_normals(codes: NDArray) -> NDArray[np.float64]:
     side = np.where(flat >= 0.0, 1.0, -1.0)
     unfolded = np.where(height[:, None] >= 0.0, flat, (1.0 - np.abs(flat[:, ::-1])) * side)
     normals = np.concatenate([unfolded, height[:, None]], axis=1)
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    result: NDArray[np.float64] = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return result

@@ -10,11 +10,12 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.core.atomic import write_atomically
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording, checked_header
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.progress import Progress, part_of
@@ -43,7 +44,7 @@ SAMPLES = (
 )  # fmt: skip
 _MAY_LACK = {"pressure": (), "contact": (3,)}  # and the shape of one that does
 
-Parts = tuple[dict[str, object], dict[str, NDArray]]
+Parts = tuple[dict[str, object], dict[str, AnyArray]]
 UPGRADES: dict[int, Callable[[Parts], Parts]] = {
     1: lambda parts: ({**parts[0], "strokes": []}, {**parts[1], **_packed(())}),
 }
@@ -139,7 +140,7 @@ def _parts(session: Session) -> Parts:
     return text, {name: array for name, array in arrays.items() if array is not None}
 
 
-def _split(state: Mapping[str, object], prefix: str) -> tuple[dict, dict[str, NDArray]]:
+def _split(state: Mapping[str, object], prefix: str) -> tuple[dict[str, Any], dict[str, AnyArray]]:
     """Words and numbers by themselves, and the arrays by their way through the mappings."""
     words, arrays = {}, {}
     for name, value in state.items():
@@ -153,7 +154,9 @@ def _split(state: Mapping[str, object], prefix: str) -> tuple[dict, dict[str, ND
     return words, dict(sorted(arrays.items()))
 
 
-def _joined(words: Mapping[str, object], arrays: Mapping[str, NDArray], prefix: str) -> dict:
+def _joined(
+    words: Mapping[str, object], arrays: Mapping[str, AnyArray], prefix: str
+) -> dict[str, Any]:
     """What `_split` took apart: the arrays of this prefix, and those of one mapping in it."""
     state: dict[str, object] = {}
     for name, value in words.items():
@@ -164,7 +167,7 @@ def _joined(words: Mapping[str, object], arrays: Mapping[str, NDArray], prefix: 
     return state | {name: array for name, array in own.items() if "/" not in name}
 
 
-def _packed(strokes: Sequence[Recording], prefix: str = "strokes/") -> dict[str, NDArray]:
+def _packed(strokes: Sequence[Recording], prefix: str = "strokes/") -> dict[str, AnyArray]:
     """All strokes in one column each: an archive has no room for an entry a stroke."""
     starts = np.concatenate([[0], np.cumsum([len(s) for s in strokes], dtype=np.int64)])
     arrays = {f"{prefix}starts": starts.astype(np.int64)}
@@ -186,7 +189,7 @@ def _own_words(header: Mapping[str, object]) -> dict[str, object]:
 
 
 def _strokes(
-    headers: Sequence[Mapping], arrays: dict[str, NDArray], prefix: str = "strokes/"
+    headers: Sequence[Mapping[str, Any]], arrays: dict[str, AnyArray], prefix: str = "strokes/"
 ) -> tuple[Recording, ...]:
     starts = arrays[f"{prefix}starts"]
     n = len(arrays[f"{prefix}time_ns"]) if len(headers) else 0

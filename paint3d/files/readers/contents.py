@@ -10,7 +10,7 @@ import os
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
@@ -129,7 +129,7 @@ def _unmarked(start: bytes) -> str:
     return "bytes"
 
 
-def parse_json(data: bytes) -> dict:
+def parse_json(data: bytes) -> dict[str, Any]:
     """Return the object in a JSON text.
 
     Raises

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,10 +42,10 @@ class GltfPaint:
         self.looks: list[Look] = []
         self._file = file
         self._pictures: dict[int, NDArray[np.uint8] | None] = {}
-        self._known: dict[int, tuple[int, dict]] = {}
+        self._known: dict[int, tuple[int, dict[str, Any]]] = {}
 
     def look_of(
-        self, primitive: dict, n: int, wanted: bool = True
+        self, primitive: dict[str, Any], n: int, wanted: bool = True
     ) -> tuple[int, NDArray[np.float64] | None]:
         """Return which look a primitive of n vertices has, and its places (n, 2) on the picture.
 
@@ -67,7 +69,7 @@ class GltfPaint:
             raise MeshError(f"a primitive has {n} positions but {len(uv)} of {name}")
         return number, _placed(uv, turned)
 
-    def _read(self, surface: dict, wanted: bool) -> tuple[int, dict]:
+    def _read(self, surface: dict[str, Any], wanted: bool) -> tuple[int, dict[str, Any]]:
         colours = surface.get("pbrMetallicRoughness", {})
         factor = np.array(colours.get("baseColorFactor", WHITE), np.float64)
         texture = colours.get("baseColorTexture")
@@ -109,7 +111,7 @@ class GltfPaint:
         return self._pictures[index]
 
 
-def _placed(uv: NDArray[np.float64], turned: dict) -> NDArray[np.float64]:
+def _placed(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float64]:
     """Places after KHR_texture_transform: scaled, turned, moved."""
     angle = float(turned.get("rotation", 0.0))
     c, s = np.cos(angle), np.sin(angle)

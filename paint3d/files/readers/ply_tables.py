@@ -5,11 +5,11 @@ from __future__ import annotations
 import difflib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.raw_mesh import check_count, parse_numbers
 
@@ -42,8 +42,8 @@ class Element:
     name: str
     count: int
     properties: list[Property] = field(default_factory=list)
-    values: dict[str, NDArray] = field(default_factory=dict)
-    list_sizes: dict[str, NDArray] = field(default_factory=dict)
+    values: dict[str, AnyArray] = field(default_factory=dict)
+    list_sizes: dict[str, AnyArray] = field(default_factory=dict)
 
     @property
     def least_bytes(self) -> int:
@@ -201,7 +201,7 @@ def _list_size(element: Element, p: Property, data: bytes, at: int) -> int:
 
 def _uneven_rows(element: Element, data: bytes, at: int) -> int:
     """Read rows whose lists differ in length, one by one."""
-    parts: dict[str, list[NDArray]] = {p.name: [] for p in element.properties}
+    parts: dict[str, list[AnyArray]] = {p.name: [] for p in element.properties}
     sizes: dict[str, list[int]] = {
         p.name: [] for p in element.properties if p.count_dtype is not None
     }
@@ -221,7 +221,7 @@ def _uneven_rows(element: Element, data: bytes, at: int) -> int:
     return at
 
 
-def _store(element: Element, values: dict[str, NDArray], sizes: dict[str, NDArray]) -> None:
+def _store(element: Element, values: dict[str, AnyArray], sizes: dict[str, AnyArray]) -> None:
     element.values = {
         name: np.ravel(array).astype(array.dtype.newbyteorder("="))
         for name, array in values.items()
@@ -238,7 +238,7 @@ def _read_ascii(elements: Sequence[Element], text: bytes) -> None:
         at = _ascii_rows(element, numbers, at)
 
 
-def _ascii_rows(element: Element, numbers: NDArray, at: int) -> int:
+def _ascii_rows(element: Element, numbers: AnyArray, at: int) -> int:
     """Take one element's rows from the body's numbers; return where they end."""
     cut_short = MeshError(f"it ends within the {element.name} rows; the file is cut short")
     properties = element.properties
@@ -250,7 +250,7 @@ def _ascii_rows(element: Element, numbers: NDArray, at: int) -> int:
         table = numbers[at:end].reshape(element.count, width)
         _store(element, {p.name: _cast(table[:, k], p) for k, p in enumerate(properties)}, {})
         return end
-    columns: dict[str, list] = {p.name: [] for p in properties}
+    columns: dict[str, list[Any]] = {p.name: [] for p in properties}
     sizes: dict[str, list[int]] = {p.name: [] for p in properties if p.count_dtype is not None}
     flat = numbers.tolist() if element.count else []
     for _ in range(element.count):
@@ -271,7 +271,7 @@ def _ascii_rows(element: Element, numbers: NDArray, at: int) -> int:
     return at
 
 
-def _cast(column: NDArray, p: Property) -> NDArray:
+def _cast(column: AnyArray, p: Property) -> AnyArray:
     """Return ASCII numbers in the declared type; colours need to know it, nothing else does."""
     limits = np.iinfo(p.dtype) if p.dtype.kind == "u" else None
     if limits is None or not np.isfinite(column).all() or not column.size:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.textures import Look
 
@@ -66,7 +67,7 @@ class RawMesh:
     corner_colours: NDArray[np.uint8] | None = None
 
     @classmethod
-    def of_triangles(cls, vertices: NDArray, faces: NDArray, **others: object) -> RawMesh:
+    def of_triangles(cls, vertices: AnyArray, faces: AnyArray, **others: object) -> RawMesh:
         """Return a raw mesh with (F, 3) triangles."""
         faces = np.asarray(faces, np.int64).reshape(-1, 3)
         return cls(vertices, faces.ravel(), np.full(len(faces), 3), **others)
@@ -104,7 +105,7 @@ def parse_numbers(text: bytes, what: str) -> NDArray[np.float64]:
     return np.array(numbers)
 
 
-def index_array(numbers: NDArray, what: str) -> NDArray[np.int64]:
+def index_array(numbers: AnyArray, what: str) -> NDArray[np.int64]:
     """Return numbers read as text as indices.
 
     Raises

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +69,7 @@ def _dropped(file: GltfFile) -> set[str]:
     return dropped
 
 
-def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict]]:
+def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict[str, Any]]]:
     """Yield each mesh of the scene with its world_from_mesh matrix (4, 4)."""
     if not file.document.get("scenes"):
         raise MeshError("it has no scene, so no triangles; expected a surface")
@@ -87,7 +88,7 @@ def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict]]
         stack += [(child, world_from_node) for child in reversed(node.get("children", []))]
 
 
-def _local(node: dict) -> NDArray[np.float64]:
+def _local(node: dict[str, Any]) -> NDArray[np.float64]:
     if "matrix" in node:
         return np.array(node["matrix"], np.float64).reshape(4, 4).T
     x, y, z, w = np.array(node.get("rotation", (0.0, 0.0, 0.0, 1.0)), np.float64)
@@ -104,7 +105,9 @@ def _local(node: dict) -> NDArray[np.float64]:
     return matrix
 
 
-def _primitive(file: GltfFile, primitive: dict, paint: GltfPaint, texture: bool) -> RawMesh | None:
+def _primitive(
+    file: GltfFile, primitive: dict[str, Any], paint: GltfPaint, texture: bool
+) -> RawMesh | None:
     """Return one primitive in its own frame, or None for points and lines."""
     mode = primitive.get("mode", TRIANGLES)
     if mode not in (TRIANGLES, STRIP, FAN):

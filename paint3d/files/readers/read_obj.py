@@ -130,4 +130,5 @@ def _numbers(text: bytes) -> NDArray[np.float64]:
 def _vertices_before_faces(lines: Sequence[bytes]) -> NDArray[np.int64]:
     """Return for each face line how many vertex lines come before it."""
     kind = np.array([1 if line[:2] == b"v " else 2 if line[:2] == b"f " else 0 for line in lines])
-    return np.cumsum(kind == 1)[kind == 2]
+    result: NDArray[np.int64] = np.cumsum(kind == 1)[kind == 2]
+    return result

@@ -110,7 +110,8 @@ def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int6
     faces[odd] = faces[odd][:, [1, 0, 2]]
     whole = (faces != STRIP_END).all(axis=1)
     whole &= (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    return faces[whole].ravel()
+    result: NDArray[np.int64] = faces[whole].ravel()
+    return result
 
 
 def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:

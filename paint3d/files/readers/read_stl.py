@@ -7,6 +7,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.raw_mesh import RawMesh, check_count, parse_numbers
 
@@ -66,7 +67,7 @@ def _read_ascii(data: bytes) -> NDArray[np.float64]:
     return parse_numbers(b"\n".join(found), "a vertex").reshape(-1, 3)
 
 
-def _merge(corners: NDArray) -> tuple[NDArray, NDArray]:
+def _merge(corners: AnyArray) -> tuple[AnyArray, AnyArray]:
     """Return the distinct positions in order of appearance, and the faces that refer to them."""
     keys = np.ascontiguousarray(corners + 0.0)  # makes -0.0 equal to 0.0, byte by byte
     rows = keys.view(np.dtype((np.void, keys.dtype.itemsize * 3))).ravel()

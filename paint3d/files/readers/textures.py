@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 
 __all__ = [
@@ -57,12 +58,13 @@ class Look:
         codes = srgb_from_linear(table[:, None] * np.array(self.factor))
         return np.stack([codes[self.picture[..., k], k] for k in range(3)], axis=-1)
 
-    def codes_at(self, uv: NDArray) -> NDArray[np.uint8]:
+    def codes_at(self, uv: AnyArray) -> NDArray[np.uint8]:
         """Return the sRGB codes (N, 3) of the picture's nearest pixels to places (N, 2)."""
         height, width = self._coded.shape[:2]
         columns = _nearest(uv[:, 0], width, self.wrap[0])
         rows = _nearest(uv[:, 1], height, self.wrap[1])
-        return self._coded.reshape(-1, 3)[rows * width + columns]
+        result: NDArray[np.uint8] = self._coded.reshape(-1, 3)[rows * width + columns]
+        return result
 
     def texels(self) -> tuple[int, int]:
         """Width and height of the picture; (0, 0) where there is none."""
@@ -122,15 +124,16 @@ def sample_picture(
     return colour
 
 
-def _nearest(places: NDArray, n: int, wrap: str) -> NDArray[np.int64]:
+def _nearest(places: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
     """Return the pixels (N,) of n in which places lie."""
     if wrap == "mirror":
         places = 1.0 - np.abs(places % 2.0 - 1.0)
     pixel = np.floor(places * n).astype(np.int64)
-    return pixel % n if wrap == "repeat" else np.clip(pixel, 0, n - 1)
+    result: NDArray[np.int64] = pixel % n if wrap == "repeat" else np.clip(pixel, 0, n - 1)
+    return result
 
 
-def _pixels(places: NDArray[np.float64], n: int, wrap: str) -> tuple[NDArray, NDArray]:
+def _pixels(places: NDArray[np.float64], n: int, wrap: str) -> tuple[AnyArray, AnyArray]:
     """Return the two pixels (2, N) of n between which places lie, and the share of the second."""
     if wrap == "mirror":
         places = 1.0 - np.abs(places % 2.0 - 1.0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["COLOUR_NAMES", "colour_codes"]
 
 COLOUR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
@@ -14,7 +16,7 @@ ROUNDING = 1e-6  # above 1
 WHITE = 255
 
 
-def colour_codes(values: NDArray) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+def colour_codes(values: AnyArray) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
     """Return sRGB colours (V, 3) of any type as codes, and what was done to them.
 
     Unsigned integers run over their whole range and floats from 0 to 1; where most floats are

@@ -11,8 +11,8 @@ import mmap
 import os
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 
 __all__ = ["receive", "send"]
@@ -22,7 +22,7 @@ TYPES = {"vertices": "<f4", "faces": "<i4", "normals": "<f4", "colours": "|u1"}
 NUMBERS_A_ROW = 3
 
 
-def send(descriptor: int, arrays: dict[str, NDArray], facts: dict[str, object]) -> None:
+def send(descriptor: int, arrays: dict[str, AnyArray], facts: dict[str, object]) -> None:
     """Write arrays of the types in `TYPES`, (N, 3) each, and what JSON can hold besides."""
     rows = {name: len(array) for name, array in arrays.items()}
     line = json.dumps({"rows": rows, "facts": facts}).encode("ascii")
@@ -32,7 +32,7 @@ def send(descriptor: int, arrays: dict[str, NDArray], facts: dict[str, object]) 
             file.write(np.ascontiguousarray(array, TYPES[name]).data)
 
 
-def receive(descriptor: int) -> tuple[dict[str, NDArray], dict[str, object]]:
+def receive(descriptor: int) -> tuple[dict[str, AnyArray], dict[str, object]]:
     """Return what `send` wrote; the arrays are views of the file and cannot be written.
 
     Raises

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_srgb
 from paint3d.colour.spectra import decode_srgb, srgb_from_linear
+from paint3d.core.types import AnyArray
 
 __all__ = ["Filaments", "choose_filaments", "choose_for_triangles", "split_by_filament"]
 
@@ -64,7 +65,7 @@ def choose_filaments(
     return Filaments(palette[order], rank[nearest][place])
 
 
-def _cluster(codes: NDArray[np.uint8], weights: NDArray, k: int) -> NDArray[np.uint8]:
+def _cluster(codes: NDArray[np.uint8], weights: AnyArray, k: int) -> NDArray[np.uint8]:
     """Return at most k different colours (k, 3) that stand for all of them."""
     lab, linear = lab_from_srgb(codes), decode_srgb(codes)
     starts = np.flatnonzero(weights >= NEGLIGIBLE * weights.sum())
@@ -87,7 +88,7 @@ def _cluster(codes: NDArray[np.uint8], weights: NDArray, k: int) -> NDArray[np.u
     return np.unique(srgb_from_linear(mean[np.isfinite(mean).all(axis=1)]), axis=0)
 
 
-def _means(linear: NDArray, weights: NDArray, belongs: NDArray, k: int) -> NDArray:
+def _means(linear: AnyArray, weights: AnyArray, belongs: AnyArray, k: int) -> AnyArray:
     """Mean light (k, 3) of every cluster; nan where it is empty."""
     total = np.bincount(belongs, weights=weights, minlength=k)
     sums = [np.bincount(belongs, weights=weights * band, minlength=k) for band in linear.T]
@@ -99,7 +100,8 @@ def _nearest(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np
     """Place in the palette (n,) of what looks most like each colour."""
     lab, filaments = lab_from_srgb(codes), lab_from_srgb(palette)
     gaps = [delta_e(lab, filament[None]) for filament in filaments]
-    return np.argmin(gaps, axis=0).astype(np.int32)
+    result: NDArray[np.int32] = np.argmin(gaps, axis=0).astype(np.int32)
+    return result
 
 
 def choose_for_triangles(
@@ -112,7 +114,8 @@ def choose_for_triangles(
     if len(differ):
         light = decode_srgb(palette)[chosen[faces[differ]]].mean(axis=1)
         out[differ] = _nearest(srgb_from_linear(light), palette)
-    return out.astype(np.int32)
+    result: NDArray[np.int32] = out.astype(np.int32)
+    return result
 
 
 def split_by_filament(

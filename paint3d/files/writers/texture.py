@@ -12,11 +12,12 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 
 __all__ = ["Detail", "Detailed", "TexturedMesh", "bake_detail", "bake_texture"]
 
-Detail = tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]
+Detail = tuple[AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray]
 """What `Detailed.detail_arrays` returns."""
 
 PADDING = 4  # texels between charts
@@ -84,9 +85,10 @@ def bake_detail(detail: Detail, size: int | None = None) -> TexturedMesh:
     return TexturedMesh(vertices[source], corners, normals[source], uv, image)
 
 
-def _double_areas(vertices: NDArray, faces: NDArray) -> NDArray[np.float64]:
+def _double_areas(vertices: AnyArray, faces: AnyArray) -> NDArray[np.float64]:
     a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
-    return np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    result: NDArray[np.float64] = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return result
 
 
 def _enough_pixels(area: float, areas: NDArray[np.float64]) -> int:
@@ -97,8 +99,8 @@ def _enough_pixels(area: float, areas: NDArray[np.float64]) -> int:
 
 
 def _lay_out(
-    vertices: NDArray, faces: NDArray, areas: NDArray, size: int
-) -> tuple[NDArray, NDArray[np.int32], NDArray[np.float32], tuple[int, int]]:
+    vertices: AnyArray, faces: AnyArray, areas: AnyArray, size: int
+) -> tuple[AnyArray, NDArray[np.int32], NDArray[np.float32], tuple[int, int]]:
     """Return the vertices that are used, again for each chart; faces, places, the atlas's size."""
     try:
         import xatlas
@@ -120,12 +122,12 @@ def _lay_out(
 
 
 def _places(
-    vertices: NDArray,
-    faces: NDArray,
-    points: NDArray,
-    triangles: NDArray,
-    owners: NDArray,
-    corner_texels: NDArray,
+    vertices: AnyArray,
+    faces: AnyArray,
+    points: AnyArray,
+    triangles: AnyArray,
+    owners: AnyArray,
+    corner_texels: AnyArray,
 ) -> NDArray[np.float64]:
     """Return where each corner (3 F, 2) of the painted triangles lies in the texture, texels."""
     a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
@@ -147,7 +149,7 @@ def _places(
     return places.reshape(-1, 2)
 
 
-def _draw(places: NDArray, srgb: NDArray, width: int, height: int) -> NDArray[np.uint8]:
+def _draw(places: AnyArray, srgb: AnyArray, width: int, height: int) -> NDArray[np.uint8]:
     """Return the texture (H, W, 3), every texel filled."""
     from scipy.ndimage import distance_transform_edt
 
@@ -160,4 +162,5 @@ def _draw(places: NDArray, srgb: NDArray, width: int, height: int) -> NDArray[np
     if not filled.any():
         raise ExportError(f"a texture of {width} x {height} pixels is too small for the object")
     rows, columns = distance_transform_edt(filled == 0, return_distances=False, return_indices=True)
-    return image[rows, columns]
+    result: NDArray[np.uint8] = image[rows, columns]
+    return result

@@ -15,7 +15,8 @@ from enum import IntEnum
 from typing import BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
 
 __all__ = ["ListOp", "Spec", "SpecType", "Type", "Value", "write_crate"]
 
@@ -66,7 +67,7 @@ class Value:
     """A value and its type; an array becomes an array."""
 
     type: Type
-    value: bool | int | float | str | Sequence[str] | ListOp | NDArray
+    value: bool | int | float | str | Sequence[str] | ListOp | AnyArray
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
+from paint3d.core.types import AnyArray
 from paint3d.files.glb_container import (
     INDEX_DATA,
     VERTEX_DATA,
@@ -143,19 +145,19 @@ def _linear(srgb: NDArray[np.uint8]) -> NDArray[np.uint16]:
     return rgba
 
 
-def _primitive(attributes: dict[str, int]) -> dict:
+def _primitive(attributes: dict[str, int]) -> dict[str, Any]:
     return {"attributes": attributes, "indices": 3, "material": 0, "mode": 4}
 
 
-def _index_accessor(faces: NDArray[np.int32]) -> dict:
+def _index_accessor(faces: NDArray[np.int32]) -> dict[str, Any]:
     return {"bufferView": 3, "componentType": UNSIGNED_INT, "count": faces.size, "type": "SCALAR"}
 
 
 def _add_steps(
     steps: NDArray[np.float32] | None,
     attributes: dict[str, int],
-    accessors: list[dict],
-    blocks: list[tuple[NDArray | bytes, int | None]],
+    accessors: list[dict[str, Any]],
+    blocks: list[tuple[AnyArray | bytes, int | None]],
 ) -> None:
     """Add the attribute that leads back to millimetres, if there is any."""
     if steps is not None:

@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["write_html"]
 
 RESOURCES = "viewer"
@@ -79,8 +81,8 @@ def _resource(name: str) -> str:
 
 
 def _interleaved(
-    vertices: NDArray, normals: NDArray, srgb: NDArray, low: NDArray, high: NDArray
-) -> NDArray:
+    vertices: AnyArray, normals: AnyArray, srgb: AnyArray, low: AnyArray, high: AnyArray
+) -> AnyArray:
     """Return what the graphics card takes, (V,) of `VERTEX`."""
     span = np.where(high > low, high - low, 1.0)
     out = np.zeros(len(vertices), VERTEX)
@@ -92,7 +94,7 @@ def _interleaved(
 
 
 def _first_view(
-    vertices: NDArray, faces: NDArray, normals: NDArray, srgb: NDArray
+    vertices: AnyArray, faces: AnyArray, normals: AnyArray, srgb: AnyArray
 ) -> tuple[float, float]:
     """Return azimuth and elevation of the camera, degrees."""
     from paint3d.view.camera import find_view, vertex_areas

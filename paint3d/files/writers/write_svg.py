@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.core.atomic import write_atomically
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 
 __all__ = ["write_svg"]
@@ -16,7 +16,7 @@ __all__ = ["write_svg"]
 
 def write_svg(
     path: Path,
-    strokes: Sequence[Sequence[NDArray]],
+    strokes: Sequence[Sequence[AnyArray]],
     bounds: tuple[float, float, float, float],
     colour: str,
     title: str = "",
@@ -57,7 +57,7 @@ def write_svg(
         part.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _ring(points: NDArray) -> str:
+def _ring(points: AnyArray) -> str:
     flipped = np.round(np.asarray(points) * [1.0, -1.0], 4) + 0.0
     first, *others = (f"{px:.7g} {py:.7g}" for px, py in flipped)
     return f"M{first}L{' '.join(others)}Z"

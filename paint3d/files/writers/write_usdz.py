@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
+from paint3d.core.types import AnyArray
 from paint3d.files.load import UNITS_MM
 from paint3d.files.writers.finish import Finish
 from paint3d.files.writers.usd_crate import ListOp, Spec, SpecType, Type, Value, write_crate
@@ -104,7 +105,7 @@ def _attribute(path: str, type_name: str, value: Value | None, **others: Value) 
     return Spec(path, SpecType.ATTRIBUTE, fields)
 
 
-def _mesh(vertices: NDArray, faces: NDArray, normals: NDArray, colours: NDArray) -> list[Spec]:
+def _mesh(vertices: AnyArray, faces: AnyArray, normals: AnyArray, colours: AnyArray) -> list[Spec]:
     limits = np.stack([vertices.min(axis=0), vertices.max(axis=0)]).astype("<f4")
     each_vertex = {"interpolation": Value(Type.TOKEN, "vertex")}
     uniform = {"variability": Value(Type.VARIABILITY, 1)}
