@@ -92,7 +92,9 @@ def build_ladder(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintL
 def _ladder(tuft: Tuft, descents: AnyArray) -> FootprintLadder:
     rungs, centroids = [], []
     for descent in descents:
-        reach, half_width = _outline(tuft, float(descent))
+        outline = _outline(tuft, float(descent))
+        assert outline is not None, "those with a footprint were chosen"
+        reach, half_width = outline
         middle = _centroid(reach, half_width)
         centroids.append(middle)
         rungs.append(_boundary(reach - middle, half_width))

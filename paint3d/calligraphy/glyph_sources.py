@@ -39,9 +39,14 @@ class GlyphSource(Protocol):
         What to do about a character that is not known.
     """
 
-    name: str
-    licence: str
-    elsewhere: str
+    @property
+    def name(self) -> str: ...  # noqa: D102
+
+    @property
+    def licence(self) -> str: ...  # noqa: D102
+
+    @property
+    def elsewhere(self) -> str: ...  # noqa: D102
 
     def has(self, text: str) -> bool:
         """Whether a character is known."""

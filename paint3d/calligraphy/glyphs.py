@@ -149,7 +149,7 @@ def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
 
 def _curve(start: AnyArray, controls: AnyArray) -> NDArray[np.float64]:
     """Points of a quadratic or cubic Bezier curve after its start."""
-    hull = np.vstack([start, controls])
+    hull: AnyArray | list[AnyArray] = np.vstack([start, controls])
     bend = np.linalg.norm(np.diff(hull, n=2, axis=0), axis=1).max()
     degree = len(controls)
     n = max(1, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * _FLATNESS))))

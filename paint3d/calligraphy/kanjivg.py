@@ -71,7 +71,7 @@ def parse_lines(svg: str, name: str = "svg") -> list[LineStroke]:
         root = ElementTree.fromstring(svg)
     except ElementTree.ParseError as cause:
         raise InputError(f"{name}: not XML ({cause})") from None
-    strokes = []
+    strokes: list[LineStroke] = []
     for path in root.iter("{http://www.w3.org/2000/svg}path"):
         kinds = [value for key, value in path.attrib.items() if key.endswith("}type")]
         kind = kinds[0].split("/")[0].strip() if kinds else ""

@@ -294,11 +294,9 @@ class _Grid:
         low, high = self.span
         down = (shape[1] - 1) * pitch[1] <= high - low + 0.02 * pitch[1]
         if self.right.closed:
-            result: bool = down and shape[0] * pitch[0] <= self.right.length * (1.0 + 1e-9)
-            return result
+            return bool(down and shape[0] * pitch[0] <= self.right.length * (1.0 + 1e-9))
         room = 2.0 * min(self.right.length, self.left.length)
-        result: bool = down and (shape[0] - 1) * pitch[0] + self.em_mm <= room * (1.0 + 1e-6)
-        return result
+        return bool(down and (shape[0] - 1) * pitch[0] + self.em_mm <= room * (1.0 + 1e-6))
 
     def how_many(self, lines: Sequence[str]) -> int:
         """How many characters of the text fit."""

@@ -11,19 +11,26 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
 from paint3d.errors import Paint3DError
 
 __all__ = ["in_processes"]
 
-_Given, _Found = TypeVar("_Given"), TypeVar("_Found")
+_Given = TypeVar("_Given")
+_Found = TypeVar("_Found")
 
 
 class _Worker(NamedTuple):
     process: BaseProcess
-    connection: Connection
+    connection: Connection[Any, Any]
+
+
+def _ready(workers: Sequence[_Worker]) -> list[_Worker]:
+    """Those who have an answer, after waiting for one."""
+    ready = wait([worker.connection for worker in workers])
+    return [worker for worker in workers if worker.connection in ready]
 
 
 def in_processes(
@@ -39,19 +46,18 @@ def in_processes(
         If a process dies. What `work` raises is raised here.
     """
     workers = _start(work, n)
-    left, found = iter(enumerate(items)), {}
+    left, found = iter(enumerate(items)), dict[int, _Found]()
     try:
-        busy = {w.connection: w for w in workers if _give(w, left)}
+        busy = [w for w in workers if _give(w, left)]
         for k in range(len(items)):
             while k not in found:
-                for connection in wait(list(busy)):
-                    worker = busy.pop(connection)
+                for worker in _ready(busy):
                     number, result, fault = _answer(worker)
                     if fault is not None:
                         raise fault
-                    found[number] = result
-                    if _give(worker, left):
-                        busy[connection] = worker
+                    found[number] = cast("_Found", result)
+                    if not _give(worker, left):
+                        busy.remove(worker)
             yield found.pop(k)
     finally:
         for worker in workers:
@@ -104,7 +110,7 @@ def _serve(work: Callable[..., Any], connection: Connection) -> None:
         except (EOFError, OSError):
             return
         try:
-            answer = (number, work(item), None)
+            answer: tuple[int, Any, Exception | None] = (number, work(item), None)
         except Exception as fault:
             answer = (number, None, fault)
         connection.send(answer)

@@ -109,7 +109,8 @@ def _unrounded(leg: Leg) -> Leg:
     straying = np.abs(heading[first:] - heading[first]) > _STRAYS
     last = first + int(np.argmax(straying)) if straying.any() else n
     kept = leg.points[: last + 1]
-    missing = max(0.0, float((leg.points[-1] - kept[-1]) @ way[last - 1]) / np.linalg.norm(way[0]))
+    beyond = float((leg.points[-1] - kept[-1]) @ way[last - 1])
+    missing = max(0.0, beyond / float(np.linalg.norm(way[0])))
     end = kept[-1] + missing * way[last - 1] / max(np.linalg.norm(way[last - 1]), 1e-9)
     line = np.vstack([kept, end]) if missing > 0.0 else kept
     return cut_line(line, 0)[0]

@@ -5,7 +5,7 @@ Everything is told by the recording of the handle that comes out: replaying it p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -162,7 +162,7 @@ def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
 
 def _plan_all(
     glyphs: Mapping[str, Glyph], ladder: FootprintLadder, pen: Pen, processes: int
-) -> Iterator[Motion]:
+) -> Generator[Motion]:
     """The motions of glyphs in their order, planned by one process or by several."""
     n = min(processes, len(glyphs))
     if n < 2 or len(glyphs) < _FEW:

@@ -6,6 +6,7 @@ import argparse
 import signal
 import sys
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,8 @@ from paint3d.errors import DeviceError
 if TYPE_CHECKING:
     from paint3d.device.hid_nodes import HidNode
     from paint3d.device.hot_plug import PluggedDevices
+    from paint3d.device.sample import DeviceSample
+    from paint3d.pose.two_hands import TwoHands
 
 __all__ = ["HELP", "add_arguments", "run"]
 
@@ -199,7 +202,7 @@ def _beat_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:
     return line
 
 
-def _health_of(device) -> list[str]:
+def _health_of(device: Any) -> list[str]:
     status = device.loop.status
     name = device.loop.link.name
     lines = []
@@ -214,7 +217,7 @@ def _health_of(device) -> list[str]:
     return lines
 
 
-def _time_writing(stylus) -> float:
+def _time_writing(stylus: Any) -> float:
     """p99 of 100 force reports of zero, ms."""
     from paint3d.device.force.haptic_stylus import encode_force
 
@@ -256,7 +259,9 @@ def _record(options: argparse.Namespace) -> None:
     sys.stdout.write(f"{options.file}: {len(samples)} samples in {seconds:.1f} s{others}\n")
 
 
-def _take_samples(options: argparse.Namespace, hands) -> tuple[list[Any], list[str]]:
+def _take_samples(
+    options: argparse.Namespace, hands: TwoHands
+) -> tuple[list[DeviceSample], list[str]]:
     from paint3d.device.device_log import DeviceLog
 
     log = None if options.raw is None else DeviceLog(options.raw)
@@ -279,25 +284,24 @@ def _take_samples(options: argparse.Namespace, hands) -> tuple[list[Any], list[s
     return samples, names
 
 
-def _merge(devices: PluggedDevices, hands, until_ns: int) -> list[Any]:
+def _merge(devices: PluggedDevices, hands: TwoHands, until_ns: int) -> list[DeviceSample]:
     for event in devices.take_mouse():
         hands.add_deflection(event.time_ns, event.deflection)
     hands.add_stylus(devices.take_stylus())
-    result: list[Any] = hands.take(until_ns)
-    return result
+    return hands.take(until_ns)
 
 
-def _save(samples: list[Any], names: list[str], file: Path) -> None:
+def _save(samples: list[DeviceSample], names: list[str], file: Path) -> None:
     import numpy as np
 
     from paint3d.recording.recording import Recording, save_recording
 
-    pressures = None if samples[0].pressure is None else [s.pressure for s in samples]
+    pressures = [s.pressure for s in samples if s.pressure is not None]
     recording = Recording(
         np.array([s.time_ns - samples[0].time_ns for s in samples], dtype=np.int64),
         np.array([s.position for s in samples]),
         np.array([s.orientation for s in samples]),
-        pressures,
+        pressures or None,
         np.array([s.buttons for s in samples], dtype=np.int32),
         np.array([s.object_position for s in samples]),
         np.array([s.object_orientation for s in samples]),
@@ -309,7 +313,7 @@ def _save(samples: list[Any], names: list[str], file: Path) -> None:
 # -- common -----------------------------------------------------------------------------------
 
 
-def _plug_in(log=None) -> PluggedDevices:
+def _plug_in(log: Callable[[HidNode, bytes, int, bytes], None] | None = None) -> PluggedDevices:
     """Open what is there.
 
     Raises
@@ -329,7 +333,7 @@ def _plug_in(log=None) -> PluggedDevices:
     return devices
 
 
-def _rounds(seconds: float | None, pause_s: float):
+def _rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
     """Once every `pause_s`, for so long or until Ctrl-C, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
     over: list[int] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -76,7 +76,7 @@ def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[st
     return lines
 
 
-def _swatch(pigment, coats: float) -> str:
+def _swatch(pigment: Pigment, coats: float) -> str:
     """Colour as #rrggbb of so many coats on porcelain."""
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
@@ -97,7 +97,7 @@ def _columns(text: str) -> int:
     return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
 
 
-def _line(cells, widths) -> str:
+def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
     padded = (
         cell + " " * (width - _columns(cell)) for cell, width in zip(cells, widths, strict=True)
     )

@@ -119,7 +119,9 @@ def _run(arguments: Sequence[str] | None) -> int:
 def _tell_any_name() -> None:
     """Let file names that are no UTF-8 go out as the bytes they are, and never fail to be told."""
 
-    def told(error: UnicodeEncodeError) -> tuple[str | bytes, int]:
+    def told(error: UnicodeError) -> tuple[str | bytes, int]:
+        if not isinstance(error, UnicodeEncodeError):
+            raise error
         code, after = ord(error.object[error.start]), error.start + 1
         if 0xDC80 <= code <= 0xDCFF:  # how Python holds such a byte
             return bytes([code - 0xDC00]), after

@@ -238,7 +238,7 @@ def check_overwriting(
         for other in files[:k]:
             if _same_file(file, other):
                 raise ExportError(f"{file} is {other}; expected a file for each of them")
-        for source in () if force else filter(None, read):
+        for source in () if force else [source for source in read if source]:
             if _same_file(file, source):
                 raise ExportError(
                     f"{file} would be replaced, and {source} is read from it; "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import Never
 
 __all__ = ["Parser", "UsageError"]
 
@@ -14,6 +15,6 @@ class UsageError(Exception):
 class Parser(argparse.ArgumentParser):
     """Raises `UsageError` with one line."""
 
-    def error(self, message: str) -> None:
+    def error(self, message: str) -> Never:
         """Refuse the command line."""
         raise UsageError(f"{message} (see {self.prog} --help)")

@@ -101,8 +101,8 @@ def run(options: argparse.Namespace) -> None:
     seconds: dict[str, float] = {}
     surface = prepare(mesh, wishes, seconds)
     with ProgressBar("laying", enabled=not options.quiet):
-        recording = lay_on(mesh, recording, options.at, options.size)
-    painting = paint(surface, recording, wishes, seconds)
+        laid = lay_on(mesh, recording, options.at, options.size)
+    painting = paint(surface, laid, wishes, seconds)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):

@@ -51,7 +51,9 @@ def _reason(
     for first in range(0, n, _PART):
         part = recording.part(first, min(n, first + _PART))
         way = brush_poses(part).way
-        ways.append((way if pressure is None else way[part.pressure > 0.0])[:: 1 + n // _MOST])
+        if part.pressure is not None:
+            way = way[part.pressure > 0.0]
+        ways.append(way[:: 1 + n // _MOST])
     way = np.concatenate(ways)
     gaps = np.linalg.norm(ClosestPoints(mesh).find(way).points - way, axis=1)
     near = float(gaps.min())

@@ -32,13 +32,13 @@ _FIRST_ROWS = 1024
 class DryRows(NamedTuple):
     """Rows as they are at another time (K: rows, P: pigments)."""
 
-    count: int  # how many rows there are then
+    count: int  # type: ignore[assignment]  # how many rows there are then; no tuple counts here
     rows: AnyArray  # (K,) int32 rows that differ
     vertex_ids: AnyArray  # (K,) int32
     spectra: AnyArray  # (K, 31) uint16
     amounts: AnyArray  # (K, P) float32
     share: AnyArray  # (K,) float32
-    over: tuple[AnyArray, AnyArray, AnyArray]  # (K, 31) uint16 each, or (K, 0)
+    over: tuple[AnyArray, ...]  # (K, 31) uint16 each, or (K, 0)
 
 
 class DryLayers:
@@ -89,7 +89,7 @@ class DryLayers:
         return self._spectra[: self.count]
 
     @property
-    def over(self) -> tuple[AnyArray, AnyArray, AnyArray]:
+    def over(self) -> tuple[AnyArray, ...]:
         """(D, 31) uint16 each: reflectance shown over each of the grey grounds."""
         return tuple(array[: self.count] for array in self._over)
 
@@ -98,7 +98,7 @@ class DryLayers:
         """Whether rows say what they show over other grounds."""
         return self._over[0].shape[1] > 0
 
-    def add_filters(self, over: tuple[AnyArray, AnyArray, AnyArray]) -> None:
+    def add_filters(self, over: tuple[AnyArray, ...]) -> None:
         """From now on rows say what they show over grey grounds; `over` is that of those here."""
         room = len(self._ids)
         self._over = tuple(_grown(array, self.count, room) for array in over)
@@ -153,7 +153,7 @@ class DryLayers:
         if self._marked is not None:
             self._keep_before(rows[~fresh])
         rows[fresh] = self.count + np.arange(np.count_nonzero(fresh), dtype=np.int32)
-        self._reserve(self.count + np.count_nonzero(fresh))
+        self._reserve(self.count + int(np.count_nonzero(fresh)))
         return rows
 
     def settle(
@@ -178,12 +178,16 @@ class DryLayers:
 
     def since_mark(self) -> DryRows:
         """The rows as they were at the mark."""
-        kept = [*self._before, self._rows(np.empty(0, np.int32), self._marked)]
+        marked = self._marked or 0
+        kept = [*self._before, self._rows(np.empty(0, np.int32), marked)]
         rows = np.concatenate([k.rows for k in kept])
         rows, first = np.unique(rows, return_index=True)  # the first time is the one before
-        columns = [np.concatenate([_wide(k[i], self) for k in kept])[first] for i in range(2, 6)]
+        ids, spectra, amounts, share = (
+            np.concatenate([_wide(array, self) for array in column])[first]
+            for column in zip(*(k[2:6] for k in kept), strict=True)
+        )
         over = [np.concatenate([k.over[i] for k in kept])[first] for i in range(len(GROUNDS))]
-        return DryRows(self._marked, rows, *columns, tuple(over))
+        return DryRows(marked, rows, ids, spectra, amounts, share, tuple(over))
 
     def exchange(self, then: DryRows, capacity: int) -> DryRows:
         """Make the rows what they were then; return what they were until now."""
@@ -209,12 +213,12 @@ class DryLayers:
     def _keep_before(self, rows: AnyArray) -> None:
         old = rows[rows < self._marked]
         if len(old):
-            self._before.append(self._rows(old, self._marked))
+            self._before.append(self._rows(old, self._marked or 0))
 
     def _rows(self, rows: AnyArray, count: int) -> DryRows:
-        columns = (self._ids, self._spectra, self._amounts, self._share)
         over = tuple(array[rows] for array in self._over)
-        return DryRows(count, rows, *(column[rows] for column in columns), over)
+        own = self._ids[rows], self._spectra[rows], self._amounts[rows], self._share[rows]
+        return DryRows(count, rows, *own, over)
 
     def _reserve(self, wanted: int) -> None:
         if wanted > len(self._ids):
@@ -232,7 +236,7 @@ class DryLayers:
         spectra: AnyArray,
         amounts: AnyArray,
         share: AnyArray,
-        over: tuple[AnyArray, AnyArray, AnyArray] | None = None,
+        over: tuple[AnyArray, ...] | None = None,
     ) -> None:
         """Take over layers that were kept elsewhere; see the attributes of the same names."""
         self._slots = np.full(capacity if len(vertex_ids) else 0, -1, np.int32)

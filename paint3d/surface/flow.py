@@ -255,11 +255,11 @@ class Flow:
         dry = np.concatenate(dried)
         if len(dry):
             patch.dry(dry)
-        for own, rest in work:
-            length = float(patch.owed[own].max()) - rest
-            patch.pace[own] = np.minimum(patch.pace[own], length)
-            left = np.minimum(patch.owed[own], rest)
-            patch.owed[own] = np.where(step.still_wet[own], left, np.inf)
+        for bundle, rest in work:
+            length = float(patch.owed[bundle].max()) - rest
+            patch.pace[bundle] = np.minimum(patch.pace[bundle], length)
+            left = np.minimum(patch.owed[bundle], rest)
+            patch.owed[bundle] = np.where(step.still_wet[bundle], left, np.inf)
         self._choose_pace(step, np.flatnonzero(was_dry & np.isfinite(patch.owed)))
 
     def _bundles(self, blocks: AnyArray) -> list[AnyArray]:

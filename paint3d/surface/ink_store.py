@@ -185,8 +185,10 @@ class InkStore:
         else:
             plain, own = ids, ids[:0]
         if len(plain):
+            assert self._colours is not None, "no pigment is known"
             self._colours.srgb(ink.amounts, ink.coverage, self._srgb, plain)
         if len(own):
+            assert self._glaze is not None, "no pigment is known"
             self._glaze.srgb(ink.amounts, ink.coverage, self.ground(), self._srgb, own)
 
     def bare_spectra(self, vertex_ids: AnyArray) -> NDArray[np.uint16]:

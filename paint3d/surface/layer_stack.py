@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,13 +72,15 @@ class StackState(NamedTuple):
 
     def exchange(self, surface: _Layered) -> tuple[StackState, AnyArray]:
         """Bring the stack there; a part of an undo step."""
-        return surface.layers.exchange(self)
+        return surface.use_layers().exchange(self)
 
 
 class _Layered(Protocol):
     """What has layers."""
 
-    layers: LayerStack
+    def use_layers(self) -> LayerStack:
+        """The stack."""
+        ...
 
 
 class LayerStack:
@@ -167,7 +169,7 @@ class LayerStack:
         self._keys.remove(key)
         self._keys.insert(to, key)
 
-    def describe(self, place: int, **changes: object) -> None:
+    def describe(self, place: int, **changes: Any) -> None:
         """Change a layer's name, or whether it is visible or locked.
 
         Raises
@@ -304,7 +306,7 @@ class LayerStack:
     def painted_ids(self) -> NDArray[np.int32]:
         """(N,) int32 vertices with paint on any layer, visible or not."""
         store = self._store
-        found = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
+        found: list[AnyArray] = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
         for content in self._others():
             found += [content.ids, content.dry_ids]
         return union(found, store.paint_mesh.capacity)
@@ -317,11 +319,9 @@ class LayerStack:
                 continue
             dry, rows, _, amounts, _ = self._on(key, ids)
             if amounts.any():
-                result: AnyArray = amounts[0].astype(np.float64)
-                return result
+                return np.asarray(amounts[0], np.float64)
             if rows[0] >= 0:
-                result: AnyArray = dry.amounts[rows[0]].astype(np.float64)
-                return result
+                return np.asarray(dry.amounts[rows[0]], np.float64)
         return np.zeros(len(self._store.pigments))
 
     # -- accounts ---------------------------------------------------------------------------
@@ -380,5 +380,7 @@ def _know_filters(store: InkStore) -> None:
     for grey, array in zip(GROUNDS, over, strict=True):
         if dry.count:
             ground = bare._replace(spectra=array, material=np.full(N_BANDS, grey, np.float32))
-            store.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
+            assert store.glaze is not None, "something has dried, so a pigment is known"
+    assert store.glaze is not None, "something has dried, so a pigment is known"
+    store.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
     dry.add_filters(over)

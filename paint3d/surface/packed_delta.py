@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,14 @@ from paint3d.surface.dry_layers import DryRows
 from paint3d.surface.state import FLOW_VERTICES
 
 __all__ = ["PackedDelta", "PackedFlow", "VertexNumbers", "pack_delta", "pack_flow"]
+
+
+class NumbersNow(Protocol):
+    """What the numbers of vertices in a file are in the mesh."""
+
+    def now(self, saved: AnyArray) -> AnyArray:
+        """(N,) int32 in the mesh."""
+        ...
 
 
 class VertexNumbers:
@@ -75,7 +84,7 @@ class PackedFlow:
         """Memory that it takes."""
         return self.rows.nbytes + sum(array.nbytes for array in self.arrays.values())
 
-    def unpacked(self, numbers: VertexNumbers) -> dict[str, AnyArray]:
+    def unpacked(self, numbers: NumbersNow) -> dict[str, AnyArray]:
         """As `PaintedSurface.restore_flow` takes it."""
         flow = {}
         for name, array in self.arrays.items():

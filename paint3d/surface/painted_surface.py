@@ -104,7 +104,9 @@ class PaintedSurface(InkStore):
         dirty = self.ink.dirty_ids[: int(self.ink.n_dirty[0])]
         if self._changed is None:
             self._changed = []
-            return np.flatnonzero(self.ink.amounts.any(axis=1) | (self.ink.coverage > 0.0))
+            return np.flatnonzero(self.ink.amounts.any(axis=1) | (self.ink.coverage > 0.0)).astype(
+                np.int32
+            )
         changed, self._changed = self._changed, []
         return union([*changed, dirty], self.paint_mesh.capacity)
 

@@ -11,7 +11,8 @@ from typing import TypeVar
 __all__ = ["each"]
 
 _MOST_THREADS = 4
-_Given, _Found = TypeVar("_Given"), TypeVar("_Found")
+_Given = TypeVar("_Given")
+_Found = TypeVar("_Found")
 
 
 def each(work: Callable[[_Given], _Found], items: Sequence[_Given]) -> list[_Found]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,7 @@ FLOW_VERTICES = ("vertices", "fresh")
 _OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
 MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
+_Record = TypeVar("_Record", Material, Pigment)
 _LONGEST_PACE, _LONGEST_OWED = 3600.0, 1e9  # s
 
 _FLOW = {  # the most of each
@@ -54,7 +56,7 @@ _FLOW = {  # the most of each
     "pace": _LONGEST_PACE,
 }  # fmt: skip
 
-State = dict[str, object]
+State = dict[str, Any]
 _UPGRADES: dict[int, Callable[[State], State]] = {
     1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
     2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
@@ -156,7 +158,7 @@ def _whole(state: State) -> State:
 
 def _paced(state: State) -> State:
     """Water whose vertices all take the same steps, as they once did, on every layer."""
-    paced = {}
+    paced: State = {}
     for name in state:
         if name.endswith("flow_pace"):
             count = len(np.atleast_1d(state[name.replace("pace", "vertices")]))
@@ -185,7 +187,7 @@ def _kept_flow(surface: PaintedSurface, ids: AnyArray) -> State:
 
 def restore_surface(
     mesh: TriangleMesh,
-    state: Mapping[str, object],
+    state: Mapping[str, Any],
     progress: Callable[[float], None] | None = None,
 ) -> PaintedSurface:
     """Return the surface that `surface_state` described.
@@ -317,7 +319,7 @@ def restore_layer(surface: PaintedSurface, state: State, now: NDArray[np.int32])
         surface.restore_flow(checked_flow(state, n, count, lambda ids: now[ids]))
 
 
-def _spectra(state: State, name: str, n: int) -> NDArray[np.uint16]:
+def _spectra(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.uint16]:
     spectra = np.asarray(state[name])
     if spectra.dtype != np.uint16 or spectra.shape != (n, N_BANDS):
         raise SessionError(f"{name} is {spectra.dtype} {spectra.shape}")
@@ -338,7 +340,7 @@ def _put_brush(surface: PaintedSurface, state: State) -> None:
 
 
 def checked_flow(
-    state: Mapping[str, object],
+    state: Mapping[str, Any],
     n_vertices: int,
     n_pigments: int,
     now: Callable[[AnyArray], AnyArray],
@@ -357,8 +359,9 @@ def checked_flow(
     SessionError
         If an array is none that water could leave.
     """
+    kept: dict[str, AnyArray]
     kept = {name: now(_vertices(state, f"flow_{name}", n_vertices)) for name in FLOW_VERTICES}
-    shape = (len(kept["vertices"]),)
+    shape: tuple[int, ...] = (len(kept["vertices"]),)
     for name, most in _FLOW.items():
         dtype = np.float64 if name == "water" else np.float32
         kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most).astype(dtype)
@@ -370,7 +373,7 @@ def checked_flow(
     return kept
 
 
-def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:
+def _vertices(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.int32]:
     """Return distinct numbers of vertices, 0 to n - 1."""
     ids = _integers(state, name)
     if len(ids) and not 0 <= int(ids.min()) <= int(ids.max()) < n:
@@ -381,7 +384,7 @@ def _vertices(state: State, name: str, n: int) -> NDArray[np.int32]:
 
 
 def _amounts(
-    state: State, name: str, shape: tuple[int, ...], dtype: type, most: float = MOST_INK
+    state: Mapping[str, Any], name: str, shape: tuple[int, ...], dtype: type, most: float = MOST_INK
 ) -> AnyArray:
     values = as_array(state[name], name, shape, dtype, SessionError)
     if values.size and not 0.0 <= values.min() <= values.max() <= most:
@@ -391,7 +394,7 @@ def _amounts(
     return values
 
 
-def _integers(state: State, name: str) -> NDArray[np.int32]:
+def _integers(state: Mapping[str, Any], name: str) -> NDArray[np.int32]:
     values = np.asarray(state[name])
     if values.dtype != np.int32 or values.ndim != 1:
         raise SessionError(f"{name} is {values.dtype} {values.shape}; expected (n,) int32")
@@ -404,7 +407,7 @@ def _as_dict(record: Material | Pigment) -> dict[str, object]:
     return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in found.items()}
 
 
-def _known(kind: type, entry: object, table: Mapping[str, object]) -> Material | Pigment:
+def _known(kind: type[_Record], entry: object, table: Mapping[str, _Record]) -> _Record:
     """Return the table's record where it is the same, so that fast ways for it stay open."""
     if not isinstance(entry, Mapping):
         raise SessionError(f"a {kind.__name__.lower()} is {entry!r:.60}; expected its properties")

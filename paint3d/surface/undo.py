@@ -39,6 +39,7 @@ class Part(Protocol):
 
     def exchange(self, surface: PaintedSurface) -> tuple[Part, AnyArray]:
         """Bring the surface there; return the way back, and vertices to colour anew (N,)."""
+        ...
 
 
 class UndoHistory:
@@ -154,7 +155,7 @@ class UndoHistory:
 
     def _is_nothing(self, part: Painting) -> bool:
         """Whether a part that was just taken leads nowhere."""
-        delta, dry = part.delta, self._surface.dry_layers
+        delta, dry = self._read(part), self._surface.dry_layers
         if len(delta.vertex_ids) or len(delta.dry.rows) or delta.dry.count != dry.count:
             return False
         if delta.flow is not self._recorder.water:
@@ -162,7 +163,7 @@ class UndoHistory:
         brush = vars(BrushLoad.of(self._surface))
         return _equal(vars(delta.brush), brush) and _equal(part.kept, self._kept)
 
-    def _add(self, part: Part) -> None:
+    def _add(self, part: Part | Painting) -> None:
         """Put a part into the step that goes on, if there is one."""
         if self._undone:
             self._since.parts.append(part)
@@ -231,7 +232,7 @@ class UndoHistory:
         if self._done:
             raise ValueError("steps are done; expected them to be undone first")
         self._take_back_since()
-        surface, stack = self._surface, self._surface.layers
+        surface, stack = self._surface, self._surface.use_layers()
         undone, self._undone = self._undone, []
         now, brush, kept = stack.state(), BrushLoad.of(surface), self._keep()
         try:
@@ -265,15 +266,17 @@ class UndoHistory:
         """Bring the surface to the other end of a step, and turn the step round."""
         if not step.parts:
             return np.empty(0, np.int32)
-        back, touched = [], [np.empty(0, np.int32)]
+        back: list[Part | Painting] = []
+        touched: list[AnyArray] = [np.empty(0, np.int32)]
         water = self._recorder.water
         for part in reversed(step.parts):
             if isinstance(part, Painting):
-                other, ids, water = self._exchange_painting(part, water)
+                painting, ids, water = self._exchange_painting(part, water)
+                back.append(painting)
             else:
                 other, ids = part.exchange(self._surface)
                 water = self._surface.keep_flow()
-            back.append(other)
+                back.append(other)
             touched.append(ids)
         step.parts = back
         everything = self._union(touched)
@@ -332,6 +335,7 @@ class UndoHistory:
             Of what was packed before, by identity; filled.
         """
         part = step.parts[place]
+        assert isinstance(part, Painting), "another part holds no delta"
         delta = self._read(part)
         if isinstance(delta, PackedDelta):
             return delta
@@ -362,7 +366,11 @@ class UndoHistory:
             for k, part in enumerate(step.parts):
                 if n_bytes <= self._budget:
                     return
-                if isinstance(part, Painting) and part.n_bytes:
+                if (
+                    isinstance(part, Painting)
+                    and not isinstance(part.delta, _Place)
+                    and part.n_bytes
+                ):
                     n_bytes -= part.n_bytes
                     step.parts[k] = Painting(self._file.write(part.delta), part.kept, 0)
 
@@ -401,7 +409,7 @@ class Step:
 
     label: object
     number: int
-    parts: list[Part] = field(default_factory=list)
+    parts: list[Part | Painting] = field(default_factory=list)
 
 
 class _StepFile:
@@ -426,6 +434,7 @@ class _StepFile:
             self._file.close()
 
     def read(self, place: _Place) -> SurfaceDelta | PackedDelta:
+        assert self._file is not None, "nothing was written"
         self._file.seek(place.start)
         result: SurfaceDelta | PackedDelta = pickle.loads(
             self._file.read(place.length)

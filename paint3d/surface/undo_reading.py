@@ -6,6 +6,7 @@ between, is refused. What `undo_state` wrote comes back to the bit.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -18,7 +19,7 @@ from paint3d.errors import InputError, SessionError
 from paint3d.mesh.refinement_log import saved_ids
 from paint3d.surface.delta import BrushLoad
 from paint3d.surface.dry_layers import DryRows
-from paint3d.surface.layer_stack import StackState
+from paint3d.surface.layer_stack import LayerStack, StackState
 from paint3d.surface.packed_delta import PackedDelta, PackedFlow, is_by_vertex
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.ragged import unpack_arrays
@@ -33,13 +34,13 @@ _MOST_FLOWS = 100_000
 _MOST_FLOW_ROWS = 1 << 28  # of all flows together, as they are checked
 _ABOUT = {"name": str, "visible": bool, "locked": bool}
 
-State = Mapping[str, object]
+State = Mapping[str, Any]
 
 
 def restore_undo(
     surface: PaintedSurface,
     history: UndoHistory,
-    state: Mapping[str, object],
+    state: Mapping[str, Any],
     done: Sequence[object],
     undone: Sequence[object],
     kept: Sequence[object],
@@ -78,7 +79,7 @@ def restore_undo(
             raise SessionError(f"{len(deltas)} paintings are remembered as {len(kept)}")
         parts = _parts(kinds, _stacks(surface, state), deltas, kept)
         steps = [
-            Step(label, 0, [next(parts) for _ in range(n)])
+            Step(label, 0, [*itertools.islice(parts, n)])
             for label, n in zip([*done, None, *undone], counts, strict=True)
         ]
         ways = steps[: len(done)], steps[len(done)], steps[len(done) + 1 :]
@@ -105,9 +106,22 @@ def _parts(
     return (stacks[kind] if kind >= 0 else next(paintings) for kind in kinds)
 
 
+def _layers(surface: PaintedSurface) -> LayerStack:
+    """The stack that the steps were made on.
+
+    Raises
+    ------
+    SessionError
+        If there is none.
+    """
+    if surface.layers is None:
+        raise SessionError("the surface has no layers; expected those that the steps were made on")
+    return surface.layers
+
+
 def _stacks(surface: PaintedSurface, state: State) -> list[StackState]:
     """The stacks of layers, with the layers that are not there now added to what is known."""
-    stack, about = surface.layers, state["layers"]
+    stack, about = _layers(surface), state["layers"]
     now = stack.state()
     keys = list(now.keys)
     numbers = np.empty(surface.n_vertices, np.int32)
@@ -283,14 +297,14 @@ def _check_course(
     """
     numbers = saved_ids(surface.paint_mesh)
     for way in ([since, *reversed(done)], [since, *reversed(undone)]):
-        stack = surface.layers
+        stack = _layers(surface)
         dried = {key: numbers[dry.vertex_ids] for key, dry in stack.dry_by_key().items()}
         active = stack.state().active
         for step in way:
             for part in reversed(step.parts):
                 if isinstance(part, StackState):
                     active = part.active
-                else:
+                elif isinstance(part, Painting) and isinstance(part.delta, PackedDelta):
                     dried[active] = _exchanged(dried[active], part.delta.dry)
 
 

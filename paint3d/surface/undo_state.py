@@ -6,8 +6,9 @@ layers that are not there now but come back with a step.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,7 @@ _STEP_BYTES = 1000  # about what a step takes besides its vertices
 OVER = ("dry_low", "dry_middle", "dry_high")
 """Columns of what dried rows show over the grounds of `colour.kernels.layering`."""
 
-State = dict[str, object]
+State = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,7 @@ def _nearest(history: UndoHistory, most_bytes: int) -> _Chosen:
     return _Chosen(near_done[::-1], since, near_undone, packed)
 
 
-def _while(fits, steps: Iterator[Step]) -> list[Step]:
+def _while(fits: Callable[[Step], bool], steps: Iterator[Step]) -> list[Step]:
     found = []
     for step in steps:
         if not fits(step):

@@ -61,6 +61,14 @@ class WetPatch:
         Work, 0 between two steps.
     """
 
+    residual: NDArray[np.float64]
+    strength: NDArray[np.float64]
+    entry: NDArray[np.float64]
+    dry_entry: NDArray[np.float64]
+    held: NDArray[np.float64]
+    water: NDArray[np.float64]
+    ways: NDArray[np.float64]
+
     def __init__(self, store: InkStore) -> None:
         self._store = store
         self.material = store.material

@@ -46,7 +46,7 @@ class _Work:
 
     def __init__(self, client: Client, address: str, folder: str) -> None:
         self._client, self._address, self._folder = client, address, folder
-        self._rows: dict[str, Row] = {}
+        self._rows: dict[object, Row] = {}
         self._blind: set[str] = set()
 
     def run(self, rows: Sequence[Row]) -> Iterator[Outcome]:

@@ -63,7 +63,7 @@ class FinishedRows:
         state = self._state(row)
         if state is None:
             return
-        entry = {"row": fingerprint(row, self._folder), "output": row.output}
+        entry: dict[str, object] = {"row": fingerprint(row, self._folder), "output": row.output}
         entry |= {"size": state[0], "changed_ns": state[1], "seconds": round(seconds, 3)}
         try:
             with open(self.path, "a", encoding="utf-8") as file:

@@ -37,7 +37,7 @@ def read_table(path: Path) -> tuple[list[Row], list[Outcome]]:
     try:
         header = [name.strip().lower().removeprefix("--") for name in next(records, [])]
         _check_header(path, header)
-        rows, refused, lines = [], [], {}
+        rows, refused, lines = list[Row](), list[Outcome](), dict[str, int]()
         for cells in records:
             line = records.line_num
             if not any(cell.strip() for cell in cells):

@@ -9,8 +9,9 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import BaseContext
+from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
+from typing import Any
 
 from paint3d.cli.batches.rows import Outcome, Row, run_row
 from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
@@ -30,9 +31,9 @@ def run_here(rows: Sequence[Row], processes: int) -> Iterator[Outcome]:
     try:
         for worker in workers:
             worker.start(left.pop())
-        while busy := {w.connection: w for w in workers if w.row is not None}:
-            for connection in wait(list(busy)):
-                worker = busy[connection]
+        while busy := [worker for worker in workers if worker.row is not None]:
+            ready = wait([worker.connection for worker in busy])
+            for worker in [worker for worker in busy if worker.connection in ready]:
                 yield worker.outcome()
                 if left:
                     worker.start(left.pop())
@@ -41,7 +42,7 @@ def run_here(rows: Sequence[Row], processes: int) -> Iterator[Outcome]:
             worker.stop()
 
 
-def _context() -> BaseContext:
+def _context() -> SpawnContext | ForkServerContext:
     """How processes come to be: forked from one that has imported all, where that is safe."""
     if not sys.platform.startswith("linux"):  # elsewhere system libraries do not survive a fork
         return multiprocessing.get_context("spawn")
@@ -59,7 +60,7 @@ class _Worker:
 
     def __init__(self) -> None:
         self.row: Row | None = None
-        self.connection: Connection | None = None
+        self.connection: Connection[Any, Any]  # from the first start on
         self._process: BaseProcess | None = None
 
     def start(self, row: Row) -> None:
@@ -77,12 +78,14 @@ class _Worker:
 
     def outcome(self) -> Outcome:
         """Return how the row went, when the connection is ready."""
-        row, self.row = self.row, None
+        row, self.row, process = self.row, None, self._process
+        assert row is not None, "nothing was started"
+        assert process is not None, "nothing was started"
         try:
             return Outcome(*self.connection.recv())
         except (EOFError, ConnectionError):
-            self._process.join()
-            code = self._process.exitcode or 0
+            process.join()
+            code = process.exitcode or 0
             how = signal.Signals(-code).name if code < 0 else f"exit status {code}"
             self.connection.close()
             self._process = None
@@ -97,7 +100,7 @@ class _Worker:
             self._process = None
 
 
-def _serve(connection: Connection) -> None:
+def _serve(connection: Connection[Any, Any]) -> None:
     """Run rows until the other end is closed."""
     ignore_interrupts()  # the parent stops us
     end_with_parent()
