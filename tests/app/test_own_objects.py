@@ -137,7 +137,7 @@ def test_axes_are_called_as_the_file_has_them(window, tmp_path: Path) -> None:
         dialog.accept()
 
     foreseen(ObjectDialog, take_z)
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     assert met == [["y up"], ["z up"]]
     as_in_file = load_mesh(path, up="z").vertices
     np.testing.assert_array_equal(window.document.surface.source.vertices, as_in_file)

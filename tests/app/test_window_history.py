@@ -248,7 +248,7 @@ def test_a_painting_brought_back_after_a_crash_has_its_history(window, painted, 
 def test_the_title_marks_only_what_is_otherwise_than_it_was_saved(window, painted):
     """Undo and redo that lead back to it leave nothing to be saved, nor to be asked about."""
     path, _ = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     assert not window.isWindowModified()
     strokes = len(window.document.strokes)
     pen_stroke(window.canvas, (0.42, 0.62), (0.55, 0.62), [0.1, *[0.5] * 8, 0.0])
@@ -269,7 +269,7 @@ def test_the_title_marks_only_what_is_otherwise_than_it_was_saved(window, painte
 
 def test_what_was_only_looked_at_in_the_history_is_as_saved(window, painted):
     path, _ = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     for row in (1, 0, len(ROWS) - 1):
         click(window, row)
     assert not window.isWindowModified()
@@ -277,11 +277,11 @@ def test_what_was_only_looked_at_in_the_history_is_as_saved(window, painted):
 
 def test_a_stroke_that_is_cancelled_leaves_the_painting_as_saved(window, painted):
     path, _ = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     easel = window.stage.easel
     drag(window.canvas, (0.42, 0.62), (0.55, 0.62), release=False)
     wait_for(lambda: window.isWindowModified())
-    window.actions_by_name["cancel_stroke"].trigger()
+    window.workspace.actions["cancel_stroke"].trigger()
     easel.post(lambda document: None).result(300)
     wait_for(lambda: not window.isWindowModified())
     x, y = 0.55 * window.canvas.width(), 0.62 * window.canvas.height()
@@ -292,7 +292,7 @@ def test_a_stroke_that_is_cancelled_leaves_the_painting_as_saved(window, painted
 
 def test_what_no_undo_takes_back_stays_unsaved(window, painted):
     path, _ = painted
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     choose(window, "hide_layer")
     choose(window, "undo")
     choose(window, "redo")
@@ -305,7 +305,7 @@ def test_older_strokes_painted_again_lead_to_what_was_saved(window, painted):
     path, _ = painted
     session = load_session(path)
     save_session(dataclasses.replace(session, history=None), path)
-    assert window.files.open_path(str(path), asked=True)
+    assert window.opening.open_path(str(path), asked=True)
     n = len(window.document.strokes)
     window.recalling.go_to(0)
     settled(window)
