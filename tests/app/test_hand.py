@@ -195,7 +195,7 @@ def test_a_leaning_pen_bends_its_tuft_along_the_way(plane, tilt):
 
 
 @given(st.floats(0, 2 * np.pi), st.floats(0, 2 * np.pi))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 def test_a_stroke_comes_down_trailing_its_own_way(plane_once, before, after):
     """However the one before it went; not one sample is bent otherwise."""
     hand = Hand(plane_once)
@@ -346,7 +346,7 @@ STRENGTHS = st.floats(0.0, 1.0)
 WAYS = st.lists(st.tuples(st.floats(-40, 40), st.floats(-40, 40)), min_size=2, max_size=20)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(STRENGTHS, WAYS)
 def test_a_steadied_stroke_starts_and_ends_where_the_pointer_did(plane_once, strength, way):
     hand = Hand(plane_once, HandSettings(smoothing=strength))

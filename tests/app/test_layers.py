@@ -132,7 +132,7 @@ ACTIONS = st.sampled_from(
 )
 
 
-@settings(deadline=None, max_examples=6)
+@settings(deadline=None, max_examples=25)
 @given(st.lists(st.tuples(ACTIONS, st.integers(0, 3), st.floats(-20, 20)), max_size=9))
 def test_undo_leads_back_through_layers_to_the_bit(actions):
     document = small_plane(material="xuan")

@@ -75,7 +75,7 @@ def test_paint_stays_where_the_surface_looks_the_right_way():
     close(document)
 
 
-@settings(deadline=None, max_examples=5)
+@settings(deadline=None, max_examples=25)
 @given(st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), min_size=1, max_size=3))
 def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends):
     document = small_plane(material="xuan")

@@ -100,7 +100,7 @@ def test_orbit_turns_what_is_near_with_the_hand():
     np.testing.assert_allclose(back.position, camera().position, atol=1e-9)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(DRAGS, DRAGS)
 def test_pan_takes_the_focus_along(dx, dy):
     view = pan(camera(), dx, dy, SIZE[1])
@@ -109,7 +109,7 @@ def test_pan_takes_the_focus_along(dx, dy):
     np.testing.assert_allclose(view.position - view.focus, camera().position - camera().focus)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(st.floats(0.2, 5.0), st.floats(0, 800), st.floats(0, 600))
 def test_zooming_leaves_what_is_under_the_pointer(factor, x, y):
     before = camera()

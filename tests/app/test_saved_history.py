@@ -89,7 +89,7 @@ def reopened(document, path):
     return again
 
 
-@settings(deadline=None, max_examples=10)
+@settings(deadline=None, max_examples=25)
 @given(before=COMMANDS, after=COMMANDS)
 def test_saving_and_opening_changes_nothing_of_what_comes(tmp_path_factory, before, after):
     document = small_plane(2.0, material="xuan")

@@ -67,7 +67,7 @@ def act(surface, painter, action, place):
         surface.refresh()
 
 
-@settings(deadline=None, max_examples=6)
+@settings(deadline=None, max_examples=25)
 @given(
     steps=st.lists(st.lists(st.tuples(ACTIONS, PLACES), min_size=1, max_size=4), max_size=5),
     budget=st.sampled_from([0, 1 << 30]),

@@ -63,7 +63,7 @@ def test_broken_files_are_refused(text, words):
 
 
 @given(st.floats(0.6, 2.6), st.floats(150.0, 500.0), st.floats(150.0, 500.0), st.floats(-3.0, 3.0))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 def test_a_fold_is_cut_at_its_corner(turn, first, second, heading):
     a = first * np.array([np.cos(heading), np.sin(heading)])
     b = a + second * np.array([np.cos(heading - turn), np.sin(heading - turn)])

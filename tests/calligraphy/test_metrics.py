@@ -26,7 +26,7 @@ def test_the_same_shape_is_wholly_alike():
 
 
 @given(aside=st.integers(1, 40))
-@settings(deadline=None, max_examples=6)
+@settings(deadline=None, max_examples=25)
 def test_a_shifted_square_has_the_overlap_and_distance_of_its_shift(aside):
     like = compare(mask(100 + aside, 100, 200 + aside, 200), mask(100, 100, 200, 200))
     assert like.iou == pytest.approx((100 - aside) / (100 + aside))

@@ -37,7 +37,7 @@ def example(angle=0.0, brush="xiaokai"):
     width=st.floats(0.7, 2.5),
     bend=st.floats(-1.2, 1.2),
 )
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=25)
 def test_nothing_leaves_the_outline(angle, length, width, bend):
     outline, median = band(angle, length, width, bend)
     course = plan_stroke(outline, median, EM, ladder())
@@ -147,7 +147,7 @@ def test_ladder_rises_and_keeps_to_the_brush():
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=4 * 6 * 3, max_size=4 * 6 * 3))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 def test_best_course_is_the_cheapest_of_all(numbers):
     cost = np.array(numbers).reshape(4, 6, 3)
     angle, shift = np.empty(4, np.int64), np.empty(4, np.int64)
@@ -175,7 +175,7 @@ def test_best_course_is_the_cheapest_of_all(numbers):
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 def test_distances_equal_the_slow_twin(seed):
     rng = np.random.default_rng(seed)
     turn = np.sort(rng.uniform(0, 2 * math.pi, 9))

@@ -39,7 +39,7 @@ def test_ten_degrees_are_left_of_a_right_angle_after_two_and_a_half_slacks():
     assert math.degrees(math.atan2(r[1], -r[0])) == pytest.approx(10.0, abs=0.3)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(slack=slacks, ratio=st.floats(1.3, 6.0))
 def test_on_a_circle_the_contact_runs_inside_and_lags(slack, ratio):
     radius = ratio * slack
@@ -52,7 +52,7 @@ def test_on_a_circle_the_contact_runs_inside_and_lags(slack, ratio):
     assert math.acos(min(cosine, 1.0)) == pytest.approx(math.asin(slack / radius), rel=0.01)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(slack=slacks)
 def test_on_reversal_the_contact_sticks_for_two_slacks(slack):
     handle = np.concatenate([straight(3 * slack), straight(3 * slack)[::-1][1:]])
@@ -71,7 +71,7 @@ def test_contact_misses_a_right_corner():
     assert missed == pytest.approx(0.665 * 4.0, rel=0.02)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(slack=st.floats(1.0, 6.0), bow=st.floats(-8.0, 8.0))
 def test_the_inverse_brings_the_contact_onto_the_wanted_track(slack, bow):
     x = np.linspace(0.0, 60.0, 1200)
@@ -81,7 +81,7 @@ def test_the_inverse_brings_the_contact_onto_the_wanted_track(slack, bow):
     assert np.hypot(*(contact - wanted).T).max() < 0.02 * slack
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(slack=slacks, parts=st.integers(2, 7))
 def test_the_law_does_not_depend_on_the_sampling(slack, parts):
     angles = np.linspace(0.0, 3.0, 7)

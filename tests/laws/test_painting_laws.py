@@ -23,7 +23,7 @@ from tests.support.resampling import resample
 from tests.support.surface_cases import UPRIGHT, ball, flat, on_cylinder, poses, sheet
 
 LENGTH, FULL_PRESS = 35.0, 17.5  # of the brush "full"
-FEW = settings(deadline=None, max_examples=4)
+FEW = settings(deadline=None, max_examples=25)
 
 
 def smooth(u, a: float, b: float):

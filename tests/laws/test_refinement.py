@@ -71,7 +71,7 @@ MESHES = {
 EDGE = 0.8
 RELAXED = settings(
     deadline=None,
-    max_examples=5,
+    max_examples=25,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 every_mesh = pytest.mark.parametrize("shape", sorted(MESHES))

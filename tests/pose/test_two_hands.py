@@ -216,7 +216,7 @@ def test_a_lifted_pen_is_lifted_at_once() -> None:
 # -- time stamps ------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=8)
+@settings(deadline=None, max_examples=25)
 @given(st.integers(0, 1000), st.floats(0.999, 1.001))
 def test_the_clock_undoes_late_reading(seed, drift) -> None:
     rng = np.random.default_rng(seed)

@@ -407,7 +407,7 @@ def spread_at_once(seconds):
     return outcome(surface)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(
     cuts=st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=12),
     seconds=st.sampled_from([0.3, 3.0, 20.0]),

@@ -43,7 +43,7 @@ def test_vertex_areas_sum_to_the_area_of_the_mesh():
     assert vertex_areas(vertices, faces).sum() == pytest.approx(30.0 * 20.0)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(turn=ANGLES, height=st.floats(-0.2, 0.9))
 def test_the_painted_side_faces_the_camera(turn, height):
     vertices, faces, normals = ball()
@@ -85,7 +85,7 @@ def test_a_sheet_is_looked_at_squarely_from_its_painted_side(axis):
     assert np.allclose(studio_axes(vertices, view)[2], normals[0], atol=1e-6)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(turn=ANGLES, height=st.floats(-0.9, 0.9), aspect=st.floats(0.4, 2.5))
 def test_the_object_fits_and_fills_the_frame(turn, height, aspect):
     vertices = ball()[0] * np.float32([1.0, 2.0, 0.6]) + np.float32([300, -20, 7])
@@ -105,7 +105,7 @@ def test_zoom_magnifies():
     assert ratio == pytest.approx(2.0, rel=0.01)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(turn=ANGLES, height=st.floats(-1, 1))
 def test_studio_axes_are_a_rotation(turn, height):
     level = np.sqrt(1 - height**2)
