@@ -76,6 +76,7 @@ class HairBend:
 
 def _in_the_bowl(surface: PaintedSurface, n: int) -> Recording:
     """A stroke of circles on the floor of the bowl, one sample a millisecond."""
+    assert surface.mesh.normals is not None, "the bowl has them"
     floor = surface.mesh.vertices[surface.mesh.normals[:, 2] > 0.9]
     dab = make_dab(_BRUSH, 0.4)
     turn = np.linspace(0.0, 0.01 * n, n)
@@ -126,11 +127,12 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
     painter.replay(recording)
     stamps = (before, painter._progress.after)
     work = (surface.paint_mesh.arrays, surface.ink, np.zeros(8, np.int64), painter._room)
-    kept = hairs.work(surface)
+    assert hairs is not None, "it is a tuft of hairs"
+    own = hairs.work(surface)
     best = alternate(
         _ROUNDS,
         {
-            "hairs": partial(deposit_hairs_often, times, *stamps, hairs.bristles, kept, *work),
+            "hairs": partial(deposit_hairs_often, times, *stamps, hairs.bristles, own, *work),
             "solid": partial(deposit_often, times, *stamps, painter.tuft, *work),
         },
     )

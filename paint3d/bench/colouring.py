@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from typing import Literal
+
 import numpy as np
 
 from paint3d.bench.result import Result
@@ -26,20 +30,19 @@ def measure(share: float = 1.0) -> Result:
     coverage = random.random(n, dtype=np.float32)
     out = np.zeros((n, 3), np.uint8)
     ids = np.arange(n, dtype=np.int32)
+    paths: tuple[tuple[Literal["live", "reference"], int], ...]
     paths = (("live", 1), ("live", 3), ("reference", 1), ("reference", 3))
-    competitors = {}
+    competitors: dict[str, Callable[[], object]] = {}
     for path, count in paths:
         model = ColourModel(pigments[:count], backing, path=path)
         amounts = coverage[:, None] * random.random((n, count), dtype=np.float32)
-        competitors[path, count] = lambda model=model, amounts=amounts: model.srgb(
-            amounts, coverage, out, ids
-        )
+        competitors[f"{path} {count}"] = partial(model.srgb, amounts, coverage, out, ids)
     for colour in competitors.values():
         colour()
     times = alternate(_ROUNDS, competitors)
     rows = [
         [path, count, 31 if path == "reference" else ("table" if count == 1 else 12),
-         n / times[path, count].wall_s / 1e6, n / times[path, count].cpu_s / 1e6]
+         n / times[f"{path} {count}"].wall_s / 1e6, n / times[f"{path} {count}"].cpu_s / 1e6]
         for path, count in paths
     ]  # fmt: skip
     return Result(

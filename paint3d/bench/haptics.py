@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 import multiprocessing
 import select
+import socket
 import time
+from multiprocessing.synchronize import Event
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,7 +137,7 @@ def _time_echo(poses: AnyArray) -> Felt:
     return felt
 
 
-def _echo(cable, ready) -> None:
+def _echo(cable: socket.socket, ready: Event) -> None:
     """Answer every pose at once with no force."""
     ask_for_speed()
     ready.set()

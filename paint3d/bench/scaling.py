@@ -32,13 +32,13 @@ def measure(share: float = 1.0) -> Result:
         n_dabs = max(20, int(_DABS * (size * share / 1e6) ** 0.5))
         painters.append(Painter(PaintedSurface(mesh, resolution=None), brush=dab.brush))
         strokes.append(record_dabs(dab, figure_for(mesh, dab.radius, n_dabs)))
-    best: list[LiveTimes | None] = [None] * len(_SIZES)
+    best: dict[int, LiveTimes] = {}
     for _ in range(_ROUNDS + 1):
         for i, (painter, stroke) in enumerate(zip(painters, strokes, strict=True)):
             found = play(painter, stroke)
-            best[i] = found if best[i] is None else found.best(best[i])
+            best[i] = found.best(best[i]) if i in best else found
     rows = []
-    for painter, found in zip(painters, best, strict=True):
+    for painter, found in zip(painters, best.values(), strict=True):
         counts = painter.report()
         each = counts["footprints"] / (_ROUNDS + 1)
         rows.append(

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.navigation import orbit
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.stage import Stage
@@ -67,7 +68,7 @@ class _Hand:
 
     def write(self) -> None:
         """One stroke, in real time."""
-        easel = self.stage.easel
+        easel = _easel(self.stage)
         easel.post("begin_stroke")
         start = time.perf_counter()
         n = int(self.seconds * _RATE_HZ)
@@ -85,7 +86,7 @@ class _Hand:
 
     def _mark(self, k: int) -> None:
         times = self.marks[k] = [time.perf_counter()]
-        self.stage.easel.post(lambda document: times.append(time.perf_counter()))
+        _easel(self.stage).post(lambda document: times.append(time.perf_counter()))
 
     def _sample(self, k: int, n: int) -> DeviceSample:
         """As a hand that presses and lifts a little."""
@@ -96,8 +97,9 @@ class _Hand:
 
     def age(self) -> float:
         """How long ago the hand did what it did last, s."""
-        newest = self.stage.easel.newest
-        return time.perf_counter() - self.fed.get(newest.time_ns, time.perf_counter())
+        newest = _easel(self.stage).newest
+        fed = math.nan if newest is None else self.fed.get(newest.time_ns, math.nan)
+        return 0.0 if math.isnan(fed) else time.perf_counter() - fed
 
 
 def _over_the_sheet(seconds: float) -> Way:
@@ -112,7 +114,7 @@ def _over_the_sheet(seconds: float) -> Way:
 
 def _around_the_bowl(stage: Stage) -> Way:
     """To and fro on the side that is seen, and down."""
-    surface = ClosestPoints(stage.easel.document.surface.source)
+    surface = ClosestPoints(_easel(stage).document.surface.source)
 
     def way(share: float) -> tuple[AnyArray, AnyArray]:
         turn = 0.7 * math.sin(14.0 * share) - 0.5 * math.pi
@@ -123,6 +125,12 @@ def _around_the_bowl(stage: Stage) -> Way:
         return hit.points[0] + _ABOVE * normal, half / np.linalg.norm(half)
 
     return way
+
+
+def _easel(stage: Stage) -> Easel:
+    """What paints on a stage where a document is open."""
+    assert stage.easel is not None, "a document is open"
+    return stage.easel
 
 
 def _stand(document: Document, view: View) -> tuple[Stage, Camera]:
@@ -147,12 +155,12 @@ def _sheet(share: float) -> Document:
 
 def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, float]:
     """Write while pictures are drawn at a pace; what that took."""
-    stage.easel.post("dip").result()
+    _easel(stage).post("dip").result()
     hand = _Hand(stage, way, seconds)
     thread = threading.Thread(target=hand.write)
     frames, sizes, ages, seen, drawn = [], [], [], {}, 0.0
     started = time.perf_counter()
-    painting, cpu, own = stage.easel.post(_thread_s).result(), time.process_time(), _thread_s()
+    painting, cpu, own = _easel(stage).post(_thread_s).result(), time.process_time(), _thread_s()
     thread.start()
     while thread.is_alive():
         now = time.perf_counter()
@@ -163,7 +171,7 @@ def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, f
         there = [k for k, times in hand.marks.items() if len(times) > 1 and k not in seen]
         stage.follow()
         fetched = time.perf_counter()
-        newest_s = hand.age() if stage.easel.newest is not None else 0.0
+        newest_s = hand.age() if _easel(stage).newest is not None else 0.0
         if stage.draw() is None:
             time.sleep(0.001)
             continue
@@ -175,7 +183,7 @@ def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, f
         sizes.append(stage.scene.uploaded - before)
     thread.join()
     cpu, own = time.process_time() - cpu, _thread_s() - own
-    painting = stage.easel.post(_thread_s).result() - painting
+    painting = _easel(stage).post(_thread_s).result() - painting
     delays = [at - hand.marks[k][0] for k, at in seen.items()]
     half = len(hand.queue) // 2
     return {
@@ -221,7 +229,8 @@ def _thread_s(document: Document | None = None) -> float:
 
 def _uploads(stage: Stage) -> list[tuple[int, int, float]]:
     """Dirty vertices near each other, what they send, and how long that takes (s)."""
-    with stage.easel.paused() as document:
+    with _easel(stage).paused() as document:
+        assert document is not None, "it is open"
         shown = LiveObject(document.surface)
         shown.uploads(np.empty(0, np.int32))
         vertices = document.surface.paint_mesh.vertices
@@ -270,7 +279,7 @@ def measure(share: float = 1.0) -> Result:
         stage.close()
     stage, camera = _stand(_sheet(share), _SHEET_VIEW)
     try:
-        vertices = stage.easel.document.surface.n_vertices
+        vertices = _easel(stage).document.surface.n_vertices
         for pace, pace_s in _PACES:
             got = _paint(stage, _over_the_sheet(seconds), pace_s, seconds)
             tell("sheet", "painting" + f", {pace}" * (pace_s > 0.0), got, pace_s == 0.0)

@@ -12,6 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
@@ -32,6 +33,8 @@ _RATE_HZ = 133.0
 _STROKE_S, _REST_S = 0.8, 0.4
 _MOST_BEHIND_S = 0.3
 _UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+
+_Found = TypeVar("_Found")
 
 
 @dataclass
@@ -96,7 +99,7 @@ class _Hand:
         self._spend(self.document.refresh)
         self.slices.append(self.now - before)
 
-    def _spend(self, work: Callable[[], object]) -> object:
+    def _spend(self, work: Callable[[], _Found]) -> _Found:
         before = time.process_time()
         found = work()
         self.now += time.process_time() - before

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 __all__ = [
     "APPENDING",
@@ -151,7 +151,7 @@ def limit_process(memory: int, seconds: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 
 
-def handed_to_child(descriptor: int) -> tuple[int, dict[str, object]]:
+def handed_to_child(descriptor: int) -> tuple[int, dict[str, Any]]:
     """What a child is told of an open file, for `from_parent`, and what `Popen` is to be given."""
     msvcrt = _module("msvcrt")
     if msvcrt is None:

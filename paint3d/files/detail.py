@@ -9,7 +9,7 @@ around it, so that what is too fine for the mesh turns into its mean and not int
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,6 +133,7 @@ class _Mesh:
         a, b, c = ((faces[:, k], uv[:, k]) for k in range(3))
         ab, bc, ca = ((middle[:, k], halfway[:, k]) for k in range(3))
         second, third = marked[ids[:, 1]], marked[ids[:, 2]]
+        every: tuple[tuple[Any, AnyArray], ...]
         every = ((a, ab, c), ~third), ((a, ab, ca), third), ((ca, ab, c), third)
         every += ((ab, b, c), ~second), ((ab, b, bc), second), ((ab, bc, c), second)
         parts += [_part(corners, chosen, rows) for corners, chosen in every]
@@ -214,7 +215,7 @@ def show_pictures(
     own = np.hstack([own, np.zeros((n, 3)) if normals is None else normals])
     uv, look, looks = draped
     uv = np.where(np.abs(uv) <= _FARTHEST, uv, np.nan)
-    lost = np.isnan(uv).any(axis=(1, 2))
+    lost = np.asarray(np.isnan(uv).any(axis=(1, 2)))
     plain = {k: Look(one.factor) for k, one in enumerate(looks)}
     looks = [*looks, *plain.values(), Look()]
     look = np.where(look < 0, len(looks) - 1, np.where(lost, look + len(plain), look))
@@ -386,7 +387,7 @@ def _coloured(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, with_normals:
     faces, source, seen = _vertices(mesh.faces, linear, len(mesh.place))
     colours = srgb_from_linear(seen * mesh.own[source, :3])
     normals = mesh.own[source, 3:] if with_normals else None
-    if with_normals:
+    if normals is not None:
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         normals /= np.where(length > 0.0, length, 1.0)
     return Pictured(mesh.points[mesh.place[source]], faces, colours, normals)

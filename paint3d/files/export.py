@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, UnknownNameError
@@ -26,6 +26,9 @@ from paint3d.files.writers.write_usdz import write_usdz
 from paint3d.files.writers.write_wrl import write_wrl
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
+
+if TYPE_CHECKING:
+    from paint3d.view.studio import Gloss
 
 __all__ = [
     "EXPORT_SUFFIXES",
@@ -196,11 +199,11 @@ def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    finish, more = _finish(painting), {"unlit": options.unlit, "steps": painting.steps}
+    finish, unlit, steps = _finish(painting), options.unlit, painting.steps
     if painting.texture is None:
-        write_glb(path, *painting[:4], finish, **more)
+        write_glb(path, *painting[:4], finish, unlit=unlit, steps=steps)
     else:
-        write_textured_glb(path, *painting[:3], painting.texture, finish, **more)
+        write_textured_glb(path, *painting[:3], painting.texture, finish, unlit=unlit, steps=steps)
 
 
 def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
@@ -244,7 +247,7 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
 
     from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
-    look = {} if options.size is None else {"size": options.size}
+    look: dict[str, Any] = {} if options.size is None else {"size": options.size}
     pixels = draw_picture(*painting[:4], gloss=_gloss(painting.material), **look)
     Image.fromarray(pixels).save(path, format="PNG")
 
@@ -258,7 +261,7 @@ def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: st
     write_html(path, *painting[:4], title=painting.title)
 
 
-def _gloss(material: str) -> object | None:
+def _gloss(material: str) -> Gloss | None:
     """Return how a material shines, or None for one that the view does not know."""
     from paint3d.view.studio import Gloss
 

@@ -45,7 +45,7 @@ def write_container(
     """
     name = document["meshes"][0]["name"]
     views, end = [], 0
-    contents = [memoryview(np.ascontiguousarray(b)).cast("B") if isinstance(b, np.ndarray) else b
+    contents = [np.ascontiguousarray(b).data.cast("B") if isinstance(b, np.ndarray) else b
                 for b, _ in blocks]  # fmt: skip
     for content, (_, target) in zip(contents, blocks, strict=True):
         view = {"buffer": 0, "byteOffset": end, "byteLength": len(content)}
@@ -80,7 +80,7 @@ def write_container(
 def material(finish: Finish, unlit: bool, **surface: object) -> dict[str, Any]:
     """Return a material that is no metal: without one, viewers would show metal."""
     surface |= {"metallicFactor": 0, "roughnessFactor": finish.roughness}
-    extensions = {"extensions": {UNLIT: {}}} if unlit else {}
+    extensions: dict[str, Any] = {"extensions": {UNLIT: {}}} if unlit else {}
     return {"name": finish.name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
 
 
@@ -88,7 +88,7 @@ def vertex_accessor(
     view: int, values: NDArray[np.float32], *, limits: bool = False
 ) -> dict[str, Any]:
     """Return the accessor of float32 numbers (V,) or vectors (V, 2 or 3), with limits if wanted."""
-    accessor = {"bufferView": view, "componentType": FLOAT, "count": len(values)}
+    accessor: dict[str, Any] = {"bufferView": view, "componentType": FLOAT, "count": len(values)}
     accessor["type"] = TYPES[values.size // len(values)]
     if limits:
         for key, limit in (("min", values.min(axis=0)), ("max", values.max(axis=0))):

@@ -52,7 +52,7 @@ class GltfFile:
             raise MeshError(f"it is glTF version {version}; expected 2")
         if length > len(data):
             raise MeshError(f"it has {len(data)} of {length} bytes; the file is cut short")
-        chunks, at = {}, 12
+        chunks, at = dict[int, bytes](), 12
         while at + 8 <= length:
             size, kind = (int.from_bytes(data[k : k + 4], "little") for k in (at, at + 4))
             if at + 8 + size > length:

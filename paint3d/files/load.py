@@ -111,7 +111,7 @@ def read_mesh(
 
 def _guessed(reading: Reading) -> Reading:
     guess = reading.likely_up
-    if not guess.sure:
+    if guess is None or not guess.sure:
         note = "which way is up is not sure; z is taken (--up takes another axis)"
         return replace(reading, notes=(*reading.notes, note))
     if guess.up == "z":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +96,7 @@ class LaidPad:
         return self.pad.pressure
 
     @property
-    def header(self) -> dict[str, object]:
+    def header(self) -> dict[str, Any]:
         """The pad's, in the world's space."""
         return {**self.pad.header, "space": "world"}
 

@@ -381,6 +381,5 @@ def _know_filters(store: InkStore) -> None:
         if dry.count:
             ground = bare._replace(spectra=array, material=np.full(N_BANDS, grey, np.float32))
             assert store.glaze is not None, "something has dried, so a pigment is known"
-    assert store.glaze is not None, "something has dried, so a pigment is known"
-    store.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
+            store.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
     dry.add_filters(over)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,9 +43,15 @@ class View:
         If a vector is 0 or not three finite numbers, both are parallel, or zoom is out of range.
     """
 
-    direction: ArrayLike
-    up: ArrayLike = (0.0, 0.0, 1.0)
+    direction: NDArray[np.float64]
+    up: NDArray[np.float64] = (0.0, 0.0, 1.0)  # type: ignore[assignment]  # made an array below
     zoom: float = 1.0
+
+    if TYPE_CHECKING:  # what it takes is more than what it holds
+
+        def __init__(
+            self, direction: ArrayLike, up: ArrayLike = ..., zoom: float = 1.0
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         direction = _unit(as_array(self.direction, "view direction", (3,)), "view direction")
@@ -70,7 +77,7 @@ def vertex_areas(vertices: AnyArray, faces: AnyArray) -> NDArray[np.float64]:
     """Return a third of the area of the faces around each vertex, (V,) mm^2."""
     a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
     third = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
-    return np.bincount(faces.ravel(), np.repeat(third, 3), minlength=len(vertices))
+    return np.bincount(faces.ravel(), np.repeat(third, 3), len(vertices)).astype(np.float64)
 
 
 def is_flat(vertices: AnyArray) -> bool:

@@ -65,7 +65,8 @@ class Occluder:
         """
         lit, hidden = np.zeros((len(points), 3)), np.zeros(len(points))
         depth = np.empty((CELLS, CELLS), dtype=np.float32)
-        floor = Floor(ground.openness, *ground.origin, ground.half)
+        x, y, z = ground.origin.tolist()
+        floor = Floor(ground.openness, x, y, z, ground.half)
         for sun in suns:
             axes = _axes_toward(sun.direction)
             depth_map = DepthMap(self.centre, axes, 1 / self.cell, depth)
@@ -102,7 +103,7 @@ def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     ticks = ((np.arange(GROUND_CELLS) + 0.5) / GROUND_CELLS * 2 - 1) * half
     x, y = np.meshgrid(ticks + origin[0], ticks + origin[1])
     points = np.stack([x, y, np.full_like(x, floor)], axis=-1).reshape(-1, 3).astype(np.float32)
-    normals = np.tile(np.float32([0, 0, 1]), (len(points), 1))
+    normals = np.tile(np.array([0, 0, 1], np.float32), (len(points), 1))
     above = [sun for sun in suns if sun.direction[2] > 0]
     lit = occluder.shine(above, points, normals, 0.0, free)[0].mean(axis=1)
     full = sum(sun.irradiance.mean() * sun.direction[2] for sun in above)

@@ -209,7 +209,7 @@ class LiveBrush:
         part.set_line(lifted, closed=True)
         self._seen.append(lifted)
         colour = _OUTLINE if stand.touches else _HOVER
-        part.set_colours(np.tile(np.uint8(colour), (len(line) + 1, 1)))
+        part.set_colours(np.tile(np.array(colour, np.uint8), (len(line) + 1, 1)))
         part.show(True)
 
     def _landing(self, stand: BrushStand) -> AnyArray:

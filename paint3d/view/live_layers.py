@@ -7,11 +7,16 @@ exact to the bit, depth included.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
 __all__ = ["Box", "KeptPicture", "Target"]
 
@@ -32,7 +37,7 @@ class KeptPicture:
         It has drawn once at its present size.
     """
 
-    def __init__(self, window) -> None:
+    def __init__(self, window: vtkRenderWindow) -> None:
         from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLFramebufferObject
 
         self._window, self.size = window, tuple(window.GetSize())
@@ -59,7 +64,7 @@ class KeptPicture:
         self._window.MakeCurrent()
         self._kept.ReleaseGraphicsResources(self._window)
 
-    def _copy(self, source, target, box: Box) -> None:
+    def _copy(self, source: Any, target: Any, box: Box) -> None:
         self._window.MakeCurrent()
         state = self._window.GetState()
         state.PushFramebufferBindings()
@@ -82,7 +87,7 @@ class Target:
     window : vtkRenderWindow
     """
 
-    def __init__(self, window) -> None:
+    def __init__(self, window: vtkRenderWindow) -> None:
         self._window = window
 
     def read(self, box: Box) -> NDArray[np.uint8]:

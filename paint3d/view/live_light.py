@@ -117,7 +117,7 @@ class LiveLight:
         brightness = light.mean(axis=1)
         order = np.argsort(brightness)
         share = np.cumsum(self._areas[order]) / self._areas.sum()
-        best = brightness[order[min(np.searchsorted(share, _LIT_BEST), len(order) - 1)]]
+        best = brightness[order[min(int(np.searchsorted(share, _LIT_BEST)), len(order) - 1)]]
         return light * (_WHITE / max(float(best), 1e-6))
 
 

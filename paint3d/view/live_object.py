@@ -135,12 +135,11 @@ class LiveObject:
         """(N, 3) uint8: vertices (N,) as they are seen; srgb (V, 3) is their paint."""
         colours = self.light.colours(ids, srgb)
         if self._covers is not None:
-            self._hatch(ids, colours)
+            self._hatch(ids, self._covers(ids), colours)
         return colours
 
-    def _hatch(self, ids: AnyArray, colours: AnyArray) -> None:
+    def _hatch(self, ids: AnyArray, covered: AnyArray, colours: AnyArray) -> None:
         """Lay a striped veil over the colours (N, 3) of those vertices (N,) that are covered."""
-        covered = self._covers(ids)
         ids, field = ids[covered], self.surface.paint_mesh.arrays
         along = (field.px[ids] + field.py[ids] + field.pz[ids]) / (3.0**0.5 * self._stripe)
         wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * along)

@@ -174,10 +174,12 @@ class LivePatches:
         if len(head) < self.mesh.n_vertices:
             head = np.full(self.mesh.capacity, -1, np.int32)
             head[: len(old.head)] = old.head
-        columns = [old.patch, old.place, old.following]
+        patch, place, following = old.patch, old.place, old.following
         if len(old.patch) < count + extra:
-            columns = [_grown(column, count, count + extra) for column in columns]
-        self._entries = Entries(head, *columns, old.count)
+            patch, place, following = (
+                _grown(column, count, count + extra) for column in (patch, place, following)
+            )
+        self._entries = Entries(head, patch, place, following, old.count)
 
 
 def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray[np.int32], float]:

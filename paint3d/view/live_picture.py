@@ -204,7 +204,9 @@ class LivePicture:
         for box in taken:
             for k, other in enumerate(joined):
                 around = joined_box((box, other))
-                if _pixels(around) <= _APART * (_pixels(box) + _pixels(other)):
+                if around is not None and _pixels(around) <= _APART * (
+                    _pixels(box) + _pixels(other)
+                ):
                     joined[k] = around
                     break
             else:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,7 +144,7 @@ class LiveScene:
         self.frame_s = 0.0
         self.set_mood(mood)
 
-    def _layer(self, number: int):
+    def _layer(self, number: int) -> Any:
         """A renderer of one layer: 0 the backdrop, 1 the object, 2 the brush."""
         from vtkmodules.vtkRenderingCore import vtkRenderer
 
@@ -220,9 +221,9 @@ class LiveScene:
             if drawn is None:
                 drawn = self._patches[upload.patch] = self._glazed()
                 self._shown = np.empty(0, bool)
-            if upload.faces is not None:
+            if upload.points is not None and upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
-                self._bound(upload)
+                self._bound(upload.patch, upload.points, upload.faces)
             changed.append(drawn.around(drawn.set_colours(upload.colours)))
             self.uploaded += upload.n_bytes
         return changed
@@ -237,19 +238,18 @@ class LiveScene:
         self.renderer.AddActor(drawn.actor)
         return drawn
 
-    def _bound(self, upload: PatchUpload) -> None:
+    def _bound(self, patch: int, points: AnyArray, faces: AnyArray) -> None:
         """Note where a patch lies, and which ways its faces look."""
-        patch, points = upload.patch, upload.points
         if patch >= len(self._bounds_of):
             more = patch + 1 - len(self._bounds_of)
             self._bounds_of = np.concatenate([self._bounds_of, np.full((more, 6), np.nan)])
             self._cones = np.concatenate([self._cones, np.full((more, 4), np.nan)])
             self._counts = np.concatenate([self._counts, np.zeros(more, np.int64)])
-        self._counts[patch] = len(upload.faces)
+        self._counts[patch] = len(faces)
         if len(points):
             self._bounds_of[patch] = *points.min(axis=0), *points.max(axis=0)
             if self._is_solid:
-                cone_of(points, upload.faces, self._cones[patch])
+                cone_of(points, faces, self._cones[patch])
         self._boxes = self._seen = None
 
     def set_coarse(self, coarse: CoarseObject | None) -> None:
@@ -276,6 +276,7 @@ class LiveScene:
     def _light_coarse(self) -> None:
         """Let lamps be mirrored in the corners of what is drawn coarsely, if they lie near."""
         coarse, look = self._coarse_object, self._coarse[0].actor.GetProperty()
+        assert coarse is not None, "its pieces are there"
         near = coarse.triangle_mm <= _FEW_PIXELS * self.nearest_mm()
         colours = coarse.colours
         if near:
@@ -524,7 +525,7 @@ class LiveScene:
         before, self._shown = self._shown, shown
         if len(before) != len(shown):
             before = ~shown
-        for patch in np.flatnonzero(before != shown):
+        for patch in np.flatnonzero(before != shown).tolist():
             if patch in self._patches:
                 self._patches[patch].show(bool(shown[patch]))
         for drawn in self._coarse:
@@ -535,6 +536,7 @@ class LiveScene:
 
     def _sort_coarse(self) -> None:
         """Draw near pieces first: what lies behind them need not be shaded."""
+        assert self._coarse_object is not None, "its pieces are there"
         pieces = self._coarse_object.pieces
         depth = [(piece.centre - self._camera.position) @ self._axes[:, 2] for piece in pieces]
         props = self.renderer.GetViewProps()  # the renderer itself would send it all again
@@ -543,7 +545,7 @@ class LiveScene:
         for k in np.argsort(depth, kind="stable"):
             props.AddItem(self._coarse[k].actor)
 
-    def _draw_layer(self, layer, box: Box, shift: tuple[float, float]) -> None:
+    def _draw_layer(self, layer: Any, box: Box, shift: tuple[float, float]) -> None:
         """Draw one layer within a box, some share of a pixel aside."""
         from vtkmodules.vtkCommonDataModel import vtkRecti
 
@@ -598,7 +600,7 @@ def _mean(sums: AnyArray) -> AnyArray:
 def _overlap(boxes: AnyArray, box: Box) -> NDArray[np.bool_]:
     """(P,) bool: which of the boxes (P, 4) have pixels in common with another."""
     low, high = np.maximum(boxes[:, :2], box[:2]), np.minimum(boxes[:, 2:], box[2:])
-    return (high > low).all(axis=1)
+    return np.asarray((high > low).all(axis=1))
 
 
 def _unit(vector: Iterable[float]) -> AnyArray:
@@ -614,7 +616,7 @@ def _mirror(drawn: DrawnMesh, on: bool) -> None:
         shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _SHINE, False)
 
 
-def _shine(look, gloss: Gloss) -> None:
+def _shine(look: Any, gloss: Gloss) -> None:
     """Colours come lit; only what glaze mirrors of the lamps is added."""
     look.SetAmbient(1.0)
     look.SetDiffuse(0.0)

@@ -42,7 +42,7 @@ def render_picture(
     faces: ArrayLike,
     normals: ArrayLike,
     srgb: ArrayLike,
-    path: str | os.PathLike,
+    path: str | os.PathLike[str],
     *,
     size: tuple[int, int] = (1600, 1200),
     view: View | None = None,
@@ -181,7 +181,7 @@ def _vignette(height: int, width: int) -> NDArray[np.float32]:
     x = np.linspace(-1, 1, width, dtype=np.float32)
     y = np.linspace(-1, 1, height, dtype=np.float32)
     corner = (x[None, :] ** 2 + y[:, None] ** 2) / 2
-    return (1 - VIGNETTE * corner**2)[..., None]
+    return np.asarray((1 - VIGNETTE * corner**2)[..., None], np.float32)
 
 
 def _checked_size(size: tuple[int, int]) -> tuple[int, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +89,7 @@ def _joined(pixels: NDArray[np.uint8], scale: int) -> NDArray[np.uint8]:
     return result
 
 
-def _add_object(plotter, scene: Scene, gloss: Gloss) -> None:
+def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> None:
     import pyvista as pv
 
     mesh = pv.PolyData.from_regular_faces(scene.vertices, scene.faces)
@@ -103,7 +104,7 @@ def _add_object(plotter, scene: Scene, gloss: Gloss) -> None:
     actor.GetProperty().SetBaseIOR(MATTE_IOR + gloss.coat * (GLAZE_IOR - MATTE_IOR))
 
 
-def _add_ground(plotter, ground: Ground) -> None:
+def _add_ground(plotter: Any, ground: Ground) -> None:
     import pyvista as pv
 
     half, origin = ground.half, ground.origin
@@ -128,7 +129,7 @@ def _ground_light(ground: Ground) -> NDArray[np.float64]:
     return result
 
 
-def _add_studio(plotter, peak: float, exposure: float) -> None:
+def _add_studio(plotter: Any, peak: float, exposure: float) -> None:
     """Mirror the panorama; light the body evenly, as its light is in the vertex colours."""
     renderer = plotter.renderer
     renderer.SetAutomaticLightCreation(False)
@@ -148,7 +149,7 @@ def _add_studio(plotter, peak: float, exposure: float) -> None:
     irradiance.SetIrradianceStep(0.1)
 
 
-def _place_camera(plotter, scene: Scene) -> None:
+def _place_camera(plotter: Any, scene: Scene) -> None:
     camera = plotter.camera
     camera.position, camera.focal_point = scene.camera.position, scene.camera.focus
     camera.up = scene.camera.up
@@ -156,7 +157,7 @@ def _place_camera(plotter, scene: Scene) -> None:
     plotter.reset_camera_clipping_range()
 
 
-def _texture(pixels: AnyArray, *, plain: bool = False):
+def _texture(pixels: AnyArray, *, plain: bool = False) -> Any:
     """Return a texture of the (H, W, 3) array, first row at the bottom, values as they are.
 
     A `plain` one has no coarser copies: where it is seen at a slant, the step from one to the next

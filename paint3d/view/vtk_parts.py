@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from paint3d.core.types import AnyArray
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkLight, vtkTexture
 
 __all__ = ["DrawnMesh", "camera_light", "make_texture", "quiet_vtk"]
 
@@ -36,8 +40,13 @@ class DrawnMesh:
         self._mapper.SetInputData(self._data)
         self._mapper.SetColorModeToDirectScalars()
         self._mapper.SetStatic(1)
-        self._faces = self._points = self._normals = self._colours = None
-        self._place = self._vtk_normals = self._vtk_colours = None
+        self._faces: AnyArray | None = None
+        self._points = np.empty((0, 3), np.float32)
+        self._normals: AnyArray | None = None
+        self._colours: AnyArray | None = None
+        self._place: Any = None
+        self._vtk_normals: Any = None
+        self._vtk_colours: Any = None
         self._shown = True
         self.actor = vtkActor()
         self.actor.SetMapper(self._mapper)
@@ -75,7 +84,7 @@ class DrawnMesh:
         self._points[:] = points
         self._place.GetData().Modified()
         self._place.Modified()
-        if normals is not None:
+        if normals is not None and self._normals is not None:
             self._normals[:] = normals
             self._vtk_normals.Modified()
         return True
@@ -127,6 +136,8 @@ class DrawnMesh:
 
     def around(self, chosen: AnyArray) -> AnyArray:
         """(N, 3) float32: the corners of all triangles that have one of the points (K,) bool."""
+        if self._faces is None:
+            return self._points
         result: AnyArray = self._points[self._faces[chosen[self._faces].any(axis=1)].ravel()]
         return result
 
@@ -151,7 +162,7 @@ class DrawnMesh:
         self.actor.SetTexture(make_texture(pixels))
 
 
-def make_texture(pixels: AnyArray):
+def make_texture(pixels: AnyArray) -> vtkTexture:
     """A smooth texture of (H, W, C) uint8 pixels, first row at the bottom."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonDataModel import vtkImageData
@@ -170,7 +181,11 @@ def make_texture(pixels: AnyArray):
     return texture
 
 
-def camera_light(position: tuple[float, float, float], intensity: float, colour=(1.0, 1.0, 1.0)):
+def camera_light(
+    position: tuple[float, float, float],
+    intensity: float,
+    colour: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> vtkLight:
     """A parallel light that moves with the camera; x right, y up, z from the object to the eye."""
     from vtkmodules.vtkRenderingCore import vtkLight
 

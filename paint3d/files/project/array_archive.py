@@ -15,7 +15,7 @@ import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO
 
 import numpy as np
 from numpy.lib import format as npy
@@ -156,7 +156,7 @@ def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> AnyArray:
     return np.frombuffer(data, dtype).reshape(shape)
 
 
-def _array_header(file: BinaryIO, name: str) -> tuple[tuple[int, ...], np.dtype, int]:
+def _array_header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype, int]:
     """Return shape, element type and the header's length of an .npy file of version 1.0.
 
     NumPy's own reader parses the header as Python, and old ones by its tokenizer, which stumbles

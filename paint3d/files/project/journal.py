@@ -291,7 +291,7 @@ def _read_pieces(
 def _without_contact(table: AnyArray) -> AnyArray:
     """Samples of an older journal as those of this one."""
     whole = np.empty(len(table), SAMPLE)
-    for name in table.dtype.names:
+    for name in table.dtype.names or ():
         whole[name] = table[name]
     whole["contact"] = np.nan
     return whole
@@ -360,7 +360,7 @@ def _recording(
     if not len(table):
         raise SessionError(f"{path}: it holds no samples. {loss.reason}".rstrip(". "))
     pressure = None if np.isnan(table["pressure"]).all() else table["pressure"]
-    columns = {name: table[name] for name in SAMPLE.names if name != "pressure"}
+    columns = {name: table[name] for name in SAMPLE.names or () if name != "pressure"}
     try:
         return Recording(**columns, pressure=pressure, header=header), loss
     except RecordingError as cause:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import ExportError, MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import UNITS_MM
 from paint3d.files.progress import Progress, part_of
@@ -177,8 +177,7 @@ def read_painting(
     material = str(getattr(surface.material, "name", "painting"))
     if options.texture:
         size = None if options.texture is True else int(options.texture)
-        detail = tuple(np.array(array) for array in surface.detail_arrays())
-        return Untextured(detail, size, material)
+        return Untextured(_detail_of(surface), size, material)
     if options.filaments is None:
         tolerance = None if options.exact else options.tolerance
         return _checked(surface.export_arrays(tolerance, **_told(progress)), material)
@@ -189,7 +188,22 @@ def read_painting(
     return _in_filaments(_checked(arrays, material), filaments.palette)
 
 
-def _told(progress: Progress | None) -> dict[str, Progress]:
+def _detail_of(surface: Exportable | PlainSurface) -> Detail:
+    """Copies of what a texture is baked from.
+
+    Raises
+    ------
+    ExportError
+        If the surface does not say it.
+    """
+    arrays = getattr(surface, "detail_arrays", None)
+    if arrays is None:
+        kind = type(surface).__name__
+        raise ExportError(f"a texture is laid on a PaintedSurface or TriangleMesh; got a {kind}")
+    return cast("Detail", tuple(np.array(array) for array in arrays()))
+
+
+def _told(progress: Progress | None) -> dict[str, Any]:
     """What `export_arrays` is given besides; a surface need not know of progress."""
     return {} if progress is None else {"progress": progress}
 

@@ -45,8 +45,8 @@ def find_steps(
 
 def take_steps(metres: NDArray[np.float64], codes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return metres (V, 3) that give back, in float32, the mm that `find_steps` was told (V,)."""
-    codes = np.rint(np.clip(np.nan_to_num(codes), -_MIDDLE, _MIDDLE)).astype(np.int32) + _MIDDLE
-    steps = codes[:, None] // _PLACES % 3 - 1
+    known = np.clip(np.nan_to_num(codes), -_MIDDLE, _MIDDLE)
+    steps = (np.rint(known).astype(np.int32) + _MIDDLE)[:, None] // _PLACES % 3 - 1
     mm = (_in_mm(metres).view(np.int32) + steps.astype(np.int32)).view(np.float32)
     return np.where(steps == 0, metres, mm.astype(np.float64) / METRE_MM)
 

@@ -44,7 +44,7 @@ SAMPLES = (
 )  # fmt: skip
 _MAY_LACK = {"pressure": (), "contact": (3,)}  # and the shape of one that does
 
-Parts = tuple[dict[str, object], dict[str, AnyArray]]
+Parts = tuple[dict[str, Any], dict[str, AnyArray]]
 UPGRADES: dict[int, Callable[[Parts], Parts]] = {
     1: lambda parts: ({**parts[0], "strokes": []}, {**parts[1], **_packed(())}),
 }
@@ -142,7 +142,7 @@ def _parts(session: Session) -> Parts:
 
 def _split(state: Mapping[str, object], prefix: str) -> tuple[dict[str, Any], dict[str, AnyArray]]:
     """Words and numbers by themselves, and the arrays by their way through the mappings."""
-    words, arrays = {}, {}
+    words, arrays = dict[str, Any](), dict[str, AnyArray]()
     for name, value in state.items():
         if isinstance(value, np.ndarray):
             arrays[f"{prefix}{name}"] = value
@@ -160,8 +160,8 @@ def _joined(
     """What `_split` took apart: the arrays of this prefix, and those of one mapping in it."""
     state: dict[str, object] = {}
     for name, value in words.items():
-        own = f"{prefix}{name}/"
-        inner = {k.removeprefix(own): v for k, v in arrays.items() if k.startswith(own)}
+        way = f"{prefix}{name}/"
+        inner = {k.removeprefix(way): v for k, v in arrays.items() if k.startswith(way)}
         state[name] = {**value, **inner} if inner and isinstance(value, Mapping) else value
     own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
     return state | {name: array for name, array in own.items() if "/" not in name}
@@ -200,7 +200,7 @@ def _strokes(
     for k, header in enumerate(headers):
         own = slice(int(starts[k]), int(starts[k + 1]))
         given = [name for name in SAMPLES if f"{prefix}{name}" in arrays]
-        columns = {name: arrays[f"{prefix}{name}"][own] for name in given}
+        columns: dict[str, Any] = {name: arrays[f"{prefix}{name}"][own] for name in given}
         if np.isnan(columns["pressure"]).all():
             columns["pressure"] = None
         strokes.append(Recording(**columns, header=dict(header)))
@@ -264,12 +264,14 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
         raise SessionError(f"it has {len(headers):,} recordings; expected {MAX_RECORDINGS:,}")
     recordings = []
     for k, header in enumerate(headers):
+        columns: dict[str, Any]
         columns = {name: arrays.get(f"recordings/{k}/{name}") for name in SAMPLES}
         recordings.append(Recording(**columns, header=dict(header)))
     prefix = "surface/"
     state = dict(text["surface"])
     state |= {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
-    strokes, undone, history = _strokes(text["strokes"], arrays), (), None
+    strokes, history = _strokes(text["strokes"], arrays), None
+    undone: tuple[Recording, ...] = ()
     if isinstance(text.get("history"), Mapping):
         undone = _strokes(text["undone"], arrays, "undone/")
         history = _joined(text["history"], arrays, "history/")

@@ -146,8 +146,8 @@ class Paint3mf:
         except MeshError as cause:
             self.notes.append(f"a texture is left out: {cause}")
             return -1
-        wrap = tuple(TILED.get(texture.get(f"tilestyle{axis}", "wrap"), "repeat") for axis in "uv")
-        self.looks.append(Look(picture=picture, wrap=wrap))
+        u, v = (TILED.get(texture.get(f"tilestyle{axis}", "wrap"), "repeat") for axis in "uv")
+        self.looks.append(Look(picture=picture, wrap=(u, v)))
         return len(self.looks) - 1
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from paint3d.errors import MeshError
 
@@ -32,7 +33,7 @@ PRIMITIVE = {"attributes": dict, "extensions": dict}
 SURFACE = {"baseColorTexture": dict, "baseColorFactor": list}
 
 
-def check_kinds(document: Mapping[str, object]) -> None:
+def check_kinds(document: Mapping[str, Any]) -> None:
     """Refuse a document that is of another version, or whose parts are of another kind.
 
     Raises
@@ -61,7 +62,7 @@ def check_kinds(document: Mapping[str, object]) -> None:
                 _check(inner, SURFACE, f"{place}.pbrMetallicRoughness.")
 
 
-def _check(entry: Mapping[str, object], kinds: Mapping[str, type], place: str) -> None:
+def _check(entry: Mapping[str, Any], kinds: Mapping[str, type], place: str) -> None:
     for name, kind in kinds.items():
         if name in entry:
             _expect(entry[name], kind, f"{place}{name}")

@@ -88,13 +88,15 @@ class GltfPaint:
             self.dropped.add("extensions of its materials")
         picture = None if texture is None else self._picture(texture["index"])
         wrap = REPEAT if picture is None else self._wrap(texture["index"])
-        self.looks.append(Look(tuple(float(x) for x in factor[:3]), picture, wrap))
+        red, green, blue = factor[:3].tolist()
+        self.looks.append(Look((red, green, blue), picture, wrap))
         return len(self.looks) - 1, texture or {}
 
     def _wrap(self, index: int) -> tuple[str, str]:
         sampler = self._file.item("textures", index).get("sampler")
         said = {} if sampler is None else self._file.item("samplers", sampler)
-        return tuple(WRAPPED.get(said.get(key), "repeat") for key in ("wrapS", "wrapT"))
+        u, v = (WRAPPED.get(said.get(key, 0), "repeat") for key in ("wrapS", "wrapT"))
+        return u, v
 
     def _picture(self, index: int) -> NDArray[np.uint8] | None:
         if index not in self._pictures:

@@ -42,9 +42,10 @@ class Material:
     def look(self) -> Look:
         """What is seen of it."""
         if self.picture is not None:
-            return Look(picture=self.picture, wrap=("clamp",) * 2 if self.clamped else REPEAT)
+            return Look(picture=self.picture, wrap=("clamp", "clamp") if self.clamped else REPEAT)
         codes = np.floor(255.0 * np.clip(self.diffuse, 0.0, 1.0) + 0.5).astype(np.uint8)
-        return Look(tuple(float(x) for x in linear_from_srgb(codes)))
+        red, green, blue = linear_from_srgb(codes).tolist()
+        return Look((red, green, blue))
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from typing import Any
 
 __all__ = ["json_text", "plain_name"]
 
@@ -26,7 +27,7 @@ def plain_name(text: str) -> str:
     return NOWHERE.sub("\ufffd", text)
 
 
-def json_text(value: object, **options: object) -> str:
+def json_text(value: object, **options: Any) -> str:
     """Return JSON for people to read; what UTF-8 cannot hold is escaped and comes back the same.
 
     Parameters

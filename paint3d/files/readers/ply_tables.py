@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 
@@ -24,6 +24,7 @@ TYPES = {
 FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 KEYWORDS = ("format", "element", "property", "comment", "obj_info")
 MAX_HEADER = 1 << 20
+Order = Literal["<", ">"]
 
 
 @dataclass
@@ -140,9 +141,9 @@ def _parse_header(lines: list[str]) -> tuple[str, Tables]:
 
 def _property(words: list[str], order: str) -> Property:
     if words[1] == "list":
-        count, item = (np.dtype(TYPES[w]).newbyteorder(order) for w in words[2:4])
+        count, item = (np.dtype(TYPES[w]).newbyteorder(cast("Order", order)) for w in words[2:4])
         return Property(words[4], item, count)
-    return Property(words[2], np.dtype(TYPES[words[1]]).newbyteorder(order))
+    return Property(words[2], np.dtype(TYPES[words[1]]).newbyteorder(cast("Order", order)))
 
 
 def _read_binary(elements: Sequence[Element], data: bytes, at: int) -> None:
@@ -192,6 +193,7 @@ def _first_row_sizes(element: Element, data: bytes, at: int) -> dict[str, int]:
 
 
 def _list_size(element: Element, p: Property, data: bytes, at: int) -> int:
+    assert p.count_dtype is not None, "a number is no list"
     if at + p.count_dtype.itemsize > len(data):
         raise MeshError(f"it ends within the {element.name} rows; the file is cut short")
     n = int(np.frombuffer(data, p.count_dtype, 1, at)[0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,7 +83,7 @@ def _open3d() -> ModuleType:
     return open3d
 
 
-def _estimate_normals(cloud: object, points: NDArray[np.float64]) -> None:
+def _estimate_normals(cloud: Any, points: NDArray[np.float64]) -> None:
     open3d = _open3d()
     cloud.estimate_normals(open3d.geometry.KDTreeSearchParamKNN(NEIGHBOURS))
     cloud.normals = open3d.utility.Vector3dVector(_oriented(points, np.asarray(cloud.normals)))

@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,7 @@ class RawMesh:
     corner_colours: NDArray[np.uint8] | None = None
 
     @classmethod
-    def of_triangles(cls, vertices: AnyArray, faces: AnyArray, **others: object) -> RawMesh:
+    def of_triangles(cls, vertices: AnyArray, faces: AnyArray, **others: Any) -> RawMesh:
         """Return a raw mesh with (F, 3) triangles."""
         faces = np.asarray(faces, np.int64).reshape(-1, 3)
         return cls(vertices, faces.ravel(), np.full(len(faces), 3), **others)

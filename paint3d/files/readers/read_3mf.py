@@ -205,6 +205,7 @@ def _mesh(
 def _means(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.uint8]:
     """Return the mean colour of each vertex's corners, white where there is none."""
     corners = faces[seen.coloured].ravel()
+    assert seen.colours is not None, "there are means of colours only"
     codes = seen.colours.reshape(-1, 3, 3)[seen.coloured].reshape(-1, 3)
     weight = np.bincount(corners, minlength=n_vertices)[:, None]
     total = [np.bincount(corners, codes[:, k], n_vertices) for k in range(3)]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.gltf_buffers import GltfFile
 from paint3d.files.project.position_steps import METRE_MM, STEPS, take_steps
@@ -122,18 +123,18 @@ def _primitive(
         indices = file.numbers(primitive["indices"]).astype(np.int64).ravel()
     else:
         indices = np.arange(len(vertices))
-    others = {"NORMAL": None, "COLOR_0": None, STEPS: None}
-    for name in others:
+    others: dict[str, AnyArray] = {}
+    for name in ("NORMAL", "COLOR_0", STEPS):
         if name in attributes:
             others[name] = file.numbers(attributes[name]).astype(np.float64)[:, :3]
             if len(others[name]) != len(vertices):
                 raise MeshError(f"a primitive has {len(vertices)} positions but "
                                 f"{len(others[name])} of {name}")  # fmt: skip
-    if others[STEPS] is not None:
+    if STEPS in others:
         vertices = take_steps(vertices, others[STEPS][:, 0])
-    colours = others["COLOR_0"]
+    colours = others.get("COLOR_0")
     if colours is not None:
-        known = np.isfinite(colours).all(axis=1)
+        known = np.asarray(np.isfinite(colours).all(axis=1))
         if not known.all():
             paint.notes.append(f"{(~known).sum():,} vertex colours are no numbers: made white")
         colours = srgb_from_linear(np.where(known[:, None], colours, 1.0))
@@ -142,7 +143,7 @@ def _primitive(
     if uv is not None:
         uv = uv[np.clip(faces, 0, len(vertices) - 1).ravel()]
     return RawMesh.of_triangles(
-        vertices, faces, colours=colours, normals=others["NORMAL"],
+        vertices, faces, colours=colours, normals=others.get("NORMAL"),
         look_of=np.full(len(faces), number), uv=uv,
     )  # fmt: skip
 
@@ -190,11 +191,12 @@ def _merged(parts: list[RawMesh], paint: GltfPaint, dropped: set[str]) -> RawMes
     colours = None
     if any(part.colours is not None for part in parts):
         white = [np.full((len(p.vertices), 3), 255, np.uint8) for p in parts]
-        colours = [w if p.colours is None else p.colours for p, w in zip(parts, white, strict=True)]
-        colours = np.concatenate(colours)
+        known = [w if p.colours is None else p.colours for p, w in zip(parts, white, strict=True)]
+        colours = np.concatenate(known)
     normals = None
-    if all(part.normals is not None for part in parts):
-        normals = np.concatenate([part.normals for part in parts])
+    given = [part.normals for part in parts if part.normals is not None]
+    if len(given) == len(parts):
+        normals = np.concatenate(given)
     return RawMesh(
         np.concatenate([part.vertices for part in parts]),
         np.concatenate(corners),

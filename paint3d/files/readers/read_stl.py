@@ -38,7 +38,7 @@ def read_stl(data: bytes) -> RawMesh:
     """
     binary = len(data) >= HEADER and len(data) == HEADER + FACET.itemsize * _count(data)
     if not binary and data[:512].lstrip().lower().startswith(b"solid") and FACETS.search(data):
-        corners = _read_ascii(data)
+        corners: AnyArray = _read_ascii(data)
     else:
         corners = _read_binary(data)
     vertices, faces = _merge(corners)

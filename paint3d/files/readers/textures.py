@@ -56,6 +56,7 @@ class Look:
     def _coded(self) -> NDArray[np.uint8]:
         table = linear_from_srgb(np.arange(256, dtype=np.uint8))
         codes = srgb_from_linear(table[:, None] * np.array(self.factor))
+        assert self.picture is not None, "a plain colour has no pixels"
         return np.stack([codes[self.picture[..., k], k] for k in range(3)], axis=-1)
 
     def codes_at(self, uv: AnyArray) -> NDArray[np.uint8]:

@@ -33,10 +33,10 @@ def colour_codes(values: AnyArray) -> tuple[NDArray[np.uint8] | None, tuple[str,
     if values.dtype.kind == "u":
         return _codes(values / float(np.iinfo(values.dtype).max)), ()
     values = values.astype(np.float64)
-    known = np.isfinite(values).all(axis=1)
+    known = np.asarray(np.isfinite(values).all(axis=1))
     if not known.any():
         return None, ("left out: its vertex colours, none of which is a number",)
-    notes = ()
+    notes: tuple[str, ...] = ()
     if not known.all():
         notes += (
             f"{(~known).sum():,} of {len(known):,} vertex colours are no numbers: made white",

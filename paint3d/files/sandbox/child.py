@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from paint3d.core.machine import from_parent, limit_process
+from paint3d.core.types import AnyArray
 
 __all__ = ["main"]
 
@@ -33,10 +34,10 @@ def main() -> None:
         send(descriptor, {}, {"error": str(cause)})
         return
     mesh = reading.mesh
-    arrays = {"vertices": mesh.vertices, "faces": mesh.faces}
+    arrays: dict[str, AnyArray] = {"vertices": mesh.vertices, "faces": mesh.faces}
     arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
     arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
-    facts = {"name": mesh.name, "notes": list(reading.notes)}
+    facts: dict[str, object] = {"name": mesh.name, "notes": list(reading.notes)}
     facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm, "up": reading.up}
     send(descriptor, arrays, facts)
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import mmap
 import os
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +24,7 @@ TYPES = {"vertices": "<f4", "faces": "<i4", "normals": "<f4", "colours": "|u1"}
 NUMBERS_A_ROW = 3
 
 
-def send(descriptor: int, arrays: dict[str, AnyArray], facts: dict[str, object]) -> None:
+def send(descriptor: int, arrays: Mapping[str, AnyArray], facts: Mapping[str, Any]) -> None:
     """Write arrays of the types in `TYPES`, (N, 3) each, and what JSON can hold besides."""
     rows = {name: len(array) for name, array in arrays.items()}
     line = json.dumps({"rows": rows, "facts": facts}).encode("ascii")
@@ -32,7 +34,7 @@ def send(descriptor: int, arrays: dict[str, AnyArray], facts: dict[str, object])
             file.write(np.ascontiguousarray(array, TYPES[name]).data)
 
 
-def receive(descriptor: int) -> tuple[dict[str, AnyArray], dict[str, object]]:
+def receive(descriptor: int) -> tuple[dict[str, AnyArray], dict[str, Any]]:
     """Return what `send` wrote; the arrays are views of the file and cannot be written.
 
     Raises

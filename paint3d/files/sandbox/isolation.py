@@ -104,7 +104,10 @@ def _run(
 
 
 def _wait(
-    child: subprocess.Popen, path: Path, limits: tuple[float, float], progress: Progress | None
+    child: subprocess.Popen[bytes],
+    path: Path,
+    limits: tuple[float, float],
+    progress: Progress | None,
 ) -> None:
     """Wait for a child to end, telling how far it should be by now."""
     began, expected = time.monotonic(), START_S + path.stat().st_size / BYTES_A_SECOND

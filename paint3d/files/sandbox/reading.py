@@ -176,7 +176,7 @@ def _checked_mesh(
         notes += (f"left out {(~distinct).sum():,} faces that name a vertex twice",)
         faces, corners = faces[distinct], corners[distinct]
     normals = _unit_normals(raw.normals)
-    if not pictured:
+    if raw.uv is None or raw.look_of is None or not pictured:
         return Reading(TriangleMesh(vertices, faces, raw.colours, name, normals), notes)
     polygon = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
     draped = Draped(raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks)

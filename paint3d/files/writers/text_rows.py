@@ -8,6 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["UNIT_NAMES", "text_rows"]
 
 UNIT_NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches"}
@@ -42,14 +44,14 @@ def text_rows(
     columns = np.array([k if kind == "f" else -1 - k for kind, k in kinds], np.int32)
     starts = np.cumsum([0, *map(len, texts)]).astype(np.int32)
     text = np.array(list(b"".join(texts)), np.uint8)
-    n = len(integers if floats is None else floats)
-    floats = np.empty((0, 1)) if floats is None else floats
-    integers = np.empty((0, 1)) if integers is None else integers
+    numbers: AnyArray = np.empty((0, 1)) if floats is None else floats
+    wholes: AnyArray = np.empty((0, 1)) if integers is None else integers
+    n = len(wholes if floats is None else numbers)
     width = len(text) + sum(FLOAT_WIDTH if kind == "f" else INTEGER_WIDTH for kind, _ in kinds)
     out = np.empty(min(n, CHUNK) * width, np.uint8)
     for start in range(0, n, CHUNK):
         # copies: one type of array, so one compilation of the kernel
-        some_floats = np.array(floats[start : start + CHUNK], np.float32, order="C")
-        some_integers = np.array(integers[start : start + CHUNK], np.int32, order="C")
+        some_floats = np.array(numbers[start : start + CHUNK], np.float32, order="C")
+        some_integers = np.array(wholes[start : start + CHUNK], np.int32, order="C")
         size = format_rows(some_floats, some_integers, columns, text, starts, out)
         yield out[:size].tobytes()

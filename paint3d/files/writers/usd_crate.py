@@ -9,10 +9,10 @@ repeats", which every decoder takes and which costs a few hundred bytes.
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
 import numpy as np
 
@@ -111,7 +111,7 @@ class _Crate:
         self.file.write(bytes(HEADER_SIZE))
         self.paths = {spec.path: k for k, spec in enumerate(specs)}
         fields: dict[tuple[int, int], int] = {}
-        sets, starts = [], []
+        sets, starts = list[int](), list[int]()
         for spec in specs:
             starts.append(len(sets))
             for name, value in spec.fields.items():
@@ -159,7 +159,9 @@ class _Crate:
         if isinstance(content, np.ndarray):
             return ARRAY | head | self.store(len(content), content.tobytes())
         if kind == Type.TOKEN_VECTOR:
-            return head | self.store_bytes(_counted([self.token(name) for name in content]))
+            return head | self.store_bytes(
+                _counted([self.token(name) for name in cast("Sequence[str]", content)])
+            )
         if isinstance(content, ListOp):
             flags = (IS_EXPLICIT | EXPLICIT) if content.explicit else PREPENDED
             place = self.token if kind == Type.TOKEN_LIST_OP else self.paths.__getitem__
@@ -167,14 +169,14 @@ class _Crate:
             return head | self.store_bytes(bytes([flags]) + items)
         if kind == Type.DOUBLE:
             return head | self.store_bytes(struct.pack("<d", content))
-        return INLINED | head | self.inline(kind, content)
+        return INLINED | head | self.inline(kind, cast("bool | int | float | str", content))
 
     def inline(self, kind: Type, content: bool | int | float | str) -> int:
-        if kind == Type.TOKEN:
-            return self.token(content)
-        if kind == Type.STRING:
-            self.token(content)
-            return self.strings.setdefault(content, len(self.strings))
+        if isinstance(content, str):
+            token = self.token(content)
+            return (
+                token if kind == Type.TOKEN else self.strings.setdefault(content, len(self.strings))
+            )
         if kind == Type.FLOAT:
             return int.from_bytes(struct.pack("<f", content), "little")
         return int(content)
@@ -189,7 +191,9 @@ class _Crate:
         return at
 
 
-def _encode_tree(paths: Sequence[str], token: object) -> tuple[list[int], list[int], list[int]]:
+def _encode_tree(
+    paths: Sequence[str], token: Callable[[str], int]
+) -> tuple[list[int], list[int], list[int]]:
     """Return places, name tokens (negative for properties) and jumps of paths, depth first.
 
     A jump is -2 for a leaf, -1 where a child follows and no sibling comes, 0 where a sibling

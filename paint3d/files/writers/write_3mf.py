@@ -73,7 +73,7 @@ def write_3mf(
     places, place_of = _weld(vertices)
     corners = place_of[faces]
     sound = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
-    if palette is None:
+    if palette is None or face_filaments is None:
         colours, colour_ids = _colours(srgb)
         resource = _colour_group(colours)
         properties = colour_ids[faces[sound]]

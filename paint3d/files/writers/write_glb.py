@@ -75,6 +75,7 @@ def write_glb(
         colours | {"type": "VEC4", "normalized": True},
         _index_accessor(faces),
     ]
+    blocks: list[tuple[AnyArray | bytes, int | None]]
     blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear(srgb), VERTEX_DATA)]
     blocks.append((faces.astype("<u4"), INDEX_DATA))
     _add_steps(steps, attributes, accessors, blocks)
@@ -122,6 +123,7 @@ def write_textured_glb(
         vertex_accessor(2, texture.uv),
         _index_accessor(faces),
     ]
+    blocks: list[tuple[AnyArray | bytes, int | None]]
     blocks = [(array, VERTEX_DATA) for array in (vertices, normals, texture.uv)]
     blocks += [(faces.astype("<u4"), INDEX_DATA), (png.getvalue(), None)]
     _add_steps(steps, attributes, accessors, blocks)

@@ -100,8 +100,9 @@ def _first_view(
     from paint3d.view.camera import find_view, vertex_areas
 
     view = find_view(vertices, normals, srgb, vertex_areas(vertices, faces))
-    x, y, z = (float(value) for value in view.direction)
+    x, y, z = np.asarray(view.direction, np.float64).tolist()
     elevation = math.degrees(math.asin(max(-1.0, min(1.0, z))))
     if math.hypot(x, y) < 1e-6:  # from above or below: what is up in the view gives the azimuth
-        x, y = (-math.copysign(1.0, z) * float(value) for value in view.up[:2])
+        up = np.asarray(view.up, np.float64).tolist()
+        x, y = (-math.copysign(1.0, z) * value for value in up[:2])
     return math.degrees(math.atan2(y, x)), elevation

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
+
 __all__ = ["write_ply"]
 
 
@@ -35,7 +37,7 @@ def write_ply(
     OSError
         If the file cannot be written.
     """
-    columns = [("x y z", "float", "<f4", vertices)]
+    columns: list[tuple[str, str, str, AnyArray]] = [("x y z", "float", "<f4", vertices)]
     if normals is not None:
         columns.append(("nx ny nz", "float", "<f4", normals))
     if srgb is not None:
@@ -54,5 +56,5 @@ def write_ply(
     triangles["vertex_ids"] = faces
     with open(path, "wb") as file:
         file.write(("\n".join([*header, "end_header"]) + "\n").encode("ascii"))
-        file.write(memoryview(body).cast("B"))
-        file.write(memoryview(triangles).cast("B"))
+        file.write(memoryview(body.data).cast("B"))
+        file.write(memoryview(triangles.data).cast("B"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -88,7 +89,11 @@ def _root(name: str, unit: str, up_axis: str) -> Spec:
 
 
 def _prim(
-    path: str, type_name: str, properties: list[str] = (), children: list[str] = (), **others: Value
+    path: str,
+    type_name: str,
+    properties: Sequence[str] = (),
+    children: Sequence[str] = (),
+    **others: Value,
 ) -> Spec:
     fields = {"specifier": Value(Type.SPECIFIER, 0), "typeName": Value(Type.TOKEN, type_name)}
     fields |= others
