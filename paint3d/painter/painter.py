@@ -51,8 +51,8 @@ _PART = 1 << 16  # samples of a recording that are made ready at once
 _CHUNK = 2000  # samples between two calls of `progress`
 _STATIONS = 12  # pieces of a tuft that is loaded differently along its length
 
-Ink = str | Pigment | Mapping[str, float] | Mapping[Pigment, float]
-"""An ink, or the parts of several that are stirred."""
+Ink = str | Pigment | Mapping[Any, float]
+"""An ink, or the parts of several that are stirred, by themselves or by their names."""
 
 
 class Painter:

@@ -52,7 +52,7 @@ class SavedSteps:
     state: State
     done: Sequence[object]
     undone: Sequence[object]
-    kept: Sequence[object]
+    kept: Sequence[Any]
 
 
 def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -> SavedSteps:

@@ -7,6 +7,7 @@ what it does then it does with the brush it asked for, not with the one that sti
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
 from paint3d.app.model.persistence.brush_words import brush_from_words
@@ -17,7 +18,7 @@ from paint3d.errors import Paint3DError
 __all__ = ["BRUSH_COMMANDS", "brush_after"]
 
 
-def _set(_: BrushSpec, brush: str | BrushSpec | Mapping) -> BrushSpec:
+def _set(_: BrushSpec, brush: str | BrushSpec | Mapping[str, Any]) -> BrushSpec:
     if isinstance(brush, Mapping):
         return brush_from_words(brush)
     return load_brush(brush) if isinstance(brush, str) else brush

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
 from paint3d.app.model.persistence.brush_words import brush_from_words
@@ -12,7 +13,7 @@ from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
-Ink = str | Pigment | Mapping
+Ink = str | Pigment | Mapping[Any, float]
 
 __all__ = ["BrushCommands", "Ink"]
 
@@ -24,8 +25,9 @@ class BrushCommands:
     painter: Painter
     inks: list[Ink]
     _dipped: bool
+    _refuse_in_stroke: Callable[[str], None]
 
-    def set_brush(self, brush: str | BrushSpec | Mapping) -> None:
+    def set_brush(self, brush: str | BrushSpec | Mapping[str, Any]) -> None:
         """Take another brush, dipped in the same ink.
 
         Raises

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from typing import Any
 
 import numpy as np
 
@@ -32,11 +33,13 @@ _CLASSES = (
     BrushSpec, BristleSpec, Pigment, Symmetry, MirrorPlane, RadialSymmetry, Mask, AngleMask,
     RegionPick,
 )  # fmt: skip
-_KINDS = {kind.__name__: kind for kind in _CLASSES}
+_KINDS: dict[str, type[Any]] = {kind.__name__: kind for kind in _CLASSES}
 _KIND = "@"
 
 
-def encode_command(name: str, arguments: Sequence[object], options: Mapping) -> dict[str, object]:
+def encode_command(
+    name: str, arguments: Sequence[object], options: Mapping[str, Any]
+) -> dict[str, object]:
     """A command as JSON can hold it.
 
     Raises
@@ -52,7 +55,7 @@ def encode_command(name: str, arguments: Sequence[object], options: Mapping) -> 
     return note
 
 
-def decode_command(note: Mapping[str, object]) -> tuple[str, list, dict]:
+def decode_command(note: Mapping[str, Any]) -> tuple[str, list[Any], dict[str, Any]]:
     """The name, arguments and options of a command that was written down.
 
     Raises
@@ -70,7 +73,7 @@ def decode_command(note: Mapping[str, object]) -> tuple[str, list, dict]:
         raise SessionError(f"the journal's {name} cannot be used: {cause}") from None
 
 
-def do_again(document: Document, note: Mapping[str, object]) -> None:
+def do_again(document: Document, note: Mapping[str, Any]) -> None:
     """Do what was written down.
 
     Raises

@@ -21,6 +21,7 @@ from paint3d.calligraphy.layout import Layout, lay_out
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
 from paint3d.calligraphy.planning import on_paper
 from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.mesh.chart import SurfaceChart, make_chart
 from paint3d.mesh.closest_points import ClosestPoints
@@ -75,27 +76,27 @@ class Ghost:
         return (last - self.strokes[0].samples[0].time_ns) * 1e-9
 
     @cached_property
-    def outlines(self) -> tuple[NDArray, ...]:
+    def outlines(self) -> tuple[AnyArray, ...]:
         """Closed lines (N, 3) around the strokes, mm, a little above the surface."""
         return tuple(self._raised(stroke.outline, closed=True) for stroke in self.glyph.strokes)
 
     @cached_property
-    def medians(self) -> tuple[NDArray, ...]:
+    def medians(self) -> tuple[AnyArray, ...]:
         """The strokes' centre lines (N, 3) in writing order, mm."""
         return tuple(self._raised(stroke.median, closed=False) for stroke in self.glyph.strokes)
 
     @cached_property
-    def frame(self) -> NDArray:
+    def frame(self) -> AnyArray:
         """The em square's rim (N, 3), closed, mm."""
         half = 0.5 * self.square.em_mm
         corners = np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
         return self._on_surface(_dense(corners, True, _STEP * self.square.em_mm))
 
-    def _raised(self, line: NDArray, closed: bool) -> NDArray:
+    def _raised(self, line: AnyArray, closed: bool) -> AnyArray:
         em = self.square.em_mm
         return self._on_surface(_dense(on_paper(line, em) - 0.5 * em, closed, _STEP * em))
 
-    def _on_surface(self, xy: NDArray) -> NDArray:
+    def _on_surface(self, xy: AnyArray) -> AnyArray:
         chart = self.chart
         reach = np.array([chart.half_width, chart.half_height])
         xy = np.clip(xy, -reach, reach)
@@ -236,7 +237,7 @@ class Copybook:
             ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in kept]
 
 
-def _inside(ghost: Ghost, points: NDArray) -> int:
+def _inside(ghost: Ghost, points: AnyArray) -> int:
     """How many of the points lie in a character's square."""
     em = ghost.square.em_mm
     near = np.linalg.norm(points - ghost.chart.frame.origin, axis=1) < em
@@ -246,7 +247,7 @@ def _inside(ghost: Ghost, points: NDArray) -> int:
     return int(np.count_nonzero((np.abs(xy) <= 0.5 * em).all(axis=1)))
 
 
-def _dense(line: NDArray, closed: bool, step: float) -> NDArray:
+def _dense(line: AnyArray, closed: bool, step: float) -> AnyArray:
     """Points along a line (N, 2) at most a step apart, with its own corners."""
     if closed:
         line = np.concatenate([line, line[:1]])

@@ -7,10 +7,8 @@ these in a thread of its own.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from pathlib import Path
-
-from numpy.typing import NDArray
+from typing import Any
 
 from paint3d.app.model.brush_commands import BrushCommands, Ink
 from paint3d.app.model.history_commands import HistoryCommands
@@ -31,6 +29,7 @@ from paint3d.app.model.stroke_commands import StrokeCommands
 from paint3d.app.model.stroke_log import StrokeLog, strokes_of, weights_of
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.materials import Material
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.export import (
     PreparedExport,
@@ -93,9 +92,9 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self.painter = painter
         self.path = path
         self.unit = unit
-        self.settings = dict(saved.settings if saved else {})
-        at_hand = saved_inks(surface, self.settings) or [painter.dipped, DEFAULT_INKS[1]]
-        self.inks: list[Ink] = list(at_hand)
+        self.settings: dict[str, Any] = dict(saved.settings if saved else {})
+        at_hand = saved_inks(surface, self.settings)
+        self.inks: list[Ink] = list(at_hand or (painter.dipped, DEFAULT_INKS[1]))
         self.modified = False
         self._saved_at: int | None = 0
         self.left_out = False
@@ -112,7 +111,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self._images: list[ImagePainter] = []
         self._refused = False
         surface.keeps_up = self.settings.pop("behind", False) is not True
-        self._pending: list[NDArray] = []
+        self._pending: list[AnyArray] = []
 
     def _take_history(self, saved: Session | None) -> str:
         """Have the way back that was saved; why not, where it is damaged."""
@@ -131,7 +130,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         """What undo brings back besides the surface."""
         return {"painter": self.painter.keep(), "dipped": self._dipped}
 
-    def _restore(self, kept: Mapping[str, object]) -> None:
+    def _restore(self, kept: Any) -> None:
         self.painter.restore(kept["painter"])
         self._dipped = kept["dipped"]
 
@@ -261,7 +260,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         path: str | os.PathLike[str],
         *,
         progress: Progress | None = None,
-        **options: object,
+        **options: Any,
     ) -> None:
         """Write the painting in the format that the suffix names; see `paint3d.export`.
 
@@ -294,7 +293,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
 
     # -- what is shown --------------------------------------------------------------------
 
-    def refresh(self) -> NDArray:
+    def refresh(self) -> AnyArray:
         """Bring the colours up to date; (N,) int32 vertices that changed since the last call."""
         self._gather()
         pending, self._pending = self._pending, []
@@ -306,6 +305,6 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         """Remember what a refresh finds, whoever asks for colours."""
         self._note(self.surface.refresh())
 
-    def _note(self, vertex_ids: NDArray) -> None:
+    def _note(self, vertex_ids: AnyArray) -> None:
         if len(vertex_ids):
             self._pending.append(vertex_ids)

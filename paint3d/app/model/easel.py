@@ -17,11 +17,13 @@ import math
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from queue import SimpleQueue
+from types import MappingProxyType
+from typing import Any
 
 from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
@@ -78,9 +80,9 @@ class _Job:
     came: float
     samples: Sequence[DeviceSample] = ()
     command: Command | None = None
-    arguments: tuple = ()
-    options: dict | None = None
-    result: Future | None = None
+    arguments: tuple[Any, ...] = ()
+    options: Mapping[str, Any] = MappingProxyType({})
+    result: Future[Any] | None = None
 
 
 class Pace:
@@ -156,7 +158,7 @@ class Easel:
 
     # -- for everybody ----------------------------------------------------------------------
 
-    def post(self, command: Command, *arguments: object, **options: object) -> Future:
+    def post(self, command: Command, *arguments: object, **options: object) -> Future[Any]:
         """Have something done after all that was asked before.
 
         Parameters
@@ -171,7 +173,7 @@ class Easel:
         Future
             Its result, or its error, which is also told as an event.
         """
-        result: Future = Future()
+        result: Future[Any] = Future()
         if command in BRUSH_COMMANDS:
             self._brushes.append(brush_after(self.brush, command, arguments))
             result.add_done_callback(lambda _: self._brushes.popleft())
@@ -368,21 +370,25 @@ class Easel:
         if job.command is None:
             self._guarded("painting", lambda: self._paint(job))
             return
-        name = job.command if isinstance(job.command, str) else job.command.__name__
-        if not job.result.set_running_or_notify_cancel():
+        command, result = job.command, job.result
+        assert result is not None, "a command has one"
+        name = command if isinstance(command, str) else command.__name__
+        if not result.set_running_or_notify_cancel():
             return
         before = time.perf_counter()
         try:
             self._watch_steps(name)
-            action = getattr(self.document, name) if job.command is name else job.command
-            given = job.arguments if job.command is name else (self.document, *job.arguments)
-            job.result.set_result(action(*given, **job.options))
+            if isinstance(command, str):
+                done = getattr(self.document, name)(*job.arguments, **job.options)
+            else:
+                done = command(self.document, *job.arguments, **job.options)
+            result.set_result(done)
         except CancelledError as stopped:  # as who asked for it wished
             self._base_due = True  # the journal says that it was done
-            job.result.set_exception(stopped)
+            result.set_exception(stopped)
         except Exception as error:
             self._tell(name, error)
-            job.result.set_exception(error)
+            result.set_exception(error)
         if name == _FOLLOW:
             self._pace.took(time.perf_counter() - before)
 
@@ -490,7 +496,7 @@ class _Scribe:
         self._document = document  # read only while the painting thread waits
         self.n_put = 0
         self._tell = tell
-        self._queue: SimpleQueue[_Job | Future | None] = SimpleQueue()
+        self._queue: SimpleQueue[_Job | Future[Any] | None] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="paint3d-scribe", daemon=True)
         self._thread.start()
 
@@ -500,9 +506,9 @@ class _Scribe:
             self.n_put += 1
             self._queue.put(job)
 
-    def turn_page(self) -> Future:
+    def turn_page(self) -> Future[Any]:
         """Start a new journal for what is put from now on."""
-        turned: Future = Future()
+        turned: Future[Any] = Future()
         self.n_put = 0
         self._queue.put(turned)
         return turned
@@ -526,11 +532,11 @@ class _Scribe:
                 if isinstance(item, Future):
                     item.set_exception(error)
 
-    def _write(self, item: _Job | Future) -> None:
+    def _write(self, item: _Job | Future[Any]) -> None:
         if isinstance(item, Future):
             self.sitting.turn_page(self._document)
             item.set_result(None)
         elif item.command is None:
             self.sitting.append(item.samples)
-        else:
+        elif isinstance(item.command, str):
             self.sitting.note(encode_command(item.command, item.arguments, item.options))

@@ -37,11 +37,11 @@ class BrushView:
         Whether a stroke is going on.
     """
 
-    position: NDArray
-    orientation: NDArray
+    position: NDArray[np.float64]
+    orientation: NDArray[np.float64]
     pressure: float | None
     contact: Contact | None
-    srgb: NDArray
+    srgb: NDArray[np.uint8]
     load: float
     painting: bool
 
@@ -67,7 +67,7 @@ class Frame:
     n_strokes : int
     """
 
-    vertex_ids: NDArray
+    vertex_ids: NDArray[np.int32]
     has_grown: bool
     brush: BrushView | None
     queue_length: int

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.core.types import AnyArray
 from paint3d.painter.painter import Painter
 
 __all__ = ["DISH", "HAIR", "HeldInk", "held_ink", "ink_srgb"]
@@ -72,8 +72,9 @@ def ink_srgb(
         Shares of sum 1; all 0 for none.
     on_hair : bool
     """
+    inked: dict[str | Pigment, float]
     inked = {p: w for p, w in zip(pigments, parts, strict=False) if w > 0.0 and p is not WATER}
-    shown: NDArray = HAIR if on_hair else DISH
+    shown: AnyArray = HAIR if on_hair else DISH
     if inked:
         shown = mixture_reflectance(inked, sum(inked.values()), shown)
     red, green, blue = (int(code) for code in srgb_from_reflectance(shown))

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Self
-
-from numpy.typing import NDArray
+from typing import Any, Self
 
 from paint3d.app.model.recall_commands import RecallCommands
 from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
+from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
+from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
-from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
 from paint3d.surface.vertex_sets import union
@@ -26,15 +26,23 @@ class HistoryCommands(RecallCommands):
 
     surface: PaintedSurface
     painter: Painter
-    strokes: Sequence[Stroke]
-    layers: tuple[Layer, ...]
     modified: bool
     _saved_at: int | None
     _passing: bool = False
     _dipped: bool
     _log: StrokeLog
     _undo: UndoHistory
-    _note: Callable[[NDArray], None]
+    _note: Callable[[AnyArray], None]
+    new: Callable[..., Self]  # this, and what follows, the document's other commands bring along
+    break_off: Callable[[], None]
+    rename_layer: Callable[[int, str], None]
+    add_layer: Callable[[str, int], None]
+    select_layer: Callable[[int], None]
+    set_brush: Callable[[BrushSpec], None]
+    dip: Callable[[Mapping[Any, float]], None]
+    begin_stroke: Callable[[], None]
+    feed: Callable[[Sequence[DeviceSample]], None]
+    end_stroke: Callable[[], None]
 
     @property
     def steps(self) -> UndoHistory:
@@ -51,7 +59,7 @@ class HistoryCommands(RecallCommands):
         """Whether there is something to do again."""
         return bool(self._undo.undone)
 
-    def undo(self) -> NDArray:
+    def undo(self) -> AnyArray:
         """Take back the last step; the brush stays the one that was chosen last.
 
         Where a stroke is the last that was done and no step takes it back, all are painted again
@@ -75,13 +83,13 @@ class HistoryCommands(RecallCommands):
             self._dipped = True
         return self._stepped(touched)
 
-    def redo(self) -> NDArray:
+    def redo(self) -> AnyArray:
         """Do again what was undone last; returns as `undo`."""
         self.break_off()
         self._passing = False
         return self._stepped(self._undo.redo())
 
-    def _stepped(self, touched: NDArray) -> NDArray:
+    def _stepped(self, touched: AnyArray) -> AnyArray:
         self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
         self.compare_with_saved()
         self._note(touched)
@@ -96,7 +104,7 @@ class HistoryCommands(RecallCommands):
         """Strokes that were taken back and can be done again, the next one first."""
         return [label for label in reversed(self._undo.undone) if isinstance(label, Stroke)]
 
-    def replay_history(self, upto: int, passing: bool = False) -> NDArray:
+    def replay_history(self, upto: int, passing: bool = False) -> AnyArray:
         """Show the painting as it was before the next stroke began, by undo and redo.
 
         Strokes that no step takes back are painted again where that is needed; see
@@ -126,7 +134,7 @@ class HistoryCommands(RecallCommands):
             raise InputError(
                 f"stroke {upto} of the history; expected {self.earliest_stroke} to {most}"
             )
-        touched: list[NDArray] = []
+        touched: list[AnyArray] = []
         if upto < self.oldest_stroke:
             touched.append(self.recall_strokes())
         while len(self.strokes) > upto:
@@ -171,7 +179,8 @@ class HistoryCommands(RecallCommands):
         known = {pigment.name: pigment for pigment in surface.pigments}
         for stroke in self.strokes[:upto]:
             again.repeat(stroke, known)
-        return again
+        result: Self = again
+        return result
 
     def repeat(self, stroke: Stroke, inks: Mapping[str, Pigment] | None = None) -> None:
         """Paint a stroke again, with its brush and on the layer of its name, which is made.

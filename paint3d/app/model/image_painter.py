@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.input.symmetry import transformed
+from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
 
@@ -28,7 +30,7 @@ class ImagePainter:
         See `Symmetry.images`.
     """
 
-    def __init__(self, painter: Painter, image: NDArray) -> None:
+    def __init__(self, painter: Painter, image: NDArray[np.float64]) -> None:
         self._painter = painter
         self._surface = painter.surface
         self._image = image
@@ -46,35 +48,42 @@ class ImagePainter:
     ) -> None:
         """Paint the image of what the hand did, and do something while this brush is in hand."""
         moved = transformed(samples, self._image)
-        self._as_twin(lambda: (self._twin.advance(moved), then()))
+        with self._as_twin():
+            self._twin.advance(moved)
+            then()
 
     def lift(self, then: Callable[[], None] = lambda: None) -> None:
         """Paint what still waits, though the stroke goes on, and do something as in `advance`."""
-        self._as_twin(lambda: (self._twin.lift(), then()))
+        with self._as_twin():
+            self._twin.lift()
+            then()
 
     def finish(self, then: Callable[[], None] = lambda: None) -> None:
         """Paint what still waits, do something, and wash the brush out."""
-        self._as_twin(lambda: (self._twin.finish(), then()))
+        with self._as_twin():
+            self._twin.finish()
+            then()
         self._painter.loaded -= self._surface.lasting(self._fitting()[0])
 
-    def _as_twin(self, action: Callable[[], object]) -> None:
-        """Do something with this brush's ink instead of the hand's."""
+    @contextmanager
+    def _as_twin(self) -> Iterator[None]:
+        """Within, this brush's ink is there instead of the hand's."""
         surface = self._surface
         own = surface.ink.load.copy(), surface.ink.stations
         self._put(*self._fitting())
         loaded = self._twin.loaded
-        action()
+        yield
         self._held = surface.ink.load.copy(), surface.ink.stations
         self._put(*own)
         self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
 
-    def _fitting(self) -> tuple[NDArray, NDArray]:
+    def _fitting(self) -> tuple[AnyArray, AnyArray]:
         """What this brush holds, of all pigments that are known by now."""
         load, stations = self._held
         missing = len(self._surface.pigments) - len(load)
         return np.pad(load, (0, missing)), np.pad(stations, ((0, 0), (0, missing)))
 
-    def _put(self, load: NDArray, stations: NDArray) -> None:
+    def _put(self, load: AnyArray, stations: AnyArray) -> None:
         surface = self._surface
         missing = len(surface.pigments) - len(load)
         surface.ink.load[:] = np.pad(load, (0, missing))

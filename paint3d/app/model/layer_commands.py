@@ -30,12 +30,12 @@ class LayerCommands:
     @property
     def layers(self) -> tuple[Layer, ...]:
         """What is said of each layer, the lowest first."""
-        return self.surface.layers.layers
+        return self.surface.use_layers().layers
 
     @property
     def active_layer(self) -> int:
         """Place of the layer that is painted on, from 0 for the lowest."""
-        return self.surface.layers.active
+        return self.surface.use_layers().active
 
     def select_layer(self, place: int) -> None:
         """Paint on another layer from now on.
@@ -82,7 +82,7 @@ class LayerCommands:
 
     def rename_layer(self, place: int, name: str) -> None:
         """Name a layer."""
-        self.surface.layers.describe(place, name=name)
+        self.surface.use_layers().describe(place, name=name)
         self.differ_from_saved()
 
     def set_visible(self, place: int, visible: bool = True) -> None:
@@ -94,13 +94,13 @@ class LayerCommands:
             If there is none at that place, or a stroke is going on.
         """
         self._refuse_in_stroke("showing or hiding a layer")
-        self.surface.layers.describe(place, visible=bool(visible))
-        self.surface.touch(self.surface.layers.painted_ids())
+        self.surface.use_layers().describe(place, visible=bool(visible))
+        self.surface.touch(self.surface.use_layers().painted_ids())
         self.differ_from_saved()
 
     def set_locked(self, place: int, locked: bool = True) -> None:
         """Refuse painting on a layer, or allow it again."""
-        self.surface.layers.describe(place, locked=bool(locked))
+        self.surface.use_layers().describe(place, locked=bool(locked))
         self.differ_from_saved()
 
     def _restack(self, step: str | None, action: Callable[[LayerStack], None]) -> None:
@@ -109,7 +109,7 @@ class LayerCommands:
         if step is not None and self._passing:
             raise InputError(f"{step} was asked for during a replay; expected its end first")
         surface, painter = self.surface, self.painter
-        stack = surface.layers
+        stack = surface.use_layers()
         self._gather()
         if step is not None:
             self._undo.begin(step)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.brush_load import level_stations
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.surface.painted_surface import PaintedSurface
@@ -105,7 +106,7 @@ class Mask:
         return self.angle is None and not self.regions
 
 
-def nearest_vertex(mesh: PaintMesh, place: NDArray) -> int:
+def nearest_vertex(mesh: PaintMesh, place: AnyArray) -> int:
     """The vertex nearest to a place (3,), mm."""
     away = mesh.vertices - place.astype(np.float32)
     return int(np.argmin(np.einsum("ij,ij->i", away, away)))
@@ -148,10 +149,11 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
         one, two = one[smooth], two[smooth]
     joined = coo_matrix((np.ones(len(one), np.int8), (one, two)), (n, n))
     _, label = connected_components(joined, directed=False)
-    return label == label[pick.face]
+    result: NDArray[np.bool_] = label == label[pick.face]
+    return result
 
 
-def _joined_faces(mesh: PaintMesh) -> tuple[NDArray, NDArray]:
+def _joined_faces(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
     """Pairs of faces that share an edge, wherever its vertices are split by normals."""
     points = mesh.vertices[: mesh.n_base_vertices]
     _, place = np.unique(points, axis=0, return_inverse=True)
@@ -164,10 +166,11 @@ def _joined_faces(mesh: PaintMesh) -> tuple[NDArray, NDArray]:
     return owner[same], owner[same + 1]
 
 
-def _face_normals(mesh: PaintMesh) -> NDArray:
+def _face_normals(mesh: PaintMesh) -> AnyArray:
     corners = mesh.vertices[mesh.base_faces].astype(np.float64)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    result: AnyArray = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return result
 
 
 class Stencil:
@@ -187,7 +190,7 @@ class Stencil:
     def __init__(self, surface: PaintedSurface, mask: Mask) -> None:
         self._surface = surface
         self._mask = mask
-        self._faces: NDArray | None = None
+        self._faces: AnyArray | None = None
         if mask.regions:
             picked = [region_faces(surface.paint_mesh, pick) for pick in mask.regions]
             self._faces = np.logical_or.reduce(picked) != mask.inverted
@@ -195,7 +198,7 @@ class Stencil:
         self._known = 0, 0
         self._looked = self._masked = np.empty(0, np.int32)
 
-    def covers(self, vertex_ids: NDArray) -> NDArray[np.bool_]:
+    def covers(self, vertex_ids: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether vertices (N,) take no paint."""
         self._know()
         return ~self._open[vertex_ids]
@@ -215,11 +218,11 @@ class Stencil:
             allowed = self._faces[fields.node_root[fresh]]
             self._open[fields.node_vertices[fresh][allowed]] = True
         if self._mask.angle is not None:
-            self._lean(known, n)
+            self._lean(self._mask.angle, known, n)
         self._known = n, nodes
 
-    def _lean(self, first: int, last: int) -> None:
-        fields, angle = self._surface.paint_mesh.arrays, self._mask.angle
+    def _lean(self, angle: AngleMask, first: int, last: int) -> None:
+        fields = self._surface.paint_mesh.arrays
         towards = np.asarray(angle.direction, np.float64)
         towards /= np.linalg.norm(towards)
         height = sum(
@@ -228,7 +231,7 @@ class Stencil:
         )
         self._open[first:last] &= height >= math.cos(math.radians(angle.degrees)) - 1e-6
 
-    def wipe(self, before: Callable[[NDArray], tuple[NDArray, NDArray]]) -> NDArray:
+    def wipe(self, before: Callable[[AnyArray], tuple[AnyArray, AnyArray]]) -> AnyArray:
         """Give masked vertices back what they had, and the brush what fell on them.
 
         Parameters
@@ -254,7 +257,7 @@ class Stencil:
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
         return self._give_back(caught)
 
-    def _touched(self) -> NDArray:
+    def _touched(self) -> AnyArray:
         """Masked vertices among those that were touched since colours were asked for last."""
         ink = self._surface.ink
         dirty, known = ink.dirty_ids[: int(ink.n_dirty[0])], self._looked
@@ -266,7 +269,7 @@ class Stencil:
             self._looked = dirty.copy()
         return self._masked
 
-    def _give_back(self, caught: NDArray) -> NDArray:
+    def _give_back(self, caught: AnyArray) -> AnyArray:
         """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is."""
         ink = self._surface.ink
         held = np.maximum(ink.load + caught, 0.0)
@@ -279,4 +282,5 @@ class Stencil:
             level_stations(ink.stations)
         ink.load[:] = held
         ink.off_surface[:] += caught - given
-        return given
+        result: AnyArray = given
+        return result

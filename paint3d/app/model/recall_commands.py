@@ -9,12 +9,13 @@ stroke to the bare object, and redo back to the painting to the bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
 from paint3d.colour.pigments import Pigment
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
@@ -40,8 +41,6 @@ class RecallCommands:
 
     surface: PaintedSurface
     painter: Painter
-    layers: tuple[Layer, ...]
-    strokes: Sequence[Stroke]
     progress: Callable[[float], None] | None = None
     _dipped: bool
     _log: StrokeLog
@@ -49,8 +48,16 @@ class RecallCommands:
     _undo: UndoHistory
     _saved_at: int | None
     _gather: Callable[[], None]
-    _note: Callable[[NDArray], None]
+    _note: Callable[[AnyArray], None]
     _refuse_in_stroke: Callable[[str], None]
+
+    if TYPE_CHECKING:  # what the document's other commands bring along
+
+        @property
+        def layers(self) -> tuple[Layer, ...]: ...  # noqa: D102
+
+        @property
+        def strokes(self) -> Sequence[Stroke]: ...  # noqa: D102
 
     @property
     def oldest_stroke(self) -> int:
@@ -66,7 +73,7 @@ class RecallCommands:
         """
         return self.oldest_stroke if self._recordings else 0
 
-    def recall_strokes(self) -> NDArray:
+    def recall_strokes(self) -> AnyArray:
         """Paint the strokes that no step takes back once more, so that all can be taken back.
 
         The painting stays as it is, to the bit. Layers are those of the strokes' names in the order
@@ -97,7 +104,7 @@ class RecallCommands:
         brush, dipped, since_dip = painter.brush, painter.dipped, self._dipped
         n_done = len(self._undo.done)
         touched = [self._undo.undo() for _ in range(n_done)]
-        touched.append(self.surface.layers.painted_ids())
+        touched.append(self.surface.use_layers().painted_ids())
         strokes = self.strokes[:count]
         try:
             self._undo.prepend(lambda: self._make_bare(strokes[0]), lambda: self._repeat(strokes))
@@ -118,7 +125,7 @@ class RecallCommands:
     def _make_bare(self, first: Stroke) -> None:
         """Begin as a new painting would: a brush that was dipped for the first stroke."""
         painter, surface = self.painter, self.surface
-        surface.layers.describe(0, name=first.layer)
+        surface.use_layers().describe(0, name=first.layer)
         painter.change_brush(first.brush)
         painter.rinse()
         surface.ink.off_surface[:] = 0.0
@@ -146,7 +153,7 @@ class RecallCommands:
 
     def _make_ready(self, stroke: Stroke) -> None:
         """Take the layer, the brush and the ink of a stroke."""
-        stack, painter = self.surface.layers, self.painter
+        stack, painter = self.surface.use_layers(), self.painter
         names = [layer.name for layer in stack.layers]
         if stroke.layer not in names:
             self._undo.change(stack.state, lambda: stack.add(stroke.layer, len(names)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import Symmetry
@@ -35,7 +36,7 @@ class StrokeCommands:
     _come_back: Callable[[], None]
     compare_with_saved: Callable[[], None]
     _paintable: Callable[[], Layer]
-    _note: Callable
+    _note: Callable[..., Any]
 
     @property
     def in_stroke(self) -> bool:

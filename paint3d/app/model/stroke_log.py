@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -65,7 +66,7 @@ class Stroke:
         """What a recording's header says of it."""
         return {
             "brush": self.brush.name,
-            "ink": max(self.ink, key=self.ink.get) if self.ink else None,
+            "ink": max(self.ink, key=self.ink.__getitem__) if self.ink else None,
             "parts": dict(self.ink),
             "layer": self.layer,
             "time_s": self.time_s,
@@ -97,7 +98,9 @@ class StrokeLog:
     """
 
     def __init__(
-        self, before: Sequence[Recording] = (), brushes: Mapping[str, Mapping] | None = None
+        self,
+        before: Sequence[Recording] = (),
+        brushes: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> None:
         self._before = strokes_of(before, brushes)
         self.strokes: list[Stroke] = list(self._before)
@@ -114,7 +117,7 @@ class StrokeLog:
         self._before = self.strokes[: len(self.strokes) - count]
 
     def begin(
-        self, brush: BrushSpec, ink: str | Pigment | Mapping, layer: str, dipped: bool
+        self, brush: BrushSpec, ink: str | Pigment | Mapping[Any, float], layer: str, dipped: bool
     ) -> Stroke:
         """Start a stroke."""
         self.current = Stroke(time.time(), brush, _parts(ink), layer, dipped, tags=dict(self.tags))
@@ -128,7 +131,7 @@ class StrokeLog:
         RecordingError
             If time does not increase, or some have a pressure and others have none.
         """
-        own = self.current.samples[-1:]
+        own = self.current.samples[-1:] if self.current is not None else []
         times = [sample.time_ns for sample in (*own, *samples)]
         if any(b <= a for a, b in pairwise(times)):
             raise RecordingError("a sample is not later than the one before it")
@@ -137,6 +140,7 @@ class StrokeLog:
 
     def append(self, samples: Sequence[DeviceSample]) -> None:
         """Add to the stroke that is going on."""
+        assert self.current is not None, "a stroke is going on"
         self.current.samples.extend(samples)
 
     def end(self) -> Stroke | None:
@@ -181,7 +185,7 @@ def _whole(stroke: Stroke) -> list[DeviceSample]:
         return samples
     if first.pressure > 0.0:
         samples.insert(0, _with(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
-    if last.pressure > 0.0:
+    if last.pressure is not None and last.pressure > 0.0:
         samples.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
     if stroke.dipped:
         dip = _with(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP)
@@ -200,7 +204,7 @@ def _shift(end_ns: int, begin_ns: int, shift: int) -> int:
     return -((begin_ns - end_ns - _PAUSE_NS) // PIECE_NS) * PIECE_NS
 
 
-def _with(sample: DeviceSample, **changes: object) -> DeviceSample:
+def _with(sample: DeviceSample, **changes: Any) -> DeviceSample:
     names = DeviceSample.__dataclass_fields__
     return DeviceSample(**{name: changes.get(name, getattr(sample, name)) for name in names})
 
@@ -228,7 +232,7 @@ def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) 
 
 
 def strokes_of(
-    recordings: Sequence[Recording], brushes: Mapping[str, Mapping] | None = None
+    recordings: Sequence[Recording], brushes: Mapping[str, Mapping[str, Any]] | None = None
 ) -> list[Stroke]:
     """Strokes that were saved; see `StrokeLog`.
 
@@ -241,7 +245,7 @@ def strokes_of(
     return [_stroke_of(recording, known) for recording in recordings]
 
 
-def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping]) -> Stroke:
+def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -> Stroke:
     """A stroke that was saved.
 
     Raises
@@ -262,13 +266,13 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping]) -> Stroke:
         raise SessionError(f"a stroke of the session cannot be used: {cause}") from None
 
 
-def weights_of(ink: str | Pigment | Mapping) -> dict[str, float]:
+def weights_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
     """The weights of the inks in a mixture, by name, as they were given."""
     stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
     return {k if isinstance(k, str) else k.name: float(w) for k, w in stirred.items()}
 
 
-def _parts(ink: str | Pigment | Mapping) -> dict[str, float]:
+def _parts(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
     weights = weights_of(ink)
     total = sum(weights.values())
     return {name: weight / total for name, weight in weights.items()}

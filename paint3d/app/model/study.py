@@ -310,7 +310,8 @@ def _touches(recording: Recording) -> list[tuple[int, int]]:
     if recording.pressure is None:
         return [(int(times[0]), int(times[-1]))]
     down = np.concatenate([[False], recording.pressure > 0.0, [False]])
-    starts, ends = np.flatnonzero(down[1:] & ~down[:-1]), np.flatnonzero(down[:-1] & ~down[1:])
+    starts = np.flatnonzero(down[1:] & ~down[:-1]).tolist()
+    ends = np.flatnonzero(down[:-1] & ~down[1:]).tolist()
     last = len(times) - 1
     return [
         (int(times[max(0, start - 1)]), int(times[min(last, end)]))

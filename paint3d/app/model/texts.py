@@ -19,7 +19,8 @@ LANGUAGES = ("en", "zh")
 def load_texts() -> dict[str, dict[str, str]]:
     """All texts: by key, then by language."""
     file = importlib.resources.files("paint3d.app.model").joinpath("data/texts.json")
-    return json.loads(file.read_text("utf-8"))
+    result: dict[str, dict[str, str]] = json.loads(file.read_text("utf-8"))
+    return result
 
 
 def system_language(environment: Mapping[str, str] | None = None) -> str:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from paint3d.core.types import AnyArray
 from paint3d.device.beat import find_beat
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find_actions
 from paint3d.device.hid_nodes import HidNode
@@ -59,12 +59,12 @@ class Plugged(Protocol):
 class Feedback(Protocol):
     """What `haptics.servo.ForceFeedback` offers."""
 
-    last_force: NDArray
+    last_force: AnyArray
 
     def take(self) -> list[StylusReading]:
         """Readings of the haptic stylus since the last call."""
 
-    def publish(self, object_pose: NDArray | None = None) -> None:
+    def publish(self, object_pose: AnyArray | None = None) -> None:
         """Tell where the object is, (7,), and that the program is alive."""
 
     def stop(self) -> None:
@@ -258,9 +258,10 @@ class StrokeCutter:
                 found.append("begin_stroke")
                 found.append([] if self._before is None else [self._before])
             if down or self._down:
-                if not found or isinstance(found[-1], str):
-                    found.append([])
-                found[-1].append(sample)
+                if found and isinstance(found[-1], list):
+                    found[-1].append(sample)
+                else:
+                    found.append([sample])
             if self._down and not down:
                 found.append("end_stroke")
             self._down, self._before = down, sample

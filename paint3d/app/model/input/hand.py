@@ -17,13 +17,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.standing import any_tangent, held_over, lean_of, root_over, turned_with
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.frames import quaternions_from_matrices
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
@@ -149,11 +149,11 @@ class _State:
     """What is remembered between events."""
 
     time_ns: int
-    target: NDArray  # where the pointer is, on the surface
-    point: NDArray  # where the brush is
-    normal: NDArray
-    tip: NDArray  # where the tuft's tip trails
-    ray: tuple[NDArray, NDArray] | None = None  # by which the pointer met the surface
+    target: AnyArray  # where the pointer is, on the surface
+    point: AnyArray  # where the brush is
+    normal: AnyArray
+    tip: AnyArray  # where the tuft's tip trails
+    ray: tuple[AnyArray, AnyArray] | None = None  # by which the pointer met the surface
     began_ns: int | None = None
     beside: bool = False
     speed: float = 0.0
@@ -165,11 +165,11 @@ class _Stand:
     """Where the brush is at one instant, but for whither its tip trails."""
 
     time_ns: int
-    target: NDArray  # where the pointer is
-    point: NDArray  # where the brush is
-    normal: NDArray
-    lean: NDArray  # unit, up the handle
-    rest: NDArray  # whither a tip points that nothing drags
+    target: AnyArray  # where the pointer is
+    point: AnyArray  # where the brush is
+    normal: AnyArray
+    lean: AnyArray  # unit, up the handle
+    rest: AnyArray  # whither a tip points that nothing drags
     twist: float | None  # rad
     pressure: float
     buttons: int
@@ -203,6 +203,16 @@ class Hand:
         self._waiting: list[_Stand] = []  # of a stroke that does not yet say whither it goes
         self._last: _Stand | None = None
 
+    @property
+    def _now(self) -> _State:
+        assert self._state is not None, "the pointer has been over the object"
+        return self._state
+
+    @property
+    def _latest(self) -> _Stand:
+        assert self._last is not None, "a stroke goes on"
+        return self._last
+
     def hover(self, event: PointerInput, brush: BrushSpec) -> DeviceSample | None:
         """The brush above the surface; None where the pointer is beside the object."""
         stand = self._follow(event, brush, pulled=False)
@@ -216,7 +226,7 @@ class Hand:
         stand = self._follow(event, brush, pulled=False)
         if stand is None:
             return None
-        state = self._state
+        state = self._now
         state.began_ns = event.time_ns
         state.beside, state.speed, state.sent_ns = False, 0.0, event.time_ns
         pressure = self._pressure(event)
@@ -267,37 +277,37 @@ class Hand:
         samples = self._land(brush) + self._glide(brush)
         state.began_ns = None
         found = None if event is None or state.beside else self._meet(event)
-        lifted = replace(self._last, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
+        lifted = replace(self._latest, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
         if found is not None:
             far = float(np.linalg.norm(found[0] - lifted.point)) > _LIFTED_OVER * brush.length_mm
-            if not far and not self._is_apart(found[0], event):
+            if not far and event is not None and not self._is_apart(found[0], event):
                 normal = self._normal_under(*found, brush)
                 lifted = replace(lifted, point=found[0], normal=normal)
         return [*samples, self._sample(lifted, brush)]
 
     # -- steps ------------------------------------------------------------------------------
 
-    def _is_apart(self, point: NDArray, event: PointerInput) -> bool:
+    def _is_apart(self, point: AnyArray, event: PointerInput) -> bool:
         """Whether the way to a point leaves the surface, as from a rim to what is behind it."""
-        way = point - self._state.target
+        way = point - self._now.target
         distance = float(np.linalg.norm(way))
         if distance < _LEAST_GAP_MM:
             return False
-        between = self._state.target + np.outer(_PLACES_BETWEEN, way)
+        between = self._now.target + np.outer(_PLACES_BETWEEN, way)
         off = np.linalg.norm(self._surface.find(between).points - between, axis=1)
         return bool(off.max() > _MOST_OFF * distance) or self._leaps(point, event)
 
-    def _leaps(self, point: NDArray, event: PointerInput) -> bool:
+    def _leaps(self, point: AnyArray, event: PointerInput) -> bool:
         """Whether an edge is seen between the last place and this: no ray between meets the way.
 
         Of two rays the one in the middle halves the way between what they meet, or, where the
         surface is seen from the side, all but. Over an edge the greater part stays as it is.
         """
-        rays = [self._state.ray, _ray_of(event)]
+        rays = [self._now.ray, _ray_of(event)]
         if rays[0] is None or rays[1] is None:
             return False
-        places = [self._state.target, point]
-        gap = float(np.linalg.norm(point - self._state.target))
+        places = [self._now.target, point]
+        gap = float(np.linalg.norm(point - self._now.target))
         for _ in range(_HALVINGS):
             origin, direction = (0.5 * (a + b) for a, b in zip(*rays, strict=True))
             middle = origin, direction / np.linalg.norm(direction)
@@ -319,7 +329,7 @@ class Hand:
         Between two samples the handle turns evenly, but the surface at once: over a fold the brush
         would lie down on it for a moment, and its footprint be twice as long.
         """
-        last = self._waiting[-1] if self._waiting else self._last
+        last = self._waiting[-1] if self._waiting else self._latest
         cosine = float(np.clip(last.normal @ stand.normal, -1.0, 1.0))
         n = min(math.ceil(math.acos(cosine) / _TURNS), (stand.time_ns - before_ns) // _STEP_NS)
         way = stand.point - last.point
@@ -345,7 +355,7 @@ class Hand:
 
     def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """Up where the brush is, and down where the pointer is now."""
-        lifted = self.end(self._state.sent_ns, brush)
+        lifted = self.end(self._now.sent_ns, brush)
         landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
         return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
 
@@ -382,13 +392,13 @@ class Hand:
             event.buttons,
         )
 
-    def _rest(self, lean: NDArray, normal: NDArray, event: PointerInput) -> NDArray:
+    def _rest(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
         """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
         if np.linalg.norm(aside) > _LEANS:
             return any_tangent(normal, -aside)
         if event.right is None or event.up is None:
-            return any_tangent(normal, self._state.tip - self._state.point)
+            return any_tangent(normal, self._now.tip - self._now.point)
         return any_tangent(normal, np.subtract(event.up, event.right))
 
     # -- coming down ------------------------------------------------------------------------
@@ -417,7 +427,7 @@ class Hand:
         way = stands[-1].target - first.point
         moved = float(np.linalg.norm(way)) >= _LEAST_SURE * self._trail(brush)
         back = any_tangent(first.normal, -way) if moved else first.rest
-        self._state.tip = first.point + self._trail(brush) * back
+        self._now.tip = first.point + self._trail(brush) * back
         self._last = first
         samples = []
         for stand in stands:
@@ -431,7 +441,7 @@ class Hand:
         Over an edge the tip is turned with the surface: laid into the new plane instead, it would
         come to lie under the brush, and point along the edge.
         """
-        state, last, trail = self._state, self._last, self._trail(brush)
+        state, last, trail = self._now, self._latest, self._trail(brush)
         back = turned_with(last.normal, stand.normal, state.tip - last.point)
         way = stand.point - last.point
         back = back - float(np.linalg.norm(way)) * _along(stand.normal, way)
@@ -444,7 +454,7 @@ class Hand:
         state.tip = stand.point + back
         self._last = stand
 
-    def _meet(self, event: PointerInput) -> tuple[NDArray, NDArray] | None:
+    def _meet(self, event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
         """Where the pointer meets the surface, and the normal there."""
         if event.point is not None and event.normal is not None:
             normal = as_array(event.normal, "normal", (3,))
@@ -455,11 +465,11 @@ class Hand:
         hits = self._surface.cast(origin[None], as_array(event.direction, "direction", (3,))[None])
         return self._on_surface(hits.points[0]) if hits.hit[0] else None
 
-    def _on_surface(self, point: NDArray) -> tuple[NDArray, NDArray]:
+    def _on_surface(self, point: AnyArray) -> tuple[AnyArray, AnyArray]:
         found = self._surface.find(point[None])
         return found.points[0], found.normals[0]
 
-    def _normal_under(self, point: NDArray, normal: NDArray, brush: BrushSpec) -> NDArray:
+    def _normal_under(self, point: AnyArray, normal: AnyArray, brush: BrushSpec) -> AnyArray:
         """The mean normal under a footprint: over a crease the handle turns by and by.
 
         The places on its rim lie a little under the surface, so that those beyond an edge are
@@ -469,11 +479,12 @@ class Hand:
         rim = _RIM @ np.stack([ahead, np.cross(normal, ahead)]) - _SUNK * normal
         found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
         mean = 2.0 * normal + found[found @ normal > _OTHER_SIDE].sum(axis=0)
-        return mean / np.linalg.norm(mean)
+        result: AnyArray = mean / np.linalg.norm(mean)
+        return result
 
-    def _pull(self, target: NDArray, string: float) -> tuple[NDArray, NDArray]:
+    def _pull(self, target: AnyArray, string: float) -> tuple[AnyArray, AnyArray]:
         """Where a string of this length pulls the brush."""
-        state = self._state
+        state = self._now
         way = target - state.point
         distance = float(np.linalg.norm(way))
         if distance <= string:
@@ -482,7 +493,7 @@ class Hand:
 
     def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples on the way to where the pointer was last."""
-        state = self._state
+        state = self._now
         start, way = state.point, state.target - state.point
         length = float(np.linalg.norm(way))
         n = math.ceil(length / _GLIDE_STEP_MM)
@@ -493,7 +504,7 @@ class Hand:
             state.normal = self._normal_under(state.point, normal, brush)
             state.sent_ns += max(step_ns, _STEP_NS)
             stand = replace(
-                self._last, time_ns=state.sent_ns, point=state.point, normal=state.normal
+                self._latest, time_ns=state.sent_ns, point=state.point, normal=state.normal
             )
             self._drag(stand, brush)
             samples.append(self._sample(stand, brush))
@@ -506,9 +517,9 @@ class Hand:
         change += settings.newtons_per_notch * event.wheel
         self.force = min(MAX_FORCE_N, max(0.0, self.force + change))
 
-    def _follow_speed(self, time_ns: int, point: NDArray) -> None:
+    def _follow_speed(self, time_ns: int, point: AnyArray) -> None:
         """The pointer's speed, mm/s, over the last hundredths of a second."""
-        state = self._state
+        state = self._now
         seconds = (time_ns - state.time_ns) * 1e-9
         if seconds > 0.0:
             now = float(np.linalg.norm(point - state.target)) / seconds
@@ -516,14 +527,16 @@ class Hand:
             state.speed += weight * (now - state.speed)
 
     def _pressure(self, event: PointerInput) -> float:
-        state, settings = self._state, self.settings
+        settings = self.settings
         if event.pressure is not None:
             pressure = settings.curve(as_number(event.pressure, "pressure", 0.0, 1.0))
         else:
             pressure = self.force / MAX_FORCE_N
+            state = self._now
             if settings.pressure_by == "speed":
                 pressure *= 1.0 / (1.0 + state.speed / settings.steady_mm_s)
-            since = (event.time_ns - state.began_ns) * 1e-9
+            began_ns = event.time_ns if state.began_ns is None else state.began_ns
+            since = (event.time_ns - began_ns) * 1e-9
             if since < settings.landing_s:
                 pressure *= since / settings.landing_s
         return pressure
@@ -535,7 +548,7 @@ class Hand:
         normal = stand.normal
         z = held_over(stand.lean, normal)  # gliding and lifted it comes to where others were right
         if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
-            bend = any_tangent(normal, self._state.tip - stand.point)
+            bend = any_tangent(normal, self._now.tip - stand.point)
             x = bend - (bend @ z) / (normal @ z) * normal
             x /= np.linalg.norm(x)
         else:
@@ -557,18 +570,18 @@ class Hand:
         )
 
 
-def _ray_of(event: PointerInput) -> tuple[NDArray, NDArray] | None:
+def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
     if event.origin is None or event.direction is None:
         return None
     return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
 
 
-def _along(normal: NDArray, way: NDArray) -> NDArray:
+def _along(normal: AnyArray, way: AnyArray) -> AnyArray:
     """A way's direction along a surface; zero where it leads straight up or down."""
     across = way - (way @ normal) * normal
     length = float(np.linalg.norm(across))
     return across / length if length > 1e-9 else np.zeros(3)
 
 
-def _turned(vector: NDArray, axis: NDArray, angle: float) -> NDArray:
+def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
     return math.cos(angle) * vector + math.sin(angle) * np.cross(axis, vector)

@@ -11,9 +11,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera
 
@@ -55,11 +56,11 @@ SIDES = {
 class Ray:
     """A ray of sight: origin (3,) mm and unit direction (3,)."""
 
-    origin: NDArray
-    direction: NDArray
+    origin: AnyArray
+    direction: AnyArray
 
 
-def picture_axes(camera: Camera) -> tuple[NDArray, NDArray, NDArray]:
+def picture_axes(camera: Camera) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Unit vectors right and up in the picture, and back towards the viewer."""
     back = _unit(camera.position - camera.focus)
     right = _unit(np.cross(camera.up, back))
@@ -229,7 +230,7 @@ def _mm_per_pixel(camera: Camera, height: float) -> float:
     return 2.0 * distance * math.tan(0.5 * camera.view_angle) / height
 
 
-def _turned(vector: NDArray, axis: NDArray, angle: float) -> NDArray:
+def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
     """Rodrigues' rotation about a unit axis."""
     across, along = np.cross(axis, vector), axis @ vector
     return (
@@ -237,7 +238,7 @@ def _turned(vector: NDArray, axis: NDArray, angle: float) -> NDArray:
     )
 
 
-def _unit(vector: NDArray) -> NDArray:
+def _unit(vector: AnyArray) -> AnyArray:
     length = float(np.linalg.norm(vector))
     if length < 1e-12:
         raise InputError("the camera stands at its focus, or looks along its own up")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["PressureCurve"]
@@ -33,7 +33,7 @@ class PressureCurve:
     """
 
     points: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
-    _table: NDArray = field(init=False, repr=False, compare=False)
+    _table: AnyArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         given = np.round(as_array(self.points, "pressure curve", (None, 2)), 6)
@@ -96,7 +96,7 @@ class PressureCurve:
         return PressureCurve(self.points[:index] + self.points[index + 1 :])
 
 
-def _sampled(points: NDArray) -> NDArray:
+def _sampled(points: AnyArray) -> AnyArray:
     """The curve at even steps (STEPS + 1,)."""
     from scipy.interpolate import PchipInterpolator
 

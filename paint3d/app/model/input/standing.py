@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
@@ -18,6 +17,7 @@ from paint3d.brush_engine.tuft import (
     trace_outline,
 )
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
 
 __all__ = ["any_tangent", "held_over", "lean_of", "root_over", "turned_with"]
 
@@ -26,12 +26,12 @@ _STEEPEST_TILT = 85.0  # degrees that a tablet may say
 
 
 def lean_of(
-    normal: NDArray,
+    normal: AnyArray,
     right: Sequence[float] | None,
     up: Sequence[float] | None,
     x_tilt: float,
     y_tilt: float,
-) -> NDArray:
+) -> AnyArray:
     """Up the handle: the surface's normal, leaned over as the pen leans in the picture.
 
     Parameters
@@ -60,7 +60,7 @@ def lean_of(
     return math.cos(angle) * normal + math.sin(angle) / length * aside
 
 
-def held_over(lean: NDArray, normal: NDArray) -> NDArray:
+def held_over(lean: AnyArray, normal: AnyArray) -> AnyArray:
     """A handle's direction, where it is farther than 60 degrees from a normal turned towards it.
 
     Parameters
@@ -75,7 +75,7 @@ def held_over(lean: NDArray, normal: NDArray) -> NDArray:
     return math.cos(_MOST_LEAN) * normal + math.sin(_MOST_LEAN) * aside
 
 
-def turned_with(before: NDArray, after: NDArray, vector: NDArray) -> NDArray:
+def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
     """A vector that is turned as one normal turns into another, the shortest way.
 
     Parameters
@@ -93,12 +93,12 @@ def turned_with(before: NDArray, after: NDArray, vector: NDArray) -> NDArray:
 
 def root_over(
     brush: BrushSpec,
-    place: NDArray,
-    normal: NDArray,
-    bend: NDArray,
-    handle: NDArray,
+    place: AnyArray,
+    normal: AnyArray,
+    bend: AnyArray,
+    handle: AnyArray,
     pressure: float,
-) -> NDArray:
+) -> AnyArray:
     """Where the tuft's root is when the middle of its footprint lies at a place, on a plane there.
 
     Painting asks for the place and not for the root (`DeviceSample.contact`); the root is what a
@@ -130,7 +130,8 @@ def root_over(
     foot = place - _middle_reach(tuft, descent, tilt, pressure) * bend
     height = max(0.0, brush.length_mm * upright - descent)
     aside = handle - upright * normal - min(0.0, ahead) * bend  # what is no lean along the bend
-    return foot + height * normal + brush.length_mm * aside
+    result: AnyArray = foot + height * normal + brush.length_mm * aside
+    return result
 
 
 def _middle_reach(tuft: Tuft, descent: float, tilt: float, pressure: float) -> float:
@@ -145,11 +146,12 @@ def _limited(degrees: float) -> float:
     return min(max(angle, -_STEEPEST_TILT), _STEEPEST_TILT)
 
 
-def any_tangent(normal: NDArray, wanted: NDArray) -> NDArray:
+def any_tangent(normal: AnyArray, wanted: AnyArray) -> AnyArray:
     """The unit vector across the normal that is nearest to the wanted one."""
     for candidate in (wanted, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
         across = candidate - (candidate @ normal) * normal
         length = float(np.linalg.norm(across))
         if length > 1e-9 * max(1.0, float(np.linalg.norm(candidate))):
-            return across / length
+            result: AnyArray = across / length
+            return result
     return np.array([0.0, 0.0, 1.0])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
 from paint3d.core.frames import matrices_from_quaternions, quaternions_from_matrices
+from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.pose.brush_pose import object_poses
@@ -67,7 +68,7 @@ class Symmetry:
     def __post_init__(self) -> None:
         self.images()
 
-    def images(self) -> list[NDArray]:
+    def images(self) -> list[AnyArray]:
         """The (4, 4) transforms of all images but the stroke itself, in a fixed order."""
         turns = self.radial.count if self.radial else 1
         if isinstance(turns, bool) or not isinstance(turns, int) or not 1 <= turns <= MOST_IMAGES:
@@ -87,7 +88,7 @@ class Symmetry:
         return _distinct(found)[1:]
 
 
-def _mirror(plane: MirrorPlane) -> NDArray:
+def _mirror(plane: MirrorPlane) -> AnyArray:
     normal, point = _direction(plane.normal), as_array(plane.point, "point", (3,))
     image = np.eye(4)
     image[:3, :3] -= 2.0 * np.outer(normal, normal)
@@ -95,7 +96,7 @@ def _mirror(plane: MirrorPlane) -> NDArray:
     return image
 
 
-def _turn(radial: RadialSymmetry, k: int) -> NDArray:
+def _turn(radial: RadialSymmetry, k: int) -> AnyArray:
     axis, point = _direction(radial.axis), as_array(radial.point, "point", (3,))
     half = np.pi * k / radial.count
     q = np.array([np.cos(half), *(np.sin(half) * axis)])
@@ -105,23 +106,24 @@ def _turn(radial: RadialSymmetry, k: int) -> NDArray:
     return image
 
 
-def _direction(vector: Sequence[float]) -> NDArray:
-    vector = as_array(vector, "normal or axis", (3,))
-    length = float(np.linalg.norm(vector))
+def _direction(vector: Sequence[float]) -> AnyArray:
+    direction: AnyArray = as_array(vector, "normal or axis", (3,))
+    length = float(np.linalg.norm(direction))
     if length < 1e-12:
         raise InputError("a normal or axis of symmetry is 0; expected a direction")
-    return vector / length
+    unit: AnyArray = direction / length
+    return unit
 
 
-def _distinct(images: Sequence[NDArray]) -> list[NDArray]:
-    kept: list[NDArray] = []
+def _distinct(images: Sequence[AnyArray]) -> list[AnyArray]:
+    kept: list[AnyArray] = []
     for image in images:
         if all(np.abs(image - other).max() > _SAME for other in kept):
             kept.append(image)
     return kept
 
 
-def transformed(samples: Sequence[DeviceSample], image: NDArray) -> list[DeviceSample]:
+def transformed(samples: Sequence[DeviceSample], image: NDArray[np.float64]) -> list[DeviceSample]:
     """What an image of the hand does: samples in the object's frame, the object at rest.
 
     A mirrored brush is a brush again: its handle and bend are mirrored, and its third axis follows
@@ -142,6 +144,6 @@ def transformed(samples: Sequence[DeviceSample], image: NDArray) -> list[DeviceS
     contact = None if path.contact is None else path.contact @ turn.T + image[:3, 3]
     return [
         DeviceSample(s.time_ns, position[i], orientation[i], s.pressure, s.buttons, np.zeros(3),
-                     _REST, None if s.contact is None else contact[i])
+                     _REST, None if s.contact is None or contact is None else contact[i])
         for i, s in enumerate(samples)
     ]  # fmt: skip

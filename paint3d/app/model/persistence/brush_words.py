@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ def brush_words(brush: BrushSpec) -> dict[str, object]:
     return asdict(brush)
 
 
-def brush_from_words(words: Mapping[str, object]) -> BrushSpec:
+def brush_from_words(words: Mapping[str, Any]) -> BrushSpec:
     """The brush that `brush_words` described.
 
     Raises
@@ -45,7 +46,7 @@ def hair_words(painter: Painter) -> dict[str, object] | None:
     return {name: array.tolist() for name, array in painter.hairs.keep().items()}
 
 
-def restore_hairs(painter: Painter, words: object) -> None:
+def restore_hairs(painter: Painter, words: Any) -> None:
     """Let the hairs be as `hair_words` described; nothing happens without.
 
     Raises

@@ -7,8 +7,9 @@ its ink, and what single hairs hold; the steps say how the surface was (`surface
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.dynamics import build_curves
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import WATER, load_palette
+from paint3d.core.types import AnyArray
 from paint3d.errors import Paint3DError, SessionError
 from paint3d.painter.bristle_state import HairTuft
 from paint3d.surface.painted_surface import PaintedSurface
@@ -39,7 +41,7 @@ _MOST_BRUSHES = 1000
 _MOST_HAIRS = 1_000_000  # of all brushes together
 _LONGEST_LABEL = 100
 
-Kept = Mapping[str, object]
+Kept = Mapping[str, Any]
 
 
 def saved_history(
@@ -47,7 +49,7 @@ def saved_history(
     history: UndoHistory,
     current: Stroke | None,
     most_bytes: int,
-) -> tuple[dict[str, object], list[Stroke]]:
+) -> tuple[dict[str, Any], list[Stroke]]:
     """Return the steps as a session holds them, and the strokes that were undone.
 
     Parameters
@@ -82,9 +84,9 @@ def _word(label: object, current: Stroke | None) -> str:
     return str(label)
 
 
-def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, object]:
+def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
     brushes: dict[BrushSpec, int] = {}
-    painters: dict[str, dict[str, object]] = {}
+    painters: dict[str, dict[str, Any]] = {}
     places: dict[str, int] = {}
     of = np.empty(len(kept), np.int32)
     for k, one in enumerate(kept):
@@ -118,7 +120,7 @@ _NO_HAIRS = {"load": np.empty((0, 0)), "memory": np.empty(0)}
 def restore_history(
     surface: PaintedSurface,
     history: UndoHistory,
-    state: Mapping[str, object],
+    state: Mapping[str, Any],
     strokes: Sequence[Stroke],
     undone: Sequence[Stroke],
 ) -> int:
@@ -152,29 +154,28 @@ def restore_history(
                 f"they are {n_done} and {n_undone} strokes; expected {len(strokes)} and "
                 f"{len(undone)}"
             )
-        labels = [
-            _labels(own, iter(found))
-            for own, found in zip(words, (strokes[len(strokes) - n_done :], undone), strict=True)
-        ]
+        done_labels = _labels(words[0], iter(strokes[len(strokes) - n_done :]))
+        undone_labels = _labels(words[1], iter(undone))
         kept = _kept(surface, state)
-        restore_undo(surface, history, state["steps"], *labels, kept)
+        restore_undo(surface, history, state["steps"], done_labels, undone_labels, kept)
     except SessionError:
         raise
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
         raise SessionError(f"they are incomplete near {cause}") from None
     except Paint3DError as cause:
         raise SessionError(str(cause)) from None
-    return n_done
+    result: int = n_done
+    return result
 
 
-def _labels(words: Sequence[object], strokes: Sequence[Stroke]) -> list[object]:
+def _labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[object]:
     for word in words:
         if not isinstance(word, str) or len(word) > _LONGEST_LABEL:
             raise SessionError(f"a step is {word!r:.60}; expected a word")
     return [next(strokes) if word == _STROKE else word for word in words]
 
 
-def _kept(surface: PaintedSurface, state: Mapping[str, object]) -> list[Kept]:
+def _kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
     """What the painter remembered, as `Document` restores it."""
     of = np.asarray(state["painter"])
     count, p = len(of), len(surface.pigments)
@@ -197,7 +198,7 @@ def _kept(surface: PaintedSurface, state: Mapping[str, object]) -> list[Kept]:
     ]
 
 
-def _makers(surface: PaintedSurface, state: Mapping[str, object]) -> list[Callable[..., Kept]]:
+def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[..., Kept]]:
     """For each painter what makes what it remembers from loads and hairs."""
     if len(state["brushes"]) > _MOST_BRUSHES or len(state["painters"]) > 10 * _MOST_BRUSHES:
         raise SessionError(f"they use {len(state['brushes'])} brushes; expected {_MOST_BRUSHES}")
@@ -226,13 +227,13 @@ def _makers(surface: PaintedSurface, state: Mapping[str, object]) -> list[Callab
     return makers
 
 
-def _brush(words: Mapping[str, object]) -> dict[str, object]:
+def _brush(words: Mapping[str, Any]) -> dict[str, Any]:
     brush = brush_from_words(words)
     return {"brush": brush, "tuft": build_tuft(brush), "_curves": build_curves(brush.inputs)}
 
 
-def _maker(about: Mapping[str, object]) -> Callable[..., Kept]:
-    def make(loaded: float, load: np.ndarray, memory: np.ndarray) -> Kept:
+def _maker(about: Mapping[str, Any]) -> Callable[..., Kept]:
+    def make(loaded: float, load: AnyArray, memory: AnyArray) -> Kept:
         of_hairs, hairs = None, about["hairs"]
         if hairs is not None:
             if len(load) != hairs.spec.n_hairs or memory.shape != hairs.memory.shape:

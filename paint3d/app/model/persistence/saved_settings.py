@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
+from typing import Any
 
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.persistence.brush_words import brush_from_words, restore_hairs
@@ -36,7 +37,7 @@ DEFAULT_BRUSH, DEFAULT_INKS = "full", ("pine soot", "cinnabar")
 Mixture = dict[str | Pigment, float]
 
 
-def saved_painter(surface: PaintedSurface, settings: Mapping[str, object]) -> Painter:
+def saved_painter(surface: PaintedSurface, settings: Mapping[str, Any]) -> Painter:
     """The painter with the brush in its hand, as it lay there.
 
     Raises
@@ -57,7 +58,7 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, object]) -> Pa
     return painter
 
 
-def saved_inks(surface: PaintedSurface, settings: Mapping[str, object]) -> list[Mixture] | None:
+def saved_inks(surface: PaintedSurface, settings: Mapping[str, Any]) -> list[Mixture] | None:
     """The two inks at hand; None where the settings say nothing of them.
 
     Raises
@@ -73,7 +74,7 @@ def saved_inks(surface: PaintedSurface, settings: Mapping[str, object]) -> list[
     return [saved_mixture(ink, surface) for ink in inks]
 
 
-def saved_unit(settings: Mapping[str, object]) -> str:
+def saved_unit(settings: Mapping[str, Any]) -> str:
     """The unit of lengths as they are shown; millimetres where it is none that is known."""
     unit = settings.get("unit")
     return unit if isinstance(unit, str) and unit in UNITS_MM else "mm"
@@ -100,7 +101,8 @@ def chosen_inks(settings: Settings) -> list[Mixture | str]:
     for ink, instead in zip_longest(settings.inks[:2], DEFAULT_INKS):
         names = set(ink) if isinstance(ink, Mapping) else {ink}
         whole = names <= set(known) and (not isinstance(ink, Mapping) or sum(ink.values()) > 0.0)
-        inks.append((dict(ink) if isinstance(ink, Mapping) else ink) if whole else instead)
+        chosen: Any = dict(ink) if isinstance(ink, Mapping) else ink
+        inks.append(chosen if whole else instead)
     return inks
 
 
@@ -133,8 +135,9 @@ def saved_mixture(saved: object, surface: PaintedSurface) -> Mixture:
         raise SessionError(f"an ink is of a table on this machine, in {str(saved)[:100]}; "
                            "expected names of its own or of the palette")  # fmt: skip
     palette = {**load_palette(), WATER.name: WATER}
+    own: dict[str, Pigment]
     own = {p.name: p for p in surface.pigments if palette.get(p.name) is not p}
     return {
-        own.get(name, name): as_number(weight, f"weight of {name}", 1e-9, 1e9, SessionError)
+        own.get(name) or name: as_number(weight, f"weight of {name}", 1e-9, 1e9, SessionError)
         for name, weight in saved.items()
     }

@@ -12,7 +12,7 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,13 +73,17 @@ class Sitting:
         """Of the journal that is written now."""
         return self._number
 
-    def append(self, samples: object) -> None:
+    def append(self, samples: Iterable[DeviceSample]) -> None:
         """Write samples down; see `Journal.append`."""
-        self._journal.append(samples)
+        self._open_journal().append(samples)
 
     def note(self, command: Mapping[str, object]) -> None:
         """Write a command down; see `Journal.note`."""
-        self._journal.note(command)
+        self._open_journal().note(command)
+
+    def _open_journal(self) -> Journal:
+        assert self._journal is not None, "a page is open from the start"
+        return self._journal
 
     def turn_page(self, document: Document) -> None:
         """Start the next journal, with what no session holds; `save_base` is to follow.
@@ -93,6 +97,7 @@ class Sitting:
         """
         self._lay_out_page()
         fresh = self._next
+        assert fresh is not None, "it was laid out"
         fresh.note(encode_command("set_symmetry", [document.symmetry], {}))
         fresh.note(encode_command("set_mask", [document.mask], {}))
         fresh.note(encode_command("set_tags", [], document.tags))
@@ -283,7 +288,7 @@ def _pieces(event: Recording | Mapping[str, object]) -> list[_Piece]:
 
 def _cost(piece: _Piece) -> float:
     """What doing it again takes, roughly, in samples."""
-    return float(len(piece)) if isinstance(piece, list) else _COSTS.get(piece.get("do"), 1.0)
+    return float(len(piece)) if isinstance(piece, list) else _COSTS.get(str(piece.get("do")), 1.0)
 
 
 def _done_again(document: Document, piece: _Piece) -> list[str]:
