@@ -16,6 +16,7 @@ from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, MeshError
 from paint3d.files import glb_container
 from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
+from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -50,6 +51,14 @@ def test_trimesh_reads_the_same_mesh_and_colours(painted, tmp_path, suffix):
     np.testing.assert_allclose(other.vertices, painted.vertices, atol=1e-5)
     np.testing.assert_array_equal(other.faces, painted.faces)
     np.testing.assert_array_equal(other.visual.vertex_colors[:, :3], painted.srgb)
+
+
+def test_a_texture_asked_of_what_says_no_detail_is_refused(painted, tmp_path):
+    with pytest.raises(
+        ExportError, match="laid on a PaintedSurface or TriangleMesh; got a Painted"
+    ):
+        export(painted, tmp_path / "a.glb", ExportOptions(texture=64))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_trimesh_reads_glb_in_metres_with_y_up(painted, tmp_path):
