@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from numpy.typing import NDArray
-
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.navigation import picture_axes
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
@@ -16,6 +14,7 @@ from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_names
+from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 
 __all__ = ["PaintActions"]
@@ -164,7 +163,7 @@ class PaintActions:
         self._post("set_mask", Mask(mask.angle, regions, mask.inverted))
         self._workspace.tell(say("Regions that take paint: {n}", n=len(regions)))
 
-    def _look_up(self, what: Callable[[PaintMesh, NDArray], int]) -> int | None:
+    def _look_up(self, what: Callable[[PaintMesh, AnyArray], int]) -> int | None:
         """Something of the object under the pointer; None beside it, or while painting is busy."""
         place = self._workspace.hand.place()
         if place is None:

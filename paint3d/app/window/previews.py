@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import Pigment, load_pigment
+from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
@@ -27,7 +28,7 @@ _PRESS = np.array([0.0, 0.62, 0.40, 0.36, 0.50, 0.78, 0.68, 0.34, 0.08, 0.0])
 _NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-def stroke_preview(brush: BrushSpec, ink: Ink | Mapping[Ink, float]) -> NDArray:
+def stroke_preview(brush: BrushSpec, ink: Ink | Mapping[Ink, float]) -> NDArray[np.uint8]:
     """(H, W, 3) uint8: one stroke from left to right, pressed twice and lifted slowly.
 
     Cost: 0.1 s the first time; kept for the last brushes and inks.
@@ -52,7 +53,7 @@ def _name(ink: Ink) -> str:
 
 
 @lru_cache(maxsize=128)
-def _stroke(brush: BrushSpec, parts: tuple[tuple[Ink, float], ...]) -> NDArray:
+def _stroke(brush: BrushSpec, parts: tuple[tuple[Ink, float], ...]) -> AnyArray:
     width = _SHEET_LENGTHS * brush.length_mm
     surface = PaintedSurface(_sheet(width), None, load_material("xuan"))
     painter = Painter(surface, brush, dict(parts), azimuth="dragged")
@@ -93,7 +94,7 @@ def _samples(brush: BrushSpec, width: float) -> list[DeviceSample]:
 
 
 @lru_cache(maxsize=512)
-def ink_swatch(parts: tuple[tuple[Ink, float], ...], n: int = 24) -> NDArray:
+def ink_swatch(parts: tuple[tuple[Ink, float], ...], n: int = 24) -> NDArray[np.uint8]:
     """(n, 3) uint8: a mixture on paper, from a thin wash to as dark as it gets."""
     from paint3d.colour.vertex_colours import ColourModel
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.frames import matrices_from_quaternions
+from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
 from paint3d.view.brush_shape import BrushStand
@@ -63,7 +65,7 @@ class Stage:
         self.scene = LiveScene(size, mood)
         self.easel: Easel | None = None
         self.frame: Frame | None = None
-        self.points: NDArray = np.empty((0, 3), np.float32)
+        self.points: AnyArray = np.empty((0, 3), np.float32)
         self.shows_brush = self.shows_mask = True
         self._stencil: Stencil | None = None
         self._object: LiveObject | None = None
@@ -73,8 +75,8 @@ class Stage:
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
         self._drawn = LivePicture(self.scene, self._prepare_coarse)
-        self._pending: list[NDArray] = []
-        self._stood: tuple = ()
+        self._pending: list[AnyArray] = []
+        self._stood: tuple[Any, ...] = ()
         self._seen: BrushView | None = None
         self._seen_at: DeviceSample | None = None
         self._left_at: DeviceSample | object = _NOWHERE
@@ -178,7 +180,7 @@ class Stage:
         self.frame = frame
         return frame
 
-    def draw(self) -> NDArray | None:
+    def draw(self) -> NDArray[np.uint8] | None:
         """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed.
 
         The brush is drawn where the hand is now, also where the painting has not come there yet.
@@ -201,12 +203,12 @@ class Stage:
         """Whether nothing is left to draw, also not more finely."""
         return self._drawn.is_done()
 
-    def picture(self, *, fine: bool = True) -> NDArray:
+    def picture(self, *, fine: bool = True) -> NDArray[np.uint8]:
         """(H, W, 4) uint8 pixels as they are now, the first row at the bottom."""
         self._place_brush()
         return self._drawn.draw_whole(fine=fine)
 
-    def picture_by_parts(self, *, fine: bool = True) -> Iterator[tuple[float, NDArray]]:
+    def picture_by_parts(self, *, fine: bool = True) -> Iterator[tuple[float, AnyArray]]:
         """The same part by part, with the share that is drawn; nothing else is drawn meanwhile."""
         self._place_brush()
         return self._drawn.draw_by_parts(fine=fine)
@@ -259,7 +261,7 @@ class Stage:
     # -- lines on the object ----------------------------------------------------------------
 
     def show_lines(
-        self, name: str, lines: Sequence[NDArray], colour: tuple[int, ...], width: float = 1.5
+        self, name: str, lines: Sequence[AnyArray], colour: tuple[int, ...], width: float = 1.5
     ) -> None:
         """Draw lines (K, 3), mm, on the object, in the place of those of that name.
 
@@ -347,7 +349,7 @@ class Stage:
             self._left_at = self.easel.newest
 
 
-def _moved(seen: BrushView, shift: NDArray) -> BrushView:
+def _moved(seen: BrushView, shift: AnyArray) -> BrushView:
     """The brush as it stands, elsewhere (mm)."""
     contact = seen.contact
     if contact is not None:

@@ -40,7 +40,8 @@ def restore_window(window: QtWidgets.QMainWindow, words: Mapping[str, object]) -
 
 
 def _text(data: QtCore.QByteArray) -> str:
-    return bytes(data.toBase64()).decode("ascii")
+    result: str = bytes(data.toBase64()).decode("ascii")
+    return result
 
 
 def _bytes(text: str) -> QtCore.QByteArray:

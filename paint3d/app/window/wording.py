@@ -6,6 +6,8 @@ which is its key, and in Chinese beside it (`chinese`).
 
 from __future__ import annotations
 
+from typing import Any
+
 from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
@@ -47,7 +49,7 @@ def language() -> str:
     return _texts[0].language
 
 
-def say(text: str, **values: object) -> str:
+def say(text: str, **values: Any) -> str:
     """The words for a key or an English text, with values put in."""
     if text in load_texts():
         return _texts[0](text, **values)

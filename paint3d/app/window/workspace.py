@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
+from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
@@ -122,7 +123,7 @@ class Workspace(QtCore.QObject):
 
     # -- choices ----------------------------------------------------------------------------
 
-    def keep(self, **changes: object) -> None:
+    def keep(self, **changes: Any) -> None:
         """Change settings, and save them."""
         self.settings = dataclasses.replace(self.settings, **changes)
         try:
@@ -134,7 +135,7 @@ class Workspace(QtCore.QObject):
         """Remember the brush, the inks and the force for the next painting."""
         if self.stage.easel is None:
             return
-        chosen = in_hand(self.stage.easel.brush, list(self.document.inks))
+        chosen = in_hand(self.stage.easel.brush, list[Any](self.document.inks))
         force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 

@@ -156,7 +156,8 @@ class ExportDialog(FormDialog):
 
     def size(self) -> tuple[int, int]:
         """Of a picture, pixels."""
-        return self.boxes["size"].size_in_pixels()
+        result: tuple[int, int] = self.boxes["size"].size_in_pixels()
+        return result
 
     def quality(self) -> int:
         """Of a JPEG, 1 to 100."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from PySide6 import QtWidgets
 
@@ -46,7 +47,9 @@ class FormDialog(QtWidgets.QDialog):
         """Put the buttons below."""
         self.form.addRow(buttons(self, accept))
 
-    def add_box(self, label: str, choices: Mapping[object, str], chosen: object):
+    def add_box(
+        self, label: str, choices: Mapping[Any, str], chosen: object
+    ) -> QtWidgets.QComboBox:
         """A row to choose one of several: what they mean, by what is chosen."""
         box = QtWidgets.QComboBox()
         for value, text in choices.items():

@@ -299,7 +299,8 @@ def _tidied(turn: NDArray[np.float64]) -> NDArray[np.float64]:
     u, _, v = np.linalg.svd(turn)
     tidy = u @ v
     whole = np.rint(tidy)
-    return whole if np.abs(tidy - whole).max() < 1e-9 else tidy
+    result: NDArray[np.float64] = whole if np.abs(tidy - whole).max() < 1e-9 else tidy
+    return result
 
 
 def told(note: str) -> str:

@@ -12,6 +12,7 @@ from paint3d.app.window.panels.device_panel import DevicePanel
 from paint3d.app.window.wording import say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.frames import matrices_from_quaternions, multiply_quaternions, rotate
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
@@ -33,7 +34,7 @@ _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 def carried_camera(camera: Camera, before: ObjectPose, after: ObjectPose) -> Camera:
     """The camera that stands still in the world while the object is moved, in its frame."""
 
-    def carry(vector: np.ndarray, shifted: bool) -> np.ndarray:
+    def carry(vector: AnyArray, shifted: bool) -> AnyArray:
         world = rotate(before.orientation, vector) + (before.position if shifted else 0.0)
         return rotate(after.orientation * _CONJUGATE, world - (after.position if shifted else 0.0))
 

@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.model.input.fingers import Fingers, Meaning
 from paint3d.app.window.input.touch import Touch, touch_of_mouse, touch_of_tablet
+from paint3d.core.types import AnyArray
 
 __all__ = ["WRITING", "Canvas", "Drag"]
 
@@ -96,7 +96,7 @@ class Canvas(QtWidgets.QWidget):
         )
         self.overlays: list[Callable[[QtGui.QPainter, QtCore.QRect], None]] = []
         self._image: QtGui.QImage | None = None
-        self._pixels: NDArray | None = None
+        self._pixels: AnyArray | None = None
         self.mode_at: Callable[..., str | None] = lambda x, y, keys: None
         self.grip_at: Callable[..., object] = lambda x, y: None
         self.finger = "auto"
@@ -113,7 +113,7 @@ class Canvas(QtWidgets.QWidget):
         ratio = self.devicePixelRatioF()
         return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
 
-    def show_pixels(self, pixels: NDArray) -> None:
+    def show_pixels(self, pixels: AnyArray) -> None:
         """Show (H, W, 4) uint8 pixels, the first row at the bottom."""
         self._pixels = np.ascontiguousarray(pixels[::-1])
         height, width = pixels.shape[:2]

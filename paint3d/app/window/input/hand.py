@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.window.input.canvas import Canvas
 from paint3d.app.window.input.touch import Touch
 from paint3d.app.window.stage import Stage
+from paint3d.core.types import AnyArray
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera, is_flat, studio_axes
 
@@ -73,7 +75,7 @@ class CanvasHand(QtCore.QObject):
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self.show_all()
 
-    def set_settings(self, **changes: object) -> None:
+    def set_settings(self, **changes: Any) -> None:
         """Read the hand otherwise; see `HandSettings`."""
         self.settings = dataclasses.replace(self.settings, **changes)
         if self.hand is not None:
@@ -126,13 +128,13 @@ class CanvasHand(QtCore.QObject):
             self._notches += notches
         return self.in_stroke
 
-    def meets(self, places: NDArray) -> NDArray[np.bool_]:
+    def meets(self, places: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether the object is seen at places (N, 2) of the picture, pixels."""
         rays = [navigation.ray_at(self.camera, x, y, self._size()) for x, y in places]
         origins = np.array([ray.origin for ray in rays])
         return self._surface.cast(origins, np.array([ray.direction for ray in rays])).hit
 
-    def place(self) -> NDArray | None:
+    def place(self) -> AnyArray | None:
         """(3,) the place on the object under the pointer, or None."""
         if self._place is None or self._surface is None:
             return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from paint3d.app.window.dialogs.export_dialog import ExportDialog, kept_options
 from paint3d.app.window.jobs.job import Progress, result_of
@@ -64,7 +65,7 @@ class Exporting:
         else:
             self.export_to(path, **dialog.options())
 
-    def export_to(self, path: Path, **options: object) -> bool:
+    def export_to(self, path: Path, **options: Any) -> bool:
         """Write the painting in another format; say whether that went well.
 
         Parameters

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, wait
+from typing import Any
 
 from PySide6 import QtCore, QtWidgets
 
@@ -90,7 +91,7 @@ class Progress:
         return self._stopped
 
 
-def result_of(future: Future, progress: Progress) -> object:
+def result_of(future: Future[Any], progress: Progress) -> object:
     """Wait for what somebody else does; what waits in a queue when it is stopped is not begun."""
     while not wait([future], timeout=_LOOK_MS / 1e3).done:
         try:
@@ -149,7 +150,7 @@ def is_waiting(window: QtWidgets.QWidget) -> bool:
     return window in _waiting
 
 
-def _do(work: Callable[[Progress], object], progress: Progress, future: Future) -> None:
+def _do(work: Callable[[Progress], object], progress: Progress, future: Future[Any]) -> None:
     try:
         result = work(progress)
         progress(1.0)  # from here on it is done; if it was stopped before, it does not count
@@ -172,7 +173,7 @@ class _Bar(QtCore.QObject):
         parent: QtWidgets.QWidget,
         title: str,
         progress: Progress,
-        future: Future,
+        future: Future[Any],
         here: Callable[[], None] | None,
     ) -> None:
         super().__init__()

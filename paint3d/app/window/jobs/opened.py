@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.jobs.job import Progress
+from paint3d.core.types import AnyArray
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.live_object import LiveObject, PatchUpload
 
@@ -71,7 +72,7 @@ def open_with_progress(document: Document, progress: Progress, share: float) -> 
     return Opened.of(document, progress.check)
 
 
-def _some(points: NDArray) -> NDArray:
+def _some(points: AnyArray) -> AnyArray:
     """Some of (N, 3) points, spread evenly over the list, and those that lie outermost."""
     step = -(-len(points) // _MOST_POINTS)
     if step == 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 from PySide6 import QtWidgets
 
@@ -113,7 +114,7 @@ class Opening:
             self._recent.add(path)
         return True
 
-    def _open_session(self, path: str, title: str) -> Future:
+    def _open_session(self, path: str, title: str) -> Future[Any]:
         undo_bytes = self._undo_bytes()
 
         def work(progress: Progress) -> Opened:
@@ -125,7 +126,7 @@ class Opening:
 
     def _open_mesh(
         self, path: str, title: str, resolution: float | None, material: str | None
-    ) -> Future | None:
+    ) -> Future[Any] | None:
         settings = self._workspace.settings
         resolution = settings.resolution_mm if resolution is None else resolution
         material = chosen_material(settings) if material is None else material

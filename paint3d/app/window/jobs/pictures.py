@@ -17,6 +17,7 @@ from paint3d.app.window.jobs.turntable import write_turntable
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.atomic import write_atomically
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, Paint3DError
 
 __all__ = ["Pictures"]
@@ -47,7 +48,7 @@ class _Drawing:
         self._workspace, self._size = workspace, size
         self._fine = size[0] * size[1] <= _FINE_PIXELS
         self._share = 0.0
-        self._pixels: Future[np.ndarray] = Future()
+        self._pixels: Future[AnyArray] = Future()
 
     def __enter__(self) -> Callable[[], None] | None:
         """What is to be called again and again, in the window's thread, until all is drawn."""
@@ -70,10 +71,10 @@ class _Drawing:
         if self._share >= 1.0:
             self._take(pixels)
 
-    def _take(self, pixels: np.ndarray) -> None:
+    def _take(self, pixels: AnyArray) -> None:
         self._pixels.set_result(np.array(pixels[::-1, :, :3]))
 
-    def wait(self, progress: Progress) -> np.ndarray:
+    def wait(self, progress: Progress) -> AnyArray:
         """(H, W, 3) uint8, the first row on top; called beside the window's thread."""
         while not wait([self._pixels], timeout=_LOOK_S).done:
             progress.expect(_DRAWN * self._share, _DRAWN, 1.0)

@@ -6,6 +6,7 @@ import queue
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -28,7 +29,7 @@ _DRAWN = 0.9  # of the time, about, that drawing takes
 _LOOK_S = 0.05
 
 
-def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future:
+def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]:
     """Draw a film picture by picture, with a bar, and write it; nothing if it was stopped.
 
     Raises

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -13,6 +14,7 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_length
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.types import AnyArray
 from paint3d.errors import Paint3DError
 
 __all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
@@ -22,7 +24,7 @@ _SHORTEST_MM, _LONGEST_MM = 5.0, 200.0  # the slider's ends
 _SETTLE_MS = 160  # a new size is taken when the slider has stood so long
 
 
-def pixmap_of(pixels: np.ndarray, size: QtCore.QSize | None = None) -> QtGui.QPixmap:
+def pixmap_of(pixels: AnyArray, size: QtCore.QSize | None = None) -> QtGui.QPixmap:
     """A pixmap of (H, W, 3) uint8 pixels, the first row on top."""
     height, width = pixels.shape[:2]
     data = np.ascontiguousarray(pixels)
@@ -55,7 +57,7 @@ class BrushPanel(QtWidgets.QWidget):
         self._theme = theme
         self._ink: object = "pine soot"
         self._painter = ThreadPoolExecutor(1, thread_name_prefix="paint3d-preview")
-        self._coming: dict[str, Future] = {}
+        self._coming: dict[str, Future[Any]] = {}
         self._failures: set[str] = set()
         self.brush = load_brush(brush_names()[0])
         self._list = self._make_list()
@@ -169,7 +171,8 @@ class BrushPanel(QtWidgets.QWidget):
         self._painter.shutdown(wait=False, cancel_futures=True)
 
     def _name(self, row: int) -> str:
-        return self._list.item(row).data(QtCore.Qt.ItemDataRole.UserRole)
+        result: str = self._list.item(row).data(QtCore.Qt.ItemDataRole.UserRole)
+        return result
 
     def _item_chosen(self, item: QtWidgets.QListWidgetItem) -> None:
         self.chosen.emit(load_brush(item.data(QtCore.Qt.ItemDataRole.UserRole)))
@@ -224,7 +227,8 @@ def _blank() -> QtGui.QPixmap:
     pixmap = QtGui.QPixmap(2 * _ICON)
     pixmap.fill(QtCore.Qt.GlobalColor.transparent)
     pixmap.setDevicePixelRatio(2.0)
-    return pixmap
+    result: QtGui.QPixmap = pixmap
+    return result
 
 
 def plain_name(brush: BrushSpec) -> str:
@@ -234,10 +238,11 @@ def plain_name(brush: BrushSpec) -> str:
 
 def _step_of(length: float) -> int:
     """Where the slider stands for a length."""
-    return round(1000 * np.log(length / _SHORTEST_MM) / np.log(_LONGEST_MM / _SHORTEST_MM))
+    result: int = round(1000 * np.log(length / _SHORTEST_MM) / np.log(_LONGEST_MM / _SHORTEST_MM))
+    return result
 
 
-def _framed(pixels: np.ndarray, theme: Theme) -> QtGui.QPixmap:
+def _framed(pixels: AnyArray, theme: Theme) -> QtGui.QPixmap:
     """The stroke as a slip of paper with rounded corners, twice as fine as it is shown."""
     size = 2 * _ICON
     whole = QtGui.QPixmap(size)
@@ -253,4 +258,5 @@ def _framed(pixels: np.ndarray, theme: Theme) -> QtGui.QPixmap:
     painter.drawPath(path)
     painter.end()
     whole.setDevicePixelRatio(2.0)
-    return whole
+    result: QtGui.QPixmap = whole
+    return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
+from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
@@ -34,7 +35,7 @@ class CopybookPanel(QtWidgets.QWidget):
         super().__init__()
         self._theme = theme
         self.copybook: Copybook | None = None
-        self._coming: list[Future] = []
+        self._coming: list[Future[Any]] = []
         self._scores: dict[int, Score] = {}
         self.text = QtWidgets.QLineEdit(_EXAMPLE)
         self.size = QtWidgets.QDoubleSpinBox()
@@ -81,7 +82,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.copybook, self._scores, self._coming = copybook, {}, []
         self._fill()
 
-    def expect(self, coming: Future) -> None:
+    def expect(self, coming: Future[Any]) -> None:
         """Show the score of a stroke when it is there."""
         self._coming.append(coming)
 

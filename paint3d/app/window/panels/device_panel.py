@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.frame import Frame
@@ -13,6 +12,7 @@ from paint3d.app.model.input.devices import DeviceDesk
 from paint3d.app.window.keeping_up import keeping_up
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
+from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 
 __all__ = ["DevicePanel", "HandsPicture"]
@@ -26,8 +26,8 @@ class HandsPicture(QtWidgets.QWidget):
     def __init__(self, theme: Theme) -> None:
         super().__init__()
         self.theme = theme
-        self.object_axes: NDArray = np.eye(3)
-        self.brush_axis: NDArray = np.array([0.0, 0.0, 1.0])
+        self.object_axes: AnyArray = np.eye(3)
+        self.brush_axis: AnyArray = np.array([0.0, 0.0, 1.0])
         self.force = 0.0
         self.setMinimumHeight(132)
 
@@ -113,12 +113,12 @@ class DevicePanel(QtWidgets.QWidget):
         layout.addStretch(1)
         self.show_desk(None, None)
 
-    def show_brush(self, axis: NDArray, force: float) -> None:
+    def show_brush(self, axis: AnyArray, force: float) -> None:
         """Show how the brush is held (3,), in the world, and how hard it presses, N."""
         self.picture.brush_axis, self.picture.force = axis, force
         self.picture.update()
 
-    def show_object(self, axes: NDArray) -> None:
+    def show_object(self, axes: AnyArray) -> None:
         """Show how the object is held: its axes (3, 3), columns, in the world."""
         self.picture.object_axes = axes
         self.picture.update()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.hand import HandSettings
@@ -153,7 +155,7 @@ class HandPanel(QtWidgets.QWidget):
         self.angle.setValue(75)
         form.addRow(say("mask.angle"), self.angle)
 
-    def _slider(self, low: int, high: int, told) -> QtWidgets.QSlider:
+    def _slider(self, low: int, high: int, told: Callable[[int], object]) -> QtWidgets.QSlider:
         slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         slider.setRange(low, high)
         slider.valueChanged.connect(told)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
@@ -41,7 +42,7 @@ class HistoryPanel(QtWidgets.QWidget):
         super().__init__()
         self._theme = theme
         self._shown: tuple[int, int] = (-1, -1)
-        self._strokes: list = []
+        self._strokes: list[Any] = []
         self._wanted: int | None = None  # what was asked for and is not there yet
         self._is_playing = False
         self.list = QtWidgets.QListWidget()
@@ -98,7 +99,7 @@ class HistoryPanel(QtWidgets.QWidget):
             self._wanted = None
         self.show_strokes(strokes, document.undone_strokes, document.earliest_stroke)
 
-    def show_strokes(self, strokes: Sequence, undone: Sequence, earliest: int) -> None:
+    def show_strokes(self, strokes: Sequence[Any], undone: Sequence[Any], earliest: int) -> None:
         """Show the strokes that are there; those that were undone come after them, fainter.
 
         Parameters
@@ -176,7 +177,8 @@ class HistoryPanel(QtWidgets.QWidget):
 
     def speed(self) -> float | None:
         """How fast things are replayed, of their own time; None for as fast as it goes."""
-        return self.pace.currentData()
+        result: float | None = self.pace.currentData()
+        return result
 
     @property
     def is_playing(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from PySide6 import QtCore, QtWidgets
 
@@ -29,7 +30,7 @@ class LayerPanel(QtWidgets.QWidget):
     def __init__(self, theme: Theme) -> None:
         super().__init__()
         self._theme = theme
-        self._shown: tuple = ()
+        self._shown: tuple[Any, ...] = ()
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("layers")
         self.list.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -61,7 +62,7 @@ class LayerPanel(QtWidgets.QWidget):
 
     # -- showing ----------------------------------------------------------------------------
 
-    def show_layers(self, layers: Sequence, active: int) -> None:
+    def show_layers(self, layers: Sequence[Any], active: int) -> None:
         """Show these layers, the lowest first, and which is painted on."""
         told = (tuple((x.name, x.visible, x.locked) for x in layers), active)
         if told == self._shown:
@@ -141,7 +142,8 @@ class LayerPanel(QtWidgets.QWidget):
         name.selectAll()
 
     def _active(self) -> int:
-        return self._shown[1]
+        result: int = self._shown[1]
+        return result
 
     def _select(self, item: QtWidgets.QListWidgetItem) -> None:
         self.asked.emit("select_layer", item.data(QtCore.Qt.ItemDataRole.UserRole), None)

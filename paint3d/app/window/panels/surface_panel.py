@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
@@ -28,7 +29,7 @@ class SurfacePanel(QtWidgets.QWidget):
 
     def __init__(self, actions: Iterable[QtGui.QAction]) -> None:
         super().__init__()
-        self._shown: tuple = ()
+        self._shown: tuple[Any, ...] = ()
         self.swatch = QtWidgets.QLabel()
         self.name = QtWidgets.QLabel()
         self.name.setObjectName("title")
