@@ -20,9 +20,8 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from queue import SimpleQueue
-from types import MappingProxyType
 from typing import Any
 
 from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
@@ -81,7 +80,7 @@ class _Job:
     samples: Sequence[DeviceSample] = ()
     command: Command | None = None
     arguments: tuple[Any, ...] = ()
-    options: Mapping[str, Any] = MappingProxyType({})
+    options: Mapping[str, Any] = field(default_factory=dict)
     result: Future[Any] | None = None
 
 
