@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
@@ -77,7 +78,7 @@ class BeginPage(QtWidgets.QFrame):
             opened = self._add(Path(path).name, lambda path=path: self._opening.open_path(path))
             opened.setToolTip(path)
 
-    def _add(self, text: str, do) -> QtWidgets.QPushButton:
+    def _add(self, text: str, do: Callable[[], object]) -> QtWidgets.QPushButton:
         button = QtWidgets.QPushButton(text)
         button.clicked.connect(lambda _=False: do())
         self._rows.addWidget(button)

@@ -36,7 +36,7 @@ def make_program() -> QtWidgets.QApplication:
         If there is no display.
     """
     there = QtWidgets.QApplication.instance()
-    if there is not None:
+    if isinstance(there, QtWidgets.QApplication):
         return there
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY")

@@ -164,11 +164,11 @@ class Workspace(QtCore.QObject):
         title: str,
         work: Callable[[Progress], object],
         here: Callable[[], None] | None = None,
-    ) -> Future[object]:
+    ) -> Future[Any]:
         """Run work beside the window, with a bar that ends it; see `run_beside`."""
         return run_beside(self.window, title, work, here)
 
-    def went_well(self, done: Future[object]) -> bool:
+    def went_well(self, done: Future[Any]) -> bool:
         """Whether work ended well; what went wrong is told."""
         error = done.exception()
         if error is None:

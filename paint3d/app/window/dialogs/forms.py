@@ -29,8 +29,9 @@ def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBo
 def kept_number(kept: Mapping[str, object], name: str, default: float) -> float:
     """A number that was kept under a name; the default where there is none."""
     value = kept.get(name)
-    usable = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    return float(value) if usable else default
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+        return default
+    return float(value)
 
 
 class FormDialog(QtWidgets.QDialog):

@@ -91,7 +91,7 @@ class Progress:
         return self._stopped
 
 
-def result_of(future: Future[Any], progress: Progress) -> object:
+def result_of(future: Future[Any], progress: Progress) -> Any:
     """Wait for what somebody else does; what waits in a queue when it is stopped is not begun."""
     while not wait([future], timeout=_LOOK_MS / 1e3).done:
         try:
@@ -107,7 +107,7 @@ def run_beside(
     title: str,
     work: Callable[[Progress], object],
     here: Callable[[], None] | None = None,
-) -> Future[object]:
+) -> Future[Any]:
     """Run work in a thread of its own while the window lives on; returns when it has ended.
 
     Meanwhile the window takes no clicks and keys: nothing else can be begun that what is made
@@ -133,7 +133,7 @@ def run_beside(
     """
     if parent in _waiting:
         return _cancelled()
-    progress, future = Progress(), Future()
+    progress, future = Progress(), Future[Any]()
     worker = threading.Thread(target=_do, args=(work, progress, future), name="paint3d-work")
     _waiting.append(parent)
     try:
@@ -159,7 +159,7 @@ def _do(work: Callable[[Progress], object], progress: Progress, future: Future[A
         future.set_exception(error)
 
 
-def _cancelled() -> Future[object]:
+def _cancelled() -> Future[Any]:
     future: Future[object] = Future()
     future.set_exception(CancelledError())
     return future

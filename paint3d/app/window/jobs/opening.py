@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -183,5 +184,5 @@ def _warm_up(progress: Progress) -> None:
     warm_up(progress.check)
 
 
-def _before_one(progress: Progress):
+def _before_one(progress: Progress) -> Callable[[float], None]:
     return part_of(progress, 0.0, 0.98)

@@ -218,7 +218,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self._player.start(max(_LEAST_MS, round(1e3 * seconds)))
 
     def _step(self) -> None:
-        self._ask(self._last + 1)
+        self._ask(0 if self._last is None else self._last + 1)
 
 
 def _dish_icon(parts: dict[str, float], theme: Theme) -> QtGui.QIcon:
