@@ -20,6 +20,7 @@ from PySide6 import QtCore, QtTest, QtWidgets
 from paint3d.app.window.dialogs.export_dialog import ExportDialog
 from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
 from paint3d.app.window.dialogs.target_dialog import TargetDialog
+from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
@@ -339,3 +340,64 @@ def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(window, tmp_p
     assert sorted(os.listdir(tmp_path)) == ["a.p3d", "sub.p3d"]
     live(0.1)
     assert window.saving.save_to(tmp_path / "b.p3d")
+
+
+def answered(words: str, found: list[str]) -> None:
+    """Press the button with these words in the question that comes; what it says is kept."""
+
+    def press(box: QtWidgets.QMessageBox) -> None:
+        found.append(box.text())
+        choose(box, words)
+
+    answer(press, QtWidgets.QMessageBox)
+
+
+def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: Path) -> None:
+    """The second one is told, and none replaces what the other has saved without asking."""
+    path = tmp_path / "both.p3d"
+    assert window.saving.save_to(path)
+    with opened(program, str(path)) as second:
+        assert "both.p3d is open in another window" in second.told.text()
+        drag(second.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
+        settled(second)
+        second.workspace.actions["save"].trigger()  # the file is as it was opened: nothing is asked
+        assert "Saved" in second.told.text()
+        theirs = path.read_bytes()
+
+        said: list[str] = []
+        answered(say("button.cancel"), said)
+        window.workspace.actions["save"].trigger()
+        assert path.read_bytes() == theirs
+        answered(say("Replace"), said)
+        window.workspace.actions["save"].trigger()
+        assert path.read_bytes() != theirs
+        assert len(said) == 2
+        assert all("both.p3d was saved by another window" in text for text in said)
+        window.workspace.actions["save"].trigger()  # it is this window's own again
+        assert len(said) == 2
+
+        answered(say("action.save_as"), said)
+        elsewhere = {"press": lambda dialog: typed(dialog, "second")}
+        when(
+            lambda: isinstance(QtWidgets.QApplication.activeModalWidget(), TargetDialog),
+            lambda: elsewhere["press"](QtWidgets.QApplication.activeModalWidget()),
+            "it is asked where to save",
+        )
+        second.workspace.actions["save"].trigger()
+        assert (tmp_path / "second.p3d").exists()
+        assert second.document.path.name == "second.p3d"
+
+
+def test_a_file_that_is_gone_is_saved_again_without_a_question(window, tmp_path: Path) -> None:
+    path = tmp_path / "gone.p3d"
+    assert window.saving.save_to(path)
+    path.unlink()
+    window.workspace.actions["save"].trigger()
+    assert path.exists()
+
+
+def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tmp_path) -> None:
+    path = tmp_path / "own.p3d"
+    assert window.saving.save_to(path)
+    assert window.opening.open_path(str(path), asked=True)
+    assert "another window" not in window.told.text()

@@ -91,6 +91,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self.surface = surface
         self.painter = painter
         self.path = path
+        self._written = _written(path)
         self.unit = unit
         self.settings: dict[str, Any] = dict(saved.settings if saved else {})
         at_hand = saved_inks(surface, self.settings)
@@ -197,11 +198,14 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         """
         if not is_session_path(path):
             return cls.new(path, resolution, material, unit=unit, undo_bytes=undo_bytes)
+        written = _written(path)
         session = load_session(path, progress)
         try:
             painter = saved_painter(session.surface, session.settings)
             unit = saved_unit(session.settings)
-            return cls(session.surface, painter, Path(path), session, unit, undo_bytes)
+            opened = cls(session.surface, painter, Path(path), session, unit, undo_bytes)
+            opened._written = written
+            return opened
         except Paint3DError as cause:
             raise SessionError(f"{path}: {cause}") from None
 
@@ -224,12 +228,23 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         if not is_session_path(path):
             raise ExportError(f"{path}: a painting is saved as .p3d; other formats are exported")
         self.save_copy(path, progress)
-        self.path, self.modified, self._saved_at = path, False, self._undo.next_undo
+        self.belong_to(path)
+        self.modified, self._saved_at = False, self._undo.next_undo
 
     def save_copy(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
         """Write everything to a session that is not the painting's own; see `save`."""
         self._gather()
         save_session(self._session(), path, progress)
+
+    def belong_to(self, path: Path | None) -> None:
+        """Have this as the session's file, as it lies on the disk now."""
+        self.path, self._written = path, _written(path)
+
+    @property
+    def is_written_by_others(self) -> bool:
+        """Whether the session's file is another than the one that was opened or saved here."""
+        now = _written(self.path)
+        return now is not None and now != self._written
 
     def differ_from_saved(self) -> None:
         """Know that something changed that no undo takes back."""
@@ -308,3 +323,12 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
     def _note(self, vertex_ids: AnyArray) -> None:
         if len(vertex_ids):
             self._pending.append(vertex_ids)
+
+
+def _written(path: str | os.PathLike[str] | None) -> tuple[int, int, int] | None:
+    """What becomes another number when somebody writes a file; None where there is none."""
+    try:
+        found = os.stat(path) if path is not None else None
+    except OSError:
+        return None
+    return found and (found.st_ino, found.st_mtime_ns, found.st_size)

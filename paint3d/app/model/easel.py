@@ -272,6 +272,11 @@ class Easel:
                 self._stale = True
                 self._wake.notify()
 
+    @property
+    def sitting(self) -> Sitting | None:
+        """Where what is painted is kept."""
+        return None if self._scribe is None else self._scribe.sitting
+
     def keep_every(self, seconds: float) -> None:
         """Let the sitting have its bases no oftener than that, from now on."""
         with self._wake:
@@ -381,6 +386,8 @@ class Easel:
                 done = getattr(self.document, name)(*job.arguments, **job.options)
             else:
                 done = command(self.document, *job.arguments, **job.options)
+            if name == "save" and self._scribe is not None:
+                self._scribe.sitting.name_file(self.document)
             result.set_result(done)
         except CancelledError as stopped:  # as who asked for it wished
             self._base_due = True  # the journal says that it was done

@@ -26,7 +26,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.project.journal import Journal, Loss, read_events
 
-__all__ = ["Recovered", "Sitting", "Unfinished", "recoverable"]
+__all__ = ["Recovered", "Sitting", "Unfinished", "is_open_elsewhere", "recoverable"]
 
 _ABOUT, _LOCK = "about.json", "lock"
 _OPENED = 0.2  # of recovering is opening the base
@@ -130,15 +130,24 @@ class Sitting:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
 
     def _describe(self, document: Document) -> None:
-        about = {
+        self._about = {
             "object": document.surface.source.name,
-            "path": None if document.path is None else str(document.path),
+            "path": _path_of(document),
             "time_s": time.time(),
             "modified": document.modified,
             "opening_bytes": self._journal_bytes(),
         }
+        self._write_about()
+
+    def name_file(self, document: Document) -> None:
+        """Say to which file the painting belongs now; nothing else changes."""
+        self._about["path"] = _path_of(document)
+        with suppress(OSError):  # the next base will say it
+            self._write_about()
+
+    def _write_about(self) -> None:
         temporary = self.folder / f".{_ABOUT}"
-        temporary.write_text(json.dumps(about), encoding="utf-8")
+        temporary.write_text(json.dumps(self._about), encoding="utf-8")
         os.replace(temporary, self.folder / _ABOUT)
 
     def _journal_bytes(self) -> int:
@@ -231,7 +240,7 @@ class Unfinished:
             done += cost
             tell(_OPENED + (1.0 - _OPENED) * done / whole)
         document.end_stroke()
-        document.path = self.path
+        document.belong_to(self.path)
         document.differ_from_saved()
         return Recovered(document, n_events, loss, tuple(refused))
 
@@ -252,6 +261,33 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
             if (own / _ABOUT).is_file() and not is_locked(own / _LOCK):  # nobody goes on with it
                 found += _unfinished(own)
     return sorted(found, key=lambda one: one.time_s, reverse=True)
+
+
+def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) -> bool:
+    """Whether a sitting that goes on has this session's file, besides one's own.
+
+    Parameters
+    ----------
+    path : Path
+    own : Path or None
+        The folder of one's own sitting.
+    folder : Path, optional
+        Where sittings lie; by default `recovery_folder`.
+    """
+    root = recovery_folder() if folder is None else folder
+    there = str(path.resolve())
+    with suppress(OSError):
+        for other in root.iterdir():
+            if other != own and is_locked(other / _LOCK):
+                with suppress(OSError, ValueError, AttributeError):
+                    about = json.loads((other / _ABOUT).read_text(encoding="utf-8"))
+                    if about.get("path") == there:
+                        return True
+    return False
+
+
+def _path_of(document: Document) -> str | None:
+    return None if document.path is None else str(document.path.resolve())
 
 
 def _unfinished(folder: Path) -> list[Unfinished]:

@@ -11,6 +11,7 @@ from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, chosen_material
+from paint3d.app.model.persistence.sitting import is_open_elsewhere
 from paint3d.app.window.dialogs.questions import NewDialog
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import Opened, open_with_progress
@@ -113,7 +114,17 @@ class Opening:
         self._standing.tell()
         if path not in BUILT_IN_OBJECTS:
             self._recent.add(path)
+        self._tell_if_open_elsewhere()
         return True
+
+    def _tell_if_open_elsewhere(self) -> None:
+        """Say that another window paints on the same file; who saves second will be asked."""
+        workspace = self._workspace
+        path, sitting = workspace.document.path, workspace.stage.easel.sitting
+        own = None if sitting is None else sitting.folder
+        if path is not None and is_open_elsewhere(path, own):
+            told = say("{name} is open in another window, too", name=path.name)
+            workspace.tell(told, state="bad", stays=True)
 
     def _open_session(self, path: str, title: str) -> Future[Any]:
         undo_bytes = self._undo_bytes()

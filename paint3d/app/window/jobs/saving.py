@@ -47,8 +47,29 @@ class Saving:
 
     def do_save(self) -> bool:
         """Save where it was saved before, or ask where; say whether that went well."""
-        path = self._workspace.document.path
-        return self.do_save_as() if path is None else self.save_to(path)
+        document = self._workspace.document
+        if document.path is None:
+            return self.do_save_as()
+        if document.is_written_by_others:
+            return self._save_beside_others(document.path)
+        return self.save_to(document.path)
+
+    def _save_beside_others(self, path: Path) -> bool:
+        """Ask before what somebody else has saved in the same file is replaced."""
+        box = QtWidgets.QMessageBox(self._workspace.window)
+        box.setIcon(QtWidgets.QMessageBox.Icon.Warning)
+        box.setWindowTitle("paint3d")
+        words = "{name} was saved by another window or program since it was opened here."
+        box.setText(say(words, name=path.name))
+        role = QtWidgets.QMessageBox.ButtonRole
+        other = box.addButton(say("action.save_as"), role.AcceptRole)
+        replace = box.addButton(say("Replace"), role.DestructiveRole)
+        box.setEscapeButton(box.addButton(say("button.cancel"), role.RejectRole))
+        box.setDefaultButton(other)
+        box.exec()
+        if box.clickedButton() is other:
+            return self.do_save_as()
+        return box.clickedButton() is replace and self.save_to(path)
 
     def do_save_as(self) -> bool:
         """Ask where to save; say whether that went well."""
