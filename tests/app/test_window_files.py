@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +18,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
+from paint3d.app.model import easel
+from paint3d.app.model.persistence.sitting import recoverable
 from paint3d.app.window.dialogs.export_dialog import ExportDialog
 from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
 from paint3d.app.window.dialogs.target_dialog import TargetDialog
@@ -24,7 +27,7 @@ from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
-from tests.support.app.gestures import answer, drag, live, when
+from tests.support.app.gestures import answer, drag, live, wait_for, when
 from tests.support.app.windows import opened, settled
 
 
@@ -357,11 +360,11 @@ def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: P
     path = tmp_path / "both.p3d"
     assert window.saving.save_to(path)
     with opened(program, str(path)) as second:
-        assert "both.p3d is open in another window" in second.told.text()
+        assert "both.p3d is open in another window" in second.status.told.text()
         drag(second.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(second)
         second.workspace.actions["save"].trigger()  # the file is as it was opened: nothing is asked
-        assert "Saved" in second.told.text()
+        assert "Saved" in second.status.told.text()
         theirs = path.read_bytes()
 
         said: list[str] = []
@@ -400,4 +403,34 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
     path = tmp_path / "own.p3d"
     assert window.saving.save_to(path)
     assert window.opening.open_path(str(path), asked=True)
-    assert "another window" not in window.told.text()
+    assert "another window" not in window.status.told.text()
+
+
+def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
+    program, tmp_path: Path, monkeypatch
+) -> None:
+    """Said in the status line; a stroke that the journal missed is in the next base."""
+    with opened(program, resolution=2.0) as window:
+        sitting = window.stage.easel.sitting
+
+        def full(*_: object) -> None:
+            raise ExportError("a.p3dj: cannot write: No space left on device")
+
+        with monkeypatch.context() as disk:
+            disk.setattr(sitting, "append", full)
+            disk.setattr(sitting, "save_base", full)
+            drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
+            settled(window)
+            wait_for(lambda: "cannot be kept for recovery" in window.status.told.text())
+        monkeypatch.setattr(easel, "_AGAIN_S", 0.0)
+        drag(window.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
+        settled(window)
+        wait_for(lambda: "kept for recovery again" in window.status.told.text())
+        shutil.copytree(sitting.folder, tmp_path / "left")  # as a crash would leave it
+        with window.stage.easel.paused() as document:
+            painted = document.surface.srgb.copy()
+    (left,) = recoverable(tmp_path)
+    again = left.recover().document
+    assert len(again.strokes) == 2
+    again.refresh()
+    np.testing.assert_array_equal(again.surface.srgb, painted)

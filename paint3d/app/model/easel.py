@@ -46,6 +46,7 @@ _FOLLOW = "follow_time"
 _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
 _BASE_EVERY_S = 120.0
+_AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
 _DEAR_S = 3.0  # of work since the last base, after which the next is due: what recovering costs
 
 Command = str | Callable[[Document], object]
@@ -57,19 +58,20 @@ class Event:
 
     Attributes
     ----------
-    kind : {"error", "internal"}
-        "error": asked for what cannot be; "internal": a fault of the program.
+    kind : {"error", "internal", "kept"}
+        "error": asked for what cannot be; "internal": a fault of the program; "kept": all that is
+        painted is kept again, after some of it could not be.
     doing : str
         What was being done: a command's name, "painting", "showing", "resting", or "keeping" what
         is painted.
     message : str
-    error : Exception
+    error : Exception or None
     """
 
     kind: str
     doing: str
     message: str
-    error: Exception
+    error: Exception | None
 
 
 @dataclass(eq=False)
@@ -352,7 +354,9 @@ class Easel:
         """How long to sleep at most, s."""
         if self._wet:
             return self._ink_clock.patience(time.perf_counter_ns())
-        return self._base_every_s if self._scribe is not None else None
+        if self._scribe is None:
+            return None
+        return min(_AGAIN_S, self._base_every_s) if self._scribe.has_gap else self._base_every_s
 
     def _work(self) -> None:
         before = time.thread_time()
@@ -438,8 +442,10 @@ class Easel:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
         if self._scribe is None or self.document.in_stroke:
             return
-        late = time.monotonic() - self._base_time > self._base_every_s or self._work_s > _DEAR_S
-        if not (self._base_due or (late and self._scribe.n_put)):
+        passed_s = time.monotonic() - self._base_time
+        late = passed_s > self._base_every_s or self._work_s > _DEAR_S
+        gap = self._scribe.has_gap and passed_s > _AGAIN_S
+        if not (self._base_due or gap or (late and self._scribe.n_put)):
             return
         with self._wake:
             if self._jobs:
@@ -448,7 +454,14 @@ class Easel:
         self._base_due, self._base_time, self._work_s = False, time.monotonic(), 0.0
         self._base_step = self.document.steps.newest
         turned.result()
-        self._scribe.sitting.save_base(self.document)
+        gap = self._scribe.had_gap
+        try:
+            self._scribe.sitting.save_base(self.document)
+        except Exception:
+            self._scribe.has_gap = gap or self._scribe.has_gap
+            raise
+        if gap:
+            self._events.append(Event("kept", "keeping", "all that is painted is kept again", None))
 
     def _publish(self) -> None:
         document = self.document
@@ -493,7 +506,16 @@ def _asked(came: float, command: str, *arguments: object) -> _Job:
 
 
 class _Scribe:
-    """Writes what is asked for into a sitting, in a thread, so that nobody waits for the disk."""
+    """Writes what is asked for into a sitting, in a thread, so that nobody waits for the disk.
+
+    Attributes
+    ----------
+    n_put : int
+        What was put since the page was turned.
+    has_gap, had_gap : bool
+        Whether something could not be written that only a base can make up for: on this page, and
+        on those before it when it was turned.
+    """
 
     def __init__(
         self, sitting: Sitting, document: Document, tell: Callable[[str, Exception], None]
@@ -501,6 +523,7 @@ class _Scribe:
         self.sitting = sitting
         self._document = document  # read only while the painting thread waits
         self.n_put = 0
+        self.has_gap = self.had_gap = False
         self._tell = tell
         self._queue: SimpleQueue[_Job | Future[Any] | None] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="paint3d-scribe", daemon=True)
@@ -534,13 +557,14 @@ class _Scribe:
             except Exception as error:  # painting goes on; it is told once
                 if not broken:
                     self._tell("keeping", error)
-                broken = True
+                broken = self.has_gap = True
                 if isinstance(item, Future):
                     item.set_exception(error)
 
     def _write(self, item: _Job | Future[Any]) -> None:
         if isinstance(item, Future):
             self.sitting.turn_page(self._document)
+            self.had_gap, self.has_gap = self.has_gap, False
             item.set_result(None)
         elif item.command is None:
             self.sitting.append(item.samples)

@@ -99,6 +99,7 @@ CHINESE = {
     "Painting {n} strokes again, to go back to them…": "正在重画 {n} 笔，以便退回…",
     "{n} strokes were painted again; drying between them is not repeated":
         "已重画 {n} 笔；其间的变干不再重现",
+    "What is painted is kept for recovery again": "恢复数据已重新开始保留",
     "{name} is open in another window, too": "{name} 也在另一个窗口中打开着",
     "{name} was saved by another window or program since it was opened here.":
         "{name} 在此打开之后，已被另一个窗口或程序保存过。",

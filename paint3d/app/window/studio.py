@@ -8,6 +8,7 @@ from collections.abc import Callable
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Event
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.devices import Feedback, Plugged
 from paint3d.app.model.persistence.settings import Settings
@@ -229,12 +230,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         if self.panels.show_brush_asked(self.stage.easel.brush):  # also while it is still to come
             self.hud.refresh()
         for event in self.stage.easel.take_events():
-            refused = event.kind == "error"
-            self.workspace.tell(
-                say_error(event.error if refused else event.message),
-                state="bad",
-                stays=not refused or event.doing == "keeping",
-            )
+            self._tell_event(event)
         if time.perf_counter() < self._next_draw:
             return
         started = time.thread_time()
@@ -249,6 +245,16 @@ class StudioWindow(QtWidgets.QMainWindow):
             self._next_draw = time.perf_counter() + _REST * spent
         elif frame is not None:  # another brush or ink, while no brush is in the picture
             self.hud.refresh()
+
+    def _tell_event(self, event: Event) -> None:
+        if event.kind == "kept":
+            self.workspace.tell(say("What is painted is kept for recovery again"), state="good")
+            return
+        refused, keeping = event.kind == "error", event.doing == "keeping"
+        told = say_error(event.error if refused else event.message)
+        if keeping:
+            told = say("problem.keeping", message=told)
+        self.workspace.tell(told, state="bad", stays=not refused or keeping)
 
     def _show_state(self, frame: Frame) -> None:
         workspace = self.workspace
