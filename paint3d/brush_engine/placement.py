@@ -56,13 +56,11 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     trail = _TRAIL * before.values[0].widest if was_touching and centred else 0.0
     values.touches = 0.0
     values.centred = pose[8]
-    reach = REACH * tuft.length
+    reach, place = REACH * tuft.length, (pose[0], pose[1], pose[2])
     if centred:
-        triangle = find_meant(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot)
+        triangle = find_meant(tree, place, (up_x, up_y, up_z), reach, foot)
     else:
-        triangle = find_foot(
-            tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, reach, foot, room.warm
-        )
+        triangle = find_foot(tree, place, (up_x, up_y, up_z), reach, foot, room.warm)
         if triangle < 0 and pose[7] >= 0.0:
             triangle = _find_far(tree, pose, up_x, up_y, up_z, foot, room.warm)
     values.triangle = triangle
@@ -131,7 +129,8 @@ def _find_far(tree, pose, up_x, up_y, up_z, foot, warm):
 
     A hand that says how hard it presses does press, wherever its root is said to be.
     """
-    triangle = find_foot(tree, pose[0], pose[1], pose[2], up_x, up_y, up_z, np.inf, foot, warm)
+    place = (pose[0], pose[1], pose[2])
+    triangle = find_foot(tree, place, (up_x, up_y, up_z), np.inf, foot, warm)
     if triangle < 0:
         return -1
     height, away = 0.0, 0.0
@@ -447,8 +446,8 @@ def _flood(values, field, room):
         return 0
     room.tick[0] += 1
     room.patch[0] = flood_patch(
-        field, sheet, values.sphere_centre[0], values.sphere_centre[1], values.sphere_centre[2],
-        values.radius + field.cell_size, room.stamps, room.tick[0], room.sheets,
+        field, sheet, values.sphere_centre, values.radius + field.cell_size, room.stamps,
+        room.tick[0], room.sheets,
     )  # fmt: skip
     return room.patch[0]
 

@@ -33,8 +33,8 @@ def _find_cells(before, after, plane, field, room):
         # the brush has just left: the patch that was flooded last is not that of this plane
         room.tick[0] += 1
         n_sheets = flood_patch(
-            field, sheet, values.sphere_centre[0], values.sphere_centre[1], values.sphere_centre[2],
-            values.radius + field.cell_size, room.stamps, room.tick[0], room.sheets,
+            field, sheet, values.sphere_centre, values.radius + field.cell_size, room.stamps,
+            room.tick[0], room.sheets,
         )  # fmt: skip
     room.tick[1] += 1
     cells = find_cells(

@@ -29,7 +29,7 @@ from paint3d.mesh.kernels.cell_components import (
 from paint3d.mesh.kernels.cracks import link_cracks
 from paint3d.mesh.kernels.facing_pairs import fill_pairs
 from paint3d.mesh.kernels.grid import build_table
-from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, SurfaceField
+from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, Cells, SurfaceField
 from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE, activate_cell, longest_edges
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -137,11 +137,10 @@ class PaintMesh:
             np.add.at(area_units, self.base_faces[:, corner], 2 * node_area)
         forest = roots if self.refines else 0
         lattice = self._lattice
-        size = lattice.size
         self.arrays = SurfaceField(
             counts=np.array([n, forest], np.int64),
             resolution=float(self.resolution),
-            cell_size=float(size),
+            cell_size=float(lattice.size),
             soft_edge=float(_SOFT_EDGE_PER_EDGE * self.resolution),
             area_unit=float(unit / 2.0**shift),
             **{f"p{a}": np.ascontiguousarray(points[:, i]) for i, a in enumerate("xyz")},
@@ -336,39 +335,29 @@ class _Lattice:
         n_cells = len(places)
         table = np.full(1 << int(np.ceil(np.log2(2 * n_cells + 1))), -1, np.int32)
         build_table(places, table)
-        pair_sheet = np.empty(len(pair_root), np.int32)
-        cell_sheets = np.empty(n_cells + 1, np.int32)
-        n_sheets = split_sheets(
-            base.points, base.faces, base.radial, origin, size, places,
-            cell_pairs, pair_root, pair_sheet, cell_sheets,
-        )  # fmt: skip
+        cells = Cells(
+            origin=origin,
+            cell_size=float(size),
+            table=table,
+            cell_place=places,
+            cell_pairs=cell_pairs,
+            pair_root=pair_root,
+            pair_sheet=np.empty(len(pair_root), np.int32),
+            cell_sheets=np.empty(n_cells + 1, np.int32),
+        )
+        n_sheets = split_sheets(base.points, base.faces, base.radial, cells)
         area, normal, centre = np.zeros(n_sheets), np.zeros((n_sheets, 3)), np.zeros((n_sheets, 3))
         with ThreadPoolExecutor(1) as beside:  # a third of the time, and what follows another
             measured = beside.submit(
-                measure_sheets, base.points, base.normals, base.faces, origin, size, places,
-                cell_pairs, pair_root, pair_sheet, area, normal, centre,
-            )  # fmt: skip
-            pair_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cell_pairs))
-            cracks = _over_cracks(
-                base, origin, size, table, places, cell_pairs, pair_root, pair_sheet
+                measure_sheets, base.points, base.normals, base.faces, cells, area, normal, centre
             )
-            sheet_links, linked = _links(
-                table, places, len(base.faces), pair_cell, cell_pairs, pair_root, pair_sheet,
-                n_sheets, cracks,
-            )  # fmt: skip
-            order, starts, vertex_sheets = _sort_vertices(
-                base, origin, size, places, table, cell_pairs, pair_root, pair_sheet
-            )
+            cracks = _over_cracks(base, cells)
+            sheet_links, linked = _links(cells, len(base.faces), n_sheets, cracks)
+            order, starts, vertex_sheets = _sort_vertices(base, cells)
             measured.result()
-        sheet_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cell_sheets))
+        sheet_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cells.cell_sheets))
         arrays = {
-            "origin": origin,
-            "table": table,
-            "cell_place": places,
-            "cell_pairs": cell_pairs,
-            "pair_root": pair_root,
-            "pair_sheet": pair_sheet,
-            "cell_sheets": cell_sheets,
+            **{name: array for name, array in cells._asdict().items() if name != "cell_size"},
             "base_start": starts,
             **_blocks(base.points[order], starts),
             "sheet_cell": sheet_cell,
@@ -428,32 +417,23 @@ def _morton(places: AnyArray) -> AnyArray:
 
 
 def _links(
-    table: AnyArray,
-    places: AnyArray,
-    n_roots: int,
-    pair_cell: AnyArray,
-    cell_pairs: AnyArray,
-    pair_root: AnyArray,
-    pair_sheet: AnyArray,
-    n_sheets: int,
-    others: AnyArray,
+    cells: Cells, n_roots: int, n_sheets: int, others: AnyArray
 ) -> tuple[AnyArray, AnyArray]:
     """The sheets' graph as runs (S + 1,) and neighbours, each link once in either direction.
 
     `others` (M, 2) are links besides those of triangles in two cells.
     """
-    pair_order = np.argsort(pair_root, kind="stable")
-    root_pairs = np.concatenate([[0], np.cumsum(np.bincount(pair_root, minlength=n_roots))])
-    arguments = (
-        table, places, root_pairs.astype(np.int64), pair_order, pair_cell,
-        cell_pairs, pair_root, pair_sheet,
-    )  # fmt: skip
-    room = _LINKS_PER_PAIR * len(pair_root)
+    n_cells = len(cells.cell_place)
+    pair_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cells.cell_pairs))
+    pair_order = np.argsort(cells.pair_root, kind="stable")
+    counts = np.bincount(cells.pair_root, minlength=n_roots)
+    root_pairs = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    room = _LINKS_PER_PAIR * len(pair_order)
     n = room + 1
     while n > room:
         room = max(room, n)
         links = np.empty((room, 2), np.int32)
-        n = link_sheets(*arguments, links)
+        n = link_sheets(cells, root_pairs, pair_order, pair_cell, links)
     links = np.concatenate([links[:n], others]).astype(np.int64)
     codes = np.concatenate(
         [links[:, 0] * n_sheets + links[:, 1], links[:, 1] * n_sheets + links[:, 0]]
@@ -464,55 +444,32 @@ def _links(
     return runs.astype(np.int64), (codes % n_sheets).astype(np.int32)
 
 
-def _over_cracks(
-    base: BaseSurface,
-    origin: AnyArray,
-    size: float,
-    table: AnyArray,
-    places: AnyArray,
-    cell_pairs: AnyArray,
-    pair_root: AnyArray,
-    pair_sheet: AnyArray,
-) -> NDArray[np.int32]:
+def _over_cracks(base: BaseSurface, cells: Cells) -> NDArray[np.int32]:
     """(n, 2) int32: sheets that end beside one another, at most a hair's breadth away."""
     room = 0
     links = np.empty((room, 2), np.int32)
     if not (base.radial == np.arange(len(base.radial), dtype=np.int32)).any():
         return links
     while True:
-        n = link_cracks(
-            base.points, base.faces, base.radial, origin, size, table, places, cell_pairs,
-            pair_root, pair_sheet, _CRACK_MM, links,
-        )  # fmt: skip
+        n = link_cracks(base.points, base.faces, base.radial, cells, _CRACK_MM, links)
         if n <= room:
             return np.unique(links[:n], axis=0)
         room = n
         links = np.empty((room, 2), np.int32)
 
 
-def _sort_vertices(
-    base: BaseSurface,
-    origin: AnyArray,
-    size: float,
-    places: AnyArray,
-    table: AnyArray,
-    cell_pairs: AnyArray,
-    pair_root: AnyArray,
-    pair_sheet: AnyArray,
-) -> tuple[AnyArray, AnyArray, AnyArray]:
+def _sort_vertices(base: BaseSurface, cells: Cells) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Order of the base vertices by cell and place in it, each cell's run, every vertex's sheet."""
     root_of = np.empty(len(base.points), np.int32)
     for corner in range(3):
         root_of[base.faces[:, corner]] = np.arange(len(base.faces), dtype=np.int32)
-    cells = np.empty(len(base.points), np.int32)
+    found = np.empty(len(base.points), np.int32)
     sheets = np.empty(len(base.points), np.int32)
-    locate_vertices(
-        base.points, root_of, origin, size, places, table,
-        cell_pairs, pair_root, pair_sheet, cells, sheets,
-    )  # fmt: skip
-    within = ((base.points - origin) / (size / _BLOCK_STEPS)).astype(np.int64) % _BLOCK_STEPS
-    order = np.argsort(cells * np.int64(_BLOCK_STEPS**3) + _morton(within), kind="stable")
-    starts = np.searchsorted(cells[order], np.arange(len(places) + 1)).astype(np.int32)
+    locate_vertices(base.points, root_of, cells, found, sheets)
+    step = cells.cell_size / _BLOCK_STEPS
+    within = ((base.points - cells.origin) / step).astype(np.int64) % _BLOCK_STEPS
+    order = np.argsort(found * np.int64(_BLOCK_STEPS**3) + _morton(within), kind="stable")
+    starts = np.searchsorted(found[order], np.arange(len(cells.cell_place) + 1)).astype(np.int32)
     return order, starts, sheets[order]
 
 

@@ -24,6 +24,7 @@ QUICK = settings(deadline=None, max_examples=25)
 FULL = load_brush("full")
 SETTINGS = HapticSettings.for_brush(FULL)
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+UP = (0.0, 0.0, 1.0)
 LENGTH, SPRING = FULL.length_mm, FULL.spring
 MS = 0.001
 
@@ -358,8 +359,8 @@ def test_the_bounded_search_finds_what_the_whole_search_finds(trees, seed) -> No
     place = rng.uniform([-60, -60, 10], [60, 60, 80])
     mine, theirs, work = np.zeros(6), np.zeros(6), np.array([10_000_000])
     guess = int(rng.integers(-1, len(tree.triangles)))
-    here = nearest_within(tree, *place, 0.0, 0.0, 1.0, 40.0, guess, work, mine)
-    there = closest_point(tree, *place, 0.0, 0.0, 1.0, 40.0, theirs)
+    here = nearest_within(tree, tuple(place), UP, 40.0, guess, work, mine)
+    there = closest_point(tree, tuple(place), UP, 40.0, theirs)
     assert (here < 0) == (there < 0)
     if here >= 0:
         d = [np.linalg.norm(found[:3] - place) for found in (mine, theirs)]
@@ -372,8 +373,8 @@ def test_the_foot_is_that_of_painting(trees) -> None:
     for i in range(300):
         place = (20.0 * math.cos(0.02 * i), 20.0 * math.sin(0.03 * i), 33.0)
         work = np.array([1500])
-        find_foot_within(tree, *place, 0.0, 0.0, 1.0, 35.0, near, work, mine)
-        find_foot(tree, *place, 0.0, 0.0, 1.0, 35.0, theirs, far)
+        find_foot_within(tree, place, UP, 35.0, near, work, mine)
+        find_foot(tree, place, UP, 35.0, theirs, far)
         assert np.abs(mine - theirs).max() < 2e-3
 
 
@@ -381,16 +382,17 @@ def test_where_the_patch_was_found_last_makes_its_search_shorter_and_nothing_els
     tree, foot, warm = trees["bowl"], np.zeros(6), np.zeros(5)
     kept, spent = np.zeros(hs.PATCH_SAMPLES), np.zeros(2)
     for i in range(400):
-        lean = np.array([math.sin(0.01 * i), 0.0, 2.0]) / math.hypot(math.sin(0.01 * i), 2.0)
+        length = math.hypot(math.sin(0.01 * i), 2.0)
+        lean = (math.sin(0.01 * i) / length, 0.0, 2.0 / length)
         place = (30.0 * math.cos(0.02 * i), 30.0 * math.sin(0.03 * i), 38.0)
-        triangle = find_foot_within(tree, *place, *lean, 35.0, warm, np.array([10_000]), foot)
+        triangle = find_foot_within(tree, place, lean, 35.0, warm, np.array([10_000]), foot)
         assert triangle >= 0
         normals = []
         for k, near in enumerate((np.zeros(hs.PATCH_SAMPLES), kept)):
-            work, normal = np.array([10_000]), np.zeros(3)
-            mean_normal(tree, foot, *lean, 1.0, 0.0, 0.0, 5.0, triangle, near, work, normal)
+            work = np.array([10_000])
+            normal = mean_normal(tree, foot, lean, (1.0, 0.0, 0.0), 5.0, triangle, near, work)
             spent[k] += 10_000 - work[0]
-            normals.append(normal)
+            normals.append(np.array(normal))
         assert np.abs(normals[0] - normals[1]).max() < 1e-12
     assert spent[1] < 0.9 * spent[0]
 
@@ -398,7 +400,7 @@ def test_where_the_patch_was_found_last_makes_its_search_shorter_and_nothing_els
 def test_the_search_ends_with_its_budget(trees) -> None:
     tree, out = trees["sphere"], np.zeros(6)
     work = np.array([200])  # inside a sphere, everything is equally far
-    nearest_within(tree, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1e4, -1, work, out)
+    nearest_within(tree, (0.0, 0.0, 0.0), UP, 1e4, -1, work, out)
     assert work[0] == 0
     assert np.isfinite(out).all()
     model = ForceModel(tree, SETTINGS, awake=True)

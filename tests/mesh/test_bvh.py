@@ -39,7 +39,7 @@ def foots(search, mesh: TriangleMesh, points: np.ndarray, up=UP, reach: float = 
     hit = []
     for k, p in enumerate(points):
         extra = () if search is closest_point else (np.zeros(5),)
-        hit.append(search(tree, *p, *up, reach, out[k], *extra))
+        hit.append(search(tree, tuple(p), up, reach, out[k], *extra))
     return np.array(hit), out, tree
 
 
@@ -50,10 +50,10 @@ def test_going_on_from_the_last_foot_finds_the_same():
     hit, cold, tree = foots(find_foot, mesh, points)
     warm, out = np.zeros(5), np.zeros(6)
     for k, point in enumerate(points):
-        triangle = find_foot(tree, *point, *UP, 50.0, out, warm)
+        triangle = find_foot(tree, tuple(point), UP, 50.0, out, warm)
         assert (triangle >= 0) == (hit[k] >= 0)
         np.testing.assert_allclose(out, cold[k], atol=3e-4)
-    far = find_foot(tree, 0.0, 0.0, 500.0, *UP, 50.0, out, warm)
+    far = find_foot(tree, (0.0, 0.0, 500.0), UP, 50.0, out, warm)
     assert far == -1
     assert warm[0] == 0.0
 

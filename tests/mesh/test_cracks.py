@@ -5,6 +5,7 @@ import pytest
 
 from paint3d.mesh.kernels.cracks import link_cracks
 from paint3d.mesh.kernels.grid import flood_patch
+from paint3d.mesh.kernels.mesh_arrays import Cells
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -43,7 +44,7 @@ def reached(mesh, place, radius=3.0):
     nearest = int(np.linalg.norm(built.vertices - place, axis=1).argmin())
     start = int(built.arrays.vertex_sheet[nearest])
     stamps, sheets = np.zeros(built.n_sheets, np.int64), np.empty(built.n_sheets, np.int32)
-    n = flood_patch(built.arrays, start, *map(float, place), radius, stamps, 1, sheets)
+    n = flood_patch(built.arrays, start, np.asarray(place, float), radius, stamps, 1, sheets)
     field = built.arrays
     return {int(face) for s in sheets[:n] for face in field.pair_root[field.pair_sheet == s]}
 
@@ -71,12 +72,9 @@ def test_closed_bodies_and_bare_edges_have_no_cracks():
     single = sheets_of([(0, 0, 0), (20, 0, 0), (20, 20, 0), (0, 20, 0)])
     for mesh in (closed, single):
         field = PaintMesh.build(mesh, 1.0).arrays
-        places = np.array([tuple(map(int, p)) for p in field.cell_place], np.int32)
+        cells = Cells(*(getattr(field, name) for name in Cells._fields))
         links = np.empty((100, 2), np.int32)
         points = np.column_stack([field.px, field.py, field.pz]).astype(np.float32)
         faces = np.ascontiguousarray(field.node_vertices[: len(mesh.faces)])
-        n = link_cracks(
-            points, faces, field.radial[: 3 * len(faces)], field.origin, field.cell_size,
-            field.table, places, field.cell_pairs, field.pair_root, field.pair_sheet, 0.1, links,
-        )  # fmt: skip
+        n = link_cracks(points, faces, field.radial[: 3 * len(faces)], cells, 0.1, links)
         assert n == 0

@@ -57,7 +57,7 @@ def flood(mesh, point, radius):
     nearest = int(np.linalg.norm(mesh.vertices - point, axis=1).argmin())
     start = int(mesh.arrays.vertex_sheet[nearest])
     stamps, sheets = np.zeros(mesh.n_sheets, np.int64), np.empty(mesh.n_sheets, np.int32)
-    n = flood_patch(mesh.arrays, start, *map(float, point), radius, stamps, 1, sheets)
+    n = flood_patch(mesh.arrays, start, np.asarray(point, float), radius, stamps, 1, sheets)
     assert (stamps[sheets[:n]] == 1).all()
     assert stamps.sum() == n == len(set(sheets[:n].tolist()))
     return sheets[:n].copy()

@@ -39,21 +39,18 @@ def push_back(tree, settings, state, root, q, work, force):
         Whether the brush touches.
     """
     force[:] = 0.0
-    x, y, z = root[0], root[1], root[2]
-    ux, uy, uz = turn(q, 0.0, 0.0, 1.0)
-    bx, by, bz = turn(q, 1.0, 0.0, 0.0)
+    up, ahead = turn(q, 0.0, 0.0, 1.0), turn(q, 1.0, 0.0, 0.0)
+    place = (root[0], root[1], root[2])
     length = settings.length
     foot = np.empty(6)
     foot[:3] = state.foot
     foot[3:] = state.foot_normal
-    triangle = find_foot_within(tree, x, y, z, ux, uy, uz, length, state.warm, work, foot)
+    triangle = find_foot_within(tree, place, up, length, state.warm, work, foot)
     before, state.descent, state.stored, state.credit = state.descent, 0.0, 0.0, 0.0
     if triangle < 0:
         return False
-    normal = np.empty(3)
-    near = state.near
-    mean_normal(tree, foot, ux, uy, uz, bx, by, bz, settings.patch, triangle, near, work, normal)
-    sine = ux * normal[0] + uy * normal[1] + uz * normal[2]
+    normal = mean_normal(tree, foot, up, ahead, settings.patch, triangle, state.near, work)
+    sine = up[0] * normal[0] + up[1] * normal[1] + up[2] * normal[2]
     sine = min(1.0, max(settings.lowest_sine, sine))
     height, along_way = _keep_foot(state, root, foot, normal)
     descent = length * sine - height

@@ -19,15 +19,23 @@ from numpy.typing import NDArray
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
+    "ENDLESS",
     "LEAF_SIZE",
     "ContactTree",
     "build_boxes",
     "closest_point",
     "find_foot",
     "find_meant",
+    "interpolate",
+    "is_near",
+    "note_foot",
+    "residual_of",
+    "search_nearest",
+    "settle_foot",
 ]
 
 LEAF_SIZE = 8
+ENDLESS = 1 << 62  # nodes that a search may look at, where nothing waits for it
 _STACK = 64
 _TOLERANCE = 1e-4  # mm, tangential residual at which the foot point counts as found
 _ITERATIONS = 8
@@ -41,7 +49,7 @@ class ContactTree(NamedTuple):
 
     order: NDArray  # (T,) int32, triangles in Morton order
     boxes: NDArray  # (2 L, 6) float32, low and high corners, heap order
-    triangles: NDArray  # (T, 3) int32 vertex ids, in that order: a leaf's lie together
+    triangles: NDArray  # (T, 3) int32 vertex ids, in that order, the tree's: a leaf's lie together
     points: NDArray  # (V, 3) float32
     normals: NDArray  # (V, 3) float32
 
@@ -82,8 +90,9 @@ def _centre_distance2(boxes, node, x, y, z):
 
 
 @uncounted
-def _closest_weights(points, a, b, c, x, y, z):
-    """Barycentric weights of the point of triangle abc nearest to (x, y, z) (Ericson 2005)."""
+def _closest_weights(points, a, b, c, place):
+    """Barycentric weights of the point of triangle abc nearest to a place (Ericson 2005)."""
+    x, y, z = place
     ax = np.float64(points[a, 0])
     ay = np.float64(points[a, 1])
     az = np.float64(points[a, 2])
@@ -128,8 +137,8 @@ def _closest_weights(points, a, b, c, x, y, z):
 
 
 @uncounted
-def _faces(points, a, b, c, ux, uy, uz):
-    """Whether the triangle's front looks towards (ux, uy, uz)."""
+def _faces(points, a, b, c, up):
+    """Whether the triangle's front looks towards `up` (3,)."""
     abx = points[b, 0] - points[a, 0]
     aby = points[b, 1] - points[a, 1]
     abz = points[b, 2] - points[a, 2]
@@ -139,75 +148,132 @@ def _faces(points, a, b, c, ux, uy, uz):
     nx = aby * acz - abz * acy
     ny = abz * acx - abx * acz
     nz = abx * acy - aby * acx
-    return nx * ux + ny * uy + nz * uz > 0.0
+    return nx * up[0] + ny * up[1] + nz * up[2] > 0.0
+
+
+@uncounted
+def _push_children(boxes, node, place, best, stack, depth):
+    """Put the children of a node that are near enough on the stack, the nearer last.
+
+    Returns where the stack ends then.
+    """
+    x, y, z = place
+    left = _box_distance2(boxes, 2 * node, x, y, z)
+    right = _box_distance2(boxes, 2 * node + 1, x, y, z)
+    near = 2 * node
+    if right < left or (
+        right == left
+        and _centre_distance2(boxes, 2 * node + 1, x, y, z)
+        < _centre_distance2(boxes, 2 * node, x, y, z)
+    ):
+        near += 1  # boxes overlap: the one around the point is the better guess
+    if max(left, right) <= best:
+        depth += 1
+        stack[depth] = 4 * node + 1 - near
+    if min(left, right) <= best:
+        depth += 1
+        stack[depth] = near
+    return depth
+
+
+@uncounted
+def _look_into(tree, leaf, place, up, nearest):
+    """The nearest triangle so far after those of a leaf: squared distance, number, and weights."""
+    best, found, weights = nearest
+    x, y, z = place
+    first = leaf * LEAF_SIZE
+    for k in range(first, min(first + LEAF_SIZE, tree.triangles.shape[0])):
+        a = tree.triangles[k, 0]
+        b = tree.triangles[k, 1]
+        c = tree.triangles[k, 2]
+        if not _faces(tree.points, a, b, c, up):
+            continue
+        va, vb, vc = _closest_weights(tree.points, a, b, c, place)
+        d2 = 0.0
+        for axis, q in ((0, x), (1, y), (2, z)):
+            p = va * tree.points[a, axis] + vb * tree.points[b, axis]
+            p += vc * tree.points[c, axis]
+            d2 += (p - q) * (p - q)
+        if d2 < best or (d2 == best and (found < 0 or tree.order[k] < tree.order[found])):
+            best = d2
+            found = k
+            weights = (va, vb, vc)
+    return best, found, weights
 
 
 @kernel
-def closest_point(tree, x, y, z, ux, uy, uz, reach, out):
-    """The point nearest to (x, y, z) on triangles facing (ux, uy, uz), within `reach` (mm).
+def search_nearest(tree, place, up, reach, guess, nodes):
+    """The triangle nearest to a place among those that face `up`, within reach and budget.
 
-    Returns the triangle, or -1; `out` (6,) gets the point and the interpolated unit normal.
-    A tie is won by the triangle that comes first in the mesh.
+    Parameters
+    ----------
+    tree : ContactTree
+    place : (3,) float64
+        mm.
+    up : (3,) float64
+        Only triangles that face this way count.
+    reach : float
+        mm.
+    guess : int
+        A triangle, in the tree's order, to start from; -1 for none.
+    nodes : int
+        Of the tree, that may be looked at.
+
+    Returns
+    -------
+    found : int
+        In the tree's order, or -1. A tie is won by the triangle that comes first in the mesh.
+    weights : (3,) float64
+        Of its corners, at the point nearest to the place.
+    left : int
+        Nodes that were not looked at.
     """
     boxes = tree.boxes
     n_leaves = boxes.shape[0] // 2
     stack = np.empty(_STACK, np.int64)
+    nearest = (reach * reach, -1, (0.0, 0.0, 0.0))
+    # From the guess's leaf upwards, the other side of every ancestor being looked at in turn: where
+    # the guess is good, hardly more than one box a level.
+    climbed = n_leaves + guess // LEAF_SIZE if guess >= 0 else 1
     depth = 0
-    stack[0] = 1
-    best = reach * reach
-    found = -1
-    w0 = 0.0
-    w1 = 0.0
-    w2 = 0.0
-    while depth >= 0:
+    stack[0] = climbed
+    while nodes > 0:
+        if depth < 0:
+            if climbed <= 1:
+                break
+            depth = 0
+            stack[0] = climbed ^ 1
+            climbed >>= 1
         node = stack[depth]
         depth -= 1
-        if _box_distance2(boxes, node, x, y, z) > best:
+        nodes -= 1
+        if _box_distance2(boxes, node, place[0], place[1], place[2]) > nearest[0]:
             continue
         if node < n_leaves:
-            left = _box_distance2(boxes, 2 * node, x, y, z)
-            right = _box_distance2(boxes, 2 * node + 1, x, y, z)
-            near = 2 * node
-            if right < left or (
-                right == left
-                and _centre_distance2(boxes, 2 * node + 1, x, y, z)
-                < _centre_distance2(boxes, 2 * node, x, y, z)
-            ):
-                near += 1  # boxes overlap: the one around the point is the better guess
-            if max(left, right) <= best:
-                depth += 1
-                stack[depth] = 4 * node + 1 - near
-            if min(left, right) <= best:
-                depth += 1
-                stack[depth] = near
-            continue
-        first = (node - n_leaves) * LEAF_SIZE
-        for k in range(first, min(first + LEAF_SIZE, tree.triangles.shape[0])):
-            a = tree.triangles[k, 0]
-            b = tree.triangles[k, 1]
-            c = tree.triangles[k, 2]
-            if not _faces(tree.points, a, b, c, ux, uy, uz):
-                continue
-            va, vb, vc = _closest_weights(tree.points, a, b, c, x, y, z)
-            d2 = 0.0
-            for axis, q in ((0, x), (1, y), (2, z)):
-                p = va * tree.points[a, axis] + vb * tree.points[b, axis]
-                p += vc * tree.points[c, axis]
-                d2 += (p - q) * (p - q)
-            if d2 < best or (d2 == best and (found < 0 or tree.order[k] < tree.order[found])):
-                best = d2
-                found = k
-                w0 = va
-                w1 = vb
-                w2 = vc
+            depth = _push_children(boxes, node, place, nearest[0], stack, depth)
+        else:
+            nearest = _look_into(tree, node - n_leaves, place, up, nearest)
+    return nearest[1], nearest[2], nodes
+
+
+@uncounted
+def closest_point(tree, place, up, reach, out):
+    """The point nearest to a place (3,) on triangles facing `up` (3,), within `reach` (mm).
+
+    Returns the triangle, or -1; `out` (6,) gets the point and the interpolated unit normal.
+    A tie is won by the triangle that comes first in the mesh.
+    """
+    found, weights, _ = search_nearest(tree, place, up, reach, -1, ENDLESS)
     if found < 0:
         return -1
-    _interpolate(tree, found, w0, w1, w2, out)
+    interpolate(tree, found, weights, out)
     return tree.order[found]
 
 
 @uncounted
-def _interpolate(tree, k, wa, wb, wc, out):
+def interpolate(tree, k, weights, out):
+    """Fill `out` (6,) with a point of triangle k (in the tree's order) and its unit normal."""
+    wa, wb, wc = weights
     a = tree.triangles[k, 0]
     b = tree.triangles[k, 1]
     c = tree.triangles[k, 2]
@@ -225,24 +291,43 @@ def _interpolate(tree, k, wa, wb, wc, out):
 
 
 @uncounted
-def find_foot(tree, x, y, z, ux, uy, uz, reach, out, warm):
-    """The foot point P'_m of the root node (x, y, z): its interpolated normal passes through it.
+def is_near(warm, place, reach):
+    """Whether a root has moved so little since `warm` that its foot is looked for from the last."""
+    if warm[0] <= 0.0:
+        return False
+    moved = (place[0] - warm[2]) ** 2 + (place[1] - warm[3]) ** 2 + (place[2] - warm[4]) ** 2
+    return moved <= (_WARM * reach) ** 2
+
+
+@uncounted
+def note_foot(warm, found, place):
+    """Fill `warm` (5,): 1 where there is a foot, its triangle in the tree's order, and its root."""
+    warm[0] = 1.0 if found >= 0 else 0.0
+    warm[1] = found
+    warm[2] = place[0]
+    warm[3] = place[1]
+    warm[4] = place[2]
+
+
+@uncounted
+def find_foot(tree, root, up, reach, out, warm):
+    """The foot point P'_m of the root node: its interpolated normal passes through it.
 
     Parameters
     ----------
     tree : ContactTree
-    x, y, z : float
-        Root node, mm.
-    ux, uy, uz : float
+    root : (3,) float64
+        mm.
+    up : (3,) float64
         Up the handle: only triangles that face this way count.
     reach : float
         Farthest surface, mm.
     out : (6,) float64
         Filled with the point and the normal there. Holds the last foot where `warm` says so.
     warm : (5,) float64
-        1 where there is a last foot, its triangle, and the root node it was found for; kept here.
-        While the root moves little the search goes on from there: a tree asked for the nearest of
-        many points all but equally far has to look at most of them.
+        See `note_foot`; kept here. While the root moves little the search goes on from the last
+        foot: a tree asked for the nearest of many points all but equally far has to look at most
+        of them.
 
     Returns
     -------
@@ -250,61 +335,75 @@ def find_foot(tree, x, y, z, ux, uy, uz, reach, out, warm):
         The triangle the foot lies on, or -1 where no facing surface is within `reach`. Where the
         surface ends or has a crease there may be no such point: then the nearest one found.
     """
-    triangle = -1
-    if warm[0] > 0.0:
-        moved = (x - warm[2]) ** 2 + (y - warm[3]) ** 2 + (z - warm[4]) ** 2
-        if moved <= (_WARM * reach) ** 2:
-            triangle = _settle_foot(tree, x, y, z, ux, uy, uz, int(warm[1]), 1.0, out)
-            _, _, _, residual = _residual(x, y, z, out)
-            away = (x - out[0]) ** 2 + (y - out[1]) ** 2 + (z - out[2]) ** 2
-            facing = out[3] * ux + out[4] * uy + out[5] * uz
-            if residual > _TOLERANCE * _TOLERANCE or away > reach * reach or facing <= 0.0:
-                triangle = -1
-    if triangle < 0:
-        triangle = closest_point(tree, x, y, z, ux, uy, uz, reach, out)
-        if triangle >= 0:
-            triangle = _settle_foot(tree, x, y, z, ux, uy, uz, triangle, 0.7, out)
-    warm[0] = 1.0 if triangle >= 0 else 0.0
-    warm[1] = triangle
-    warm[2] = x
-    warm[3] = y
-    warm[4] = z
-    return triangle
+    found = -1
+    if is_near(warm, root, reach):
+        found, _ = settle_foot(tree, root, up, int(warm[1]), 1.0, False, ENDLESS, out)
+        rest = residual_of(root, out)[3]
+        away = (root[0] - out[0]) ** 2 + (root[1] - out[1]) ** 2 + (root[2] - out[2]) ** 2
+        facing = out[3] * up[0] + out[4] * up[1] + out[5] * up[2]
+        if rest > _TOLERANCE * _TOLERANCE or away > reach * reach or facing <= 0.0:
+            found = -1
+    if found < 0:
+        found, weights, _ = search_nearest(tree, root, up, reach, -1, ENDLESS)
+        if found >= 0:
+            interpolate(tree, found, weights, out)
+            found, _ = settle_foot(tree, root, up, found, 0.7, False, ENDLESS, out)
+    note_foot(warm, found, root)
+    return tree.order[found] if found >= 0 else -1
 
 
 @uncounted
-def find_meant(tree, x, y, z, ux, uy, uz, reach, out):
-    """The point of the surface that the hand means by a place (x, y, z) on it or hardly off it.
+def find_meant(tree, place, up, reach, out):
+    """The point of the surface that the hand means by a place (3,) on it or hardly off it.
 
-    The nearest one on triangles that face up the handle (ux, uy, uz), near by first. In a fold the
+    The nearest one on triangles that face up the handle, `up` (3,), near by first. In a fold the
     place may lie on one that does not; but a place a little under the surface of a thin wall, as
     between two events of a hasty hand, must not come out on the other side.
     Returns the triangle, or -1; `out` (6,) gets the point and the interpolated unit normal.
     """
-    triangle = closest_point(tree, x, y, z, ux, uy, uz, _NEAR * reach, out)
+    triangle = closest_point(tree, place, up, _NEAR * reach, out)
     if triangle < 0:
-        triangle = closest_point(tree, x, y, z, -ux, -uy, -uz, _ON * reach, out)
+        down = (-up[0], -up[1], -up[2])
+        triangle = closest_point(tree, place, down, _ON * reach, out)
     if triangle < 0:
-        triangle = closest_point(tree, x, y, z, ux, uy, uz, reach, out)
+        triangle = closest_point(tree, place, up, reach, out)
     return triangle
 
 
 @kernel(error_model="numpy")
-def _settle_foot(tree, x, y, z, ux, uy, uz, triangle, gain, out):
-    """Secant steps along the tangential residual, from the foot in `out`; returns its triangle."""
+def settle_foot(tree, root, up, found, gain, follows, nodes, out):
+    """Secant steps along the tangential residual, from the foot in `out` (6,), which is moved.
+
+    Parameters
+    ----------
+    tree, root, up, out : as for `find_foot`
+    found : int
+        The triangle of that foot, in the tree's order.
+    gain : float
+        Of the first step: its length over that of the residual.
+    follows : bool
+        Whether searches start from the triangle found last.
+    nodes : int
+        As for `search_nearest`, of all searches together.
+
+    Returns
+    -------
+    found, left : int
+        The foot's triangle, and the nodes that were not looked at.
+    """
     trial = np.empty(6)
-    rx, ry, rz, residual = _residual(x, y, z, out)
+    rx, ry, rz, residual = residual_of(root, out)
     for _ in range(_ITERATIONS):
-        if residual <= _TOLERANCE * _TOLERANCE:
+        if residual <= _TOLERANCE * _TOLERANCE or nodes <= 0:
             break
-        qx = out[0] + gain * rx
-        qy = out[1] + gain * ry
-        qz = out[2] + gain * rz
+        place = (out[0] + gain * rx, out[1] + gain * ry, out[2] + gain * rz)
         bound = gain * np.sqrt(residual) + 1e-3
-        hit = closest_point(tree, qx, qy, qz, ux, uy, uz, bound, trial)
+        guess = found if follows else -1
+        hit, weights, nodes = search_nearest(tree, place, up, bound, guess, nodes)
         if hit < 0:
             break
-        sx, sy, sz, rest = _residual(x, y, z, trial)
+        interpolate(tree, hit, weights, trial)
+        sx, sy, sz, rest = residual_of(root, trial)
         slope = (residual - (sx * rx + sy * ry + sz * rz)) / (gain * residual)
         if rest >= residual:
             gain *= 0.5
@@ -312,18 +411,18 @@ def _settle_foot(tree, x, y, z, ux, uy, uz, triangle, gain, out):
                 break
             continue
         gain = min(1.0, max(0.1, 1.0 / slope)) if slope > 0.0 else 0.7
-        triangle = hit
+        found = hit
         out[:] = trial
         rx, ry, rz, residual = sx, sy, sz, rest
-    return triangle
+    return found, nodes
 
 
 @uncounted
-def _residual(x, y, z, foot):
-    """What is left of (x, y, z) - foot after removing its part along the normal; and its square."""
-    dx = x - foot[0]
-    dy = y - foot[1]
-    dz = z - foot[2]
+def residual_of(root, foot):
+    """What is left of root - foot after removing its part along the normal; and its square."""
+    dx = root[0] - foot[0]
+    dy = root[1] - foot[1]
+    dz = root[2] - foot[2]
     along = dx * foot[3] + dy * foot[4] + dz * foot[5]
     rx = dx - along * foot[3]
     ry = dy - along * foot[4]

@@ -6,7 +6,7 @@ import numpy as np
 
 from paint3d.core.kernel import kernel
 from paint3d.mesh.kernels.facing_pairs import INFLATION
-from paint3d.mesh.kernels.grid import find_pair, lookup
+from paint3d.mesh.kernels.grid import find_cell, find_pair, lookup, sheet_of
 
 __all__ = ["link_sheets", "locate_vertices", "measure_sheets", "split_sheets"]
 
@@ -39,14 +39,14 @@ def _find(parent, i):
 
 
 @kernel
-def split_sheets(
-    points, triangles, radial, origin, size, places, cell_pairs, pair_root, pair_sheet, cell_sheets
-):
+def split_sheets(points, triangles, radial, cells):
     """Number the sheets: triangles of a cell joined by an edge that passes through the cell.
 
-    Returns the number of sheets; they are numbered cell by cell, in the order of their first
-    triangle, so that `cell_sheets` (C + 1) is their run.
+    Of `Cells` the fields pair_sheet and cell_sheets are filled. Returns the number of sheets; they
+    are numbered cell by cell, in the order of their first triangle.
     """
+    origin, size, places = cells.origin, cells.cell_size, cells.cell_place
+    cell_pairs, pair_root, pair_sheet = cells.cell_pairs, cells.pair_root, cells.pair_sheet
     half = size * (0.5 + INFLATION)
     parent = np.empty(pair_root.shape[0], np.int64)
     last_cell = np.full(triangles.shape[0], -1, np.int32)
@@ -81,7 +81,7 @@ def split_sheets(
                             else:
                                 parent[u] = v
                     g = radial[g]
-        cell_sheets[c] = n_sheets
+        cells.cell_sheets[c] = n_sheets
         for p in range(cell_pairs[c], cell_pairs[c + 1]):
             r = _find(parent, p)
             if r == p:
@@ -89,7 +89,7 @@ def split_sheets(
                 n_sheets += 1
             else:
                 pair_sheet[p] = pair_sheet[r]
-    cell_sheets[places.shape[0]] = n_sheets
+    cells.cell_sheets[places.shape[0]] = n_sheets
     return n_sheets
 
 
@@ -113,11 +113,10 @@ def _clip(polygon, n, axis, bound, sign, out):
 
 
 @kernel
-def measure_sheets(
-    points, normals, triangles, origin, size, places, cell_pairs, pair_root, pair_sheet,
-    area, normal, centre,
-):  # fmt: skip
+def measure_sheets(points, normals, triangles, cells, area, normal, centre):
     """Area, area times mean normal, and centre of every sheet, by clipping triangles to cells."""
+    origin, size, places = cells.origin, cells.cell_size, cells.cell_place
+    cell_pairs, pair_root, pair_sheet = cells.cell_pairs, cells.pair_root, cells.pair_sheet
     one = np.empty((12, 3))
     two = np.empty((12, 3))
     mid = np.empty(3)
@@ -214,14 +213,14 @@ def _weights_at(points, triangles, t, mid, weights):
 
 
 @kernel
-def link_sheets(
-    table, places, root_pairs, pair_order, pair_cell, cell_pairs, pair_root, pair_sheet, links
-):
+def link_sheets(cells, root_pairs, pair_order, pair_cell, links):
     """List links (n, 2) between sheets of neighbouring cells that share a triangle.
 
-    `pair_order` lists the pairs triangle by triangle, `root_pairs` is each triangle's run in it.
-    As many are listed as there is room for; returns how many there are.
+    `pair_order` lists the pairs triangle by triangle, `root_pairs` is each triangle's run in it,
+    `pair_cell` says which of the `Cells` each pair is of. As many are listed as there is room for;
+    returns how many there are.
     """
+    table, places, pair_sheet = cells.table, cells.cell_place, cells.pair_sheet
     n = 0
     room = links.shape[0]
     for t in range(root_pairs.shape[0] - 1):
@@ -250,7 +249,7 @@ def link_sheets(
                 d = lookup(table, places, i, j, k)
                 if d < 0:
                     continue
-                q = find_pair(cell_pairs, pair_root, d, t)
+                q = find_pair(cells.cell_pairs, cells.pair_root, d, t)
                 if q >= 0:
                     if n < room:
                         links[n, 0] = pair_sheet[p]
@@ -260,14 +259,8 @@ def link_sheets(
 
 
 @kernel
-def locate_vertices(
-    points, root_of, origin, size, places, table, cell_pairs, pair_root, pair_sheet, cells, sheets
-):
+def locate_vertices(points, root_of, cells, found, sheets):
     """Find the cell and the sheet of every base vertex, given one triangle of each."""
     for v in range(points.shape[0]):
-        i = int(np.floor((points[v, 0] - origin[0]) / size))
-        j = int(np.floor((points[v, 1] - origin[1]) / size))
-        k = int(np.floor((points[v, 2] - origin[2]) / size))
-        c = lookup(table, places, i, j, k)
-        cells[v] = c
-        sheets[v] = pair_sheet[find_pair(cell_pairs, pair_root, c, root_of[v])]
+        found[v] = find_cell(cells, points[v, 0], points[v, 1], points[v, 2])
+        sheets[v] = sheet_of(cells, found[v], root_of[v])

@@ -10,7 +10,7 @@ import numpy as np
 
 from paint3d.core.kernel import kernel
 from paint3d.mesh.kernels.closest_points import closest_on
-from paint3d.mesh.kernels.grid import find_pair, lookup
+from paint3d.mesh.kernels.grid import find_cell, sheet_of
 
 __all__ = ["link_cracks"]
 
@@ -18,16 +18,22 @@ _STEP = 0.25  # of a cell: places along an open edge
 
 
 @kernel
-def link_cracks(
-    points, triangles, radial, origin, size, table, places, cell_pairs, pair_root, pair_sheet,
-    widest, links,
-):  # fmt: skip
+def _length(points, start, end):
+    """How far apart two vertices lie, mm."""
+    length = 0.0
+    for axis in range(3):
+        length += (np.float64(points[end, axis]) - np.float64(points[start, axis])) ** 2
+    return np.sqrt(length)
+
+
+@kernel
+def link_cracks(points, triangles, radial, cells, widest, links):
     """List links (n, 2) between sheets of a cell, one of which ends beside the other.
 
     Parameters
     ----------
     points, triangles, radial : arrays of `BaseSurface`
-    origin, size, table, places, cell_pairs, pair_root, pair_sheet : arrays of the lattice
+    cells : Cells
     widest : float
         Of a crack, mm.
     links : (N, 2) int32
@@ -47,34 +53,24 @@ def link_cracks(
         t = h // 3
         start = triangles[t, h % 3]
         end = triangles[t, (h % 3 + 1) % 3]
-        length = 0.0
-        for axis in range(3):
-            length += (np.float64(points[end, axis]) - np.float64(points[start, axis])) ** 2
-        steps = max(1, int(np.ceil(np.sqrt(length) / (_STEP * size))))
+        steps = max(1, int(np.ceil(_length(points, start, end) / (_STEP * cells.cell_size))))
         for k in range(steps):
             share = (k + 0.5) / steps
             for axis in range(3):
                 place[axis] = (1.0 - share) * points[start, axis] + share * points[end, axis]
-            cell = lookup(
-                table,
-                places,
-                int(np.floor((place[0] - origin[0]) / size)),
-                int(np.floor((place[1] - origin[1]) / size)),
-                int(np.floor((place[2] - origin[2]) / size)),
-            )
-            own = find_pair(cell_pairs, pair_root, cell, t) if cell >= 0 else -1
-            if own < 0:
+            cell = find_cell(cells, place[0], place[1], place[2])
+            sheet = sheet_of(cells, cell, t) if cell >= 0 else -1
+            if sheet < 0:
                 continue
-            sheet = pair_sheet[own]
-            for other in range(cell_pairs[cell], cell_pairs[cell + 1]):
-                if pair_sheet[other] == sheet:
+            for other in range(cells.cell_pairs[cell], cells.cell_pairs[cell + 1]):
+                if cells.pair_sheet[other] == sheet:
                     continue
-                a, b, c = triangles[pair_root[other]]
+                a, b, c = triangles[cells.pair_root[other]]
                 _v, _w, away2 = closest_on(points, a, b, c, place[0], place[1], place[2])
                 if away2 > widest * widest:
                     continue
                 if n < room:
                     links[n, 0] = sheet
-                    links[n, 1] = pair_sheet[other]
+                    links[n, 1] = cells.pair_sheet[other]
                 n += 1
     return n

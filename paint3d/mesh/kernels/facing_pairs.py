@@ -12,44 +12,46 @@ INFLATION = 1e-3  # of the cell's size: cells are met a little early, so roundin
 
 
 @kernel
-def _axis_parts(ax, ay, az, bx, by, bz, cx, cy, cz, ux, uy, uz, half):
-    """Whether the axis u separates the triangle (relative to the box's centre) from the box."""
-    a = ax * ux + ay * uy + az * uz
-    b = bx * ux + by * uy + bz * uz
-    c = cx * ux + cy * uy + cz * uz
-    r = half * (abs(ux) + abs(uy) + abs(uz))
-    return min(a, min(b, c)) > r or max(a, max(b, c)) < -r
+def _minus(a, b):
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@kernel
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def _parts(axis, a, b, c, half):
+    """Whether an axis (3,) separates a triangle, relative to the cube's centre, from the cube."""
+    x, y, z = axis
+    at_a = a[0] * x + a[1] * y + a[2] * z
+    at_b = b[0] * x + b[1] * y + b[2] * z
+    at_c = c[0] * x + c[1] * y + c[2] * z
+    r = half * (abs(x) + abs(y) + abs(z))
+    return min(at_a, min(at_b, at_c)) > r or max(at_a, max(at_b, at_c)) < -r
 
 
 @kernel
 def _triangle_meets_box(tri, x, y, z, half):
     """Separating axes of a triangle (3, 3) and a cube (Akenine-Moller 2001)."""
-    ax, ay, az = tri[0, 0] - x, tri[0, 1] - y, tri[0, 2] - z
-    bx, by, bz = tri[1, 0] - x, tri[1, 1] - y, tri[1, 2] - z
-    cx, cy, cz = tri[2, 0] - x, tri[2, 1] - y, tri[2, 2] - z
-    if min(ax, min(bx, cx)) > half or max(ax, max(bx, cx)) < -half:
-        return False
-    if min(ay, min(by, cy)) > half or max(ay, max(by, cy)) < -half:
-        return False
-    if min(az, min(bz, cz)) > half or max(az, max(bz, cz)) < -half:
-        return False
-    ex, ey, ez = bx - ax, by - ay, bz - az
-    fx, fy, fz = cx - bx, cy - by, cz - bz
-    nx, ny, nz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
-    if _axis_parts(ax, ay, az, bx, by, bz, cx, cy, cz, nx, ny, nz, half):
-        return False
-    for edge in range(3):
-        if edge == 0:
-            dx, dy, dz = ex, ey, ez
-        elif edge == 1:
-            dx, dy, dz = fx, fy, fz
-        else:
-            dx, dy, dz = ax - cx, ay - cy, az - cz
-        if _axis_parts(ax, ay, az, bx, by, bz, cx, cy, cz, 0.0, -dz, dy, half):
+    a = (tri[0, 0] - x, tri[0, 1] - y, tri[0, 2] - z)
+    b = (tri[1, 0] - x, tri[1, 1] - y, tri[1, 2] - z)
+    c = (tri[2, 0] - x, tri[2, 1] - y, tri[2, 2] - z)
+    for axis in range(3):
+        least = min(a[axis], min(b[axis], c[axis]))
+        most = max(a[axis], max(b[axis], c[axis]))
+        if least > half or most < -half:
             return False
-        if _axis_parts(ax, ay, az, bx, by, bz, cx, cy, cz, dz, 0.0, -dx, half):
-            return False
-        if _axis_parts(ax, ay, az, bx, by, bz, cx, cy, cz, -dy, dx, 0.0, half):
+    ab, bc, ca = _minus(b, a), _minus(c, b), _minus(a, c)
+    if _parts(_cross(ab, bc), a, b, c, half):
+        return False
+    for x, y, z in (ab, bc, ca):
+        if (
+            _parts((0.0, -z, y), a, b, c, half)
+            or _parts((z, 0.0, -x), a, b, c, half)
+            or _parts((-y, x, 0.0), a, b, c, half)
+        ):
             return False
     return True
 

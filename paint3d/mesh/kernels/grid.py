@@ -49,7 +49,7 @@ def lookup(table, places, i, j, k):
 
 @uncounted
 def find_cell(field, x, y, z):
-    """The cell that holds a point (mm), or -1 where no surface is near."""
+    """The cell that holds a point (mm), or -1 where no surface is near; `field` may be `Cells`."""
     size = field.cell_size
     i = int(np.floor((x - field.origin[0]) / size))
     j = int(np.floor((y - field.origin[1]) / size))
@@ -81,7 +81,7 @@ def find_pair(cell_pairs, pair_root, cell, root):
 
 
 @uncounted
-def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
+def flood_patch(field, start, centre, radius, stamps, tick, sheets):
     """Sheets reached from `start` through sheets whose cells meet the ball.
 
     Parameters
@@ -89,7 +89,7 @@ def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
     field : SurfaceField
     start : int
         The sheet to start from; it is taken wherever the ball is.
-    x, y, z, radius : float
+    centre, radius : (3,) float64, float
         The ball, mm.
     stamps : (S,) int64
         Set to `tick` for every sheet of the patch.
@@ -103,18 +103,12 @@ def flood_patch(field, start, x, y, z, radius, stamps, tick, sheets):
     int
         Number of sheets in the patch.
     """
-    return _flood(
-        field.sheet_links, field.linked_sheet, field.sheet_place, field.origin,
-        field.cell_size, start, x, y, z, radius, stamps, tick, sheets,
-    )  # fmt: skip
-
-
-@uncounted
-def _flood(links, linked, places, origin, size, start, x, y, z, radius, stamps, tick, sheets):
+    links, linked, places = field.sheet_links, field.linked_sheet, field.sheet_place
+    size = field.cell_size
     r2 = (radius / size) ** 2
-    px = (x - origin[0]) / size
-    py = (y - origin[1]) / size
-    pz = (z - origin[2]) / size
+    px = (centre[0] - field.origin[0]) / size
+    py = (centre[1] - field.origin[1]) / size
+    pz = (centre[2] - field.origin[2]) / size
     sheets[0] = start
     stamps[start] = tick
     n = 1

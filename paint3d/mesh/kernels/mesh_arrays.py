@@ -6,9 +6,25 @@ from typing import NamedTuple
 
 from numpy.typing import NDArray
 
-__all__ = ["BLOCK_VERTICES", "SurfaceField"]
+__all__ = ["BLOCK_VERTICES", "Cells", "SurfaceField"]
 
 BLOCK_VERTICES = 32  # base vertices to a block: neighbours, looked at together
+
+
+class Cells(NamedTuple):
+    """The cells that a surface meets, and the sheets of surface in them (C cells).
+
+    What `SurfaceField` knows of them, by the same names, before there is one.
+    """
+
+    origin: NDArray  # (3,) float64, corner of the lattice, mm
+    cell_size: float  # mm
+    table: NDArray  # (2^k,) int32, hash table from lattice place to cell; -1 is empty
+    cell_place: NDArray  # (C, 3) int32, lattice place
+    cell_pairs: NDArray  # (C + 1,) int64, run of each cell in pair_root
+    pair_root: NDArray  # (pairs,) int32, triangles that meet the cell, ascending
+    pair_sheet: NDArray  # (pairs,) int32, the sheet that each belongs to there
+    cell_sheets: NDArray  # (C + 1,) int32, run of sheets
 
 
 class SurfaceField(NamedTuple):
