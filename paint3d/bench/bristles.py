@@ -62,15 +62,24 @@ class HairBend:
         blocks = len(self._bristles.lengths)
         self._turned = bt.make_turned(blocks)
         bt.turn_hairs(self._bristles, 1.0, 0.0, self._turned)
-        self._bend, self._block = np.zeros(bt.BEND_SIZE), bt.make_block()
+        self._bend, self._block = np.zeros(1, bt.BEND), bt.make_block()
         self.points = bt.make_points(blocks)
-        self._patch, self._descent = patch, 0.45 * spec.full_press_mm
+        self._cause = bt.Cause(
+            descent=0.45 * spec.full_press_mm,
+            tilt=0.5 * math.pi,
+            pressure=0.45,
+            patch=patch,
+            dryness=0.0,
+            parted=0.0,
+            set_x=0.0,
+            set_y=0.0,
+        )
 
     def run(self, times: int) -> None:
         """Bend all hairs so many times."""
         bend_often(
-            times, self._bristles, self._tuft, self._descent, 0.5 * math.pi, 0.45, self._patch,
-            self._turned, self._bend, self._block, self.points,
+            times, self._bristles, self._tuft, self._cause, self._turned, self._bend, self._block,
+            self.points,
         )  # fmt: skip
 
 
@@ -126,13 +135,13 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
     painter.dip()
     painter.replay(recording)
     stamps = (before, painter._progress.after)
-    work = (surface.paint_mesh.arrays, surface.ink, np.zeros(8, np.int64), painter._room)
+    work = (surface.paint_mesh.arrays, surface.ink, painter._room)
     assert hairs is not None, "it is a tuft of hairs"
     own = hairs.work(surface)
     best = alternate(
         _ROUNDS,
         {
-            "hairs": partial(deposit_hairs_often, times, *stamps, hairs.bristles, own, *work),
+            "hairs": partial(deposit_hairs_often, times, *stamps, own, *work),
             "solid": partial(deposit_often, times, *stamps, painter.tuft, *work),
         },
     )

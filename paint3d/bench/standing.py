@@ -35,17 +35,16 @@ class StandingStamps:
         self._before, self._after = st.make_stamp(), st.make_stamp()
         rows = [np.zeros((n, *array.shape), array.dtype) for array in st.make_stamp()]
         self._stamps = st.Stamp(*rows)
-        self.counters = np.zeros(8, np.int64)
+        self.counters = self._room.counters
         field = surface.paint_mesh.arrays
         place_standing(
-            poses, painter.tuft, surface.contact_tree, field, self.counters, self._room,
-            self._after, self._stamps,
-        )  # fmt: skip
+            poses, painter.tuft, surface.contact_tree, field, self._room, self._after, self._stamps
+        )
 
     def __call__(self) -> None:
         """Leave every stamp once."""
         surface = self._painter.surface
         deposit_standing(
-            self._stamps, self._painter.tuft, surface.paint_mesh.arrays, surface.ink,
-            self.counters, self._room, self._before, self._after,
+            self._stamps, self._painter.tuft, surface.paint_mesh.arrays, surface.ink, self._room,
+            self._before, self._after,
         )  # fmt: skip

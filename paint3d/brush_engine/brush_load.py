@@ -7,12 +7,14 @@ its footprint, so a vertex at a distance s behind the tip is painted by what is 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from paint3d.brush_engine.ink_transfer import REACH
 from paint3d.core.kernel import kernel, uncounted
 
-__all__ = ["leave_from_stations", "level_stations"]
+__all__ = ["Gift", "leave_from_stations", "level_stations"]
 
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a station, the most that flows out of it on one side in one pass
@@ -41,22 +43,30 @@ def _station(before, after, field, v, reach, last):
     return min(max(behind / reach - 0.5, 0.0), np.float64(last))
 
 
-@kernel(error_model="numpy")
-def leave_from_stations(
-    before, after, released, landing, weighed, found, share, n, areas, unit, field, ink, taken
-):
-    """Leave `landing` of ink on the vertices, each from the stations that touch it.
+class Gift(NamedTuple):
+    """What a brush gives on its way from one stamp to the next, coats x mm2."""
 
-    The rest of `released` runs off; `taken` (P,) that the brush took up meanwhile goes to where
-    it touches. Conserves: the stations, what was left and what ran off add up.
+    released: float  # what leaves it
+    landing: float  # what of that lands on vertices; the rest runs off the surface's edge
+    weighed: float  # mm2, the area that those stand for
+
+
+@kernel(error_model="numpy")
+def leave_from_stations(before, after, gift, found, n, field, ink, taken):
+    """Leave what lands of a gift on the vertices found, each from the stations that touch it.
+
+    The rest of it runs off; `taken` (P,) that the brush took up meanwhile goes to where it touches.
+    Conserves: the stations, what was left and what ran off add up.
     """
     stations = ink.stations
     count, n_pigments = stations.shape
     last = count - 1
     reach = ink.habit[REACH]
+    ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
+    amounts = ink.amounts
     demand = np.zeros(count)
     for k in range(n):
-        v = found[k]
+        v = ids[k]
         at = _station(before, after, field, v, reach, last)
         i = min(np.int64(at), last - 1)
         part = share[k] * areas[v] * unit
@@ -68,24 +78,24 @@ def leave_from_stations(
         total = 1.0
     density = np.zeros((count, n_pigments))  # left per weighed mm2, by station
     for i in range(count):
-        wanted = released * demand[i] / total
+        wanted = gift.released * demand[i] / total
         held = stations[i].sum()
         given = min(wanted, held)
         if given <= 0.0:
             continue
-        landed = given * (landing / released)
+        landed = given * (gift.landing / gift.released)
         for p in range(n_pigments):
             part = stations[i, p] / held
             ink.off_surface[p] += part * (given - landed)
-            density[i, p] = part * landed / demand[i] if weighed > 0.0 else 0.0
+            density[i, p] = part * landed / demand[i] if gift.weighed > 0.0 else 0.0
             stations[i, p] -= part * given
     for k in range(n):
-        v = found[k]
+        v = ids[k]
         at = _station(before, after, field, v, reach, last)
         i = min(np.int64(at), last - 1)
         t = at - i
         for p in range(n_pigments):
-            ink.amounts[v, p] += np.float32(
+            amounts[v, p] += np.float32(
                 share[k] * ((1.0 - t) * density[i, p] + t * density[i + 1, p])
             )
     for i in range(count):

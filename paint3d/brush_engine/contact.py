@@ -96,19 +96,9 @@ def find_contact(
         If the pose is not finite, the quaternion not of unit length, the pressure out of range, or
         a place is given without it.
     """
-    pose = np.zeros(9)
-    pose[:3] = as_array(position, "position", (3,))
-    if place is not None:
-        if pressure is None:
-            raise InputError("a place is given without a pressure; expected both")
-        pose[:3], pose[8] = as_array(place, "place", (3,)), 1.0
-    pose[3:7] = as_array(orientation, "orientation", (4,))
-    if abs(np.linalg.norm(pose[3:7]) - 1.0) > 1e-3:
-        raise InputError(f"orientation has length {np.linalg.norm(pose[3:7]):g}; expected 1")
-    pose[7] = np.nan if pressure is None else as_number(pressure, "pressure", 0.0, 1.0)
-    stamp, counters = st.make_stamp(), np.zeros(8, np.int64)
-    room = make_room(mesh, 0)
-    place_stamp(pose, False, stamp, stamp, tuft, tree, mesh.arrays, counters, room)
+    pose = _pose(position, orientation, pressure, place)
+    stamp, room = st.make_stamp(), make_room(mesh, 0)
+    place_stamp(pose, False, stamp, stamp, tuft, tree, mesh.arrays, room)
     v = stamp.values[0]
     if v["triangle"] < 0:
         return None
@@ -130,3 +120,20 @@ def find_contact(
         width=float(2.0 * v["widest"]) if touches else 0.0,
         area=float(v["area"]) if touches else 0.0,
     )
+
+
+def _pose(
+    position: ArrayLike, orientation: ArrayLike, pressure: float | None, place: ArrayLike | None
+) -> NDArray:
+    """The pose (9,) of `place_stamp`; errors as in `find_contact`."""
+    pose = np.zeros(9)
+    pose[:3] = as_array(position, "position", (3,))
+    if place is not None:
+        if pressure is None:
+            raise InputError("a place is given without a pressure; expected both")
+        pose[:3], pose[8] = as_array(place, "place", (3,)), 1.0
+    pose[3:7] = as_array(orientation, "orientation", (4,))
+    if abs(np.linalg.norm(pose[3:7]) - 1.0) > 1e-3:
+        raise InputError(f"orientation has length {np.linalg.norm(pose[3:7]):g}; expected 1")
+    pose[7] = np.nan if pressure is None else as_number(pressure, "pressure", 0.0, 1.0)
+    return pose

@@ -17,9 +17,11 @@ import numpy as np
 from paint3d.brush_engine import stamp as st
 from paint3d.core.kernel import uncounted
 
-__all__ = ["WORK_ROWS", "weigh_block", "weigh_standing"]
+__all__ = ["ROWS", "WORK_ROWS", "weigh_block", "weigh_standing"]
 
-WORK_ROWS = 8  # float32 rows of a block's length that `weigh_block` works in
+ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
+# distances at the stamp before and at the stamp after, to the near side and to the far side
+WORK_ROWS = 8  # of the same, that `weigh_block` works in: the last two are share and cover
 _LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
@@ -52,14 +54,18 @@ def _mean_covered(a, b):
 
 
 @uncounted(error_model="numpy")
-def _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond):
-    """Where vertices of the plane lie on a stamp's profile: place (cells), side and beyond (mm).
+def _place_block(n, rows, stand, spots):
+    """Where vertices of the plane lie on a stamp's profile: rows of place (cells), side and beyond.
 
-    `turn` (4,) carries plane coordinates to the stamp's own: (x - ox, y - oy) turned by (c, s).
-    The profile is read at its nearer end beyond its ends, `beyond` is the way beyond.
+    The profile is read at its nearer end beyond its ends, `beyond` is the way beyond; sides and
+    ways in mm. `stand` (6,) is how the outline stands: the turn that carries plane coordinates to
+    the stamp's own, (x - ox, y - oy) turned by (c, s), and where its heel and its tip are.
     """
-    ox, oy = np.float32(turn[0]), np.float32(turn[1])
-    c, s = np.float32(turn[2]), np.float32(turn[3])
+    xs, ys = rows[0], rows[1]
+    places, sides, beyond = spots[0], spots[1], spots[2]
+    turn_x, turn_y, cosine, sine, heel, tip = stand
+    ox, oy = np.float32(turn_x), np.float32(turn_y)
+    c, s = np.float32(cosine), np.float32(sine)
     first, last = np.float32(heel), np.float32(tip)
     per_step = np.float32(st.PROFILE_CELLS / (tip - heel))
     top = np.float32(_LAST_PLACE)
@@ -73,8 +79,30 @@ def _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond):
 
 
 @uncounted(error_model="numpy")
-def _stamp_edges(n, places, sides, beyond, lines, scale, inner, far):
+def _after(sweep):
+    """How the outline stands at the end of the way."""
+    turn = sweep.to_after
+    return turn[0], turn[1], turn[2], turn[3], sweep.after_heel, sweep.after_tip
+
+
+@uncounted(error_model="numpy")
+def _before(sweep):
+    """How the outline stands at its beginning."""
+    turn = sweep.to_before
+    return turn[0], turn[1], turn[2], turn[3], sweep.before_heel, sweep.before_tip
+
+
+@uncounted(error_model="numpy")
+def _part_way(sweep, part):
+    """How it stands after so many parts of the way; after 0: half the way."""
+    row = sweep.between[part]
+    return row[0], row[1], row[2], row[3], row[4], row[5]
+
+
+@uncounted(error_model="numpy")
+def _stamp_edges(n, spots, lines, scale, inner, far):
     """Signed distances (box widths) to the near and to the far side of one stamp's outline."""
+    places, sides, beyond = spots[0], spots[1], spots[2]
     factor = np.float32(scale)
     for k in range(n):
         at = places[k]
@@ -85,11 +113,13 @@ def _stamp_edges(n, places, sides, beyond, lines, scale, inner, far):
 
 
 @uncounted(error_model="numpy")
-def _way_edges(n, places, sides, beyond, lines_before, lines, back, scale, inner, far):
-    """`_stamp_edges` for the outline a share `back` of the way before the stamp `lines`."""
+def _way_edges(n, spots, sweep, back, inner, far):
+    """`_stamp_edges` for the outline a share `back` of the way before its end."""
+    places, sides, beyond = spots[0], spots[1], spots[2]
+    lines, lines_before = sweep.after.lines, sweep.before.lines
     then = np.float32(back)
     now = np.float32(1.0 - back)
-    factor = np.float32(scale)
+    factor = np.float32(sweep.values[0].scale)
     for k in range(n):
         at = places[k]
         i = np.int32(at)
@@ -101,11 +131,12 @@ def _way_edges(n, places, sides, beyond, lines_before, lines, back, scale, inner
 
 
 @uncounted(error_model="numpy")
-def _pack(n, near, ids, rows, chosen_ids, chosen):
-    """Copy the columns `near` of the first rows, and their ids, to the front of others."""
+def _pack(n, near, ids, rows, block):
+    """Copy the columns `near` of rows, and their ids, to the front of the packed ones."""
+    chosen_ids, chosen = block.packed_ids, block.packed
     for i in range(n):
         chosen_ids[i] = ids[near[i]]
-    for row in range(chosen.shape[0]):
+    for row in range(ROWS):
         source = rows[row]
         target = chosen[row]
         for i in range(n):
@@ -113,23 +144,19 @@ def _pack(n, near, ids, rows, chosen_ids, chosen):
 
 
 @uncounted(error_model="numpy")
-def _follow(n, sweep, lines, lines_before, between, rows, work, share, cover):
+def _follow(n, sweep, rows, work):
     """Mean share covered, and the greatest, of vertices that the edge passes on a curve."""
-    xs, ys, a, b = rows[0], rows[1], rows[3], rows[4]
-    last, inner, far = work[0], work[1], work[2]
-    places, sides, beyond = work[3], work[4], work[5]
-    parts = int(sweep.parts)
+    a, b = rows[3], rows[4]
+    last, inner, far, spots = work[0], work[1], work[2], work[3:6]
+    share, cover = work[6], work[7]
+    parts = int(sweep.values[0].parts)
     each = np.float32(1.0 / parts)
     for k in range(n):
         last[k] = a[k]
         share[k] = _ZERO
     for part in range(1, parts):
-        where = between[part]
-        _place_block(n, xs, ys, where, where[4], where[5], places, sides, beyond)
-        _way_edges(
-            n, places, sides, beyond, lines_before, lines, 1.0 - part / parts, sweep.scale,
-            inner, far,
-        )  # fmt: skip
+        _place_block(n, rows, _part_way(sweep, part), spots)
+        _way_edges(n, spots, sweep, 1.0 - part / parts, inner, far)
         for k in range(n):
             share[k] += _mean_covered(last[k], inner[k])
             cover[k] = max(cover[k], _covered(inner[k]) + _covered(far[k]) - _ONE)
@@ -139,32 +166,32 @@ def _follow(n, sweep, lines, lines_before, between, rows, work, share, cover):
 
 
 @uncounted(error_model="numpy")
-def _drop_far(n, sweep, lines, lines_before, between, rows, work, near):
+def _drop_far(n, sweep, rows, work, near):
     """List which of these the outline can reach on its way, by where it is half the way."""
-    inner, far, places, sides, beyond = work[0], work[1], work[2], work[3], work[4]
-    where = between[0]
-    _place_block(n, rows[0], rows[1], where, where[4], where[5], places, sides, beyond)
-    _way_edges(
-        n, places, sides, beyond, lines_before, lines, 0.5, sweep.scale, inner, far
-    )  # fmt: skip
-    rise = np.float32(0.5 * sweep.end_rise)
+    inner, far, spots = work[0], work[1], work[2:5]
+    a, b = rows[3], rows[4]
+    _place_block(n, rows, _part_way(sweep, 0), spots)
+    _way_edges(n, spots, sweep, 0.5, inner, far)
+    rise = np.float32(0.5 * sweep.values[0].end_rise)
     kept = 0
     for k in range(n):
         near[kept] = k
-        kept += np.int64(max(max(rows[3][k], rows[4][k]), inner[k] + rise) > -_HALF)
+        kept += np.int64(max(max(a[k], b[k]), inner[k] + rise) > -_HALF)
     return kept
 
 
 @uncounted(error_model="numpy")
-def _append(n, ids, rows, share, cover, out_ids, out_share, out_cover, found):
-    """Append the vertices with a share to the outputs."""
-    stretch = rows[2]
+def _append(n, block, found, at):
+    """Append the packed vertices with a share to those found; return how many these are then."""
+    ids, stretch = block.packed_ids, block.packed[2]
+    share, cover = block.work[6], block.work[7]
+    out_ids, out_share, out_cover = found.ids, found.share, found.cover
     for k in range(n):
-        out_ids[found] = ids[k]
-        out_share[found] = share[k] * stretch[k]
-        out_cover[found] = cover[k]
-        found += np.int64(cover[k] > _ZERO)
-    return found
+        out_ids[at] = ids[k]
+        out_share[at] = share[k] * stretch[k]
+        out_cover[at] = cover[k]
+        at += np.int64(cover[k] > _ZERO)
+    return at
 
 
 @uncounted(error_model="numpy")
@@ -177,51 +204,21 @@ def _stamp_cover(n, rows, cover):
         cover[k] = _ONE if max(a[k], b[k]) >= _HALF else max(now, then)
 
 
-@uncounted(error_model="numpy")
-def weigh_block(
-    n, ids, rows, sweep, lines, lines_before, between, packed_ids, packed, work, near,
-    kinds, eights, out_ids, out_share, out_cover, found,
-):  # fmt: skip
-    """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
+@uncounted(error_model="numpy", forceinline=True)
+def _measure(n, sweep, block):
+    """Fill the vertices' distances at both stamps; those at one that does not touch are no others.
 
-    Parameters
-    ----------
-    n : int
-        Vertices in the block (N: its room).
-    ids : (N,) int32
-    rows : (7, N) float32
-        Plane x, y and stretch of each; the rest is filled: the distances at the stamp before and
-        at the stamp after, to the near side and to the far side.
-    sweep, between, lines, lines_before : arrays of the sweep and of its two stamps
-    packed_ids, packed, work, near : (N,) int32, (7, N), (WORK_ROWS, N) float32, (2, N) int32
-        Scratch.
-    kinds, eights : (N,) uint8, (N / 8,) uint64
-        Scratch: the same memory seen in two ways. Neighbours mostly share their fate, so eight of
-        them are looked at together first.
-    out_ids, out_share, out_cover : (cap + 1,) int32, float32, float32
-        Vertices with a share are appended.
-    found : int
-        How many there are already.
-
-    Returns
-    -------
-    int
-        How many there are then.
+    The first row of work keeps their places on the stamp that the brush comes from, if it touches.
     """
-    xs, ys, stretch = rows[0], rows[1], rows[2]
+    rows, spots, values = block.rows, block.work[0:3], sweep.values[0]
     a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
-    places, sides, beyond = work[0], work[1], work[2]
-    now, then, scale = sweep.after_touches, sweep.before_touches, sweep.scale
+    now, then, scale = values.after_touches, values.before_touches, values.scale
     if now > 0.0:
-        turn = sweep.to_after
-        heel, tip = sweep.after_heel, sweep.after_tip
-        _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond)
-        _stamp_edges(n, places, sides, beyond, lines, scale, b, far_b)
-    if then > 0.0:  # after the other: `places` are then those on the stamp the brush comes from
-        turn = sweep.to_before
-        heel, tip = sweep.before_heel, sweep.before_tip
-        _place_block(n, xs, ys, turn, heel, tip, places, sides, beyond)
-        _stamp_edges(n, places, sides, beyond, lines_before, scale, a, far_a)
+        _place_block(n, rows, _after(values), spots)
+        _stamp_edges(n, spots, sweep.after.lines, scale, b, far_b)
+    if then > 0.0:
+        _place_block(n, rows, _before(values), spots)
+        _stamp_edges(n, spots, sweep.before.lines, scale, a, far_a)
     if now <= 0.0:
         for k in range(n):
             b[k] = a[k]
@@ -230,6 +227,12 @@ def weigh_block(
         for k in range(n):
             a[k] = b[k]
             far_a[k] = far_b[k]
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _judge(n, sweep, block):
+    """Tell which vertices the sweep covers whole, which not, and which its edge passes, and how."""
+    a, b, places, kinds = block.rows[3], block.rows[4], block.work[0], block.kinds
     curved = sweep.parts > 1.0
     least = np.float32(-0.5 - sweep.rise)
     least_at_end = np.float32(-0.5 - sweep.end_rise)
@@ -241,73 +244,107 @@ def weigh_block(
         kind = _SLOWLY if bent else _STRAIGHT
         kind = _WHOLE if low >= _HALF else kind
         kinds[k] = kind if reached else _NOT
-    last = (n + 7) // 8
-    kinds[n : 8 * last] = _NOT
-    straight_ones, slow_ones = near[0], near[1]
+    kinds[n : 8 * ((n + 7) // 8)] = _NOT
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _sort(n, block, found, at):
+    """Append the vertices that are covered whole, and list the others by kind.
+
+    Returns how many have been found then, and how many the edge passes straight, and slowly.
+    """
+    ids, stretch, kinds, eights = block.ids, block.rows[2], block.kinds, block.eights
+    straight_ones, slow_ones = block.near[0], block.near[1]
+    out_ids, out_share, out_cover = found.ids, found.share, found.cover
     straight, slow = 0, 0
-    for g in range(last):
+    for g in range((n + 7) // 8):
         if eights[g] == _NONE_OF_EIGHT:
             continue
         first = 8 * g
         if eights[g] == _ALL_OF_EIGHT:
             for k in range(8):
-                out_ids[found + k] = ids[first + k]
-                out_share[found + k] = stretch[first + k]
-                out_cover[found + k] = _ONE
-            found += 8
+                out_ids[at + k] = ids[first + k]
+                out_share[at + k] = stretch[first + k]
+                out_cover[at + k] = _ONE
+            at += 8
             continue
         for k in range(first, min(n, first + 8)):  # no branch: what comes cannot be foretold
-            out_ids[found] = ids[k]
-            out_share[found] = stretch[k]
-            out_cover[found] = _ONE
-            found += np.int64(kinds[k] == _WHOLE)
+            out_ids[at] = ids[k]
+            out_share[at] = stretch[k]
+            out_cover[at] = _ONE
+            at += np.int64(kinds[k] == _WHOLE)
             straight_ones[straight] = k
             straight += np.int64(kinds[k] == _STRAIGHT)
             slow_ones[slow] = k
             slow += np.int64(kinds[k] == _SLOWLY)
-    share, cover = work[6], work[7]
-    _pack(straight, straight_ones, ids, rows, packed_ids, packed)
-    _stamp_cover(straight, packed, cover)
-    for k in range(straight):
-        share[k] = _mean_covered(packed[3, k], packed[4, k])
-    found = _append(
-        straight, packed_ids, packed, share, cover, out_ids, out_share, out_cover, found
-    )
-    if slow == 0:
-        return found
-    _pack(slow, slow_ones, ids, rows, packed_ids, packed)
-    left = _drop_far(slow, sweep, lines, lines_before, between, packed, work, slow_ones)
-    _pack(left, slow_ones, packed_ids, packed, packed_ids, packed)
-    _stamp_cover(left, packed, cover)
-    _follow(left, sweep, lines, lines_before, between, packed, work, share, cover)
-    return _append(left, packed_ids, packed, share, cover, out_ids, out_share, out_cover, found)
+    return at, straight, slow
 
 
 @uncounted(error_model="numpy")
-def weigh_standing(n, ids, rows, sweep, lines, packed_ids, packed, work, near):
+def weigh_block(n, sweep, block, found, at):
+    """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
+
+    Parameters
+    ----------
+    n : int
+        Vertices in the block.
+    sweep : Sweep
+    block : Block
+        With their ids, and the first three of `rows`; the rest is filled, and worked in.
+    found : Found
+        Vertices with a share are appended.
+    at : int
+        How many there are already.
+
+    Returns
+    -------
+    int
+        How many there are then.
+    """
+    ids, rows, packed, work = block.ids, block.rows, block.packed, block.work
+    straight_ones, slow_ones = block.near[0], block.near[1]
+    share, cover = work[6], work[7]
+    _measure(n, sweep, block)
+    _judge(n, sweep.values[0], block)
+    at, straight, slow = _sort(n, block, found, at)
+    _pack(straight, straight_ones, ids, rows, block)
+    _stamp_cover(straight, packed, cover)
+    for k in range(straight):
+        share[k] = _mean_covered(packed[3, k], packed[4, k])
+    at = _append(straight, block, found, at)
+    if slow == 0:
+        return at
+    _pack(slow, slow_ones, ids, rows, block)
+    left = _drop_far(slow, sweep, packed, work, slow_ones)
+    _pack(left, slow_ones, block.packed_ids, packed, block)
+    _stamp_cover(left, packed, cover)
+    _follow(left, sweep, packed, work)
+    return _append(left, block, found, at)
+
+
+@uncounted(error_model="numpy")
+def weigh_standing(n, sweep, block):
     """Share covered where the way ends, of the vertices of a block; those with one are packed.
 
     Parameters
     ----------
-    n, ids, rows, sweep, lines : as for `weigh_block`
-        Of a sweep whose two stamps are one.
-    packed_ids : (N,) int32
-        Filled with the vertices that have a share,
-    packed : (7, N) float32
-        and their plane x and y, share for the ink, and share covered.
-    work, near : (WORK_ROWS, N) float32, (N,) int32
-        Scratch.
+    n : int
+    sweep : Sweep
+        Its two stamps are one.
+    block : Block
+        With the vertices' ids, and the first three of `rows`. Filled are `packed_ids` with those
+        that have a share, and of `packed` their plane x and y, share for the ink, and share
+        covered.
 
     Returns
     -------
     int
         How many there are.
     """
-    places, sides, beyond, inner, far, cover = work[0], work[1], work[2], work[3], work[4], work[5]
-    turn = sweep.to_after
-    heel, tip = sweep.after_heel, sweep.after_tip
-    _place_block(n, rows[0], rows[1], turn, heel, tip, places, sides, beyond)
-    _stamp_edges(n, places, sides, beyond, lines, sweep.scale, inner, far)
+    rows, work, near, values = block.rows, block.work, block.near[0], sweep.values[0]
+    spots, inner, far, cover = work[0:3], work[3], work[4], work[5]
+    _place_block(n, rows, _after(values), spots)
+    _stamp_edges(n, spots, sweep.after.lines, values.scale, inner, far)
     for k in range(n):
         part = _covered(inner[k]) + _covered(far[k]) - _ONE
         cover[k] = _ONE if inner[k] >= _HALF else part
@@ -316,6 +353,7 @@ def weigh_standing(n, ids, rows, sweep, lines, packed_ids, packed, work, near):
         near[kept] = k
         kept += np.int64(cover[k] > _ZERO)
     xs, ys, stretch = rows[0], rows[1], rows[2]
+    ids, packed_ids, packed = block.ids, block.packed_ids, block.packed
     out_x, out_y, out_share, out_cover = packed[0], packed[1], packed[2], packed[3]
     for i in range(kept):
         k = np.uint32(near[i])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paint3d.brush_engine.brush_load import leave_from_stations
+from paint3d.brush_engine.brush_load import Gift, leave_from_stations
 from paint3d.brush_engine.gathering import gather
 from paint3d.brush_engine.ink_transfer import PICKUP, contact_level, take_up_ink, thin_contact
 from paint3d.brush_engine.transfer import ink_released, landing_share, leave_ink, weighed_area
@@ -14,30 +14,30 @@ PAINTED = 3  # counter: vertices that ink was left on
 
 
 @uncounted(error_model="numpy")
-def sweep_deposit(before, after, tuft, field, ink, counters, room):
+def sweep_deposit(before, after, tuft, field, ink, room):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
     Conserves: what leaves `ink.load` is on vertices or counted in `ink.off_surface`.
     """
-    width = field.soft_edge
-    found = gather(before, after, field, width, 1.0 / width, counters, room)
-    if found < 0:
+    width, found = field.soft_edge, room.found
+    n = gather(before, after, field, room)
+    if n < 0:
         return False
-    weighed = weighed_area(field.area_units, field.area_unit, room.found, room.share, found)
+    weighed = weighed_area(field, found.ids, found.share, n)
     a = before.values[0]
     b = after.values[0]
     area = 0.5 * (a.area + b.area)
     if a.touches <= 0.0 or b.touches <= 0.0:
         area = max(a.area * a.touches, b.area * b.touches)
     total, released = ink_released(before, after, tuft, ink)
-    if area < width * width and found == 0:
+    if area < width * width and n == 0:
         released = 0.0  # a touch finer than the vertices leaves nothing yet
-    landing = released * landing_share(area, width, weighed, found)
+    landing = released * landing_share(area, width, weighed, n)
     level = contact_level(before, after, ink)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
-        found = thin_contact(level, room.found, room.share, room.cover, found, field)
+        n = thin_contact(level, found, n, field)
         whole = weighed
-        weighed = weighed_area(field.area_units, field.area_unit, room.found, room.share, found)
+        weighed = weighed_area(field, found.ids, found.share, n)
         released *= weighed / whole
         landing *= weighed / whole
     if weighed <= 0.0:
@@ -45,15 +45,10 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
     room.part[:] = 0.0
     room.taken[:] = 0.0
     if ink.habit[PICKUP] > 0.0:
-        take_up_ink(
-            before, after, released, room.found, room.share, found, field.area_units,
-            field.area_unit, ink, room.taken,
-        )  # fmt: skip
+        take_up_ink(before, after, released, found, n, field, ink, room.taken)
     if ink.stations.shape[0] > 1:
-        leave_from_stations(
-            before, after, released, landing, weighed, room.found, room.share, found,
-            field.area_units, field.area_unit, field, ink, room.taken,
-        )  # fmt: skip
+        gift = Gift(released, landing, weighed)
+        leave_from_stations(before, after, gift, found, n, field, ink, room.taken)
     elif total > 0.0:
         for p in range(ink.load.shape[0]):
             part = ink.load[p] / total
@@ -63,9 +58,6 @@ def sweep_deposit(before, after, tuft, field, ink, counters, room):
     if ink.habit[PICKUP] > 0.0 and ink.stations.shape[0] <= 1:
         for p in range(ink.load.shape[0]):
             ink.load[p] += room.taken[p]
-    leave_ink(
-        room.found, room.share, room.cover, found, room.part,
-        ink.amounts, ink.coverage, ink.dirty, ink.dirty_ids, ink.n_dirty,
-    )  # fmt: skip
-    counters[PAINTED] += found
+    leave_ink(found, n, room.part, ink)
+    room.counters[PAINTED] += n
     return True

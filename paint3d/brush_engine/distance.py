@@ -25,7 +25,7 @@ _COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
 
 
 @uncounted(error_model="numpy")
-def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
+def _judge_discs(n, discs, turn, stamp, rises, fates):
     """Where each disc lies to one stamp: OUTSIDE, on its EDGE, or INSIDE.
 
     The half width rises to its greatest value and falls again, so over an interval it is least
@@ -38,7 +38,7 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
         Plane x, y and radius (mm) in the first three rows.
     turn : (4,) float64
         From the plane to the stamp's own coordinates.
-    stamp, widths : arrays of the stamp
+    stamp : Stamp
     rises : (4,) float64
         How far beyond a stamp's edge the edge gets on its way, mm: anywhere, and near the tip;
         and how near that is; and half the soft edge. A disc must be farther away by the first
@@ -49,17 +49,18 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
     xs, ys, radii, along, low, high = discs[0], discs[1], discs[2], discs[3], discs[4], discs[5]
     ox, oy = np.float32(turn[0]), np.float32(turn[1])
     c, s = np.float32(turn[2]), np.float32(turn[3])
-    heel, length = np.float32(stamp.heel), np.float32(stamp.tip - stamp.heel)
-    widest = np.float32(stamp.widest)
-    middle = np.float32(stamp.widest_at - stamp.heel)
-    per_step = np.float32(st.PROFILE_CELLS / (stamp.tip - stamp.heel))
+    values, widths = stamp.values[0], stamp.half_widths
+    heel, length = np.float32(values.heel), np.float32(values.tip - values.heel)
+    widest = np.float32(values.widest)
+    middle = np.float32(values.widest_at - values.heel)
+    per_step = np.float32(st.PROFILE_CELLS / (values.tip - values.heel))
     nothing, top = np.float32(0.0), np.float32(st.PROFILE_CELLS)
     rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
     end = length - np.float32(rises[2])
     # beside a blunt end, the distance to the line of its last step is less than the way there
     least = np.float32(rises[3] + rises[0])
     steepest = max(widths[1], widths[st.PROFILE_CELLS - 1]) * st.PROFILE_CELLS
-    slope = steepest / (stamp.tip - stamp.heel)
+    slope = steepest / (values.tip - values.heel)
     blunt = np.float32(np.sqrt(1.0 + slope * slope) - 1.0) * least
     zone = length * np.float32(_END_ZONE)
     for k in range(n):
@@ -85,22 +86,20 @@ def _judge_discs(n, discs, turn, stamp, widths, rises, fates):
 
 
 @uncounted(error_model="numpy")
-def _judge_sweep(n, discs, sweep, before, widths_before, after, widths, where):
+def _judge_sweep(n, discs, sweep, where):
     """Where each disc lies to a sweep: INSIDE both outlines, OUTSIDE both, or on an EDGE.
 
     `where` (2, N) uint8: the answer comes in the first row. Under a stamp that stands alone, of a
     brush that comes or goes, nothing is inside: it is covered for a part of the time.
     """
     now, then = where[0], where[1]
-    rises = sweep.rises
-    turn_now = sweep.to_after
-    turn_then = sweep.to_before
-    if sweep.after_touches > 0.0:
-        _judge_discs(n, discs, turn_now, after, widths, rises, now)
+    values = sweep.values[0]
+    if values.after_touches > 0.0:
+        _judge_discs(n, discs, values.to_after, sweep.after, values.rises, now)
     else:
         now[:n] = 0
-    if sweep.before_touches > 0.0:
-        _judge_discs(n, discs, turn_then, before, widths_before, rises, then)
+    if values.before_touches > 0.0:
+        _judge_discs(n, discs, values.to_before, sweep.before, values.rises, then)
     else:
         then[:n] = 0
     for k in range(n):
@@ -108,27 +107,42 @@ def _judge_sweep(n, discs, sweep, before, widths_before, after, widths, where):
         now[k] = max(least, min(most, np.uint8(1)))
 
 
-@uncounted(error_model="numpy")
-def find_cells(
-    sheet_place, pack, origin, size, sweep, before, widths_before, after, widths,
-    sheets, n_sheets, cell_ticks, tick, discs, where, cells, slopes,
-):  # fmt: skip
-    """The cells of those sheets that the sweep can reach, each once.
+@uncounted(error_model="numpy", forceinline=True)
+def find_cells(sweep, field, patch, query):
+    """The cells of a patch's sheets that the sweep can reach, each once.
 
     A vertex in a cell lands in the plane within a radius of where the cell's middle lands: half
-    the cell's diagonal, and the shift that its own normal gives it at its height. `slopes` gets
-    the greatest tangent of a cell's normals to the plane's, negative where they look all ways.
+    the cell's diagonal, and the shift that its own normal gives it at its height.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    field : SurfaceField
+    patch : Patch
+    query : Query
+        `cells`, `slopes` and `where` are filled.
+
+    Returns
+    -------
+    int
+        How many there are.
     """
+    query.tick[0] += 1
+    tick, cell_ticks, cells, slopes = query.tick[0], query.cell_ticks, query.cells, query.slopes
+    xs, ys, radii, fates = query.discs[0], query.discs[1], query.discs[2], query.where[0]
+    sheet_place, pack, origin, size = (
+        field.sheet_place, field.sheet_pack, field.origin, field.cell_size
+    )  # fmt: skip
+    values = sweep.values[0]
     half_diagonal = 0.5 * np.sqrt(3.0) * size
-    margin = 0.5 / sweep.scale
-    xs, ys, radii = discs[0], discs[1], discs[2]
-    fx, fy, fz = sweep.normal[0], sweep.normal[1], sweep.normal[2]
+    margin = 0.5 / values.scale
+    fx, fy, fz = values.normal[0], values.normal[1], values.normal[2]
     n = 0
-    for k in range(n_sheets):
-        sheet = sheets[k]
-        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - sweep.origin[0]
-        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - sweep.origin[1]
-        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - sweep.origin[2]
+    for k in range(patch.count[0]):
+        sheet = patch.sheets[k]
+        dx = origin[0] + (sheet_place[sheet, 0] + 0.5) * size - values.origin[0]
+        dy = origin[1] + (sheet_place[sheet, 1] + 0.5) * size - values.origin[1]
+        dz = origin[2] + (sheet_place[sheet, 2] + 0.5) * size - values.origin[2]
         nx, ny, nz, area = pack[sheet, 0], pack[sheet, 1], pack[sheet, 2], pack[sheet, 3]
         length = np.sqrt(nx * nx + ny * ny + nz * nz)
         facing = nx * fx + ny * fy + nz * fz
@@ -146,12 +160,11 @@ def find_cells(
             reach = slope
         cells[n] = sheet_place[sheet, 3]
         slopes[n] = slope
-        xs[n] = dx * sweep.bend[0] + dy * sweep.bend[1] + dz * sweep.bend[2]
-        ys[n] = dx * sweep.cross[0] + dy * sweep.cross[1] + dz * sweep.cross[2]
+        xs[n] = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
+        ys[n] = dx * values.cross[0] + dy * values.cross[1] + dz * values.cross[2]
         radii[n] = half_diagonal + reach * (height + half_diagonal) + margin
         n += 1
-    _judge_sweep(n, discs, sweep, before, widths_before, after, widths, where)
-    fates = where[0]
+    _judge_sweep(n, query.discs, sweep, query.where)
     found = 0
     for k in range(n):
         cell = cells[k]
@@ -165,21 +178,32 @@ def find_cells(
     return found
 
 
-@uncounted(error_model="numpy")
-def find_runs(
-    cells, slopes, n_cells, base_start, cell_blocks, balls, cell_sheets, sweep, before,
-    widths_before, after, widths, discs, where, blocks, runs,
-):  # fmt: skip
-    """Runs (first, end, where) of the base vertices that the sweep can reach.
+@uncounted(error_model="numpy", forceinline=True)
+def find_runs(sweep, field, n_cells, query):
+    """Runs (first, end, where) of the base vertices that the sweep can reach; how many there are.
 
     Cells well inside go as a whole (`where` comes from `find_cells`), others block by block.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    field : SurfaceField
+    n_cells : int
+        From `find_cells`.
+    query : Query
+        `runs` is filled.
     """
-    margin = 0.5 / sweep.scale
-    xs, ys, radii, fates = discs[0], discs[1], discs[2], where[0]
-    ox, oy, oz = sweep.origin[0], sweep.origin[1], sweep.origin[2]
-    fx, fy, fz = sweep.normal[0], sweep.normal[1], sweep.normal[2]
-    bx, by, bz = sweep.bend[0], sweep.bend[1], sweep.bend[2]
-    cx, cy, cz = sweep.cross[0], sweep.cross[1], sweep.cross[2]
+    cells, slopes, blocks, runs = query.cells, query.slopes, query.blocks, query.runs
+    xs, ys, radii, fates = query.discs[0], query.discs[1], query.discs[2], query.where[0]
+    base_start, cell_blocks, balls, cell_sheets = (
+        field.base_start, field.cell_blocks, field.block_balls, field.cell_sheets
+    )  # fmt: skip
+    values = sweep.values[0]
+    margin = 0.5 / values.scale
+    ox, oy, oz = values.origin[0], values.origin[1], values.origin[2]
+    fx, fy, fz = values.normal[0], values.normal[1], values.normal[2]
+    bx, by, bz = values.bend[0], values.bend[1], values.bend[2]
+    cx, cy, cz = values.cross[0], values.cross[1], values.cross[2]
     n = 0
     n_runs = 0
     for c in range(n_cells):
@@ -206,7 +230,7 @@ def find_runs(
             blocks[n, 2] = most
             first += BLOCK_VERTICES
             n += 1
-    _judge_sweep(n, discs, sweep, before, widths_before, after, widths, where)
+    _judge_sweep(n, query.discs, sweep, query.where)
     for k in range(n):
         if fates[k] != OUTSIDE:
             fate = min(np.int32(fates[k]), blocks[k, 2]) if blocks[k, 2] != MIXED else MIXED

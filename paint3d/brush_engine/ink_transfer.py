@@ -9,7 +9,7 @@ from paint3d.brush_engine.stamp import outline_motion
 from paint3d.core.kernel import uncounted
 
 __all__ = ["CAPACITY", "GRAIN", "PICKUP", "REACH", "contact_level", "mean_pressure", "take_up_ink",
-           "thin_contact"]  # fmt: skip
+           "thin_contact", "touched_share"]  # fmt: skip
 
 # Places in InkField.habit.
 PICKUP = 0  # share of the wet ink under the brush that it takes up per mm at full pressure
@@ -49,34 +49,41 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
-def thin_contact(level, found, share, cover, n, field):
-    """Take vertices in the hollows of the grain out of contact, smoothly; return how many stay.
+def touched_share(level, field, v):
+    """Share of a vertex's area that a tuft touches at a contact level; 0 in the grain's hollows.
 
     The grain is a function of the place alone (`brush_engine.grain`), whatever the vertices.
     """
+    height = grain_at(
+        np.float64(field.px[v]), np.float64(field.py[v]), np.float64(field.pz[v]), _GRAIN_MM
+    )
+    return min(1.0, (height + _SOFT - (1.0 - level) * (1.0 + _SOFT)) / _SOFT)
+
+
+@uncounted(error_model="numpy")
+def thin_contact(level, found, n, field):
+    """Take vertices in the hollows of the grain out of contact, smoothly; return how many stay."""
     kept = 0
     for k in range(n):
-        v = found[k]
-        height = grain_at(
-            np.float64(field.px[v]), np.float64(field.py[v]), np.float64(field.pz[v]), _GRAIN_MM
-        )
-        touched = min(1.0, (height + _SOFT - (1.0 - level) * (1.0 + _SOFT)) / _SOFT)
+        v = found.ids[k]
+        touched = touched_share(level, field, v)
         if touched > 0.0:
-            found[kept] = v
-            share[kept] = share[k] * touched
-            cover[kept] = cover[k] * touched
+            found.ids[kept] = v
+            found.share[kept] = found.share[k] * touched
+            found.cover[kept] = found.cover[k] * touched
             kept += 1
     return kept
 
 
 @uncounted(error_model="numpy")
-def take_up_ink(before, after, released, found, share, n, areas, unit, ink, taken):
+def take_up_ink(before, after, released, found, n, field, ink, taken):
     """Let the brush take wet ink from the vertices that it passes; fill `taken` (P,), coats x mm2.
 
     A share 1 - exp(-rate pe ds) of what is there, ds the way over the vertex (mm): any cutting of
     the way takes the same. Never more than there is, nor than the brush has room for after it has
     given `released`.
     """
+    ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
     rate = ink.habit[PICKUP] * mean_pressure(before, after) * outline_motion(before, after)
     n_pigments = ink.load.shape[0]
     held = 0.0
@@ -85,7 +92,7 @@ def take_up_ink(before, after, released, found, share, n, areas, unit, ink, take
         taken[p] = 0.0
     within = 0.0
     for k in range(n):
-        v = found[k]
+        v = ids[k]
         part = 1.0 - np.exp(-rate * min(1.0, np.float64(share[k])))
         here = 0.0
         for p in range(n_pigments):
@@ -96,7 +103,7 @@ def take_up_ink(before, after, released, found, share, n, areas, unit, ink, take
     room = max(0.0, ink.habit[CAPACITY] - held + released)
     scale = min(1.0, room / within)
     for k in range(n):
-        v = found[k]
+        v = ids[k]
         part = scale * (1.0 - np.exp(-rate * min(1.0, np.float64(share[k]))))
         for p in range(n_pigments):
             old = ink.amounts[v, p]

@@ -35,19 +35,14 @@ _TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a bru
 
 
 @uncounted
-def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room):
+def place_stamp(pose, dragged, before, after, tuft, tree, field, room):
     """Fill `after` with the footprint of a pose.
 
     The pose (9,) is a position, a quaternion wxyz, the pressure or NaN, and 1 where the position is
     the place on the surface that the hand means; else 0, and it is the root's. `before` is the
     stamp the brush comes from; it carries the dragged point. It may be `after`.
     """
-    values = after.values[0]
-    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
-    up_x = 2.0 * (x * z + w * y)
-    up_y = 2.0 * (y * z - w * x)
-    up_z = 1.0 - 2.0 * (x * x + y * y)
-    foot = room.foot
+    values, up = after.values[0], _up_of(pose)
     was_touching = before.values[0].touches > 0.0
     for axis in range(3):
         room.vector[axis] = before.values[0].foot[axis]
@@ -56,87 +51,120 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
     trail = _TRAIL * before.values[0].widest if was_touching and centred else 0.0
     values.touches = 0.0
     values.centred = pose[8]
-    reach, place = REACH * tuft.length, (pose[0], pose[1], pose[2])
-    if centred:
-        triangle = find_meant(tree, place, (up_x, up_y, up_z), reach, foot)
+    if not _find_place(pose, up, tuft, tree, values, room):
+        return
+    if centred and not dragged:
+        _follow_way(values, trail, room)
+    _bend_along_pose(values, pose)
+    _press(pose, up, values, tuft)
+    if values.descent <= 0.0:
+        _flatten(values, _straight_reach(values, tuft))
+        _keep_drag(values, room.drag)
+        return
+    if dragged:
+        _bend_along_drag(values, was_touching, tuft, room)
+    _lean_plane(values, tuft, field, room)
+    if dragged:
+        _set_bend(values, values.drag[0], values.drag[1], values.drag[2])
     else:
-        triangle = find_foot(tree, place, (up_x, up_y, up_z), reach, foot, room.warm)
+        _bend_along_pose(values, pose)
+    _press(pose, up, values, tuft)
+    if not centred:
+        _settle(values, up, tuft)
+    _count_limits(up, values, tuft, room.counters)
+    _lay_outline(after, dragged, trail, tuft, room)
+
+
+@uncounted
+def _up_of(pose):
+    """Up the handle: the pen's z axis."""
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+
+
+@uncounted
+def _find_place(pose, up, tuft, tree, values, room):
+    """Let a stamp stand where its foot or the place that the hand means is; False: nowhere."""
+    foot, reach, place = room.foot, REACH * tuft.length, (pose[0], pose[1], pose[2])
+    if values.centred > 0.0:
+        triangle = find_meant(tree, place, up, reach, foot)
+    else:
+        triangle = find_foot(tree, place, up, reach, foot, room.warm)
         if triangle < 0 and pose[7] >= 0.0:
-            triangle = _find_far(tree, pose, up_x, up_y, up_z, foot, room.warm)
+            triangle = _find_far(tree, place, up, foot, room.warm)
     values.triangle = triangle
     if triangle < 0:
         for axis in range(3):
             values.origin[axis] = pose[axis]
             values.foot[axis] = pose[axis]
         _flatten(values, 0.0)
-        return
+        return False
     for axis in range(3):
         values.origin[axis] = foot[axis]
         values.foot[axis] = foot[axis]
         values.normal[axis] = foot[3 + axis]
         values.foot_normal[axis] = foot[3 + axis]
-    if centred and not dragged:
-        _follow_way(values, trail, room)
-    _bend_along_pose(values, w, x, y, z)
-    _press(pose, up_x, up_y, up_z, values, tuft)
-    if values.descent <= 0.0:
-        _flatten(values, 0.0 if centred else tuft.length * np.cos(values.tilt))
-        _keep_drag(values, room.drag)
-        return
-    if dragged:
-        _bend_along_drag(values, was_touching, tuft, room)
+    return True
+
+
+@uncounted
+def _lean_plane(values, tuft, field, room):
+    """Enclose the bent tuft, and lean the stamp's plane to the surface that it stands on."""
     along, up, radius = enclose_tuft(tuft, values.descent, values.tilt, values.pressure, room.tuft)
     extent = 0.0
-    if centred:
+    if values.centred > 0.0:
         middle, extent = _trace_extent(values, tuft, room)
         along -= middle
     for axis in range(3):
         values.sphere_centre[axis] = (
-            foot[axis] + along * values.bend[axis] + up * values.normal[axis]
+            room.foot[axis] + along * values.bend[axis] + up * values.normal[axis]
         )
     values.radius = radius
-    if centred:
+    if values.centred > 0.0:
         _lean_plane_under(values, extent, field, room)
     else:
         lean_plane(values, field, room)
-    if dragged:
-        _set_bend(values, values.drag[0], values.drag[1], values.drag[2])
-    else:
-        _bend_along_pose(values, w, x, y, z)
-    _press(pose, up_x, up_y, up_z, values, tuft)
-    if not centred:
-        _settle(values, up_x, up_y, up_z, tuft)
-    _count_limits(pose, up_x, up_y, up_z, values, tuft, counters)
+
+
+@uncounted
+def _lay_outline(stamp, dragged, trail, tuft, room):
+    """Trace a placed stamp's outline, around the place that the hand means where it means one."""
+    values = stamp.values[0]
     n = _trace(values, tuft, room)
     if n < 2:
-        _flatten(values, 0.0 if centred else tuft.length * np.cos(values.tilt))
+        _flatten(values, _straight_reach(values, tuft))
         return
-    if centred:
+    if values.centred > 0.0:
         middle = 0.5 * (room.reach[0] + room.reach[n - 1])
         for axis in range(3):
-            values.origin[axis] = foot[axis] - middle * values.bend[axis]
-    st.fill_profile(after, room.reach, room.half_width, n)
-    if centred and not dragged:
-        _centre_mark(values, after.half_widths, trail)
+            values.origin[axis] = room.foot[axis] - middle * values.bend[axis]
+    st.fill_profile(stamp, room.reach, room.half_width, n)
+    if values.centred > 0.0 and not dragged:
+        _centre_mark(values, stamp.half_widths, trail)
     _hold_outline(values)
     if values.area > 0.0:
         values.touches = 1.0
 
 
 @uncounted
-def _find_far(tree, pose, up_x, up_y, up_z, foot, warm):
+def _straight_reach(values, tuft):
+    """Where the straight tip would be, along the bend from where the stamp stands, mm."""
+    return 0.0 if values.centred > 0.0 else tuft.length * np.cos(values.tilt)
+
+
+@uncounted
+def _find_far(tree, root, up, foot, warm):
     """The foot of a root that stands over the surface at any height; -1 beside the surface.
 
     A hand that says how hard it presses does press, wherever its root is said to be.
     """
-    place = (pose[0], pose[1], pose[2])
-    triangle = find_foot(tree, place, (up_x, up_y, up_z), np.inf, foot, warm)
+    triangle = find_foot(tree, root, up, np.inf, foot, warm)
     if triangle < 0:
         return -1
     height, away = 0.0, 0.0
     for axis in range(3):
-        height += (pose[axis] - foot[axis]) * foot[3 + axis]
-        away += (pose[axis] - foot[axis]) ** 2
+        height += (root[axis] - foot[axis]) * foot[3 + axis]
+        away += (root[axis] - foot[axis]) ** 2
     return triangle if away - height * height <= _OVER * _OVER * away else -1
 
 
@@ -211,8 +239,9 @@ def _set_bend(values, bx, by, bz):
 
 
 @uncounted
-def _bend_along_pose(values, w, x, y, z):
+def _bend_along_pose(values, pose):
     """Commanded azimuth: the pen's x axis laid into the plane (its y axis where x stands up)."""
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
     if not _set_bend(
         values,
         1.0 - 2.0 * (y * y + z * z),
@@ -302,17 +331,17 @@ def _centre_mark(values, half_widths, trail):
 
 
 @uncounted
-def _press(pose, up_x, up_y, up_z, values, tuft):
+def _press(pose, up, values, tuft):
     """Tilt, descent D_s and pe: by Eq. 4 from the pressure, else from the root's height.
 
     Where the hand means a place, there is a pressure, and the tilt is the handle's lean along the
     bend alone.
     """
     if values.centred > 0.0:
-        _limit_tilt(values, up_x, up_y, up_z, tuft)
+        _limit_tilt(values, up, tuft)
         _set_descent(values, pose[7] * tuft.full_press, tuft)
         return
-    sine = _sine_of_tilt(values, up_x, up_y, up_z)
+    sine = _sine_of_tilt(values, up)
     sine = min(1.0, max(np.sin(tuft.lowest_tilt), sine))
     values.tilt = np.arcsin(sine)
     if np.isnan(pose[7]):
@@ -333,7 +362,7 @@ def _set_descent(values, descent, tuft):
 
 
 @uncounted
-def _settle(values, up_x, up_y, up_z, tuft):
+def _settle(values, up, tuft):
     """Set the outline so that a tuft pressed ever less ends where its straight tip touches.
 
     The papers' outline is counted from the root's foot in the plane, and its bend plane holds the
@@ -348,12 +377,12 @@ def _settle(values, up_x, up_y, up_z, tuft):
         values.foot_normal[1],
         values.foot_normal[2],
     )
-    height = length * (up_x * fx + up_y * fy + up_z * fz) - values.descent
+    height = length * (up[0] * fx + up[1] * fy + up[2] * fz) - values.descent
     # from P'_m to the straight tip, in the plane
-    tx = height * fx - length * up_x
-    ty = height * fy - length * up_y
-    tz = height * fz - length * up_z
-    lean = _limit_tilt(values, up_x, up_y, up_z, tuft)
+    tx = height * fx - length * up[0]
+    ty = height * fy - length * up[1]
+    tz = height * fz - length * up[2]
+    lean = _limit_tilt(values, up, tuft)
     tilt = values.tilt
     back = length * np.cos(tilt) + length * max(0.0, lean - np.cos(tilt))
     tx -= back * values.bend[0]
@@ -367,16 +396,16 @@ def _settle(values, up_x, up_y, up_z, tuft):
 
 
 @uncounted
-def _limit_tilt(values, up_x, up_y, up_z, tuft):
+def _limit_tilt(values, up, tuft):
     """Make the handle's lean along the bend the model's tilt; returns the sine of that lean."""
-    lean = _lean(values, up_x, up_y, up_z)
+    lean = _lean(values, up)
     values.tilt = max(np.arccos(min(1.0, max(0.0, lean))), tuft.lowest_tilt)
     return lean
 
 
 @uncounted
-def _lean(values, up_x, up_y, up_z):
-    return -(up_x * values.bend[0] + up_y * values.bend[1] + up_z * values.bend[2])
+def _lean(values, up):
+    return -(up[0] * values.bend[0] + up[1] * values.bend[1] + up[2] * values.bend[2])
 
 
 @uncounted
@@ -392,20 +421,20 @@ def _hold_outline(values):
 
 
 @uncounted
-def _sine_of_tilt(values, up_x, up_y, up_z):
-    return up_x * values.normal[0] + up_y * values.normal[1] + up_z * values.normal[2]
+def _sine_of_tilt(values, up):
+    return up[0] * values.normal[0] + up[1] * values.normal[1] + up[2] * values.normal[2]
 
 
 @uncounted
-def _count_limits(pose, up_x, up_y, up_z, values, tuft, counters):
+def _count_limits(up, values, tuft, counters):
     """Keep count of what the model could not follow, so that a report can say so.
 
     A handle over a place that the hand means may lean to the side of the bend as far as it likes.
     """
     if values.centred > 0.0:
-        upright = np.sin(np.arccos(min(1.0, max(0.0, _lean(values, up_x, up_y, up_z)))))
+        upright = np.sin(np.arccos(min(1.0, max(0.0, _lean(values, up)))))
     else:
-        upright = _sine_of_tilt(values, up_x, up_y, up_z)
+        upright = _sine_of_tilt(values, up)
     if upright < np.sin(tuft.lowest_tilt) - 1e-9:
         counters[TILT_LIMITED] += 1
     if values.descent >= greatest_descent(tuft, values.tilt):
@@ -428,28 +457,20 @@ def lean_plane(values, field, room):
     Sheets of surface that face away from the brush are left out (the far side of a thin wall), and
     those at the sphere's border fade in, so that the plane does not jump as the brush moves.
     """
-    n = _flood(values, field, room)
-    if n > 0:
-        _sum_normals(
-            field.sheet_pack, room.sheets, n, values, values.sphere_centre[0],
-            values.sphere_centre[1], values.sphere_centre[2], values.radius, field.cell_size,
-            0.0, room.vector,
-        )  # fmt: skip
-        _set_normal(values, room.vector)
+    if _flood(values, field, room.patch) > 0:
+        pack, centre = field.sheet_pack, values.sphere_centre
+        total = _sum_normals(pack, room.patch, values, centre, values.radius, field.cell_size, 0.0)
+        _set_normal(values, total)
 
 
 @uncounted
-def _flood(values, field, room):
+def _flood(values, field, patch):
     """Find the sheets of the patch in the enclosing sphere; how many, 0 where no surface is."""
     sheet = start_sheet(values, field)
     if sheet < 0:
         return 0
-    room.tick[0] += 1
-    room.patch[0] = flood_patch(
-        field, sheet, values.sphere_centre, values.radius + field.cell_size, room.stamps,
-        room.tick[0], room.sheets,
-    )  # fmt: skip
-    return room.patch[0]
+    radius = values.radius + field.cell_size
+    return flood_patch(field, sheet, values.sphere_centre, radius, patch)
 
 
 @uncounted
@@ -461,16 +482,14 @@ def _lean_plane_under(values, extent, field, room):
     that what lies under the footprint faces away from it. `extent` is half the outline's longer
     side, mm.
     """
-    n = _flood(values, field, room)
-    if n == 0:
+    if _flood(values, field, room.patch) == 0:
         return
     cell = field.cell_size
     fade = max(_LEAST_FADE * cell, min(cell, extent))
-    _sum_normals(
-        field.sheet_pack, room.sheets, n, values, values.foot[0], values.foot[1],
-        values.foot[2], extent, fade, _OTHER_SIDE, room.vector,
-    )  # fmt: skip
-    _set_normal(values, room.vector)
+    total = _sum_normals(
+        field.sheet_pack, room.patch, values, values.foot, extent, fade, _OTHER_SIDE
+    )
+    _set_normal(values, total)
 
 
 @uncounted
@@ -485,18 +504,19 @@ def _set_normal(values, vector):
 
 
 @uncounted(error_model="numpy")
-def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, least, total):
+def _sum_normals(pack, patch, values, centre, radius, fade, least):
     """Sum the area-weighted normals of the sheets in a ball that face as the foot's surface does.
 
     At its border they fade in over the way `fade`, mm. `least` is the cosine to the foot's normal,
-    times the sheet's area, that a sheet must exceed.
+    times the sheet's area, that a sheet must exceed. `pack` is that of a `SurfaceField`.
     """
+    cx, cy, cz = centre[0], centre[1], centre[2]
     fx = values.foot_normal[0]
     fy = values.foot_normal[1]
     fz = values.foot_normal[2]
     x, y, z = 0.0, 0.0, 0.0
-    for k in range(n):
-        s = sheets[k]
+    for k in range(patch.count[0]):
+        s = patch.sheets[k]
         nx, ny, nz = pack[s, 0], pack[s, 1], pack[s, 2]
         if nx * fx + ny * fy + nz * fz <= least * pack[s, 3]:
             continue
@@ -510,6 +530,4 @@ def _sum_normals(pack, sheets, n, values, cx, cy, cz, radius, fade, least, total
         x += weight * nx
         y += weight * ny
         z += weight * nz
-    total[0] = x
-    total[1] = y
-    total[2] = z
+    return x, y, z

@@ -2,14 +2,34 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.core.kernel import uncounted
 
-__all__ = ["AWAY", "LEAST_FACING", "project_run", "take_run"]
+__all__ = ["AWAY", "LEAST_FACING", "Vertices", "project_run", "take_run", "vertices_of"]
 
 LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vertex faces away
 AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
+
+
+class Vertices(NamedTuple):
+    """Where N vertices are, and which way they face: float32 arrays (N,)."""
+
+    px: NDArray  # mm
+    py: NDArray
+    pz: NDArray
+    nx: NDArray  # of the unit normal
+    ny: NDArray
+    nz: NDArray
+
+
+@uncounted
+def vertices_of(field):
+    """The vertices of a `SurfaceField`."""
+    return Vertices(field.px, field.py, field.pz, field.nx, field.ny, field.nz)
 
 
 @uncounted
@@ -19,7 +39,7 @@ def _single(vector):
 
 
 @uncounted(error_model="numpy")
-def project_run(px, py, pz, nx, ny, nz, first, n, sweep, xs, ys, stretch, at):
+def project_run(vertices, first, n, sweep, rows, at):
     """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
     Straight-line float32 code over consecutive memory: the compiler turns it into vector
@@ -27,7 +47,17 @@ def project_run(px, py, pz, nx, ny, nz, first, n, sweep, xs, ys, stretch, at):
     where it lands and not where it is, for a convex surface falls away from under the tip.
     So is one that would be carried farther than the sweep says, as from a ridge beside the brush,
     or lies outside its ball.
-    `stretch` gets the plane's area for one of the surface there, as on a cylinder: 1 / cosine^2.
+
+    Parameters
+    ----------
+    vertices : Vertices
+    first, n : int
+        The run: where it begins, and how many they are.
+    sweep : record of SWEEP
+    rows : (3 or more, N) float32
+        The first three are filled from column `at` on: plane x and y, mm, and stretch, the plane's
+        area for one of the surface there, as on a cylinder: 1 / cosine^2.
+    at : int
     """
     ox, oy, oz = _single(sweep.origin)
     ux, uy, uz = _single(sweep.normal)
@@ -42,9 +72,10 @@ def project_run(px, py, pz, nx, ny, nz, first, n, sweep, xs, ys, stretch, at):
     away = np.float32(AWAY)
     one = np.float32(1.0)
     # slices: indices that cannot be negative are what lets the loop be vectorised
-    px, py, pz = px[first : first + n], py[first : first + n], pz[first : first + n]
-    nx, ny, nz = nx[first : first + n], ny[first : first + n], nz[first : first + n]
-    xs, ys, stretch = xs[at : at + n], ys[at : at + n], stretch[at : at + n]
+    last = first + n
+    px, py, pz = vertices.px[first:last], vertices.py[first:last], vertices.pz[first:last]
+    nx, ny, nz = vertices.nx[first:last], vertices.ny[first:last], vertices.nz[first:last]
+    xs, ys, stretch = rows[0][at : at + n], rows[1][at : at + n], rows[2][at : at + n]
     for k in range(n):
         dx = px[k] - ox
         dy = py[k] - oy
@@ -73,10 +104,25 @@ def project_run(px, py, pz, nx, ny, nz, first, n, sweep, xs, ys, stretch, at):
 
 
 @uncounted(error_model="numpy")
-def take_run(first, last, px, py, pz, nx, ny, nz, sweep, out_ids, out_share, out_cover, found):
+def take_run(vertices, first, last, sweep, found, at):
     """All vertices of a run that lands well inside the outline, but those facing away.
 
     First as if there were none of those, in vector instructions; if there are, once more.
+
+    Parameters
+    ----------
+    vertices : Vertices
+    first, last : int
+        The run.
+    sweep : record of SWEEP
+    found : Found
+        Filled from `at` on.
+    at : int
+
+    Returns
+    -------
+    int
+        How many have been found then.
     """
     ox, oy, oz = _single(sweep.origin)
     ux, uy, uz = _single(sweep.normal)
@@ -87,11 +133,11 @@ def take_run(first, last, px, py, pz, nx, ny, nz, sweep, out_ids, out_share, out
     least = np.float32(LEAST_FACING)
     one = np.float32(1.0)
     n = last - first
-    px, py, pz = px[first:last], py[first:last], pz[first:last]
-    nx, ny, nz = nx[first:last], ny[first:last], nz[first:last]
-    ids = out_ids[found : found + n]
-    share = out_share[found : found + n]
-    cover = out_cover[found : found + n]
+    px, py, pz = vertices.px[first:last], vertices.py[first:last], vertices.pz[first:last]
+    nx, ny, nz = vertices.nx[first:last], vertices.ny[first:last], vertices.nz[first:last]
+    ids = found.ids[at : at + n]
+    share = found.share[at : at + n]
+    cover = found.cover[at : at + n]
     refused = np.int32(0)
     for k in range(n):
         cosine = nx[k] * ux + ny[k] * uy + nz[k] * uz
@@ -111,7 +157,7 @@ def take_run(first, last, px, py, pz, nx, ny, nz, sweep, out_ids, out_share, out
         share[k] = inverse * inverse
         cover[k] = -one if bad else one
     if refused == 0:
-        return found + n
+        return at + n
     kept = 0
     for k in range(n):
         if cover[k] > 0.0:
@@ -119,4 +165,4 @@ def take_run(first, last, px, py, pz, nx, ny, nz, sweep, out_ids, out_share, out
             share[kept] = share[k]
             cover[kept] = one
             kept += 1
-    return found + kept
+    return at + kept

@@ -7,21 +7,63 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.coverage import WORK_ROWS
+from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
 from paint3d.brush_engine.distance import DISC_ROWS
 from paint3d.brush_engine.sweep import BETWEEN_SHAPE, SWEEP
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE
+from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 
-__all__ = ["Room", "grow_room", "make_room"]
+__all__ = ["Block", "Found", "Query", "Room", "grow_room", "make_room"]
 
 _BLOCK = 2032  # vertices projected and weighed at a time; an odd number of cache lines
+_COUNTERS = 8
+
+
+class Query(NamedTuple):
+    """What of a surface a sweep may reach, and how far it has been looked through."""
+
+    tick: NDArray  # (1,) int64, sweeps gathered so far
+    cell_ticks: NDArray  # (cells,) int64, tick at which a cell was last found
+    cells: NDArray  # (sheets,) int32
+    slopes: NDArray  # (sheets,) float32, greatest tangent of a cell's normals to the plane's,
+    # negative where they look all ways
+    discs: NDArray  # (DISC_ROWS, sheets or blocks) float32, cells or blocks laid in the plane
+    where: NDArray  # (2, sheets or blocks) uint8, where those lie to the sweep
+    blocks: NDArray  # (blocks, 3) int32, runs of base vertices that may be reached
+    runs: NDArray  # (cells + blocks, 3) int32, runs of base vertices, and where they lie
+    cursor: NDArray  # (CURSOR_SIZE,) int64, where the next block of vertices begins
+
+
+class Block(NamedTuple):
+    """Vertices that are projected and weighed together (N at the most)."""
+
+    ids: NDArray  # (N,) int32
+    rows: NDArray  # (ROWS, N) float32, what `coverage` knows of each
+    packed_ids: NDArray  # (N,) int32, some of them, side by side
+    packed: NDArray  # (ROWS, N) float32
+    work: NDArray  # (WORK_ROWS, N) float32
+    near: NDArray  # (2, N) int32, places of those that an edge passes, straight or slowly
+    kinds: NDArray  # (N,) uint8, how the sweep covers each
+    eights: NDArray  # (N / 8,) uint64, the same memory: neighbours mostly share their fate, so
+    # eight of them are looked at together first
+
+
+class Found(NamedTuple):
+    """Vertices that a sweep covers; one more is written before it is known whether it counts."""
+
+    ids: NDArray  # (cap + 1,) int32
+    share: NDArray  # (cap + 1,) float32, of the ink: time-mean share covered, times the stretch
+    cover: NDArray  # (cap + 1,) float32, greatest share covered, 0 to 1
 
 
 class Room(NamedTuple):
-    """Scratch arrays of the stroke kernels."""
+    """Scratch arrays of the stroke kernels (P pigments)."""
 
+    counters: NDArray  # (8,) int64: SAMPLES, FOOTPRINTS, VISITED, PAINTED, TILT_LIMITED,
+    # OVERPRESSED, each beside the kernels that count it
+    pose: NDArray  # (9,), see `place_stamp`
     foot: NDArray  # (6,)
     warm: NDArray  # (5,), what `find_foot` knows of the last foot
     vector: NDArray  # (3,)
@@ -32,38 +74,19 @@ class Room(NamedTuple):
     bounds: NDArray  # (8,)
     sweep: NDArray  # (1,) of SWEEP
     between: NDArray  # BETWEEN_SHAPE
-    tick: NDArray  # (2,) int64, patches flooded and sweeps gathered so far
-    patch: NDArray  # (1,) int64, sheets in the patch that was flooded last
-    stamps: NDArray  # (sheets,) int64, tick at which a sheet was last in the patch
-    sheets: NDArray  # (sheets,) int32
-    cell_ticks: NDArray  # (cells,) int64
-    cells: NDArray  # (sheets,) int32
-    slopes: NDArray  # (sheets,) float32, how far the cell's normals lean from the plane's
-    discs: NDArray  # (DISC_ROWS, sheets or blocks) float32, cells or blocks laid in the plane
-    where: NDArray  # (2, sheets or blocks) uint8, where those lie to the sweep
-    blocks: NDArray  # (blocks, 3) int32, runs of base vertices that may be reached
-    runs: NDArray  # (cells + blocks, 3) int32, runs of base vertices, and where they lie
-    cursor: NDArray  # (CURSOR_SIZE,) int64, where the next block of vertices begins
-    rows: NDArray  # (7, _BLOCK) float32, what `weigh_block` knows of each vertex
-    ids: NDArray  # (_BLOCK,) int32
-    packed: NDArray  # (7, _BLOCK) float32
-    packed_ids: NDArray  # (_BLOCK,) int32
-    work: NDArray  # (WORK_ROWS, _BLOCK) float32
-    near: NDArray  # (2, _BLOCK) int32
-    kinds: NDArray  # (_BLOCK,) uint8
-    eights: NDArray  # (_BLOCK / 8,) uint64, the same memory
-    found: NDArray  # (cap + 1,) int32
-    share: NDArray  # (cap + 1,) float32
-    cover: NDArray  # (cap + 1,) float32
     part: NDArray  # (P,)
     taken: NDArray  # (P,)
+    patch: Patch
+    query: Query
+    block: Block
+    found: Found
 
 
 def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
     """Scratch for painting on a mesh with so many pigments."""
-    sheets, cells = mesh.n_sheets, mesh.n_cells
-    kinds = np.zeros(_BLOCK, np.uint8)
     return Room(
+        counters=np.zeros(_COUNTERS, np.int64),
+        pose=np.zeros(9),
         foot=np.zeros(6),
         warm=np.zeros(5),
         vector=np.zeros(3),
@@ -74,41 +97,51 @@ def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
         bounds=np.zeros(8),
         sweep=np.zeros(1, SWEEP),
         between=np.zeros(BETWEEN_SHAPE),
-        tick=np.zeros(2, np.int64),
-        patch=np.zeros(1, np.int64),
-        stamps=np.zeros(sheets, np.int64),
-        sheets=np.zeros(sheets, np.int32),
-        cell_ticks=np.zeros(cells, np.int64),
-        cells=np.zeros(sheets, np.int32),
-        slopes=np.zeros(sheets, np.float32),
-        discs=np.zeros((DISC_ROWS, max(sheets, mesh.n_blocks)), np.float32),
-        where=np.zeros((2, max(sheets, mesh.n_blocks)), np.uint8),
-        blocks=np.zeros((mesh.n_blocks, 3), np.int32),
-        runs=np.zeros((cells + mesh.n_blocks, 3), np.int32),
-        cursor=np.zeros(CURSOR_SIZE, np.int64),
-        rows=np.zeros((7, _BLOCK), np.float32),
-        ids=np.zeros(_BLOCK, np.int32),
-        packed=np.zeros((7, _BLOCK), np.float32),
-        packed_ids=np.zeros(_BLOCK, np.int32),
-        work=np.zeros((WORK_ROWS, _BLOCK), np.float32),
-        near=np.zeros((2, _BLOCK), np.int32),
-        kinds=kinds,
-        eights=kinds.view(np.uint64),
-        **_per_vertex(mesh, n_pigments),
+        part=np.zeros(n_pigments),
+        taken=np.zeros(n_pigments),
+        patch=make_patch(mesh.n_sheets),
+        query=_make_query(mesh),
+        block=_make_block(),
+        found=_make_found(mesh),
     )
 
 
 def grow_room(room: Room, mesh: PaintMesh, n_pigments: int) -> Room:
     """The same scratch, for a mesh that has grown or a pigment more; what was begun goes on."""
-    return room._replace(**_per_vertex(mesh, n_pigments))
+    return room._replace(
+        found=_make_found(mesh), part=np.zeros(n_pigments), taken=np.zeros(n_pigments)
+    )
 
 
-def _per_vertex(mesh: PaintMesh, n_pigments: int) -> dict[str, NDArray]:
-    room = mesh.capacity + 1  # one is written before it is known whether it counts
-    return {
-        "found": np.zeros(room, np.int32),
-        "share": np.zeros(room, np.float32),
-        "cover": np.zeros(room, np.float32),
-        "part": np.zeros(n_pigments),
-        "taken": np.zeros(n_pigments),
-    }
+def _make_query(mesh: PaintMesh) -> Query:
+    sheets, cells, blocks = mesh.n_sheets, mesh.n_cells, mesh.n_blocks
+    return Query(
+        tick=np.zeros(1, np.int64),
+        cell_ticks=np.zeros(cells, np.int64),
+        cells=np.zeros(sheets, np.int32),
+        slopes=np.zeros(sheets, np.float32),
+        discs=np.zeros((DISC_ROWS, max(sheets, blocks)), np.float32),
+        where=np.zeros((2, max(sheets, blocks)), np.uint8),
+        blocks=np.zeros((blocks, 3), np.int32),
+        runs=np.zeros((cells + blocks, 3), np.int32),
+        cursor=np.zeros(CURSOR_SIZE, np.int64),
+    )
+
+
+def _make_block() -> Block:
+    kinds = np.zeros(_BLOCK, np.uint8)
+    return Block(
+        ids=np.zeros(_BLOCK, np.int32),
+        rows=np.zeros((ROWS, _BLOCK), np.float32),
+        packed_ids=np.zeros(_BLOCK, np.int32),
+        packed=np.zeros((ROWS, _BLOCK), np.float32),
+        work=np.zeros((WORK_ROWS, _BLOCK), np.float32),
+        near=np.zeros((2, _BLOCK), np.int32),
+        kinds=kinds,
+        eights=kinds.view(np.uint64),
+    )
+
+
+def _make_found(mesh: PaintMesh) -> Found:
+    room = mesh.capacity + 1
+    return Found(np.zeros(room, np.int32), np.zeros(room, np.float32), np.zeros(room, np.float32))

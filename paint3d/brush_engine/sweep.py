@@ -7,12 +7,15 @@ followed for vertices near the edge.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.brush_engine import stamp as st
 from paint3d.core.kernel import uncounted
 
-__all__ = ["BETWEEN_SHAPE", "SWEEP", "fill_between", "fill_sweep", "sweep_bounds"]
+__all__ = ["BETWEEN_SHAPE", "SWEEP", "Sweep", "fill_between", "fill_sweep", "sweep_bounds"]
 
 _MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
 _PART_SHARE = 0.05  # of the footprint's smaller extent, the longest part
@@ -50,6 +53,15 @@ SWEEP = np.dtype(
 """Everything that the loops over vertices need of a sweep."""
 
 BETWEEN_SHAPE = (_MOST_PARTS, 6)
+
+
+class Sweep(NamedTuple):
+    """The way of a footprint: its numbers, and the stamps that it begins and ends with."""
+
+    values: NDArray  # (1,) of SWEEP
+    between: NDArray  # BETWEEN_SHAPE, where the outline stands on the way; see `fill_between`
+    before: st.Stamp
+    after: st.Stamp
 
 
 @uncounted(error_model="numpy")

@@ -7,9 +7,10 @@ import numpy as np
 from paint3d.brush_engine.stamp import ink_way
 from paint3d.core.kernel import uncounted
 
-__all__ = ["ink_released", "landing_share", "leave_ink", "weighed_area"]
+__all__ = ["AREA_STEPS", "ink_released", "landing_share", "leave_ink", "note_covered",
+           "weighed_area"]  # fmt: skip
 
-_AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
+AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 
 
 @uncounted(error_model="numpy")
@@ -48,27 +49,36 @@ def landing_share(area, width, weighed_area, found):
 
 
 @uncounted(error_model="numpy")
-def weighed_area(area_units, unit, ids, share, n):
+def weighed_area(field, ids, share, n):
     """Area that the found vertices stand for, weighed, mm2.
 
     Summed in whole numbers, so that the order in which vertices are found, which depends on what
     was refined before, cannot change a bit of it.
     """
+    areas, unit = field.area_units, field.area_unit
     total = np.int64(0)
     for k in range(n):
-        total += np.int64(share[k] * area_units[ids[k]] * unit * _AREA_STEPS)
-    return total / _AREA_STEPS
+        total += np.int64(share[k] * areas[ids[k]] * unit * AREA_STEPS)
+    return total / AREA_STEPS
 
 
 @uncounted(error_model="numpy")
-def leave_ink(ids, share, cover, n, part, amounts, coverage, dirty, dirty_ids, n_dirty):
-    """Add every vertex's share of each pigment, and note whose colour is out of date."""
-    count = n_dirty[0]
+def leave_ink(found, n, part, ink):
+    """Add every vertex's share of each pigment, `part` (P,) of it, and note what is covered."""
+    ids, share, amounts = found.ids, found.share, ink.amounts
     for p in range(part.shape[0]):
         column = np.float32(part[p])
         if column != 0.0:
             for k in range(n):
                 amounts[ids[k], p] += column * share[k]
+    note_covered(found, n, ink)
+
+
+@uncounted(error_model="numpy")
+def note_covered(found, n, ink):
+    """Note how much of each vertex's area is covered, and whose colour is out of date."""
+    ids, cover, coverage = found.ids, found.cover, ink.coverage
+    dirty, dirty_ids, count = ink.dirty, ink.dirty_ids, ink.n_dirty[0]
     for k in range(n):
         v = ids[k]
         if cover[k] > coverage[v]:
@@ -77,4 +87,4 @@ def leave_ink(ids, share, cover, n, part, amounts, coverage, dirty, dirty_ids, n
             dirty[v] = 1
             dirty_ids[count] = v
             count += 1
-    n_dirty[0] = count
+    ink.n_dirty[0] = count

@@ -6,7 +6,7 @@ import numpy as np
 
 from paint3d.brush_engine.distance import INSIDE, MIXED, find_cells, find_runs
 from paint3d.brush_engine.placement import start_sheet
-from paint3d.brush_engine.projecting import AWAY, project_run
+from paint3d.brush_engine.projecting import AWAY, Vertices, project_run, vertices_of
 from paint3d.brush_engine.sweep import fill_between, fill_sweep, sweep_bounds
 from paint3d.core.kernel import uncounted
 from paint3d.mesh.kernels.grid import flood_patch
@@ -16,84 +16,69 @@ __all__ = ["CURSOR_SIZE", "VISITED", "find_candidates", "next_block"]
 
 VISITED = 2  # counter: vertices looked at
 
-# Places in Room.cursor: where the next block begins.
+# Places in Query.cursor: where the next block begins.
 _RUN, _IN_RUN, _CELL, _IN_CELL = range(4)
 CURSOR_SIZE = 4
 
 
 @uncounted(error_model="numpy")
-def _find_cells(before, after, plane, field, room):
+def _find_cells(sweep, plane, field, room):
     """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
     values = plane.values[0]
     sheet = start_sheet(values, field)
     if sheet < 0:
         return 0
-    n_sheets = room.patch[0]
-    if plane.values[0].touches <= 0.0 or after.values[0].touches <= 0.0:
+    if values.touches <= 0.0 or sweep.after.values[0].touches <= 0.0:
         # the brush has just left: the patch that was flooded last is not that of this plane
-        room.tick[0] += 1
-        n_sheets = flood_patch(
-            field, sheet, values.sphere_centre, values.radius + field.cell_size, room.stamps,
-            room.tick[0], room.sheets,
-        )  # fmt: skip
-    room.tick[1] += 1
-    cells = find_cells(
-        field.sheet_place, field.sheet_pack, field.origin, field.cell_size, room.sweep[0],
-        before.values[0], before.half_widths, after.values[0], after.half_widths,
-        room.sheets, n_sheets,
-        room.cell_ticks, room.tick[1], room.discs, room.where, room.cells, room.slopes,
-    )  # fmt: skip
+        radius = values.radius + field.cell_size
+        flood_patch(field, sheet, values.sphere_centre, radius, room.patch)
+    cells = find_cells(sweep, field, room.patch, room.query)
     for k in range(cells):
-        if field.done[room.cells[k]] == 0 and activate_cell(field, room.cells[k]) < 0:
+        cell = room.query.cells[k]
+        if field.done[cell] == 0 and activate_cell(field, cell) < 0:
             return -1
     return cells
 
 
 @uncounted(error_model="numpy")
-def find_candidates(before, after, alone, field, margin, scale, room):
-    """Fill the sweep's sweep, and find runs of base vertices and cells that it may reach.
+def find_candidates(sweep, alone, field, room):
+    """Fill a sweep, and find runs of base vertices and cells that it may reach.
 
     Parameters
     ----------
-    before, after : Stamp
+    sweep : Sweep
+        All but its stamps is filled.
     alone : bool
-        Both are the same: what lies under the one stamp is looked for.
+        Both stamps are the same: what lies under the one is looked for.
     field : SurfaceField
-    margin, scale : float
-        Width of the soft edge, mm, and boxes of a vertex to the mm.
     room : Room
-        `sweep`, `between`, `cells`, `runs` are filled, and `cursor` stands at the beginning.
+        Of `query`, `cells` and `runs` are filled, and `cursor` stands at the beginning.
 
     Returns
     -------
     runs, cells : int
         How many; cells is -1 where the mesh needs room to grow.
     """
+    before, after, values = sweep.before, sweep.after, sweep.values[0]
+    margin, scale = field.soft_edge, 1.0 / field.soft_edge
     plane = after if after.values[0].touches > 0.0 else before
     sweep_bounds(before, after, plane, margin, room.bounds)
-    fill_sweep(before, after, plane.values[0], scale, room.bounds, room.sweep[0])
-    fill_between(before, after, room.sweep[0], room.between)
+    fill_sweep(before, after, plane.values[0], scale, room.bounds, values)
+    fill_between(before, after, values, sweep.between)
     if alone:
-        room.sweep[0].before_touches = 0.0
-    cells = _find_cells(before, after, plane, field, room)
+        values.before_touches = 0.0
+    cells = _find_cells(sweep, plane, field, room)
     if cells < 0:
         return 0, cells
-    n_runs = find_runs(
-        room.cells, room.slopes, cells, field.base_start, field.cell_blocks, field.block_balls,
-        field.cell_sheets, room.sweep[0], before.values[0], before.half_widths, after.values[0],
-        after.half_widths, room.discs, room.where, room.blocks, room.runs,
-    )  # fmt: skip
-    cursor = room.cursor
-    cursor[_RUN], cursor[_IN_RUN] = 0, room.runs[0, 0]
-    cursor[_CELL], cursor[_IN_CELL] = 0, field.head[room.cells[0]]
+    query = room.query
+    n_runs = find_runs(sweep, field, cells, query)
+    query.cursor[_RUN], query.cursor[_IN_RUN] = 0, query.runs[0, 0]
+    query.cursor[_CELL], query.cursor[_IN_CELL] = 0, field.head[query.cells[0]]
     return n_runs, cells
 
 
 @uncounted(error_model="numpy")
-def next_block(
-    n_runs, n_cells, without_inside, runs, cells, head, next_in_cell, cell_sheets, vertex_sheet,
-    px, py, pz, nx, ny, nz, stamps, tick, sweep, cursor, ids, packed, rows,
-):  # fmt: skip
+def next_block(n_runs, n_cells, without_inside, sweep, field, room):
     """Project the next vertices that the sweep may reach; return how many (0: there are no more).
 
     A block goes on over runs and cells until it is full: base vertices come run by run, added ones
@@ -105,14 +90,29 @@ def next_block(
         From `find_candidates`.
     without_inside : bool
         Pass over runs that lie within the outline: they were taken whole.
-    runs, cells, stamps, sweep, cursor, ids, packed : arrays of `Room`
-    tick : int
-        Of the patch.
-    head, next_in_cell, cell_sheets, vertex_sheet, px, py, pz, nx, ny, nz : arrays of `SurfaceField`
-    rows : (7, N) float32
-        The first three are filled: plane x, y and stretch; and `ids`.
+    sweep : record of SWEEP
+    field : SurfaceField
+    room : Room
+        Of `block`, `ids` and the first three of `rows` are filled: plane x, y and stretch.
     """
-    xs, ys, stretch = rows[0], rows[1], rows[2]
+    block, vertices = room.block, vertices_of(field)
+    start = _project_runs(n_runs, without_inside, vertices, sweep, field.vertex_sheet, room)
+    end = _list_from_cells(n_cells, start, field, room)
+    n = end - start
+    packed = block.packed
+    scattered = Vertices(packed[0], packed[1], packed[2], packed[3], packed[4], packed[5])
+    _fetch(n, block.ids[start:end], vertices, scattered)
+    project_run(scattered, 0, n, sweep, block.rows, start)
+    return end
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _project_runs(n_runs, without_inside, vertices, sweep, vertex_sheet, room):
+    """Project base vertices from where the cursor stands; return how many there are."""
+    runs, cursor, ticks, tick = (
+        room.query.runs, room.query.cursor, room.patch.ticks, room.patch.tick[0]
+    )  # fmt: skip
+    ids, rows = room.block.ids, room.block.rows
     size, start = ids.shape[0], 0
     r, first = cursor[_RUN], cursor[_IN_RUN]
     while r < n_runs and start < size:
@@ -120,47 +120,31 @@ def next_block(
         if without_inside and where == INSIDE:
             first = last
         n = min(last - first, size - start)
-        project_run(px, py, pz, nx, ny, nz, first, n, sweep, xs, ys, stretch, start)
+        project_run(vertices, first, n, sweep, rows, start)
         for k in range(n):
             ids[start + k] = first + k
         if where == MIXED:
             for k in range(n):
-                if stamps[vertex_sheet[first + k]] != tick:
-                    xs[start + k] = AWAY
+                if ticks[vertex_sheet[first + k]] != tick:
+                    rows[0, start + k] = AWAY
         first += n
         start += n
         if first >= last:
             r += 1
             first = runs[r, 0] if r < n_runs else 0
     cursor[_RUN], cursor[_IN_RUN] = r, first
-    end = _list_from_cells(
-        n_cells,
-        start,
-        cells,
-        head,
-        next_in_cell,
-        cell_sheets,
-        vertex_sheet,
-        stamps,
-        tick,
-        cursor,
-        ids,
-    )
-    n = end - start
-    x, y, z, u, v, w = packed[0], packed[1], packed[2], packed[3], packed[4], packed[5]
-    _fetch(n, ids[start:end], px, py, pz, nx, ny, nz, x, y, z, u, v, w)
-    project_run(x, y, z, u, v, w, 0, n, sweep, xs, ys, stretch, start)
-    return end
+    return start
 
 
-@uncounted(error_model="numpy")
-def _list_from_cells(
-    n_cells, filled, cells, head, next_in_cell, cell_sheets, vertex_sheet, stamps, tick, cursor, ids
-):
+@uncounted(error_model="numpy", forceinline=True)
+def _list_from_cells(n_cells, filled, field, room):
     """Append the added vertices of cells from where the cursor stands; return how many there are.
 
     Cells with sheets outside the connected patch give only the vertices of those within.
     """
+    head, next_in_cell, cell_sheets = field.head, field.next_in_cell, field.cell_sheets
+    cells, cursor, ids = room.query.cells, room.query.cursor, room.block.ids
+    ticks, tick = room.patch.ticks, room.patch.tick[0]
     size = ids.shape[0]
     c, v = cursor[_CELL], cursor[_IN_CELL]
     while c < n_cells and filled < size:
@@ -172,7 +156,7 @@ def _list_from_cells(
         else:
             while v >= 0 and filled < size:
                 ids[filled] = v
-                filled += np.int64(stamps[vertex_sheet[v]] == tick)
+                filled += np.int64(ticks[field.vertex_sheet[v]] == tick)
                 v = next_in_cell[v]
         if v < 0:
             c += 1
@@ -182,8 +166,10 @@ def _list_from_cells(
 
 
 @uncounted(error_model="numpy")
-def _fetch(n, ids, px, py, pz, nx, ny, nz, x, y, z, u, v, w):
+def _fetch(n, ids, vertices, out):
     """Places and normals of scattered vertices, side by side."""
+    px, py, pz, nx, ny, nz = vertices
+    x, y, z, u, v, w = out
     for k in range(n):
         i = np.uint32(ids[k])
         x[k] = px[i]

@@ -22,14 +22,14 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.dynamics import build_curves
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
-from paint3d.brush_engine import placement
-from paint3d.brush_engine import stroke_loop as stroke
+from paint3d.brush_engine import intervals, placement
 from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
 from paint3d.brush_engine.brush_load import level_stations
 from paint3d.brush_engine.contact import Contact, find_contact
 from paint3d.brush_engine.deposit import PAINTED
 from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
 from paint3d.brush_engine.scratch import Room, grow_room, make_room
+from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.arrays import as_number
@@ -101,9 +101,7 @@ class Painter:
         self.azimuth = azimuth
         self.loaded = 0.0
         self.seconds = {"poses": 0.0, "stroke": 0.0, "colour": 0.0}
-        self._counters = np.zeros(8, np.int64)
-        self._progress = stroke.make_progress()
-        self._pose = np.zeros(9)
+        self._progress = intervals.make_progress()
         self._held: list[DeviceSample] = []
         self._origin_ns = 0
         self._n_samples = 0
@@ -384,7 +382,7 @@ class Painter:
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int
-    ) -> tuple[AnyArray, stroke.Samples, AnyArray]:
+    ) -> tuple[AnyArray, intervals.Samples, AnyArray]:
         """The times of a part that follows the one before, its samples, and their dips."""
         started = time.perf_counter()
         part = recording.part(first, last)
@@ -439,7 +437,7 @@ class Painter:
         self._held = self._held[done:]
         self._progress.at[0] -= done
 
-    def _paint(self, samples: stroke.Samples, last: int, dips: AnyArray) -> None:
+    def _paint(self, samples: intervals.Samples, last: int, dips: AnyArray) -> None:
         """Paint up to sample `last`, dipping the brush where the recording does."""
         at = self._progress.at
         first = int(at[0])
@@ -448,38 +446,30 @@ class Painter:
             self.dip()
         self._run(samples, last)
 
-    def _run(self, samples: stroke.Samples, last: int) -> None:
+    def _run(self, samples: intervals.Samples, last: int) -> None:
         started = time.perf_counter()
         surface = self.surface
         room = self._room  # the surface may have grown, or another brush brought a pigment
-        if len(room.found) != surface.paint_mesh.capacity + 1 or len(room.part) != len(
-            surface.pigments
-        ):
+        is_small = len(room.found.ids) != surface.paint_mesh.capacity + 1
+        if is_small or len(room.part) != len(surface.pigments):
             self._room = self._make_room()
         while True:
             state = self._run_kernel(samples, last)
-            if state == stroke.FINISHED:
+            if state == intervals.FINISHED:
                 break
             surface.make_room()
             self._room = self._make_room()
         surface.ink.habit[CAPACITY] = self.tuft.load  # whatever curves made of it
         self.seconds["stroke"] += time.perf_counter() - started
 
-    def _run_kernel(self, samples: stroke.Samples, last: int) -> int:
-        surface, dragged = self.surface, self.azimuth == "dragged"
-        tree, field = surface.contact_tree, surface.paint_mesh.arrays
-        work = (self._progress, self._counters, self._pose, self._room)
-        if self.hairs is None:
-            painted = stroke.paint_samples(
-                samples, last, dragged, self.tuft, self._curves, tree, field, surface.ink, *work
-            )
-        else:
-            hairs = self.hairs.work(surface)
-            painted = paint_with_hairs(
-                samples, last, dragged, self.tuft, self._curves, self.hairs.bristles, tree, field,
-                surface.ink, *work, hairs,
-            )  # fmt: skip
-        return int(painted)
+    def _run_kernel(self, samples: intervals.Samples, last: int) -> int:
+        surface, progress, room = self.surface, self._progress, self._room
+        brush = intervals.HeldBrush(self.tuft, self._curves, self.azimuth == "dragged")
+        hairs = None if self.hairs is None else self.hairs.work(surface)
+        canvas = intervals.Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
+        if hairs is None:
+            return int(paint_samples(samples, last, brush, canvas, progress, room))
+        return int(paint_with_hairs(samples, last, brush, canvas, progress, room, hairs))
 
     def _make_room(self) -> Room:
         mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
@@ -506,20 +496,21 @@ class Painter:
     def report(self) -> dict[str, Any]:
         """Counts, seconds by stage, and the ink ledger, ready for JSON."""
         self._refresh()
+        counters = self._room.counters
         return {
             "brush": self.brush.name,
             "ink": self.ink.name,
             "azimuth": self.azimuth,
             "hairs": 0 if self.hairs is None else self.hairs.spec.n_hairs,
             "samples": self._n_samples,
-            "samples_in_contact": int(self._counters[stroke.SAMPLES]),
-            "footprints": int(self._counters[stroke.FOOTPRINTS]),
+            "samples_in_contact": int(counters[intervals.SAMPLES]),
+            "footprints": int(counters[intervals.FOOTPRINTS]),
             "vertices": self.surface.n_vertices,
-            "vertices_visited": int(self._counters[VISITED]),
+            "vertices_visited": int(counters[VISITED]),
             "vertices_painted": int(np.count_nonzero(self.surface.painted)),
-            "deposits": int(self._counters[PAINTED]),
-            "tilt_limited": int(self._counters[placement.TILT_LIMITED]),
-            "overpressed": int(self._counters[placement.OVERPRESSED]),
+            "deposits": int(counters[PAINTED]),
+            "tilt_limited": int(counters[placement.TILT_LIMITED]),
+            "overpressed": int(counters[placement.OVERPRESSED]),
             "seconds": dict(self.seconds),
             "ink_ledger": self.ledger(),
         }
@@ -564,7 +555,7 @@ def _stops(
 
 def _samples(
     path: BrushPath, time_ns: NDArray[np.int64], origin_ns: int
-) -> tuple[stroke.Samples, AnyArray]:
+) -> tuple[intervals.Samples, AnyArray]:
     """Make a path ready for interpolation.
 
     Time counts from where the brush came down last, whatever was painted before: so a stroke is the
@@ -591,7 +582,7 @@ def _samples(
     origins = np.where(came_down > 0, time_ns, origin_ns)[np.maximum.accumulate(came_down)]
     since = np.asarray((time_ns - origins) * 1e-9, np.float64)
     path = dataclasses.replace(path, time_s=since)
-    samples = stroke.Samples(
+    samples = intervals.Samples(
         time=np.ascontiguousarray(path.time_s, np.float64),
         position=np.ascontiguousarray(path.way, np.float64),
         velocity=velocities(path, joined),

@@ -33,11 +33,12 @@ def hairs_of(brush="full", n=300, descent=8.0, tilt=90.0, patch=bt.FLAT, turn=0.
     bristles = build_bristles(spec, hairs)
     turned = bt.make_turned(len(bristles.lengths))
     bt.turn_hairs(bristles, math.cos(turn), math.sin(turn), turned)
-    bend, block = np.zeros(bt.BEND_SIZE), bt.make_block()
+    bend, block = np.zeros(1, bt.BEND), bt.make_block()
     pe = min(1.0, max(0.0, descent / spec.full_press_mm))
-    bt.fill_bend(bristles, tuft, descent, math.radians(tilt), pe, patch, 0.0, 0.0, 0.0, 0.0, bend)
+    cause = bt.Cause(descent, math.radians(tilt), pe, patch, 0.0, 0.0, 0.0, 0.0)
+    bt.fill_bend(bristles, tuft, cause, bend[0])
     out = bt.make_points(len(turned))
-    bt.bend_hairs(bristles.rests, turned, bend, block, out)
+    bt.bend_hairs(bristles.rests, turned, bend[0], block, out)
     points = out.reshape(-1, bt.SAMPLES, 3, bt.BLOCK).transpose(1, 0, 3, 2)
     points = points.reshape(bt.SAMPLES, -1, 3)[:, :n].astype(np.float64)
     rests = bristles.rests.transpose(0, 2, 1).reshape(-1, bt.SAMPLES - 1)[:n].sum(axis=1)
@@ -101,16 +102,17 @@ def test_hairs_keep_their_length_and_none_is_under_the_surface(
 def test_points_too_near_the_root_to_come_to_the_plane_never_do(press, tilt, upper):
     spec, slope = load_brush("full"), math.radians(tilt)
     bristles, tuft = build_bristles(spec, BristleSpec(n_hairs=400)), build_tuft(spec)
-    turned, bend, block = bt.make_turned(2), np.zeros(bt.BEND_SIZE), bt.make_block()
+    turned, bend, block = bt.make_turned(2), np.zeros(1, bt.BEND), bt.make_block()
     bt.turn_hairs(bristles, 1.0, 0.0, turned)
     descent = press * spec.length_mm * math.sin(slope)
     pe = min(1.0, descent / spec.full_press_mm)
-    bt.fill_bend(bristles, tuft, descent, slope, pe, bt.FLAT, 0.5, 0.5, upper, upper, bend)
-    assert bend[bt.REACH] < bt.SAMPLES or press > 0.3
+    cause = bt.Cause(descent, slope, pe, bt.FLAT, 0.5, 0.5, upper, upper)
+    bt.fill_bend(bristles, tuft, cause, bend[0])
+    assert bend["reach"][0] < bt.SAMPLES or press > 0.3
     points, asked = bt.make_points(2), bt.make_points(2)
-    bt.bend_hairs(bristles.rests, turned, bend, block, points)
-    bend[bt.REACH] = bt.SAMPLES  # ask every point
-    bt.bend_hairs(bristles.rests, turned, bend, block, asked)
+    bt.bend_hairs(bristles.rests, turned, bend[0], block, points)
+    bend["reach"][0] = bt.SAMPLES  # ask every point
+    bt.bend_hairs(bristles.rests, turned, bend[0], block, asked)
     assert (points == asked).all()
 
 

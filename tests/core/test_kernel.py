@@ -52,8 +52,9 @@ def test_painting_leaves_arrays_held_as_often_as_before(inputs: dict) -> None:
     surface = PaintedSurface(sheet(flat, (40.0, 20.0), 5.0), 0.6)
     painter = Painter(surface, dataclasses.replace(load_brush("full"), inputs=inputs))
     painter.replay(recording)  # whatever grows has grown
-    held = [*painter.tuft, *painter._curves, *painter._room, *surface.contact_tree]
-    held += [*surface.paint_mesh.arrays, *surface.ink]
+    room = painter._room
+    held = [*painter.tuft, *painter._curves, *room, *room.patch, *room.query, *room.block]
+    held += [*room.found, *surface.contact_tree, *surface.paint_mesh.arrays, *surface.ink]
     held = [array for array in held if isinstance(array, np.ndarray)]
     before = [sys.getrefcount(array) for array in held]
     for _ in range(3):

@@ -5,7 +5,7 @@ import pytest
 
 from paint3d.mesh.kernels.cracks import link_cracks
 from paint3d.mesh.kernels.grid import flood_patch
-from paint3d.mesh.kernels.mesh_arrays import Cells
+from paint3d.mesh.kernels.mesh_arrays import Cells, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -43,10 +43,9 @@ def reached(mesh, place, radius=3.0):
     built = PaintMesh.build(mesh, 0.5)
     nearest = int(np.linalg.norm(built.vertices - place, axis=1).argmin())
     start = int(built.arrays.vertex_sheet[nearest])
-    stamps, sheets = np.zeros(built.n_sheets, np.int64), np.empty(built.n_sheets, np.int32)
-    n = flood_patch(built.arrays, start, np.asarray(place, float), radius, stamps, 1, sheets)
-    field = built.arrays
-    return {int(face) for s in sheets[:n] for face in field.pair_root[field.pair_sheet == s]}
+    patch, field = make_patch(built.n_sheets), built.arrays
+    n = flood_patch(field, start, np.asarray(place, float), radius, patch)
+    return {int(face) for s in patch.sheets[:n] for face in field.pair_root[field.pair_sheet == s]}
 
 
 @pytest.mark.parametrize(("gap", "joined"), [(0.02, True), (0.09, True), (0.2, False)])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
+from paint3d.mesh.kernels.mesh_arrays import make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -56,11 +57,12 @@ def flood(mesh, point, radius):
     """The patch around the vertex nearest to `point`."""
     nearest = int(np.linalg.norm(mesh.vertices - point, axis=1).argmin())
     start = int(mesh.arrays.vertex_sheet[nearest])
-    stamps, sheets = np.zeros(mesh.n_sheets, np.int64), np.empty(mesh.n_sheets, np.int32)
-    n = flood_patch(mesh.arrays, start, np.asarray(point, float), radius, stamps, 1, sheets)
-    assert (stamps[sheets[:n]] == 1).all()
-    assert stamps.sum() == n == len(set(sheets[:n].tolist()))
-    return sheets[:n].copy()
+    patch = make_patch(mesh.n_sheets)
+    n = flood_patch(mesh.arrays, start, np.asarray(point, float), radius, patch)
+    sheets = patch.sheets[:n]
+    assert (patch.ticks[sheets] == 1).all()
+    assert patch.ticks.sum() == n == patch.count[0] == len(set(sheets.tolist()))
+    return sheets.copy()
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -17,7 +17,6 @@ from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.bristles.bend import BLOCK
 from paint3d.brush_engine.bristles.contact import FINDINGS, GIVES, HELD
-from paint3d.brush_engine.bristles.imprint_cache import TOUCHING
 from paint3d.brush_engine.bristles.ink import settle_gifts, sum_hairs
 from paint3d.brush_engine.bristles.state import PARTED
 from paint3d.cli.options import parse_hairs
@@ -266,7 +265,7 @@ def test_hairs_that_hardly_move_are_kept_and_paint_the_same(wipe):
         painter = paint(wipe=wipe)
         for k in range(len(recording)):
             if anew and painter.hairs._work is not None:
-                painter.hairs._work.kept[TOUCHING] = 0.0
+                painter.hairs._work.kept["touching"] = 0.0
             painter.advance([sample_of(recording, k)])
         painter.finish()
         painters.append(painter)

@@ -11,22 +11,22 @@ __all__ = ["bend_often", "deposit_hairs_often", "deposit_often"]
 
 
 @kernel
-def bend_often(times, bristles, tuft, descent, tilt, pe, patch, turned, bend, block, points):
+def bend_often(times, bristles, tuft, cause, turned, bend, block, points):
     """Bend all hairs `times` times from tables; arguments as in `brush_engine.bristles.bend`."""
     for _ in range(times):
-        fill_bend(bristles, tuft, descent, tilt, pe, patch, 0.0, 0.0, 0.0, 0.0, bend)
-        bend_hairs(bristles.rests, turned, bend, block, points)
+        fill_bend(bristles, tuft, cause, bend[0])
+        bend_hairs(bristles.rests, turned, bend[0], block, points)
 
 
 @kernel
-def deposit_often(times, before, after, tuft, field, ink, counters, room):
+def deposit_often(times, before, after, tuft, field, ink, room):
     """Leave a solid tuft's footprint `times` times; arguments as in `brush_engine.deposit`."""
     for _ in range(times):
-        sweep_deposit(before, after, tuft, field, ink, counters, room)
+        sweep_deposit(before, after, tuft, field, ink, room)
 
 
 @kernel
-def deposit_hairs_often(times, before, after, bristles, hairs, field, ink, counters, room):
+def deposit_hairs_often(times, before, after, hairs, field, ink, room):
     """Leave an imprint of hairs `times` times; arguments as in `brush_engine.bristles.deposit`."""
     for _ in range(times):
-        sweep_hairs(before, after, 0.0, bristles, hairs, field, ink, counters, room)
+        sweep_hairs(before, after, 0.0, hairs, field, ink, room)

@@ -23,7 +23,7 @@ from paint3d.core.arrays import zeros_on_lines
 from paint3d.core.kernel import kernel
 
 __all__ = [
-    "ARCS", "BEND_SIZE", "BLOCK", "FLAT", "SAMPLES", "Bristles", "bend_hairs", "fill_bend",
+    "ARCS", "BEND", "BLOCK", "FLAT", "SAMPLES", "Bristles", "Cause", "bend_hairs", "fill_bend",
     "make_block", "make_points", "make_turned", "turn_hairs",
 ]  # fmt: skip
 
@@ -60,27 +60,35 @@ BLOCK_SIZE = 4 * BLOCK
 _TRIFLE = np.float32(-0.02)  # mm, height from which a point may be lifted to the plane off-hand
 _UNDER, _FAR_UNDER = np.array([-0.0, _TRIFLE], np.float32).view(np.uint32)  # see `_lowest`
 
-# Places in the numbers of one imprint's bend.
-HEIGHT, PER_HEIGHT, FIRST, PER_SPAN = 0, 1, 2, 3
-GROUND = 4  # 4-6 height of the surface under the hairs' bellies: constant, by b, by b^2
-PATCH = 7  # 7-12 surface: constant, by x, by y, by x^2, by x y, by y^2
-CURVED = 13  # 1.0 where it is not the plane
-REACH = 14  # how many points, from the tip, are far enough from the root to come to the plane
-CURVE = 15  # 2 coordinates x SAMPLES x NODES
-OFFSET_X = CURVE + 2 * SAMPLES * _NODES  # by a, SAMPLES
-OFFSET_Z = OFFSET_X + SAMPLES
-RIDE = OFFSET_Z + SAMPLES
-SIDE = RIDE + SAMPLES  # by b
-FREE = SIDE + SAMPLES  # how freely a point moves aside, 0 in the ferrule to 1
-SHIFT_X = FREE + SAMPLES  # remembered bend
-SHIFT_Y = SHIFT_X + SAMPLES
-PART = SHIFT_Y + SAMPLES  # how far large and small clumps have parted; how flat the tuft is
-PER_STEP = PART + 3  # 4 over the length of the piece above a point, 1/mm
-WIDER = PER_STEP + SAMPLES - 1  # how much wider the tuft is where its lowest hairs' points lie
-THIN = WIDER + SAMPLES  # half the tuft's thickness
-SINE = THIN + SAMPLES  # of its angle to the plane
-COSINE = SINE + SAMPLES
-BEND_SIZE = COSINE + SAMPLES
+BEND = np.dtype(
+    [
+        ("height", "f8"),  # of the root of the tuft's spine over the plane, mm
+        ("per_height", "f8"),  # one over the straight spine's height, 1/mm
+        ("first", "f8"),  # place in the table of the lowest of the three heights, root of a share
+        ("per_span", "f8"),  # one over how far it is from there to the highest
+        ("ground", "f8", 3),  # surface under the hairs' bellies: constant, by b, by b^2
+        ("patch", "f8", 6),  # surface: constant, by x, by y, by x^2, by x y, by y^2
+        ("curved", "f8"),  # 1.0 where it is not the plane
+        ("reach", "f8"),  # how many points, from the tip, may come down to the plane
+        ("curve", "f8", (2 * SAMPLES, _NODES)),  # x, then z of the points: parabolas by the height
+        ("offset_x", "f8", SAMPLES),  # of a hair from the spine: by a
+        ("offset_z", "f8", SAMPLES),
+        ("ride", "f8", SAMPLES),  # how high hairs of the upper side stay
+        ("side", "f8", SAMPLES),  # half the tuft's width: by b
+        ("free", "f8", SAMPLES),  # how freely a point moves aside, 0 in the ferrule to 1
+        ("shift_x", "f8", SAMPLES),  # remembered bend
+        ("shift_y", "f8", SAMPLES),
+        ("part", "f8", 2),  # how far large and small clumps have parted
+        ("flat", "f8"),  # how flat the tuft is pressed, 0 to 1
+        ("per_step", "f8", SAMPLES - 1),  # 4 over the length of the piece above a point, 1/mm
+        ("wider", "f8", SAMPLES),  # how much wider the tuft is where its lowest hairs' points lie
+        ("thin", "f8", SAMPLES),  # half the tuft's thickness
+        ("sine", "f8", SAMPLES),  # of its angle to the plane
+        ("cosine", "f8", SAMPLES),
+    ],
+    align=True,
+)
+"""What the hairs of one imprint share; lengths in mm, and of each row the tip comes first."""
 
 FLAT = np.zeros(6)  # the patch of a plane
 FLAT.setflags(write=False)
@@ -123,6 +131,30 @@ class Bristles(NamedTuple):
     splay: float  # how far a dry tuft's hairs lie side by side to their tips, 0 to 1
     levelling_mm: float  # way over which neighbours share their ink
     set_mm: float  # descent over which a remembered bend is pressed out
+
+
+class Cause(NamedTuple):
+    """What the hairs of an imprint are bent by."""
+
+    descent: float  # D_s, mm
+    tilt: float  # theta, rad
+    pressure: float  # pe, 0 to 1
+    patch: NDArray  # (6,) height of the surface over the plane, mm: by 1, x, y, x^2, x y, y^2
+    dryness: float  # of the tuft, 0 to 1
+    parted: float  # how far its clumps have parted, 0 to 1
+    set_x: float  # bend that it remembers: where that carries the tip, mm
+    set_y: float
+
+
+class _Place(NamedTuple):
+    """How high a tuft stands, and where in the tables it is read."""
+
+    tall: float  # straight, mm
+    height: float  # pressed as it is: of its root over the plane, mm
+    row: int
+    share: float  # of the row after it
+    column: float  # of the whole tuft, in columns
+    per_column: float  # of the root of a height's share
 
 
 def make_block() -> NDArray:
@@ -196,8 +228,22 @@ def turn_hairs(bristles, cosine, sine, out):
 
 
 @kernel(error_model="numpy")
-def _row(table, i, v, column, k):
-    """One number of the table at a tilt (row i, share v of the next) and a column."""
+def _find_place(bristles, tuft, cause):
+    n_tilts, n_columns, _ = bristles.shapes.shape
+    row = (cause.tilt - bristles.lowest_tilt) * (n_tilts - 1)
+    row /= 0.5 * np.pi - bristles.lowest_tilt
+    row = min(max(row, 0.0), n_tilts - 1.0)
+    i = min(int(row), n_tilts - 2)
+    tall = tuft.length * np.sin(cause.tilt)
+    per_column = (n_columns - 1.0) / np.sqrt(bristles.greatest_fraction)
+    column = min(np.sqrt(max(cause.descent, 0.0) / tall) * per_column, n_columns - 1.0)
+    return _Place(tall, tall - cause.descent, i, row - i, column, per_column)
+
+
+@kernel(error_model="numpy")
+def _row(table, at, column, k):
+    """One number of the table at a place's tilt and a column."""
+    i, v = at.row, at.share
     j = min(int(column), table.shape[1] - 2)
     u = column - j
     low = (1.0 - v) * ((1.0 - u) * table[i, j, k] + u * table[i, j + 1, k])
@@ -213,146 +259,165 @@ def _patch_at(patch, x, y):
 
 
 @kernel(error_model="numpy")
-def fill_bend(bristles, tuft, descent, tilt, pe, patch, dryness, parted, set_x, set_y, bend):
+def fill_bend(bristles, tuft, cause, bend):
     """Everything that the hairs of one imprint share.
 
     Parameters
     ----------
     bristles : Bristles
     tuft : Tuft
-    descent, tilt, pe : float
-        As for `kernels.tuft.trace_outline`.
-    patch : (6,) float64
-        Height of the surface over the plane (mm): constant, x, y, x^2, x y, y^2.
-    dryness, parted : float
-        How dry the tuft is, and how far its clumps have parted, 0 to 1.
-    set_x, set_y : float
-        Bend that the tuft remembers: where it carries the tip, mm.
-    bend : (BEND_SIZE,) float64
+    cause : Cause
+    bend : record of BEND
         Filled.
     """
-    length = tuft.length
-    n_tilts, n_columns, _ = bristles.shapes.shape
-    row = (tilt - bristles.lowest_tilt) * (n_tilts - 1) / (0.5 * np.pi - bristles.lowest_tilt)
-    row = min(max(row, 0.0), n_tilts - 1.0)
-    i = min(int(row), n_tilts - 2)
-    v = row - i
-    tall = length * np.sin(tilt)
-    height = tall - descent
-    per_column = (n_columns - 1.0) / np.sqrt(bristles.greatest_fraction)
-    column = min(np.sqrt(max(descent, 0.0) / tall) * per_column, n_columns - 1.0)
+    at = _find_place(bristles, tuft, cause)
+    _shape_section(bristles, tuft, cause, at, bend)
+    _remember_bend(bristles, cause, bend)
+    _lay_ground(bristles, tuft, cause, at, bend)
+    _fit_curves(bristles, tuft, at, bend)
+    _find_lags(bend)
+    _widen(tuft.length, tuft.taper, bend)
 
-    radius = 0.5 * tuft.diameters[-1]
-    for k in range(SAMPLES):
-        bend[SIDE + k] = radius * ARCS[k] ** tuft.taper
+
+@kernel(error_model="numpy")
+def _find_lift(bristles, length, pressed, at, side):
+    """The arc up to which the tuft's underside lies on the plane; `side` are its radii."""
     before = 0.0
-    fan = _row(bristles.fans, i, v, column, 0)
-    fan_length = _row(bristles.fans, i, v, column, 1) * length
-    pressed = 1.0 + (tuft.spread * pe if fan_length <= 0.0 else 0.0)
-    lift = 0.0  # the arc up to which the underside lies on the plane
     for k in range(1, SAMPLES):
-        angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
-        over = length * _row(bristles.shapes, i, v, column, SAMPLES + k)
-        over -= bend[SIDE + k] / pressed * np.cos(angle)
+        angle = _row(bristles.shapes, at, at.column, 2 * SAMPLES + k)
+        over = length * _row(bristles.shapes, at, at.column, SAMPLES + k)
+        over -= side[k] / pressed * np.cos(angle)
         if over > 0.0:
             share = before / (before - over) if before < 0.0 else 0.0
-            lift = length * (ARCS[k - 1] + share * (ARCS[k] - ARCS[k - 1]))
-            break
+            return length * (ARCS[k - 1] + share * (ARCS[k] - ARCS[k - 1]))
         before = over
+    return 0.0
+
+
+@kernel(error_model="numpy")
+def _shape_section(bristles, tuft, cause, at, bend):
+    """How thick and how broad the tuft is at its points, and how it leans; `wider` gets its radii.
+
+    Also how many of its points may come down to the plane, of those that are not yet pressed.
+    """
+    length, dryness = tuft.length, cause.dryness
+    radius = 0.5 * tuft.diameters[-1]
+    for k in range(SAMPLES):
+        bend.side[k] = radius * ARCS[k] ** tuft.taper
+    fan = _row(bristles.fans, at, at.column, 0)
+    fan_length = _row(bristles.fans, at, at.column, 1) * length
+    pressed = 1.0 + (tuft.spread * cause.pressure if fan_length <= 0.0 else 0.0)
+    lift = _find_lift(bristles, length, pressed, at, bend.side)
     broad = radius * (lift / length) ** tuft.taper * pressed
-    stays = np.exp(-max(descent, 0.0) / bristles.set_mm)
-    tilted = _row(bristles.shapes, i, v, column, 3 * SAMPLES - 1)
-    bend[REACH] = _find_reach(length, height - radius * abs(np.cos(tilted)), bend)
+    tilted = _row(bristles.shapes, at, at.column, 3 * SAMPLES - 1)
+    bend.reach = _find_reach(length, at.height - radius * abs(np.cos(tilted)), bend.side)
     inset = _INSET * (bristles.hair_mm + (1.0 - dryness) * bristles.film_mm)
     for k in range(SAMPLES):
         arc = ARCS[k] * length
-        angle = _row(bristles.shapes, i, v, column, 2 * SAMPLES + k)
+        angle = _row(bristles.shapes, at, at.column, 2 * SAMPLES + k)
         sine, cosine = np.sin(angle), np.cos(angle)
-        round_ = bend[SIDE + k]
+        round_ = bend.side[k]
         # what spreads is the part that is pressed; above it the hairs gather into the ferrule
         spread = 1.0 + (pressed - 1.0) * min(1.0, (length - arc) / (length - lift))
-        free = 1.0 - ARCS[k]
         thin = round_ / spread
-        bend[WIDER + k] = round_
-        bend[THIN + k], bend[SINE + k], bend[COSINE + k] = thin, sine, cosine
-        bend[OFFSET_X + k], bend[OFFSET_Z + k] = -thin * sine, -thin * cosine
-        bend[RIDE + k] = max(thin, _LIFT) * free
+        bend.wider[k] = round_
+        bend.thin[k], bend.sine[k], bend.cosine[k] = thin, sine, cosine
+        bend.offset_x[k], bend.offset_z[k] = -thin * sine, -thin * cosine
+        bend.ride[k] = max(thin, _LIFT) * (1.0 - ARCS[k])
         side = round_ * spread
         if arc < lift:  # dry hairs do not come together in a point: they lie side by side
             side += bristles.splay * dryness * (broad - side)
         side += np.tan(fan) * max(0.0, fan_length - arc)
         tip = min(1.0, max(0.0, (_INSET_TO[1] - ARCS[k]) / (_INSET_TO[1] - _INSET_TO[0])))
-        bend[SIDE + k] = max(side - inset * tip, 0.25 * side)
+        bend.side[k] = max(side - inset * tip, 0.25 * side)
         if k < SAMPLES - 1:
-            bend[PER_STEP + k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
-        bend[FREE + k] = min(1.0, 1.6 * free)
-        keep = free * free * stays
-        bend[SHIFT_X + k] = set_x * keep
-        bend[SHIFT_Y + k] = set_y * keep
-    bend[PART] = 0.5 * parted
-    bend[PART + 1] = (1.0 - 0.5 * parted) * 0.85 * parted
-    bend[PART + 2] = min(1.0, 3.0 * pe)
+            bend.per_step[k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
 
+
+@kernel(error_model="numpy")
+def _remember_bend(bristles, cause, bend):
+    """The bend that stays in the tuft, as far as it is not pressed out, and its clumps."""
+    stays = np.exp(-max(cause.descent, 0.0) / bristles.set_mm)
+    parted = cause.parted
+    for k in range(SAMPLES):
+        free = 1.0 - ARCS[k]
+        bend.free[k] = min(1.0, 1.6 * free)
+        keep = free * free * stays
+        bend.shift_x[k] = cause.set_x * keep
+        bend.shift_y[k] = cause.set_y * keep
+    bend.part[0] = 0.5 * parted
+    bend.part[1] = (1.0 - 0.5 * parted) * 0.85 * parted
+    bend.flat = min(1.0, 3.0 * cause.pressure)
+
+
+@kernel(error_model="numpy")
+def _lay_ground(bristles, tuft, cause, at, bend):
+    """The surface under the tuft, and under the bellies of its hairs."""
+    length, patch = tuft.length, cause.patch
     curved = 0.0
-    reach = length * _row(bristles.shapes, i, v, column, 0)
+    reach = length * _row(bristles.shapes, at, at.column, 0)
     for k in range(6):
-        bend[PATCH + k] = patch[k]
+        bend.patch[k] = patch[k]
         curved = max(curved, abs(patch[k]) * (1.0 if k == 0 else reach if k < 3 else reach * reach))
-    bend[CURVED] = 1.0 if curved > 1e-3 else 0.0
-    belly = length * _row(bristles.shapes, i, v, column, 2)
-    side = bend[SIDE + 2]
+    bend.curved = 1.0 if curved > 1e-3 else 0.0
+    belly = length * _row(bristles.shapes, at, at.column, 2)
+    side = bend.side[2]
     # what hairs bend over: the belly of the tuft; and where the surface falls away from there,
     # their tips reach for it, the more the less of the tuft is pressed
     ground = _patch_at(patch, belly, 0.0)
     falls = max(0.0, ground - _patch_at(patch, reach, 0.0))
-    bend[GROUND] = ground - max(_REACHES[0], 1.0 - _REACHES[1] * pe) * falls
-    bend[GROUND + 1] = (patch[2] + patch[4] * belly) * side
-    bend[GROUND + 2] = patch[5] * side * side
+    bend.ground[0] = ground - max(_REACHES[0], 1.0 - _REACHES[1] * cause.pressure) * falls
+    bend.ground[1] = (patch[2] + patch[4] * belly) * side
+    bend.ground[2] = patch[5] * side * side
+
+
+@kernel(error_model="numpy")
+def _fit_curves(bristles, tuft, at, bend):
+    """The spine at three heights that span those of all hairs, as parabolas between these."""
+    length, tall, height = tuft.length, at.tall, at.height
+    per_column, last = at.per_column, bristles.shapes.shape[1] - 1.0
     low = high = 0.0
     for b in (-1.0, -0.5, 0.5, 1.0):
-        rise = b * (bend[GROUND + 1] + b * bend[GROUND + 2])
+        rise = b * (bend.ground[1] + b * bend.ground[2])
         low, high = min(low, rise), max(high, rise)
-    span_low = 1.0 - (height - bend[GROUND] - low) / (bristles.shortest * tall)
-    span_high = 1.0 - (height - bend[GROUND] - high) / tall
-    first = min(np.sqrt(max(span_low, 0.0)) * per_column, n_columns - 1.0)
-    final = min(np.sqrt(max(span_high, 0.0)) * per_column, n_columns - 1.0)
+    span_low = 1.0 - (height - bend.ground[0] - low) / (bristles.shortest * tall)
+    span_high = 1.0 - (height - bend.ground[0] - high) / tall
+    first = min(np.sqrt(max(span_low, 0.0)) * per_column, last)
+    final = min(np.sqrt(max(span_high, 0.0)) * per_column, last)
     final = max(final, first + 1e-3)
-    bend[HEIGHT] = height
-    bend[PER_HEIGHT] = 1.0 / tall
-    bend[FIRST] = first / per_column
-    bend[PER_SPAN] = per_column / (final - first)
+    bend.height = height
+    bend.per_height = 1.0 / tall
+    bend.first = first / per_column
+    bend.per_span = per_column / (final - first)
     for k in range(2 * SAMPLES):
-        y0 = length * _row(bristles.shapes, i, v, min(first, n_columns - 1.0), k)
-        y1 = length * _row(bristles.shapes, i, v, min(0.5 * (first + final), n_columns - 1.0), k)
-        y2 = length * _row(bristles.shapes, i, v, min(final, n_columns - 1.0), k)
-        at = CURVE + _NODES * k
-        bend[at] = y0
-        bend[at + 1] = -3.0 * y0 + 4.0 * y1 - y2
-        bend[at + 2] = 2.0 * y0 - 4.0 * y1 + 2.0 * y2
-    _find_lags(bend)
-    _widen(length, tuft.taper, bend)
+        y0 = length * _row(bristles.shapes, at, min(first, last), k)
+        y1 = length * _row(bristles.shapes, at, min(0.5 * (first + final), last), k)
+        y2 = length * _row(bristles.shapes, at, min(final, last), k)
+        bend.curve[k, 0] = y0
+        bend.curve[k, 1] = -3.0 * y0 + 4.0 * y1 - y2
+        bend.curve[k, 2] = 2.0 * y0 - 4.0 * y1 + 2.0 * y2
 
 
 @kernel(error_model="numpy")
 def _find_lags(bend):
     """How far the lowest hairs lag behind the spine at its points: their way is longer than it.
 
-    The tuft's radii stand in rows WIDER; the lags are put there.
+    The tuft's radii stand in `wider`; the lags are put there.
     """
     lag = x_above = z_above = round_above = low_x_above = low_z_above = 0.0
     for k in range(SAMPLES - 1, -1, -1):
-        at, rise = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
-        x = bend[at] + bend[at + 1] + bend[at + 2]
-        z = bend[rise] + bend[rise + 1] + bend[rise + 2]
-        low_x, low_z = x + bend[OFFSET_X + k], max(0.0, z + bend[OFFSET_Z + k])
-        round_ = bend[WIDER + k]
+        rise = SAMPLES + k
+        x = bend.curve[k, 0] + bend.curve[k, 1] + bend.curve[k, 2]
+        z = bend.curve[rise, 0] + bend.curve[rise, 1] + bend.curve[rise, 2]
+        low_x, low_z = x + bend.offset_x[k], max(0.0, z + bend.offset_z[k])
+        round_ = bend.wider[k]
         if k < SAMPLES - 1:
             dx, dz, dr = x - x_above, z - z_above, round_ - round_above
             low_dx, low_dz = low_x - low_x_above, low_z - low_z_above
             lag += np.sqrt(low_dx * low_dx + low_dz * low_dz)
             lag -= np.sqrt(dx * dx + dz * dz + dr * dr)
         x_above, z_above, round_above, low_x_above, low_z_above = x, z, round_, low_x, low_z
-        bend[WIDER + k] = lag
+        bend.wider[k] = lag
 
 
 @kernel(error_model="numpy")
@@ -362,28 +427,28 @@ def _widen(length, taper, bend):
     Near the tip the tuft widens fast: a hair that ends a millimetre behind it does not come to its
     point. Farther up it hardly matters.
     """
-    bend[WIDER + _NEAR_TIP + 1 : WIDER + SAMPLES] = 0.0
+    bend.wider[_NEAR_TIP + 1 :] = 0.0
     for k in range(_NEAR_TIP + 1):
-        at = min(ARCS[k] + bend[WIDER + k] / length, 1.0)
+        at = min(ARCS[k] + bend.wider[k] / length, 1.0)
         i = k
         while i < SAMPLES - 2 and ARCS[i + 1] < at:
             i += 1
         share = max(0.0, (at - ARCS[i]) / (ARCS[i + 1] - ARCS[i]))
         if i == 0:
             share = share**taper
-        side = bend[SIDE + i] + share * (bend[SIDE + i + 1] - bend[SIDE + i])
-        bend[WIDER + k] = side - bend[SIDE + k] if share > 0.0 else 0.0
+        side = bend.side[i] + share * (bend.side[i + 1] - bend.side[i])
+        bend.wider[k] = side - bend.side[k] if share > 0.0 else 0.0
 
 
 @kernel(error_model="numpy")
-def _find_reach(length, lowest, bend):
+def _find_reach(length, lowest, side):
     """How many points of the tuft's outermost hairs may come down to the plane.
 
-    `lowest` is how high the lowest root is; rows SIDE of `bend` hold the tuft's radii.
+    `lowest` is how high the lowest root is, `side` are the tuft's radii.
     """
     for k in range(SAMPLES - 2, -1, -1):
         along = (ARCS[k + 1] - ARCS[k]) * length
-        lowest -= np.hypot(along, bend[SIDE + k + 1] - bend[SIDE + k])
+        lowest -= np.hypot(along, side[k + 1] - side[k])
         if lowest < 1e-3:
             return k + 1
     return 0
@@ -392,14 +457,14 @@ def _find_reach(length, lowest, bend):
 @_elementwise
 def _start_block(bend, known, w, here):
     """Where the hairs of a block stand between the three heights, and their roots."""
-    height, per_height = np.float32(bend[HEIGHT]), np.float32(bend[PER_HEIGHT])
-    first, per_span = np.float32(bend[FIRST]), np.float32(bend[PER_SPAN])
-    g0 = np.float32(bend[GROUND])
-    g1, g2 = np.float32(bend[GROUND + 1]), np.float32(bend[GROUND + 2])
-    dx, dz = np.float32(bend[OFFSET_X + SAMPLES - 1]), np.float32(bend[OFFSET_Z + SAMPLES - 1])
-    side = np.float32(bend[SIDE + SAMPLES - 1])
-    part, part2 = np.float32(bend[PART]), np.float32(bend[PART + 1])
-    flat = np.float32(bend[PART + 2])
+    height, per_height = np.float32(bend.height), np.float32(bend.per_height)
+    first, per_span = np.float32(bend.first), np.float32(bend.per_span)
+    g0 = np.float32(bend.ground[0])
+    g1, g2 = np.float32(bend.ground[1]), np.float32(bend.ground[2])
+    dx, dz = np.float32(bend.offset_x[SAMPLES - 1]), np.float32(bend.offset_z[SAMPLES - 1])
+    side = np.float32(bend.side[SAMPLES - 1])
+    part, part2 = np.float32(bend.part[0]), np.float32(bend.part[1])
+    flat = np.float32(bend.flat)
     for j in range(BLOCK):
         b = known[BESIDE + j]
         fraction = _ONE - (height - (g0 + b * (g1 + b * g2))) * per_height * known[_PER_OWN + j]
@@ -424,28 +489,27 @@ def _piece(bend, k):
     Returns how far their curves lead ahead, and from the root up: constant, by t, by t^2, by a; how
     far the remembered bend leads ahead; their widths; and how high the root is.
     """
-    at, rise = CURVE + _NODES * k, CURVE + _NODES * (SAMPLES + k)
-    root = CURVE + _NODES * (2 * SAMPLES - 1)
+    curve, rise, root = bend.curve, SAMPLES + k, 2 * SAMPLES - 1
     ahead = (
-        np.float32(bend[at] - bend[at + _NODES]),
-        np.float32(bend[at + 1] - bend[at + 1 + _NODES]),
-        np.float32(bend[at + 2] - bend[at + 2 + _NODES]),
-        np.float32(bend[OFFSET_X + k] - bend[OFFSET_X + k + 1]),
+        np.float32(curve[k, 0] - curve[k + 1, 0]),
+        np.float32(curve[k, 1] - curve[k + 1, 1]),
+        np.float32(curve[k, 2] - curve[k + 1, 2]),
+        np.float32(bend.offset_x[k] - bend.offset_x[k + 1]),
     )
-    shift = np.float32(bend[SHIFT_X + k] - bend[SHIFT_X + k + 1])
+    shift = np.float32(bend.shift_x[k] - bend.shift_x[k + 1])
     aside = (
-        np.float32(bend[SIDE + k]),
-        np.float32(bend[WIDER + k]),
-        np.float32(bend[SIDE + k] * bend[FREE + k]),
-        np.float32(bend[SHIFT_Y + k]),
+        np.float32(bend.side[k]),
+        np.float32(bend.wider[k]),
+        np.float32(bend.side[k] * bend.free[k]),
+        np.float32(bend.shift_y[k]),
     )
     up = (
-        np.float32(bend[rise] - bend[root]),
-        np.float32(bend[rise + 1] - bend[root + 1]),
-        np.float32(bend[rise + 2] - bend[root + 2]),
-        np.float32(bend[OFFSET_Z + k]),
+        np.float32(curve[rise, 0] - curve[root, 0]),
+        np.float32(curve[rise, 1] - curve[root, 1]),
+        np.float32(curve[rise, 2] - curve[root, 2]),
+        np.float32(bend.offset_z[k]),
     )
-    return ahead, shift, aside, up, np.float32(bend[HEIGHT])
+    return ahead, shift, aside, up, np.float32(bend.height)
 
 
 @_elementwise
@@ -459,7 +523,7 @@ def _place(curve, t, own, a, base):
 def _aim(bend, k, known, w, above, here):
     """Where the hairs' own curves lead over a plane, as steps from their last points."""
     ahead, sx, (side, wider, parting, sy), up, height = _piece(bend, k)
-    ride = np.float32(bend[RIDE + k])
+    ride = np.float32(bend.ride[k])
     for j in range(BLOCK):
         t, own, a = w[_NODE + j], known[_OWN + j], known[DOWN + j]
         here[_X + j] = _place(ahead, t, own, a, sx)
@@ -483,7 +547,7 @@ def _aim(bend, k, known, w, above, here):
 def _aim_patch(bend, k, known, w, above, here):
     """`_aim` over a curved patch, asked for where the hairs' curves lead to."""
     ahead, sx, (side, wider, parting, sy), up, height = _piece(bend, k)
-    ride = np.float32(bend[RIDE + k])
+    ride = np.float32(bend.ride[k])
     s0, s1, s2, s3, s4, s5 = _patch(bend)
     for j in range(BLOCK):
         t, own, a = w[_NODE + j], known[_OWN + j], known[DOWN + j]
@@ -515,7 +579,7 @@ def _step(bend, k, known, rest, w, above, here):
 
     What a hair is longer than its curve takes it ahead, what it is shorter leaves it behind.
     """
-    per_step = np.float32(bend[PER_STEP + k])
+    per_step = np.float32(bend.per_step[k])
     for j in range(BLOCK):
         ex, ey, ez = here[_X + j], here[_Y + j], here[_Z + j]
         w[_RUN + j] = rest[j] * _per_root(ex * ex + (ey * ey + (ez * ez + _TINY)))
@@ -545,9 +609,10 @@ def _per_root(x):
 
 @_elementwise
 def _patch(bend):
+    patch = bend.patch
     return (
-        np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2]),
-        np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4]), np.float32(bend[PATCH + 5]),
+        np.float32(patch[0]), np.float32(patch[1]), np.float32(patch[2]),
+        np.float32(patch[3]), np.float32(patch[4]), np.float32(patch[5]),
     )  # fmt: skip
 
 
@@ -622,15 +687,15 @@ def bend_hairs(rests, turned, bend, block, out):
         Of `Bristles`.
     turned : (B / BLOCK, 8 BLOCK) float32
         From `turn_hairs`.
-    bend : (BEND_SIZE,) float64
+    bend : record of BEND
         From `fill_bend`.
     block : (BLOCK_SIZE,) float32
         Scratch.
     out : (B / BLOCK, SAMPLES, 3 BLOCK) float32
         By blocks, and from the tip up: x, y, z of the hairs' points, mm.
     """
-    curved = bend[CURVED] > 0.0
-    reach = int(bend[REACH])
+    curved = bend.curved > 0.0
+    reach = int(bend.reach)
     for g in range(turned.shape[0]):
         known, above = turned[g], out[g, SAMPLES - 1]
         _start_block(bend, known, block, above)

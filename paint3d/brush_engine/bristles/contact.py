@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine.bristles.bend import BLOCK, CURVED, PATCH, SAMPLES
+from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
 from paint3d.brush_engine.bristles.landing import end_where_they_land
 from paint3d.core.kernel import kernel
 
@@ -50,9 +50,9 @@ def add_up(row, size):
 @_elementwise
 def _lay_flat(bend, here, clear):
     """Clearance of points over the patch; x and y become those of their feet along its normal."""
-    p0, p1, p2 = np.float32(bend[PATCH]), np.float32(bend[PATCH + 1]), np.float32(bend[PATCH + 2])
-    p3, p4 = np.float32(bend[PATCH + 3]), np.float32(bend[PATCH + 4])
-    p5 = np.float32(bend[PATCH + 5])
+    patch = bend.patch
+    p0, p1, p2 = np.float32(patch[0]), np.float32(patch[1]), np.float32(patch[2])
+    p3, p4, p5 = np.float32(patch[3]), np.float32(patch[4]), np.float32(patch[5])
     for j in range(BLOCK):
         x, y = here[j], here[_Y + j]
         along, across = p1 + p3 * x + p4 * y, p2 + p5 * y
@@ -171,36 +171,26 @@ def _count(row):
 
 
 @kernel(error_model="numpy")
-def find_contacts(
-    bristles, bend, landing, turned, slopes, points, scratch, findings, depths
-):  # fmt: skip
+def find_contacts(hairs):
     """Which piece of each hair is near enough to the surface to leave ink.
 
     Parameters
     ----------
-    bristles : Bristles
-    bend : (BEND_SIZE,) float64
-    landing : (LANDING_SIZE,) float64
-        From `kernels.bristle_landing.find_landings`.
-    turned : (B / BLOCK, 8 BLOCK) float32
-        From `kernels.bristle_tuft.turn_hairs`.
-    slopes : (SAMPLES,) float32
-        Sine of the hairs' angle to the plane at their points.
-    points : (B / BLOCK, SAMPLES, 3 BLOCK) float32
-        Laid on the plane meanwhile: x and y become those of a point's foot along the normal.
-    scratch : (CONTACT_SIZE,) float32
-    findings : (B / BLOCK, FINDINGS BLOCK) float32
-        Rows BEGIN and END are filled, others used.
-    depths : (B / BLOCK,) float32
-        For each block the end of the hair that lies on furthest up, in points; below 0 for none.
+    hairs : Hairs
+        Bent, with their slopes and landings. Rows BEGIN and END of `findings` are filled, and
+        `depths`: for each block the end of the hair that lies on furthest up, in points, below 0
+        for none. On a curved surface points are laid on the plane: x and y become those of their
+        feet along the normal.
 
     Returns
     -------
     int
         How many hairs touch.
     """
+    bristles, bend, landing, turned = hairs.bristles, hairs.bend[0], hairs.landing, hairs.turned
+    points, findings, scratch, slopes = hairs.points, hairs.findings, hairs.clear, hairs.slopes
     near = np.float32(bristles.threshold_mm)
-    curved = bend[CURVED] > 0.0
+    curved = bend.curved > 0.0
     touching = 0
     for g in range(points.shape[0]):
         row = findings[g]
@@ -226,5 +216,5 @@ def find_contacts(
             row[END + j] = -_ONE
         n, deepest = _count(row)
         touching += n
-        depths[g] = np.float32(deepest + 1) / np.float32(16.0) if n > 0 else -_ONE
+        hairs.depths[g] = np.float32(deepest + 1) / np.float32(16.0) if n > 0 else -_ONE
     return touching

@@ -131,7 +131,7 @@ def fit_patch(values, field, room, work, out):
 
     Parameters
     ----------
-    values : (N_VALUES,) float64
+    values : record of GEOMETRY
         Of the stamp; `room` holds the patch of sheets that its plane was taken from.
     field : SurfaceField
     room : Room
@@ -146,9 +146,9 @@ def fit_patch(values, field, room, work, out):
     work[:] = 0.0
     radius = values.radius
     pack = field.sheet_pack
-    step = 1 + room.patch[0] // _MOST_SHEETS
-    for k in range(0, room.patch[0], step):
-        s = room.sheets[k]
+    sheets, n = room.patch.sheets, room.patch.count[0]
+    for k in range(0, n, 1 + n // _MOST_SHEETS):
+        s = sheets[k]
         x, y, z, nx, ny, nz = _turn(
             values, pack[s, 4], pack[s, 5], pack[s, 6], pack[s, 0], pack[s, 1], pack[s, 2]
         )

@@ -51,7 +51,7 @@ class Imprint(NamedTuple):
     # next station, mm
     cells: NDArray  # (CELLS, 2) float32: station by the place along the bend, from the tip, and
     # how much more it is a cell on
-    numbers: NDArray  # (4,) float64, see `bristle_outline`
+    numbers: NDArray  # (4,) float64, see `outline`
     laid: NDArray  # (2, STATIONS, LANES) float32: ink and share covered while hairs are laid
     rows: NDArray  # (5 BLOCK,) float32, scratch
     lanes: NDArray  # (BLOCK,) int32, scratch
@@ -172,25 +172,23 @@ def _lay_hairs(hairs, count, last):
 
 
 @kernel(error_model="numpy")
-def draw_imprint(stamp, bristles, hairs, load, wet, dot, resolution, reach, half_width):
+def draw_imprint(stamp, hairs, wet, dot, resolution, room):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
     Parameters
     ----------
     stamp : Stamp
         Gets the outline.
-    bristles : Bristles
     hairs : Hairs
         With the hairs' points and what was found of them; its imprint is drawn.
-    load : (B, P) float64
-        Ink of the hairs, coats x mm2.
     wet, dot : float
         Means over the hairs that touch: how full they are, and their radius with their film, mm.
     resolution : float
         Vertex spacing, mm: nothing finer than a quarter of it is drawn.
-    reach, half_width : arrays as for `kernels.tuft.trace_outline`
+    room : Room
     """
-    imprint, count = hairs.imprint, load.shape[0]
+    imprint, load, bristles = hairs.imprint, hairs.load, hairs.bristles
+    count = load.shape[0]
     deepest = np.float64(hairs.depths[0])
     for g in range(1, hairs.depths.shape[0]):
         deepest = max(deepest, np.float64(hairs.depths[g]))
@@ -204,7 +202,9 @@ def draw_imprint(stamp, bristles, hairs, load, wet, dot, resolution, reach, half
         _lay_mix(hairs, load)
     _fill_mix(imprint.mix)
     _finish_map(imprint, last, wet, max(dot, finest))
-    draw_outline(stamp, imprint, hairs.points, hairs.findings, count, dot, reach, half_width)
+    draw_outline(
+        stamp, imprint, hairs.points, hairs.findings, count, dot, room.reach, room.half_width
+    )
     index_stations(imprint, last, stamp.values[0].tip, stamp.values[0].heel)
 
 

@@ -8,10 +8,11 @@ has it, within 0.2 mm; and so do the hairs.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from paint3d.brush_engine.bristles import bend as bt
-from paint3d.brush_engine.bristles.bend import ARCS, BLOCK, SAMPLES
+from paint3d.brush_engine.bristles.bend import ARCS, BESIDE, BLOCK, DOWN, SAMPLES
 from paint3d.core.kernel import kernel
 
 __all__ = ["LANDING_SIZE", "end_where_they_land", "find_landings"]
@@ -42,26 +43,36 @@ def _cubic(share, low, rise_low, high, rise_high):
 @kernel(error_model="numpy")
 def _at(bend, k, t):
     """A number of the shared curve (x of a point, or SAMPLES on its z) at a height of the three."""
-    at = bt.CURVE + 3 * k
-    return bend[at] + t * (bend[at + 1] + t * bend[at + 2])
+    curve = bend.curve
+    return curve[k, 0] + t * (curve[k, 1] + t * curve[k, 2])
 
 
 @kernel(error_model="numpy")
 def _ground(bend, x):
     """Height of the surface under the bend: hairs follow it where it falls away from their belly,
     and meet it where it rises."""
-    rise = bend[bt.PATCH] + x * (bend[bt.PATCH + 1] + x * bend[bt.PATCH + 3])
-    return max(bend[bt.GROUND], rise)
+    rise = bend.patch[0] + x * (bend.patch[1] + x * bend.patch[3])
+    return max(bend.ground[0], rise)
+
+
+class _Section(NamedTuple):
+    """The tuft at a place of its spine."""
+
+    x: float  # of the spine, along the bend and over the plane, mm
+    z: float
+    thin: float  # half its thickness, mm
+    sine: float  # of the spine's angle to the plane
+    cosine: float
 
 
 @kernel(error_model="numpy")
-def _land(bend, x, z, thin, sine, cosine, found, first, out):
+def _land(bend, section, found, first, out):
     """One step up the curve: those sides that leave the surface in it have landed there."""
-    rim = _RIM * bend[bt.PART + 2]
+    rim = _RIM * bend.flat
     for n in range(found, _SIDES):
-        down = max(n / (_SIDES - 1.0), rim) * thin
-        place = x - down * sine
-        clear = z - down * cosine - _ground(bend, place) - _ON
+        down = max(n / (_SIDES - 1.0), rim) * section.thin
+        place = section.x - down * section.sine
+        clear = section.z - down * section.cosine - _ground(bend, place) - _ON
         before = out[_BEFORE + n]
         if clear > 0.0:
             x_before = out[_BEFORE + _SIDES + n]
@@ -83,51 +94,49 @@ def find_landings(tuft, bend, out):
     Parameters
     ----------
     tuft : Tuft
-    bend : (BEND_SIZE,) float64
-        From `kernels.bristle_tuft.fill_bend`.
+    bend : record of BEND
     out : (LANDING_SIZE,) float64
         For either height the place (mm along the bend) by a from 0 to 1, and where the spine's tip
         lies.
     """
     taper = tuft.taper
-    for height in range(0 if bend[bt.CURVED] > 0.0 else 1, 2):
+    for height in range(0 if bend.curved > 0.0 else 1, 2):
         t = np.float64(height)
-        node = bend[bt.FIRST] + t / bend[bt.PER_SPAN]
-        own = (bend[bt.HEIGHT] - bend[bt.GROUND]) * bend[bt.PER_HEIGHT] / (1.0 - node * node)
+        node = bend.first + t / bend.per_span
+        own = (bend.height - bend.ground[0]) * bend.per_height / (1.0 - node * node)
         own = min(1.0, max(0.5, own))
         first = height * _SIDES
-        root_z = bend[bt.HEIGHT] - own * _at(bend, 2 * SAMPLES - 1, t)
-        x_low = own * _at(bend, 0, t) + bend[bt.SHIFT_X]
+        root_z = bend.height - own * _at(bend, 2 * SAMPLES - 1, t)
+        x_low = own * _at(bend, 0, t) + bend.shift_x[0]
         z_low = root_z + own * _at(bend, SAMPLES, t)
         if height == 1:
             out[_TIP] = x_low
         out[_BEFORE + _SIDES :] = x_low
         out[_BEFORE : _BEFORE + _SIDES] = z_low - _ground(bend, x_low) - _ON
-        sine_low, cosine_low = bend[bt.SINE], bend[bt.COSINE]
+        sine_low, cosine_low = bend.sine[0], bend.cosine[0]
         found, power_low = 0, 0.0
         for k in range(SAMPLES - 1):
             if found == _SIDES:
                 break
-            x_high = own * _at(bend, k + 1, t) + bend[bt.SHIFT_X + k + 1]
+            x_high = own * _at(bend, k + 1, t) + bend.shift_x[k + 1]
             z_high = root_z + own * _at(bend, SAMPLES + k + 1, t)
-            sine_high, cosine_high = bend[bt.SINE + k + 1], bend[bt.COSINE + k + 1]
+            sine_high, cosine_high = bend.sine[k + 1], bend.cosine[k + 1]
             step = ARCS[k + 1] - ARCS[k]
             long, power_high = own * step * tuft.length, ARCS[k + 1] ** taper
             for i in range(1, _STEPS + 1):
                 u = i / _STEPS
                 wide = ((ARCS[k] + u * step) ** taper - power_low) / (power_high - power_low)
-                found = _land(
-                    bend,
+                section = _Section(
                     _cubic(u, x_low, -long * cosine_low, x_high, -long * cosine_high),
                     _cubic(u, z_low, long * sine_low, z_high, long * sine_high),
-                    bend[bt.THIN + k] + wide * (bend[bt.THIN + k + 1] - bend[bt.THIN + k]),
+                    bend.thin[k] + wide * (bend.thin[k + 1] - bend.thin[k]),
                     sine_low + u * (sine_high - sine_low),
                     cosine_low + u * (cosine_high - cosine_low),
-                    found, first, out,
-                )  # fmt: skip
+                )
+                found = _land(bend, section, found, first, out)
             x_low, z_low, sine_low, cosine_low = x_high, z_high, sine_high, cosine_high
             power_low = power_high
-    if bend[bt.CURVED] <= 0.0:
+    if bend.curved <= 0.0:
         out[:_SIDES] = out[_SIDES:_TIP]
 
 
@@ -137,14 +146,14 @@ def _find_lands(bend, landing, known, lands):
 
     A tuft comes down as one: that some of its hairs are shorter changes nothing here.
     """
-    height, per_height = np.float32(bend[bt.HEIGHT]), np.float32(bend[bt.PER_HEIGHT])
-    start, per_span = np.float32(bend[bt.FIRST]), np.float32(bend[bt.PER_SPAN])
-    g0 = np.float32(bend[bt.GROUND])
-    g1, g2 = np.float32(bend[bt.GROUND + 1]), np.float32(bend[bt.GROUND + 2])
+    height, per_height = np.float32(bend.height), np.float32(bend.per_height)
+    start, per_span = np.float32(bend.first), np.float32(bend.per_span)
+    g0 = np.float32(bend.ground[0])
+    g1, g2 = np.float32(bend.ground[1]), np.float32(bend.ground[2])
     c0, c1, c2, c3, c4 = _bends(landing[:_SIDES])
     d0, d1, d2, d3, d4 = _bends(landing[_SIDES:_TIP])
     for j in range(BLOCK):
-        a, b = known[bt.DOWN + j], known[bt.BESIDE + j]
+        a, b = known[DOWN + j], known[BESIDE + j]
         fraction = _ONE - (height - (g0 + b * (g1 + b * g2))) * per_height
         t = (np.sqrt(fraction if fraction > _ZERO else _ZERO) - start) * per_span
         t = t if t > _ZERO else _ZERO
@@ -193,7 +202,7 @@ def _hold(landing, known, tip, next_, third, places, begins, ends):
         begin = begins[j] if begins[j] > ahead else ahead
         end, place = ends[j], places[j]
         most = end + _MOST if end + _MOST < top else top
-        most = end if known[bt.DOWN + j] < _ZERO else most
+        most = end if known[DOWN + j] < _ZERO else most
         place = place if place < most else most
         place = place if place > begin else begin
         begins[j] = begin
@@ -206,11 +215,11 @@ def end_where_they_land(bend, landing, known, points, highest, scratch, begins, 
 
     Parameters
     ----------
-    bend : (BEND_SIZE,) float64
+    bend : record of BEND
     landing : (LANDING_SIZE,) float64
         From `find_landings`.
     known : (8 BLOCK,) float32
-        Of `kernels.bristle_tuft.turn_hairs`.
+        From `bend.turn_hairs`.
     points : (SAMPLES, 3 BLOCK) float32
     highest : int
         The last point at which any hair touches.

@@ -7,6 +7,8 @@ import numpy as np
 from paint3d.brush_engine.bristles.imprint import LANES, STATIONS
 from paint3d.brush_engine.bristles.outline import CELLS, PER_CELL, TIP
 from paint3d.brush_engine.coverage import weigh_standing
+from paint3d.brush_engine.scratch import Found
+from paint3d.brush_engine.sweep import Sweep
 from paint3d.brush_engine.transfer import weighed_area
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
 from paint3d.core.kernel import kernel
@@ -70,21 +72,24 @@ def _read_map(n, map_, places, parts, inks, covers):
 
 
 @kernel(error_model="numpy")
-def _keep(n, places, inks, covers, ids, share, cover, out_ids, out_share, out_cover, out_lanes):
+def _keep(n, places, block, found, lanes):
     """Weigh vertices by what they found, and close up over those that found nothing."""
+    ids, share, cover = block.packed_ids, block.packed[2], block.packed[3]
+    inks, covers = block.packed[4], block.packed[5]
+    out_ids, out_share, out_cover = found.ids, found.share, found.cover
     kept = np.uint32(0)
     for k in range(n):
         covered = covers[k]
         out_ids[kept] = ids[k]
         out_share[kept] = share[k] * inks[k]
         out_cover[kept] = cover[k] * covered
-        out_lanes[kept] = places[k] & _LANE
+        lanes[kept] = places[k] & _LANE
         kept += np.uint32(covered > _FAINTEST)
     return np.int64(kept)
 
 
 @kernel(error_model="numpy")
-def gather_under_hairs(imprint, stamp, field, margin, scale, counters, room, lanes):
+def gather_under_hairs(imprint, stamp, field, room, lanes):
     """Find the vertices that hairs lie over, and weigh them by what lies there.
 
     The way from the stamp before is no longer than the vertices lie apart: what the hairs left
@@ -96,11 +101,8 @@ def gather_under_hairs(imprint, stamp, field, margin, scale, counters, room, lan
     stamp : Stamp
         It touches.
     field : SurfaceField
-    margin, scale : float
-        As for `brush_engine.vertex_query`.
-    counters : (8,) int64
     room : Room
-        `found`, `share` and `cover` are filled.
+        `found` is filled.
     lanes : (cap + 1,) int16
         Filled: each one's lane of the map.
 
@@ -113,33 +115,25 @@ def gather_under_hairs(imprint, stamp, field, margin, scale, counters, room, lan
     weighed : float
         Area that those stand for, weighed, mm2.
     """
-    n_runs, n_cells = find_candidates(stamp, stamp, True, field, margin, scale, room)
+    sweep, block = Sweep(room.sweep, room.between, stamp, stamp), room.block
+    n_runs, n_cells = find_candidates(sweep, True, field, room)
     if n_cells < 0:
         return -1, 0, 0.0
     map_ = imprint.map.reshape(imprint.map.size)
     tip, per_cell = np.float32(imprint.numbers[TIP]), np.float32(imprint.numbers[PER_CELL])
-    packed, places, parts = room.packed, room.near[1], room.work[:3]
+    packed, places, parts = block.packed, block.near[1], block.work[:3]
     found, within, weighed = 0, 0, 0.0
     while True:
-        n = next_block(
-            n_runs, n_cells, False, room.runs, room.cells, field.head, field.next_in_cell,
-            field.cell_sheets, field.vertex_sheet, field.px, field.py, field.pz, field.nx,
-            field.ny, field.nz, room.stamps, room.tick[0], room.sweep[0], room.cursor, room.ids,
-            packed, room.rows,
-        )  # fmt: skip
+        n = next_block(n_runs, n_cells, False, room.sweep[0], field, room)
         if n == 0:
             return found, within, weighed
-        counters[VISITED] += n
-        m = weigh_standing(
-            n, room.ids, room.rows, room.sweep[0], stamp.lines, room.packed_ids, packed, room.work,
-            room.near[0],
-        )  # fmt: skip
+        room.counters[VISITED] += n
+        m = weigh_standing(n, sweep, block)
         within += m
-        weighed += weighed_area(field.area_units, field.area_unit, room.packed_ids, packed[2], m)
+        weighed += weighed_area(field, block.packed_ids, packed[2], m)
         _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
         _find_lanes(m, packed[1], places, parts)
         _read_map(m, map_, places, parts, packed[4], packed[5])
-        found += _keep(
-            m, places, packed[4], packed[5], room.packed_ids, packed[2], packed[3],
-            room.found[found:], room.share[found:], room.cover[found:], lanes[found:],
-        )  # fmt: skip
+        all_ = room.found
+        rest = Found(all_.ids[found:], all_.share[found:], all_.cover[found:])
+        found += _keep(m, places, block, rest, lanes[found:])

@@ -42,10 +42,10 @@ def _place_on(points, i, at):
 
 
 @kernel(error_model="numpy")
-def _find_ends(points, findings, first, count, step):
-    """From where to where along the bend every `step`-th hair from the `first` on touches, mm."""
+def _find_ends(points, findings, some):
+    """From where to where along the bend some hairs touch, mm: (first, end, step) of them."""
     low, high = np.inf, -np.inf
-    for i in range(first, count, step):
+    for i in range(some[0], some[1], some[2]):
         row, j = findings[i // BLOCK], i % BLOCK
         if row[END + j] < 0.0:
             continue
@@ -69,10 +69,9 @@ def _draw_piece(x0, y0, x1, y1, low, per_bin, reaches):
 
 
 @kernel(error_model="numpy")
-def _draw_hairs(points, findings, first, count, step, pieces, low, per_bin, reaches):
-    """Let the outline hold the first pieces that touch of every `step`-th hair from the `first` on,
-    with their films."""
-    for i in range(first, count, step):
+def _draw_hairs(points, findings, some, pieces, low, per_bin, reaches):
+    """Let the outline hold the first pieces that touch of some hairs, with their films."""
+    for i in range(some[0], some[1], some[2]):
         row, j = findings[i // BLOCK], i % BLOCK
         begin, end, dot = row[BEGIN + j], row[END + j], np.float64(row[DOT + j])
         if end < 0.0:
@@ -110,22 +109,22 @@ def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_wi
         Hairs; one of them touches at least.
     margin : float
         That is left beside the hairs, mm, and a quarter of it before and behind.
-    reach, half_width : arrays as for `kernels.tuft.trace_outline`
+    reach, half_width : arrays as for `tuft.trace_outline`
     """
     reaches = imprint.reaches
     reaches[:] = margin
     first = max(0, count - OUTER)
-    step = max(1, first // _INNER)
-    low, high = _find_ends(points, findings, first, count, 1)
-    low_inside, high_inside = _find_ends(points, findings, 0, first, step)
+    rim, inner = (first, count, 1), (0, first, max(1, first // _INNER))
+    low, high = _find_ends(points, findings, rim)
+    low_inside, high_inside = _find_ends(points, findings, inner)
     low, high = min(low, low_inside), max(high, high_inside)
     if not low < np.inf:  # few are long enough, and none of these
-        step = 1
-        low, high = _find_ends(points, findings, 0, count, step)
+        inner = (0, first, 1)
+        low, high = _find_ends(points, findings, (0, count, 1))
     high = max(high, low + _SHORTEST)
     per_bin = BINS / (high - low)
-    _draw_hairs(points, findings, first, count, 1, SAMPLES, low, per_bin, reaches)
-    _draw_hairs(points, findings, 0, first, step, 1, low, per_bin, reaches)
+    _draw_hairs(points, findings, rim, SAMPLES, low, per_bin, reaches)
+    _draw_hairs(points, findings, inner, 1, low, per_bin, reaches)
     wide = (high - low) / BINS
     ends = _ENDS * margin
     n = 0

@@ -11,17 +11,16 @@ from paint3d.brush_engine.bristles import bend as bt
 from paint3d.brush_engine.bristles.contact import CONTACT_SIZE, FINDINGS
 from paint3d.brush_engine.bristles.ground_fit import PATCH_SIZE
 from paint3d.brush_engine.bristles.imprint import Imprint, make_imprint
-from paint3d.brush_engine.bristles.imprint_cache import KEPT_SIZE
+from paint3d.brush_engine.bristles.imprint_cache import KEPT
 from paint3d.brush_engine.bristles.ink import LEVEL_BINS
 from paint3d.brush_engine.bristles.landing import LANDING_SIZE
 from paint3d.brush_engine.stamp import PROFILE_CELLS
 from paint3d.core.arrays import zeros_on_lines
 
 __all__ = [
+    "MEMORY",
     "MEMORY_SIZE",
     "PARTED",
-    "SET_X",
-    "SET_Y",
     "TRACKED",
     "TRACKED_POINTS",
     "WAY",
@@ -29,8 +28,19 @@ __all__ = [
     "make_hairs",
 ]
 
-SET_X, SET_Y, PARTED, WAY, UNLEVELLED = 0, 1, 2, 3, 4  # places in Hairs.memory
-MEMORY_SIZE = 5
+MEMORY = np.dtype(
+    [
+        ("set_x", "f8"),  # bend that stays, along the handle's axes: where it carries the tip, mm
+        ("set_y", "f8"),
+        ("parted", "f8"),  # how far clumps have parted, 0 to 1
+        ("way", "f8"),  # since the last dip, mm
+        ("unlevelled", "f8"),  # since hairs last shared their ink, mm
+    ]
+)
+"""What a tuft of hairs remembers."""
+
+MEMORY_SIZE = len(MEMORY.names)
+PARTED, WAY = MEMORY.names.index("parted"), MEMORY.names.index("way")  # places, as plain numbers
 TRACKED = 48  # hairs whose motion is watched: the outermost ones, all around
 TRACKED_POINTS = 5  # of each, from the tip
 
@@ -38,25 +48,24 @@ TRACKED_POINTS = 5  # of each, from the tip
 class Hairs(NamedTuple):
     """Hairs of one painter (B hairs, P pigments)."""
 
+    bristles: bt.Bristles
     load: NDArray  # (B, P) float64, ink in each, coats x mm2
-    memory: NDArray  # (5,) float64: bend that stays, along the handle's axes (mm); how far clumps
-    # have parted, 0 to 1; ways since the last dip and since
-    # hairs last shared their ink (mm)
+    memory: NDArray  # (1,) of MEMORY
     pace: NDArray  # (2,) float64: how far between two samples, and the next step's share of it
     roll: NDArray  # (2,) float64, direction of the bend in the handle's axes, of `turned`
     turned: NDArray  # of `turn_hairs`
-    bend: NDArray  # (BEND_SIZE,)
+    bend: NDArray  # (1,) of BEND
     block: NDArray  # (BLOCK_SIZE,) float32
     points: NDArray  # (B / BLOCK, SAMPLES, 3 BLOCK) float32
-    landing: NDArray  # (LANDING_SIZE,), where hairs come down, see `bristle_landing`
+    landing: NDArray  # (LANDING_SIZE,), where hairs come down, see `landing`
     slopes: NDArray  # (SAMPLES,) float32
     patch: NDArray  # (6,)
     patch_work: NDArray  # (12, 6)
-    findings: NDArray  # (B / BLOCK, FINDINGS BLOCK) float32, see `bristle_contact`
+    findings: NDArray  # (B / BLOCK, FINDINGS BLOCK) float32, see `contact`
     depths: NDArray  # (B / BLOCK,) float32, how far up the hairs of a block touch, in points
     clear: NDArray  # (CONTACT_SIZE,) float32
     known: NDArray  # (3,), see `know_hairs`
-    kept: NDArray  # (KEPT_SIZE,), see `bristle_keeping`
+    kept: NDArray  # (1,) of KEPT
     kept_lines: NDArray  # as of a stamp
     sums: NDArray  # (3 BLOCK,) float32
     whole_sums: NDArray  # (BLOCK,)
@@ -73,12 +82,13 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
     n_pigments = load.shape[1]
     blocks = len(bristles.lengths)
     return Hairs(
+        bristles=bristles,
         load=load,
-        memory=memory,
+        memory=memory.view(MEMORY),
         pace=np.array([0.0, 1.0]),
         roll=np.full(2, np.nan),
         turned=bt.make_turned(blocks),
-        bend=np.zeros(bt.BEND_SIZE),
+        bend=np.zeros(1, bt.BEND),
         block=bt.make_block(),
         points=bt.make_points(blocks),
         landing=np.zeros(LANDING_SIZE),
@@ -89,7 +99,7 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         depths=np.zeros(blocks, np.float32),
         clear=zeros_on_lines(CONTACT_SIZE, np.float32),
         known=np.full(3, np.nan),
-        kept=np.zeros(KEPT_SIZE),
+        kept=np.zeros(1, KEPT),
         kept_lines=np.zeros((PROFILE_CELLS, 4), np.float32),
         sums=zeros_on_lines(3 * bt.BLOCK, np.float32),
         whole_sums=np.zeros(bt.BLOCK),

@@ -14,6 +14,7 @@ from paint3d.brush_engine.bristles.bend import (
     ARCS,
     BLOCK,
     SAMPLES,
+    Cause,
     bend_hairs,
     fill_bend,
     turn_hairs,
@@ -23,8 +24,6 @@ from paint3d.brush_engine.bristles.deposit import sweep_hairs
 from paint3d.brush_engine.bristles.ground_fit import fit_patch
 from paint3d.brush_engine.bristles.imprint import SUB, draw_imprint
 from paint3d.brush_engine.bristles.imprint_cache import (
-    DRAWN,
-    TOUCHING,
     carry_outline,
     keep_bend,
     keep_outline,
@@ -33,23 +32,20 @@ from paint3d.brush_engine.bristles.imprint_cache import (
 )  # fmt: skip
 from paint3d.brush_engine.bristles.ink import ask_hairs, know_hairs, settle_gifts
 from paint3d.brush_engine.bristles.landing import find_landings
-from paint3d.brush_engine.bristles.state import PARTED, SET_X, SET_Y, TRACKED, TRACKED_POINTS, WAY
+from paint3d.brush_engine.bristles.state import TRACKED, TRACKED_POINTS
 from paint3d.brush_engine.dynamics import drive
 from paint3d.brush_engine.ink_transfer import CAPACITY, mean_pressure
-from paint3d.brush_engine.placement import place_stamp
-from paint3d.brush_engine.stamp import ink_way, outline_motion
-from paint3d.brush_engine.stroke_loop import (
+from paint3d.brush_engine.intervals import (
     FINISHED,
     FOOTPRINTS,
     NEEDS_ROOM,
-    _copy,
-    _interpolate,
-    may_pass,
-    note_pose,
+    copy_stamp,
+    end_interval,
+    interpolate,
+    next_interval,
 )
-from paint3d.brush_engine.stroke_loop import (
-    SAMPLES as SAMPLE_COUNT,
-)
+from paint3d.brush_engine.placement import place_stamp
+from paint3d.brush_engine.stamp import ink_way, outline_motion
 from paint3d.core.kernel import kernel
 
 __all__ = ["paint_with_hairs"]
@@ -99,93 +95,100 @@ def _find_slopes(tuft, points, slopes):
 
 
 @kernel(error_model="numpy")
-def _meet(stamp, tuft, bristles, hairs):
+def _meet(stamp, tuft, hairs):
     """Find where the hairs touch; a stamp where none does no longer touches."""
     _find_slopes(tuft, hairs.points, hairs.slopes)
-    find_landings(tuft, hairs.bend, hairs.landing)
-    touching = find_contacts(
-        bristles, hairs.bend, hairs.landing, hairs.turned, hairs.slopes, hairs.points, hairs.clear,
-        hairs.findings, hairs.depths,
-    )  # fmt: skip
+    find_landings(tuft, hairs.bend[0], hairs.landing)
+    touching = find_contacts(hairs)
     if touching == 0:
         stamp.values[0].touches = 0.0
     return touching
 
 
 @kernel(error_model="numpy")
-def _place_hairs(pose, before, stamp, tuft, bristles, hairs, field, ink, room):
+def _dry_share(ink):
+    """How dry the tuft is, from 0, wet, to 1."""
+    return 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
+
+
+@kernel(error_model="numpy")
+def _find_cause(values, tuft, cosine, sine, hairs, ink):
+    """What the hairs under a stamp are to be bent by, with the bend at this angle in the handle."""
+    # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
+    patch, reach = hairs.patch, tuft.length * np.cos(values.tilt)
+    patch[0] = -reach * (patch[1] + reach * patch[3])
+    memory = hairs.memory[0]
+    set_x = cosine * memory.set_x + sine * memory.set_y
+    set_y = cosine * memory.set_y - sine * memory.set_x
+    return Cause(
+        values.descent, values.tilt, values.pressure, patch, _dry_share(ink), memory.parted,
+        set_x, set_y,
+    )  # fmt: skip
+
+
+@kernel(error_model="numpy")
+def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, room):
     """Bend the hairs under a stamp that touches and find where they do; return how many.
 
     Where they would hardly lie otherwise, they stay as they are.
     """
-    values, memory, kept = stamp.values[0], hairs.memory, hairs.kept
+    values, kept, bristles = stamp.values[0], hairs.kept[0], hairs.bristles
+    way = hairs.memory[0].way
     cosine, sine = _find_roll(pose, values)
     turned = abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1])
-    same = turned < (_LEAST_TURN if kept[TOUCHING] > 0.0 else 1e-6)
+    same = turned < (_LEAST_TURN if kept.touching > 0.0 else 1e-6)
     if same:
         cosine, sine = hairs.roll[0], hairs.roll[1]
     fit_patch(values, field, room, hairs.patch_work, hairs.patch)
-    # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
-    patch, reach = hairs.patch, tuft.length * np.cos(values.tilt)
-    patch[0] = -reach * (patch[1] + reach * patch[3])
-    dryness = 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
-    set_x = cosine * memory[SET_X] + sine * memory[SET_Y]
-    set_y = cosine * memory[SET_Y] - sine * memory[SET_X]
-    note_cause(values, tuft, hairs.patch, dryness, memory[PARTED], set_x, set_y, kept)
-    if same and may_keep(before, values, memory[WAY], field.resolution, kept):
-        return int(kept[TOUCHING])
+    cause = _find_cause(values, tuft, cosine, sine, hairs, ink)
+    note_cause(cause, values.radius, tuft, kept)
+    if same and may_keep(before, values, way, field.resolution, kept):
+        return int(kept.touching)
     if not same:
         hairs.roll[0], hairs.roll[1] = cosine, sine
         turn_hairs(bristles, cosine, sine, hairs.turned)
-    fill_bend(
-        bristles, tuft, values.descent, values.tilt, values.pressure, hairs.patch,
-        dryness, memory[PARTED], set_x, set_y, hairs.bend,
-    )  # fmt: skip
-    bend_hairs(bristles.rests, hairs.turned, hairs.bend, hairs.block, hairs.points)
-    touching = _meet(stamp, tuft, bristles, hairs)
-    keep_bend(before, values, memory[WAY], touching, kept)
+    fill_bend(bristles, tuft, cause, hairs.bend[0])
+    bend_hairs(bristles.rests, hairs.turned, hairs.bend[0], hairs.block, hairs.points)
+    touching = _meet(stamp, tuft, hairs)
+    keep_bend(before, values, way, touching, kept)
     return touching
 
 
 @kernel(error_model="numpy")
-def _draw(stamp, touching, bristles, hairs, field, ink, room):
+def _draw(stamp, touching, hairs, resolution, ink, room):
     """What the hairs would give, and the imprint; returns how much they wish to."""
-    count = hairs.load.shape[0]
-    way = hairs.memory[WAY]
+    count, bristles, kept = hairs.load.shape[0], hairs.bristles, hairs.kept[0]
+    way = hairs.memory[0].way
     know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.findings)
     wanted, wet, dot = ask_hairs(
         bristles, hairs.load, ink.habit[CAPACITY] / count, way, SUB, hairs.findings, hairs.sums
     )
-    if hairs.kept[DRAWN] > 0.0:
-        carry_outline(stamp, hairs.kept, hairs.kept_lines)
+    if kept.drawn > 0.0:
+        carry_outline(stamp, kept, hairs.kept_lines)
     else:
-        draw_imprint(
-            stamp, bristles, hairs, hairs.load, wet / touching, dot / touching, field.resolution,
-            room.reach, room.half_width,
-        )  # fmt: skip
-        keep_outline(stamp, hairs.kept, hairs.kept_lines)
+        draw_imprint(stamp, hairs, wet / touching, dot / touching, resolution, room)
+        keep_outline(stamp, kept, hairs.kept_lines)
     return wanted
 
 
 @kernel(error_model="numpy")
-def _remember(before, after, tuft, bristles, hairs, ink):
+def _remember(before, after, tuft, hairs, ink):
     """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
-    values = after.values[0]
+    values, memory = after.values[0], hairs.memory[0]
     way = outline_motion(before, after)
     wet = min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
     pe = values.pressure
-    wanted = bristles.parting * min(
+    wanted = hairs.bristles.parting * min(
         1.0, (1.0 - wet) * (0.5 + 0.5 * pe) + 0.5 * max(0.0, pe - 0.7) / 0.3
     )
-    memory = hairs.memory
-    memory[WAY] += way
-    over = _PARTS_OVER if wanted > memory[PARTED] else _JOINS_OVER / max(wet, 0.02)
-    memory[PARTED] += (wanted - memory[PARTED]) * (1.0 - np.exp(-way / over))
+    memory.way += way
+    over = _PARTS_OVER if wanted > memory.parted else _JOINS_OVER / max(wet, 0.02)
+    memory.parted += (wanted - memory.parted) * (1.0 - np.exp(-way / over))
     reach = values.tip - tuft.length * np.cos(values.tilt)
     stays = _SET_SHARE * tuft.plasticity * max(0.0, reach)
     share = 1.0 - np.exp(-way / _SETS_OVER)
-    memory[SET_X] += share * (hairs.roll[0] * stays - memory[SET_X])
-    memory[SET_Y] += share * (hairs.roll[1] * stays - memory[SET_Y])
+    memory.set_x += share * (hairs.roll[0] * stays - memory.set_x)
+    memory.set_y += share * (hairs.roll[1] * stays - memory.set_y)
 
 
 @kernel(error_model="numpy")
@@ -224,15 +227,86 @@ def _fastest(before, after, track):
 
 
 @kernel
-def paint_with_hairs(
-    samples, last, dragged, brush, curves, bristles, tree, field, ink, progress, counters, pose,
-    room, hairs,
-):  # fmt: skip
-    """Paint from where `progress` stands up to sample `last`; see `kernels.stroke.paint_samples`.
+def _begin(samples, i, brush, canvas, progress, room, hairs):
+    """Begin an interval: where the brush does not touch yet, with the imprint of its first pose."""
+    before, pose = progress.before, room.pose
+    hairs.pace[0], hairs.pace[1] = 0.0, 1.0
+    progress.at[2] = 1
+    if before.values[0].touches > 0.0:
+        return
+    tree, field, ink = canvas.tree, canvas.field, canvas.ink
+    interpolate(samples, i, 0.0, pose)
+    tuft = drive(samples, i, 0.0, pose, before, brush.tuft, ink, brush.curves)
+    place_stamp(pose, brush.dragged, before, before, tuft, tree, field, room)
+    hairs.kept[0].touching = 0.0
+    if before.values[0].touches > 0.0:
+        touching = _place_hairs(pose, before, before, tuft, hairs, field, ink, room)
+        if touching > 0:
+            _draw(before, touching, hairs, field.resolution, ink, room)
+        _track(before, hairs, hairs.track[0])
+    if samples.joined[i]:
+        before.values[0].touches = 0.0
+
+
+@kernel
+def _find_step(samples, i, brush, canvas, progress, room, hairs):
+    """Place the next imprint of an interval, as far from the last as no hair moves too far.
+
+    Returns
+    -------
+    tuft : Tuft
+        As it is driven there.
+    touching : int
+        Hairs that touch.
+    moved : float
+        How far the fastest moved, mm.
+    step : float
+        How far in the interval it lies from the last, as a share of it.
+    """
+    before, after, pose, pace = progress.before, progress.after, room.pose, hairs.pace
+    tree, field, ink = canvas.tree, canvas.field, canvas.ink
+    most = _SPACING * field.resolution
+    step = min(pace[1], 1.0 - pace[0])
+    while True:
+        share = pace[0] + step
+        interpolate(samples, i, share, pose)
+        tuft = drive(samples, i, share, pose, before, brush.tuft, ink, brush.curves)
+        place_stamp(pose, brush.dragged, before, after, tuft, tree, field, room)
+        touching = 0
+        if after.values[0].touches > 0.0:
+            touching = _place_hairs(pose, before, after, tuft, hairs, field, ink, room)
+            _track(after, hairs, hairs.track[1])
+        touches = after.values[0].touches > 0.0 or before.values[0].touches > 0.0
+        moved = _fastest(before, after, hairs.track) if touches else 0.0
+        if moved <= most or step <= _SHORTEST:
+            return tuft, touching, moved, step
+        step = max(_SHORTEST, step * max(0.2, min(0.7, 0.9 * most / moved)))
+
+
+@kernel
+def _deposit(before, after, tuft, touching, hairs, canvas, room):
+    """Leave what the hairs of an imprint wish to give; False where the mesh has no room."""
+    field, ink = canvas.field, canvas.ink
+    wanted = _draw(after, touching, hairs, field.resolution, ink, room)
+    if wanted <= 0.0:
+        return True
+    rate = tuft.transfer_per_mm * mean_pressure(before, after)
+    rate *= ink_way(before, after)
+    count = hairs.load.shape[0]
+    ready = settle_gifts(count, wanted, rate, hairs.findings, hairs.whole_sums)
+    if not sweep_hairs(before, after, ready, hairs, field, ink, room):
+        return False
+    room.counters[FOOTPRINTS] += 1
+    _remember(before, after, tuft, hairs, ink)
+    return True
+
+
+@kernel
+def paint_with_hairs(samples, last, brush, canvas, progress, room, hairs):
+    """Paint from where `progress` stands up to sample `last`; see `paint_samples`.
 
     Parameters
     ----------
-    bristles : Bristles
     hairs : Hairs
     others : as for `paint_samples`
 
@@ -241,79 +315,25 @@ def paint_with_hairs(
     int
         FINISHED, or NEEDS_ROOM: call again after the mesh's arrays have grown.
     """
-    at, before, after = progress.at, progress.before, progress.after
-    pace = hairs.pace
-    most = _SPACING * field.resolution
-    while at[0] < last:
-        i = at[0]
-        if not samples.joined[i + 1] or (
-            at[2] == 0 and samples.pressure[i] <= 0.0 and samples.pressure[i + 1] <= 0.0
-        ):
-            before.values[0].touches = 0.0
-            at[0] += 1
-            at[2] = 0
-            continue
-        if at[2] == 0:
-            counters[SAMPLE_COUNT] += 1
-            if before.values[0].touches > 0.0 and may_pass(
-                samples, i + 1, progress.noted, brush, field.resolution
-            ):
-                at[0] += 1
-                continue
-            pace[0], pace[1] = 0.0, 1.0
-            at[2] = 1
-            if before.values[0].touches == 0.0:
-                _interpolate(samples, i, 0.0, pose)
-                tuft = drive(samples, i, 0.0, pose, before, brush, ink, curves)
-                place_stamp(pose, dragged, before, before, tuft, tree, field, counters, room)
-                hairs.kept[TOUCHING] = 0.0
-                if before.values[0].touches > 0.0:
-                    touching = _place_hairs(
-                        pose, before, before, tuft, bristles, hairs, field, ink, room
-                    )
-                    if touching > 0:
-                        _draw(before, touching, bristles, hairs, field, ink, room)
-                    _track(before, hairs, hairs.track[0])
-                if samples.joined[i]:
-                    before.values[0].touches = 0.0
+    before, after, pace = progress.before, progress.after, hairs.pace
+    resolution = canvas.field.resolution
+    most = _SPACING * resolution
+    while True:
+        i = next_interval(samples, last, brush.tuft, resolution, progress, room.counters)
+        if i < 0:
+            return FINISHED
+        if progress.at[2] == 0:
+            _begin(samples, i, brush, canvas, progress, room, hairs)
         while pace[0] < 1.0:
-            step = min(pace[1], 1.0 - pace[0])
-            while True:
-                _interpolate(samples, i, pace[0] + step, pose)
-                tuft = drive(samples, i, pace[0] + step, pose, before, brush, ink, curves)
-                place_stamp(pose, dragged, before, after, tuft, tree, field, counters, room)
-                touching = 0
-                if after.values[0].touches > 0.0:
-                    touching = _place_hairs(
-                        pose, before, after, tuft, bristles, hairs, field, ink, room
-                    )
-                    _track(after, hairs, hairs.track[1])
-                touches = after.values[0].touches > 0.0 or before.values[0].touches > 0.0
-                moved = _fastest(before, after, hairs.track) if touches else 0.0
-                if moved <= most or step <= _SHORTEST:
-                    break
-                step = max(_SHORTEST, step * max(0.2, min(0.7, 0.9 * most / moved)))
-            wanted = 0.0
-            if touching > 0:
-                wanted = _draw(after, touching, bristles, hairs, field, ink, room)
-            if wanted > 0.0:
-                rate = tuft.transfer_per_mm * mean_pressure(before, after)
-                rate *= ink_way(before, after)
-                count = hairs.load.shape[0]
-                ready = settle_gifts(count, wanted, rate, hairs.findings, hairs.whole_sums)
-                if not sweep_hairs(
-                    before, after, ready, bristles, hairs, field, ink, counters, room
-                ):
-                    pace[1] = step
-                    return NEEDS_ROOM
-                counters[FOOTPRINTS] += 1
-                _remember(before, after, tuft, bristles, hairs, ink)
-            _copy(after, before)
+            tuft, touching, moved, step = _find_step(
+                samples, i, brush, canvas, progress, room, hairs
+            )
+            if touching > 0 and not _deposit(before, after, tuft, touching, hairs, canvas, room):
+                pace[1] = step
+                return NEEDS_ROOM
+            copy_stamp(after, before)
             hairs.track[0] = hairs.track[1]
             pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step
             grown = _EASE if moved <= 0.0 else min(_EASE, 0.9 * most / moved)
             pace[1] = max(_SHORTEST, step * grown)
-        note_pose(samples, i + 1, progress.noted)
-        at[0] += 1
-        at[2] = 0
-    return FINISHED
+        end_interval(samples, progress)

@@ -151,7 +151,7 @@ def _faces(points, a, b, c, up):
     return nx * up[0] + ny * up[1] + nz * up[2] > 0.0
 
 
-@uncounted
+@uncounted(forceinline=True)
 def _push_children(boxes, node, place, best, stack, depth):
     """Put the children of a node that are near enough on the stack, the nearer last.
 
@@ -176,7 +176,7 @@ def _push_children(boxes, node, place, best, stack, depth):
     return depth
 
 
-@uncounted
+@uncounted(forceinline=True)
 def _look_into(tree, leaf, place, up, nearest):
     """The nearest triangle so far after those of a leaf: squared distance, number, and weights."""
     best, found, weights = nearest

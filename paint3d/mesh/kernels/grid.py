@@ -81,7 +81,7 @@ def find_pair(cell_pairs, pair_root, cell, root):
 
 
 @uncounted
-def flood_patch(field, start, centre, radius, stamps, tick, sheets):
+def flood_patch(field, start, centre, radius, patch):
     """Sheets reached from `start` through sheets whose cells meet the ball.
 
     Parameters
@@ -91,18 +91,16 @@ def flood_patch(field, start, centre, radius, stamps, tick, sheets):
         The sheet to start from; it is taken wherever the ball is.
     centre, radius : (3,) float64, float
         The ball, mm.
-    stamps : (S,) int64
-        Set to `tick` for every sheet of the patch.
-    tick : int
-        A number not used before.
-    sheets : (S,) int32
-        Filled with the patch, nearest links first.
+    patch : Patch
+        Filled, nearest links first.
 
     Returns
     -------
     int
         Number of sheets in the patch.
     """
+    patch.tick[0] += 1
+    tick, ticks, sheets = patch.tick[0], patch.ticks, patch.sheets
     links, linked, places = field.sheet_links, field.linked_sheet, field.sheet_place
     size = field.cell_size
     r2 = (radius / size) ** 2
@@ -110,7 +108,7 @@ def flood_patch(field, start, centre, radius, stamps, tick, sheets):
     py = (centre[1] - field.origin[1]) / size
     pz = (centre[2] - field.origin[2]) / size
     sheets[0] = start
-    stamps[start] = tick
+    ticks[start] = tick
     n = 1
     at = 0
     while at < n:
@@ -118,7 +116,7 @@ def flood_patch(field, start, centre, radius, stamps, tick, sheets):
         at += 1
         for link in range(links[s], links[s + 1]):
             other = linked[link]
-            if stamps[other] == tick:
+            if ticks[other] == tick:
                 continue
             i = np.float64(places[other, 0])
             j = np.float64(places[other, 1])
@@ -128,7 +126,8 @@ def flood_patch(field, start, centre, radius, stamps, tick, sheets):
             dz = max(0.0, max(k - pz, pz - k - 1.0))
             if dx * dx + dy * dy + dz * dz > r2:
                 continue
-            stamps[other] = tick
+            ticks[other] = tick
             sheets[n] = other
             n += 1
+    patch.count[0] = n
     return n

@@ -4,11 +4,31 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BLOCK_VERTICES", "Cells", "SurfaceField"]
+__all__ = ["BLOCK_VERTICES", "Cells", "Patch", "SurfaceField", "make_patch"]
 
 BLOCK_VERTICES = 32  # base vertices to a block: neighbours, looked at together
+
+
+class Patch(NamedTuple):
+    """Sheets of surface that hang together, flooded anew for every place (S sheets in all)."""
+
+    tick: NDArray  # (1,) int64, patches flooded so far
+    count: NDArray  # (1,) int64, sheets in the one that was flooded last
+    sheets: NDArray  # (S,) int32, these
+    ticks: NDArray  # (S,) int64, tick at which a sheet was last in the patch
+
+
+def make_patch(n_sheets: int) -> Patch:
+    """A patch of a surface with so many sheets; nothing is flooded yet."""
+    return Patch(
+        tick=np.zeros(1, np.int64),
+        count=np.zeros(1, np.int64),
+        sheets=np.zeros(n_sheets, np.int32),
+        ticks=np.zeros(n_sheets, np.int64),
+    )
 
 
 class Cells(NamedTuple):
