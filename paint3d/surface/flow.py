@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from paint3d.core.types import AnyArray
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.block_groups import grade_paces
-from paint3d.surface.kernels.diffusion import evaporate, solve_edges
+from paint3d.surface.kernels.diffusion import Drying, evaporate, solve_edges
 from paint3d.surface.kernels.wet_step import move_water
 from paint3d.surface.side_by_side import each
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
@@ -326,20 +326,15 @@ class Flow:
     def _evaporate(self, nodes: AnyArray, rest: float, step: _Step) -> AnyArray:
         """Let the water of some nodes (N,) dry; return those that are dry now."""
         p = self._patch
-        graph = p.graph
+        fields = p.fields(step.due, step.mobile, step.moved)
         is_wet = p.water[nodes] > 0.0
         wet = nodes[is_wet]
         gain = 0.0
         if p.material.pores_mm > 0.0:
             gain = _EDGE_GAIN
             p.inside[nodes[~is_wet]] = 0.0
-            solve_edges(
-                wet, graph.area, graph.first, graph.last, graph.links, p.weights, p.totals,
-                _EDGE_REACH, _EDGE_SWEEPS, p.inside,
-            )  # fmt: skip
+            solve_edges(wet, fields, p.totals, _EDGE_REACH, _EDGE_SWEEPS, p.inside)
         dried = np.empty(len(wet), np.int32)
-        count = evaporate(
-            wet, graph.block, p.owed, rest, p.material.drying_mm_s, gain, p.inside, _DRY, p.water,
-            dried, step.still_wet,
-        )  # fmt: skip
+        drying = Drying(float(p.material.drying_mm_s), gain, _DRY)
+        count = evaporate(wet, fields, rest, drying, p.inside, dried, step.still_wet)
         return dried[:count]

@@ -26,20 +26,31 @@ what comes into a block that is not moved stays at its border until it is.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from paint3d.core.kernel import kernel
 from paint3d.mesh.kernels.refine import activate_cell
 
-__all__ = ["activate_cells", "evaporate", "solve_edges"]
+__all__ = ["Drying", "activate_cells", "evaporate", "solve_edges"]
+
+
+class Drying(NamedTuple):
+    """How fast water goes."""
+
+    rate: float  # mm/s, well inside the wet region
+    gain: float  # what it is faster at the border, times as fast
+    dry: float  # mm: a node with no more is dry
 
 
 @kernel(error_model="numpy")
-def solve_edges(wet, area, first, last, links, weights, totals, reach, sweeps, inside):
+def solve_edges(wet, f, totals, reach, sweeps, inside):
     """How deep inside the wet region nodes lie: 0 beyond its border, 1 well within.
 
     (1 - reach^2 Laplacian) inside = 1 on the wet nodes (W,), 0 elsewhere: at a distance x from a
     straight border 1 - exp(-x / reach). Gauss-Seidel from what `inside` (N,) f32 holds, which
-    is 0 beyond the wet nodes.
+    is 0 beyond the wet nodes. `f` is a `WetFields`, `totals` (N,) are the sums of its weights.
     """
+    area, first, last, links, weights = f.area, f.first, f.last, f.links, f.weights
     square = reach * reach
     for sweep in range(sweeps):
         for n in range(wet.shape[0]):
@@ -51,13 +62,31 @@ def solve_edges(wet, area, first, last, links, weights, totals, reach, sweeps, i
 
 
 @kernel(error_model="numpy")
-def evaporate(wet, block, owed, rest, rate, gain, inside, dry, water, dried, still_wet):
+def evaporate(wet, f, rest, drying, inside, dried, still_wet):
     """Let water go from wet nodes (W,), for the time that each one's block is owed over `rest`.
 
-    `rate` mm/s well inside, 1 + `gain` times that at the border (`inside`, see `solve_edges`).
-    At `dry` mm or less a node is dry: `dried` (W,) is filled, `still_wet` (B,) set for the
-    blocks of others. Returns how many are dry.
+    Parameters
+    ----------
+    wet : (W,) i32
+    f : WetFields
+        Its water is changed.
+    rest : f64
+        s.
+    drying : Drying
+    inside : (N,) f32
+        See `solve_edges`.
+    dried : (W,) i32
+        Filled with the nodes that are dry then.
+    still_wet : (B,) bool
+        Set for the blocks of others.
+
+    Returns
+    -------
+    int
+        How many are dry.
     """
+    block, owed, water = f.block, f.owed, f.water
+    rate, gain, dry = drying
     n_dried = 0
     for n in range(wet.shape[0]):
         i = wet[n]

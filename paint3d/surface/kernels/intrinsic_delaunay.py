@@ -46,9 +46,10 @@ def _cosine(opposite, a, b):
 
 
 @kernel(error_model="numpy")
-def _set_face(faces, lengths, f, a, b, c, ab, bc, ca):
-    faces[f, 0], faces[f, 1], faces[f, 2] = a, b, c
-    lengths[f, 0], lengths[f, 1], lengths[f, 2] = ab, bc, ca
+def _set_face(faces, lengths, f, corners, sides):
+    """Let a face have these corners (3,), and sides (3,) from each to the next."""
+    faces[f, 0], faces[f, 1], faces[f, 2] = corners
+    lengths[f, 0], lengths[f, 1], lengths[f, 2] = sides
 
 
 @kernel
@@ -56,6 +57,42 @@ def _join(mates, h, other):
     mates[h] = other
     if other >= 0:
         mates[other] = h
+
+
+@kernel
+def _rejoin(mates, outer, old, now):
+    """Join four edges, which are `now`, to their mates `outer`: where one was `old`, it moved."""
+    for s in range(4):
+        mate = outer[s]
+        for t in range(4):
+            if outer[s] == old[t]:
+                mate = now[t]
+        _join(mates, now[s], mate)
+
+
+@kernel
+def _list_inner(mates, stack, waiting):
+    """Put one half of every inner edge on the stack; return how many there are."""
+    depth = 0
+    for h in range(mates.shape[0]):
+        if mates[h] > h:
+            stack[depth] = h
+            depth += 1
+            waiting[h] = True
+    return depth
+
+
+@kernel(error_model="numpy")
+def _other_diagonal(a, b, c, d, e):
+    """Length of the edge that takes the place of one of length a between two triangles.
+
+    Their other sides are b and c, from its end and back to its start, and d and e, from its start.
+    """
+    lx = (a * a + c * c - b * b) / (2.0 * a)  # laid out in the plane, from 0 to (a, 0)
+    qx = (a * a + d * d - e * e) / (2.0 * a)
+    ly = np.sqrt(max(0.0, c * c - lx * lx))
+    qy = np.sqrt(max(0.0, d * d - qx * qx))
+    return np.sqrt((lx - qx) ** 2 + (ly + qy) ** 2)
 
 
 @kernel(error_model="numpy")
@@ -74,12 +111,7 @@ def flip_to_delaunay(faces, lengths, mates):
     n = mates.shape[0]
     stack = np.empty(n + 8, np.int64)
     waiting = np.zeros(n, np.bool_)
-    depth = 0
-    for h in range(n):
-        if mates[h] > h:
-            stack[depth] = h
-            depth += 1
-            waiting[h] = True
+    depth = _list_inner(mates, stack, waiting)
     flips = 0
     while depth > 0 and flips < _FLIPS_PER_FACE * faces.shape[0]:
         depth -= 1
@@ -95,28 +127,19 @@ def flip_to_delaunay(faces, lengths, mates):
         sine_sum = one * np.sqrt(1.0 - two * two) + two * np.sqrt(1.0 - one * one)
         if sine_sum >= -_FLAT:
             continue
-        # corners i, j on the edge, l and q opposite it; laid out in the plane, i at 0, j at (a, 0)
+        # corners i, j on the edge, left and right opposite it
         i, j, left, right = faces[f, k], faces[f, k1], faces[f, k2], faces[g, m2]
-        lx = (a * a + c * c - b * b) / (2.0 * a)
-        qx = (a * a + d * d - e * e) / (2.0 * a)
-        ly = np.sqrt(max(0.0, c * c - lx * lx))
-        qy = np.sqrt(max(0.0, d * d - qx * qx))
-        new = np.sqrt((lx - qx) ** 2 + (ly + qy) ** 2)
+        new = _other_diagonal(a, b, c, d, e)
         if not (new > 0.0 and new < b + e and new < c + d):
             continue  # slivers beyond what lengths can hold
         jl, li, iq, qj = mates[3 * f + k1], mates[3 * f + k2], mates[3 * g + m1], mates[3 * g + m2]
-        _set_face(faces, lengths, f, right, j, left, e, b, new)
-        _set_face(faces, lengths, g, left, i, right, c, d, new)
+        _set_face(faces, lengths, f, (right, j, left), (e, b, new))
+        _set_face(faces, lengths, g, (left, i, right), (c, d, new))
         # an outer edge may be one of the two triangles' own: then its mate has moved
         old = (3 * f + k1, 3 * f + k2, 3 * g + m1, 3 * g + m2)
         now = (3 * f + 1, 3 * g, 3 * g + 1, 3 * f)
         outer = (jl, li, iq, qj)
-        for s in range(4):
-            mate = outer[s]
-            for t in range(4):
-                if outer[s] == old[t]:
-                    mate = now[t]
-            _join(mates, now[s], mate)
+        _rejoin(mates, outer, old, now)
         _join(mates, 3 * f + 2, 3 * g + 2)
         flips += 1
         for s in range(4):

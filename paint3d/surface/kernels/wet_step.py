@@ -237,17 +237,8 @@ def _find_flows(rows, n_rows, n_stages):
 def _carry(f, rows, n_rows, n_ids, passing):
     """Move water and pigment, each node when all that flows into it has come."""
     n_pigments = f.pigment.shape[1]
-    waits = np.zeros(n_ids, np.int32)
-    for r in range(n_rows):
-        for e in range(rows.starts[r], rows.starts[r + 1]):
-            if rows.x[e] > 0.0:
-                waits[rows.cols[e]] += 1
-    turns = np.empty(n_ids, np.int32)
-    n_turns = 0
-    for r in range(n_rows):
-        if waits[r] == 0:
-            turns[n_turns] = r
-            n_turns += 1
+    waits, turns = np.zeros(n_ids, np.int32), np.empty(n_ids, np.int32)
+    n_turns = _line_up(rows, n_rows, waits, turns)
     gained = np.zeros(n_ids)
     brought = np.zeros((n_ids, n_pigments))
     turn = 0
@@ -297,12 +288,36 @@ def _carry(f, rows, n_rows, n_ids, passing):
                         n_turns += 1
         for p in range(n_pigments):
             brought[r, p] = 0.0
+    _take_rest(f, rows, n_rows, gained, brought)
+
+
+@kernel(error_model="numpy")
+def _line_up(rows, n_rows, waits, turns):
+    """Count the nodes that each waits for, and list those that wait for none; how many these are.
+
+    `waits` is 0 before, `turns` is filled.
+    """
+    for r in range(n_rows):
+        for e in range(rows.starts[r], rows.starts[r + 1]):
+            if rows.x[e] > 0.0:
+                waits[rows.cols[e]] += 1
+    n_turns = 0
+    for r in range(n_rows):
+        if waits[r] == 0:
+            turns[n_turns] = r
+            n_turns += 1
+    return n_turns
+
+
+@kernel(error_model="numpy")
+def _take_rest(f, rows, n_rows, gained, brought):
+    """Give nodes what came to them after they had passed on theirs: water, and pigments (R, P)."""
     for r in range(n_rows):
         if gained[r] > 0.0:
             i = rows.ids[r]
             f.changed[i] = True
             f.water[i] += gained[r] * rows.share[r]
-            for p in range(n_pigments):
+            for p in range(brought.shape[1]):
                 f.pigment[i, p] += brought[r, p] * rows.share[r]
 
 
