@@ -108,32 +108,17 @@ def _judge_sweep(n, discs, sweep, where):
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def find_cells(sweep, field, patch, query):
-    """The cells of a patch's sheets that the sweep can reach, each once.
+def _lay_cells(values, field, patch, query):
+    """Lay the cells of a patch's sheets into a sweep's plane, as discs; how many there are.
 
     A vertex in a cell lands in the plane within a radius of where the cell's middle lands: half
     the cell's diagonal, and the shift that its own normal gives it at its height.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    field : SurfaceField
-    patch : Patch
-    query : Query
-        `cells`, `slopes` and `where` are filled.
-
-    Returns
-    -------
-    int
-        How many there are.
     """
-    query.tick[0] += 1
-    tick, cell_ticks, cells, slopes = query.tick[0], query.cell_ticks, query.cells, query.slopes
-    xs, ys, radii, fates = query.discs[0], query.discs[1], query.discs[2], query.where[0]
+    cells, slopes = query.cells, query.slopes
+    xs, ys, radii = query.discs[0], query.discs[1], query.discs[2]
     sheet_place, pack, origin, size = (
         field.sheet_place, field.sheet_pack, field.origin, field.cell_size
     )  # fmt: skip
-    values = sweep.values[0]
     half_diagonal = 0.5 * np.sqrt(3.0) * size
     margin = 0.5 / values.scale
     fx, fy, fz = values.normal[0], values.normal[1], values.normal[2]
@@ -164,6 +149,30 @@ def find_cells(sweep, field, patch, query):
         ys[n] = dx * values.cross[0] + dy * values.cross[1] + dz * values.cross[2]
         radii[n] = half_diagonal + reach * (height + half_diagonal) + margin
         n += 1
+    return n
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def find_cells(sweep, field, patch, query):
+    """The cells of a patch's sheets that the sweep can reach, each once.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    field : SurfaceField
+    patch : Patch
+    query : Query
+        `cells`, `slopes` and `where` are filled.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    query.tick[0] += 1
+    tick, cell_ticks, cells, slopes = query.tick[0], query.cell_ticks, query.cells, query.slopes
+    fates = query.where[0]
+    n = _lay_cells(sweep.values[0], field, patch, query)
     _judge_sweep(n, query.discs, sweep, query.where)
     found = 0
     for k in range(n):

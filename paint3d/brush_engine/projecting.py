@@ -42,11 +42,10 @@ def _single(vector):
 def project_run(vertices, first, n, sweep, rows, at):
     """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
-    Straight-line float32 code over consecutive memory: the compiler turns it into vector
-    instructions. A vertex that faces away, or lands outside the enclosing sphere, is sent far off;
-    where it lands and not where it is, for a convex surface falls away from under the tip.
-    So is one that would be carried farther than the sweep says, as from a ridge beside the brush,
-    or lies outside its ball.
+    Straight-line float32 code over consecutive memory, for vector instructions. A vertex that faces
+    away, or lands outside the enclosing sphere, is sent far off; where it lands and not where it
+    is, for a convex surface falls away from under the tip. So is one that would be carried farther
+    than the sweep says, as from a ridge beside the brush, or lies outside its ball.
 
     Parameters
     ----------
@@ -77,9 +76,7 @@ def project_run(vertices, first, n, sweep, rows, at):
     nx, ny, nz = vertices.nx[first:last], vertices.ny[first:last], vertices.nz[first:last]
     xs, ys, stretch = rows[0][at : at + n], rows[1][at : at + n], rows[2][at : at + n]
     for k in range(n):
-        dx = px[k] - ox
-        dy = py[k] - oy
-        dz = pz[k] - oz
+        dx, dy, dz = px[k] - ox, py[k] - oy, pz[k] - oz
         cosine = nx[k] * ux + ny[k] * uy + nz[k] * uz
         safe = max(cosine, least)
         height = dx * ux + dy * uy + dz * uz
@@ -116,13 +113,8 @@ def take_run(vertices, first, last, sweep, found, at):
         The run.
     sweep : record of SWEEP
     found : Found
-        Filled from `at` on.
+        Filled from `at` on; returned is how many there are then.
     at : int
-
-    Returns
-    -------
-    int
-        How many have been found then.
     """
     ox, oy, oz = _single(sweep.origin)
     ux, uy, uz = _single(sweep.normal)

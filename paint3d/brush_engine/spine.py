@@ -47,6 +47,30 @@ def _solve_tridiagonal(diagonal, off, right_a, right_b, ratio, first, m):
 
 
 @kernel
+def _first_free(segment_lengths, joint_stiffness, multiplier, angles):
+    """The lowest segment that the plane does not hold flat: it presses on those below."""
+    first = 0
+    while first < angles.shape[0] - 1 and angles[first] <= 0.0:
+        above = angles[first + 1]
+        if -joint_stiffness[first] * above + multiplier * segment_lengths[first] < 0.0:
+            break
+        first += 1
+    return first
+
+
+@kernel
+def _turn(angles, first, scale, step):
+    """Turn the segments from `first` on, none below the plane; whether any was held back."""
+    clipped = False
+    for j in range(first, angles.shape[0]):
+        angles[j] += scale * step[j]
+        if angles[j] < 0.0:
+            angles[j] = 0.0
+            clipped = True
+    return clipped
+
+
+@kernel
 def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, angles):
     """Angles of least bending energy with the root at a height, from a guess.
 
@@ -72,12 +96,7 @@ def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, an
     diagonal, off, ratio = np.empty(m), np.empty(m), np.empty(m)
     step, border = np.empty(m), np.empty(m)
     for _ in range(_ITERATIONS):
-        first = 0  # segments below this one lie flat, pressed on by the plane
-        while first < m - 1 and angles[first] <= 0.0:
-            above = angles[first + 1]
-            if -joint_stiffness[first] * above + multiplier * segment_lengths[first] < 0.0:
-                break
-            first += 1
+        first = _first_free(segment_lengths, joint_stiffness, multiplier, angles)
         gap = -height
         for j in range(m):
             gap += segment_lengths[j] * math.sin(angles[j])
@@ -106,12 +125,7 @@ def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, an
             largest = max(largest, abs(step[j]))
         scale = min(1.0, _LONGEST_TURN / largest) if largest > 0.0 else 1.0
         multiplier += scale * (new_multiplier - multiplier)
-        clipped = False
-        for j in range(first, m):
-            angles[j] += scale * step[j]
-            if angles[j] < 0.0:
-                angles[j] = 0.0
-                clipped = True
+        clipped = _turn(angles, first, scale, step)
         if largest < _TOLERANCE and not clipped:
             return multiplier
     return math.nan

@@ -145,19 +145,29 @@ def _section(along, up, angle, diameter, spread):
     return along - up * math.sin(angle) / cosine, square
 
 
+class _Joint(NamedTuple):
+    """The lower end of a segment of the bent spine."""
+
+    segment: int
+    arc: float  # from the tip, mm
+    along: float  # where it is, mm
+    up: float
+
+
 @uncounted
-def _section_at(tuft, angles, pe, j, t, arc, along, up):
-    """`_section` at the share t of segment j; its lower joint is at `arc`, at (along, up)."""
+def _section_at(tuft, angles, pe, joint, t):
+    """`_section` at the share t of the segment above a joint."""
+    j = joint.segment
     below = angles[j - 1] if j > 0 else angles[0]
     near = 0.5 * (below + angles[j])
     far = 0.5 * (angles[j] + angles[j + 1])
     # The root circle keeps its diameter: the spread fades over the last segment.
     fade = 1.0 if j < tuft.segment_lengths.shape[0] - 1 else 1.0 - t
     run = t * tuft.segment_lengths[j]
-    diameter = tuft.diameters[-1] * ((arc + run) / tuft.length) ** tuft.taper
+    diameter = tuft.diameters[-1] * ((joint.arc + run) / tuft.length) ** tuft.taper
     return _section(
-        along - run * math.cos(angles[j]),
-        up + run * math.sin(angles[j]),
+        joint.along - run * math.cos(angles[j]),
+        joint.up + run * math.sin(angles[j]),
         near + t * (far - near),
         diameter,
         1.0 + tuft.spread * pe * fade,
@@ -165,20 +175,20 @@ def _section_at(tuft, angles, pe, j, t, arc, along, up):
 
 
 @uncounted
-def _close(tuft, angles, pe, j, i, arc, along, up, out_reach, out_half_width, n):
-    """Find M_d, where the tuft leaves the plane in step i of segment j, and end the outline there.
+def _close(tuft, angles, pe, joint, i, out_reach, out_half_width, n):
+    """Find M_d, where the tuft leaves the plane in step i above a joint, and end the outline there.
 
     The half width falls like a square root there, so the last two steps are traced anew,
     with points that crowd towards M_d.
     """
     low, high = SHARES[i - 1], SHARES[i]
-    _, f_low = _section_at(tuft, angles, pe, j, low, arc, along, up)
-    _, f_high = _section_at(tuft, angles, pe, j, high, arc, along, up)
+    _, f_low = _section_at(tuft, angles, pe, joint, low)
+    _, f_high = _section_at(tuft, angles, pe, joint, high)
     side = 0
     t = low
     for _ in range(_CROSSING_STEPS):  # the Illinois variant of regula falsi
         t = low + (high - low) * f_low / (f_low - f_high)
-        _, square = _section_at(tuft, angles, pe, j, t, arc, along, up)
+        _, square = _section_at(tuft, angles, pe, joint, t)
         if square > 0.0:
             low, f_low = t, square
             f_high *= 0.5 if side > 0 else 1.0
@@ -193,16 +203,25 @@ def _close(tuft, angles, pe, j, i, arc, along, up, out_reach, out_half_width, n)
     for k in range(1, _CLOSING_POINTS + 1):
         rest = 1.0 - k / (_CLOSING_POINTS + 1.0)
         inner = first + (1.0 - rest * rest) * (t - first)
-        reach, square = _section_at(tuft, angles, pe, j, inner, arc, along, up)
+        reach, square = _section_at(tuft, angles, pe, joint, inner)
         if square > 0.0 and reach < out_reach[n - 1]:
             out_reach[n], out_half_width[n] = reach, math.sqrt(square)
             n += 1
-    reach, _ = _section_at(tuft, angles, pe, j, t, arc, along, up)
+    reach, _ = _section_at(tuft, angles, pe, joint, t)
     if reach < out_reach[n - 1]:
         out_reach[n] = reach
         n += 1
     out_half_width[n - 1] = 0.0
     return n
+
+
+@uncounted
+def _tip_reach(tuft, angles):
+    """Where the tip of the bent spine lies, mm from P'_m."""
+    along = 0.0
+    for j in range(tuft.segment_lengths.shape[0]):
+        along += tuft.segment_lengths[j] * math.cos(angles[j])
+    return along
 
 
 @uncounted
@@ -233,9 +252,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
         return 0
     m = tuft.segment_lengths.shape[0]
     bend_angles(tuft, descent, tilt, scratch)
-    along = 0.0
-    for j in range(m):
-        along += tuft.segment_lengths[j] * math.cos(scratch[j])
+    along = _tip_reach(tuft, scratch)
     up, arc = 0.0, 0.0
     out_reach[0], out_half_width[0] = along, 0.0
     n = 1
@@ -257,7 +274,8 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
             if square <= 0.0:
                 if n == 1:
                     return 0
-                return _close(tuft, scratch, pe, j, i, arc, along, up, out_reach, out_half_width, n)
+                joint = _Joint(j, arc, along, up)
+                return _close(tuft, scratch, pe, joint, i, out_reach, out_half_width, n)
             if reach < out_reach[n - 1]:
                 out_reach[n], out_half_width[n] = reach, math.sqrt(square)
                 n += 1
@@ -274,9 +292,7 @@ def _surface_points(tuft, descent, tilt, pe, scratch):
     """Put the tip and half a ring of points at every joint into scratch; return their number."""
     m = tuft.segment_lengths.shape[0]
     bend_angles(tuft, descent, tilt, scratch)
-    along = 0.0
-    for j in range(m):
-        along += tuft.segment_lengths[j] * math.cos(scratch[j])
+    along = _tip_reach(tuft, scratch)
     up = 0.0
     spread = 1.0 + tuft.spread * pe
     scratch[_X], scratch[_Y], scratch[_Z] = along, up, 0.0
