@@ -43,18 +43,22 @@ def test_no_reference_is_counted() -> None:
     assert found == [True, False]
 
 
+@pytest.mark.parametrize("hairs", [0, 200])
 @pytest.mark.parametrize("inputs", [{}, {"spread": {"pressure": ((0.0, 1.0), (1.0, 1.5))}}])
-def test_painting_leaves_arrays_held_as_often_as_before(inputs: dict) -> None:
+def test_painting_leaves_arrays_held_as_often_as_before(inputs: dict, hairs: int) -> None:
     share = np.linspace(0.0, 1.0, 30)
     points = np.column_stack([40.0 * share - 20.0, 0.0 * share, 0.0 * share])
     press = 0.5 * np.sin(np.pi * share)
     recording = poses(points, (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), press, "full", rate=125.0)
     surface = PaintedSurface(sheet(flat, (40.0, 20.0), 5.0), 0.6)
-    painter = Painter(surface, dataclasses.replace(load_brush("full"), inputs=inputs))
+    painter = Painter(surface, dataclasses.replace(load_brush("full"), inputs=inputs), hairs=hairs)
     painter.replay(recording)  # whatever grows has grown
     room = painter._room
     held = [*painter.tuft, *painter._curves, *room, *room.patch, *room.query, *room.block]
     held += [*room.found, *surface.contact_tree, *surface.paint_mesh.arrays, *surface.ink]
+    if painter.hairs is not None:
+        work = painter.hairs.work(surface)
+        held += [*work, *work.bristles, *work.imprint]
     held = [array for array in held if isinstance(array, np.ndarray)]
     before = [sys.getrefcount(array) for array in held]
     for _ in range(3):

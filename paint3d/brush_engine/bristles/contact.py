@@ -10,7 +10,7 @@ import numpy as np
 
 from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
 from paint3d.brush_engine.bristles.landing import end_where_they_land
-from paint3d.core.kernel import kernel
+from paint3d.core.kernel import kernel, uncounted
 
 __all__ = ["BEGIN", "CONTACT_SIZE", "DOT", "END", "FINDINGS", "GIVES", "HELD", "LAID", "READY",
            "THICK", "add_up", "find_contacts"]  # fmt: skip
@@ -60,6 +60,13 @@ def _lay_flat(bend, here, clear):
         clear[j] = here[_Z + j] - ground
         here[j] = x + ground * (along + p3 * x)
         here[_Y + j] = y + ground * (across + p5 * y + p4 * x)
+
+
+@_elementwise
+def _lift_off(here, clear):
+    """Clearance of points over the plane."""
+    for j in range(BLOCK):
+        clear[j] = here[_Z + j]
 
 
 @_elementwise
@@ -170,7 +177,7 @@ def _count(row):
     return touching, deepest
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def find_contacts(hairs):
     """Which piece of each hair is near enough to the surface to leave ink.
 
@@ -200,7 +207,7 @@ def find_contacts(hairs):
             if curved:
                 _lay_flat(bend, here, clear)
             else:
-                clear[:] = here[_Z : _Z + BLOCK]
+                _lift_off(here, clear)
             if _any_near(near, clear):
                 highest = k
         rests = bristles.rests[g].reshape((SAMPLES - 1) * BLOCK)

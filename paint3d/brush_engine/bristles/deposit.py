@@ -15,7 +15,7 @@ from paint3d.brush_engine.ink_transfer import (
 )
 from paint3d.brush_engine.stamp import outline_motion
 from paint3d.brush_engine.transfer import AREA_STEPS, landing_share, note_covered, weighed_area
-from paint3d.core.kernel import kernel
+from paint3d.core.kernel import uncounted
 
 __all__ = ["PAINTED", "sweep_hairs"]
 
@@ -23,7 +23,7 @@ PAINTED = 3  # counter: vertices that ink was left on
 _LEVELS_EVERY = 2.0  # mm of way
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _leave(mix, landing, found, n, lanes, field, weights, ink):
     """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
     n_pigments = landing.shape[0]
@@ -48,7 +48,7 @@ def _leave(mix, landing, found, n, lanes, field, weights, ink):
     note_covered(found, n, ink)
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def sweep_hairs(before, after, ready, hairs, field, ink, room):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
@@ -83,7 +83,8 @@ def sweep_hairs(before, after, ready, hairs, field, ink, room):
         hairs.left[p] = hairs.released[p] * lands
         ink.off_surface[p] += hairs.released[p] - hairs.left[p]
     _leave(hairs.imprint.mix, hairs.left, found, n, hairs.lanes, field, room.part, ink)
-    ink.off_surface[:] += hairs.left  # what found no vertex
+    for p in range(hairs.left.shape[0]):  # what found no vertex
+        ink.off_surface[p] += hairs.left[p]
     if ink.habit[PICKUP] > 0.0:
         give_to_hairs(hairs.load, hairs.findings, room.taken)
     _level(hairs, ink.habit[CAPACITY], outline_motion(before, after))
@@ -92,7 +93,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, room):
     return True
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _level(hairs, capacity, way):
     """Let hairs share their ink, where the tuft has gone so far (mm) that it is time."""
     memory = hairs.memory[0]
@@ -103,7 +104,7 @@ def _level(hairs, capacity, way):
         memory.unlevelled = 0.0
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _thin(level, found, lanes, n, field):
     """`thin_contact`, with the lanes of the vertices that stay."""
     ids, share, cover = found.ids, found.share, found.cover

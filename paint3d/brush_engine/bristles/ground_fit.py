@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.core.kernel import kernel
+from paint3d.core.kernel import kernel, uncounted
 
 __all__ = ["PATCH_SIZE", "fit_patch"]
 
@@ -125,7 +125,7 @@ def _turn(values, x, y, z, nx, ny, nz):
     )  # fmt: skip
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def fit_patch(values, field, room, work, out):
     """Fit the patch under a stamp that has just been placed.
 

@@ -20,7 +20,7 @@ from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
 from paint3d.brush_engine.bristles.contact import BEGIN, END, GIVES, LAID, THICK, add_up
 from paint3d.brush_engine.bristles.outline import BINS, CELLS, OUTER, draw_outline, index_stations
 from paint3d.core.arrays import zeros_on_lines
-from paint3d.core.kernel import kernel
+from paint3d.core.kernel import kernel, uncounted
 
 __all__ = ["LANES", "STATIONS", "SUB", "Imprint", "draw_imprint", "make_imprint"]
 
@@ -144,7 +144,7 @@ def _add_to_lanes(n, lanes, rows, ink, cover):
         cover[lane] += rows[_COVERS + j]
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _lay_hairs(hairs, count, last):
     """Lay all hairs into the map's stations."""
     imprint, points, findings, depths = hairs.imprint, hairs.points, hairs.findings, hairs.depths
@@ -171,7 +171,7 @@ def _lay_hairs(hairs, count, last):
         places[s] = sum_x / there if there > _FEW * most else np.nan
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def draw_imprint(stamp, hairs, wet, dot, resolution, room):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
@@ -280,7 +280,7 @@ def _finish_map(imprint, last, wet, dot):
         imprint.map[last + 1] = imprint.map[last]
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _lay_mix(hairs, load):
     """What hairs of more than one pigment leave in their first lane, pigment by pigment."""
     imprint, points = hairs.imprint, hairs.points

@@ -11,7 +11,7 @@ from paint3d.brush_engine.scratch import Found
 from paint3d.brush_engine.sweep import Sweep
 from paint3d.brush_engine.transfer import weighed_area
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
-from paint3d.core.kernel import kernel
+from paint3d.core.kernel import kernel, uncounted
 
 __all__ = ["gather_under_hairs"]
 
@@ -71,7 +71,7 @@ def _read_map(n, map_, places, parts, inks, covers):
         covers[k] = parts[2, k] * (one + t * (other - one))
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _keep(n, places, block, found, lanes):
     """Weigh vertices by what they found, and close up over those that found nothing."""
     ids, share, cover = block.packed_ids, block.packed[2], block.packed[3]
@@ -88,7 +88,7 @@ def _keep(n, places, block, found, lanes):
     return np.int64(kept)
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def gather_under_hairs(imprint, stamp, field, room, lanes):
     """Find the vertices that hairs lie over, and weigh them by what lies there.
 

@@ -46,7 +46,7 @@ from paint3d.brush_engine.intervals import (
 )
 from paint3d.brush_engine.placement import place_stamp
 from paint3d.brush_engine.stamp import ink_way, outline_motion
-from paint3d.core.kernel import kernel
+from paint3d.core.kernel import kernel, uncounted
 
 __all__ = ["paint_with_hairs"]
 
@@ -62,7 +62,7 @@ _LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in 
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _wetness(ink):
     total = 0.0
     for p in range(ink.load.shape[0]):
@@ -70,7 +70,7 @@ def _wetness(ink):
     return total / ink.habit[CAPACITY] if ink.habit[CAPACITY] > 0.0 else 0.0
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _find_roll(pose, values):
     """Direction of the bend in the handle's axes, laid into the plane."""
     w, x, y, z = pose[3], pose[4], pose[5], pose[6]
@@ -94,7 +94,7 @@ def _find_slopes(tuft, points, slopes):
         slopes[k] = rise / (tuft.length * (ARCS[high] - ARCS[low]))
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _meet(stamp, tuft, hairs):
     """Find where the hairs touch; a stamp where none does no longer touches."""
     _find_slopes(tuft, hairs.points, hairs.slopes)
@@ -105,13 +105,13 @@ def _meet(stamp, tuft, hairs):
     return touching
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _dry_share(ink):
     """How dry the tuft is, from 0, wet, to 1."""
     return 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _find_cause(values, tuft, cosine, sine, hairs, ink):
     """What the hairs under a stamp are to be bent by, with the bend at this angle in the handle."""
     # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
@@ -126,7 +126,7 @@ def _find_cause(values, tuft, cosine, sine, hairs, ink):
     )  # fmt: skip
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, room):
     """Bend the hairs under a stamp that touches and find where they do; return how many.
 
@@ -154,7 +154,7 @@ def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, room):
     return touching
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _draw(stamp, touching, hairs, resolution, ink, room):
     """What the hairs would give, and the imprint; returns how much they wish to."""
     count, bristles, kept = hairs.load.shape[0], hairs.bristles, hairs.kept[0]
@@ -171,7 +171,7 @@ def _draw(stamp, touching, hairs, resolution, ink, room):
     return wanted
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _remember(before, after, tuft, hairs, ink):
     """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
     values, memory = after.values[0], hairs.memory[0]
@@ -191,7 +191,7 @@ def _remember(before, after, tuft, hairs, ink):
     memory.set_y += share * (hairs.roll[1] * stays - memory.set_y)
 
 
-@kernel(error_model="numpy")
+@uncounted(error_model="numpy")
 def _track(stamp, hairs, rows):
     """Where the outer hairs' points are in space, and which are on the surface or near it."""
     values, points = stamp.values[0], hairs.points
@@ -211,6 +211,12 @@ def _track(stamp, hairs, rows):
 
 
 @kernel(error_model="numpy")
+def _keep_track(track):
+    """Let the outer hairs be where they are now."""
+    track[0] = track[1]
+
+
+@uncounted(error_model="numpy")
 def _fastest(before, after, track):
     """How far the fastest hair moved on the surface between two stamps, mm."""
     if before.values[0].touches <= 0.0 or after.values[0].touches <= 0.0:
@@ -226,7 +232,7 @@ def _fastest(before, after, track):
     return np.sqrt(most)
 
 
-@kernel
+@uncounted
 def _begin(samples, i, brush, canvas, progress, room, hairs):
     """Begin an interval: where the brush does not touch yet, with the imprint of its first pose."""
     before, pose = progress.before, room.pose
@@ -248,7 +254,7 @@ def _begin(samples, i, brush, canvas, progress, room, hairs):
         before.values[0].touches = 0.0
 
 
-@kernel
+@uncounted
 def _find_step(samples, i, brush, canvas, progress, room, hairs):
     """Place the next imprint of an interval, as far from the last as no hair moves too far.
 
@@ -283,7 +289,7 @@ def _find_step(samples, i, brush, canvas, progress, room, hairs):
         step = max(_SHORTEST, step * max(0.2, min(0.7, 0.9 * most / moved)))
 
 
-@kernel
+@uncounted
 def _deposit(before, after, tuft, touching, hairs, canvas, room):
     """Leave what the hairs of an imprint wish to give; False where the mesh has no room."""
     field, ink = canvas.field, canvas.ink
@@ -301,7 +307,7 @@ def _deposit(before, after, tuft, touching, hairs, canvas, room):
     return True
 
 
-@kernel
+@uncounted
 def paint_with_hairs(samples, last, brush, canvas, progress, room, hairs):
     """Paint from where `progress` stands up to sample `last`; see `paint_samples`.
 
@@ -332,7 +338,7 @@ def paint_with_hairs(samples, last, brush, canvas, progress, room, hairs):
                 pace[1] = step
                 return NEEDS_ROOM
             copy_stamp(after, before)
-            hairs.track[0] = hairs.track[1]
+            _keep_track(hairs.track)
             pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step
             grown = _EASE if moved <= 0.0 else min(_EASE, 0.9 * most / moved)
             pace[1] = max(_SHORTEST, step * grown)
