@@ -176,6 +176,26 @@ def test_every_module_is_reached() -> None:
     assert set(graph) - reached(graph, roots) == TO_BE_CONNECTED
 
 
+def functions() -> Iterator[tuple[str, ast.FunctionDef]]:
+    for module in modules():
+        for node in ast.walk(parse(module)):
+            if isinstance(node, ast.FunctionDef):
+                yield f"{module.relative_to(ROOT)}: {node.name}", node
+
+
+def test_functions_are_short_and_take_few_things() -> None:
+    """60 lines, docstring counted; 8 parameters, but for 5 functions in all, and those 9."""
+    long = [name for name, f in functions() if f.end_lineno - f.lineno >= 60]
+    assert long == []
+    counts = {}
+    for name, f in functions():
+        given = [a.arg for a in (*f.args.posonlyargs, *f.args.args, *f.args.kwonlyargs)]
+        counts[name] = len(given) - (given[:1] in (["self"], ["cls"]))
+    many = {name: n for name, n in counts.items() if n > 8}
+    assert len(many) <= 5
+    assert max(many.values(), default=0) <= 9
+
+
 def test_no_room_is_a_drawer() -> None:
     """More than 26 files in one folder, and nobody finds anything."""
     folders = {module.parent for module in modules()}

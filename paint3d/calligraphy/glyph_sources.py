@@ -27,26 +27,22 @@ _PROBE = "一"
 
 
 class GlyphSource(Protocol):
-    """Something that knows the strokes of characters.
-
-    Attributes
-    ----------
-    name : str
-        What it is, for reports.
-    licence : str
-        Whose shapes they are and under what licence.
-    elsewhere : str
-        What to do about a character that is not known.
-    """
+    """Something that knows the strokes of characters."""
 
     @property
-    def name(self) -> str: ...  # noqa: D102
+    def name(self) -> str:
+        """What it is, for reports."""
+        ...
 
     @property
-    def licence(self) -> str: ...  # noqa: D102
+    def licence(self) -> str:
+        """Whose shapes they are and under what licence."""
+        ...
 
     @property
-    def elsewhere(self) -> str: ...  # noqa: D102
+    def elsewhere(self) -> str:
+        """What to do about a character that is not known."""
+        ...
 
     def has(self, text: str) -> bool:
         """Whether a character is known."""

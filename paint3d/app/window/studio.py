@@ -251,7 +251,7 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.workspace.tell(say("What is painted is kept for recovery again"), state="good")
             return
         refused, keeping = event.kind == "error", event.doing == "keeping"
-        told = say_error(event.error if refused else event.message)
+        told = say_error((event.error if refused else None) or event.message)
         if keeping:
             told = say("problem.keeping", message=told)
         self.workspace.tell(told, state="bad", stays=not refused or keeping)
