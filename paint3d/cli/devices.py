@@ -301,7 +301,7 @@ def _save(samples: list[DeviceSample], names: list[str], file: Path) -> None:
         np.array([s.time_ns - samples[0].time_ns for s in samples], dtype=np.int64),
         np.array([s.position for s in samples]),
         np.array([s.orientation for s in samples]),
-        pressures or None,
+        np.array(pressures) if pressures else None,
         np.array([s.buttons for s in samples], dtype=np.int32),
         np.array([s.object_position for s in samples]),
         np.array([s.object_orientation for s in samples]),

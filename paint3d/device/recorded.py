@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,21 +76,6 @@ class Recording:
     object_orientation: NDArray[np.float64] = None  # type: ignore[assignment]  # filled in below
     header: Mapping[str, Any] = field(default_factory=dict)
     contact: NDArray[np.float64] | None = None
-
-    if TYPE_CHECKING:  # what it takes is more than what it holds
-
-        def __init__(
-            self,
-            time_ns: ArrayLike,
-            position: ArrayLike,
-            orientation: ArrayLike,
-            pressure: ArrayLike | None = None,
-            buttons: ArrayLike | None = None,
-            object_position: ArrayLike | None = None,
-            object_orientation: ArrayLike | None = None,
-            header: Mapping[str, Any] = ...,
-            contact: ArrayLike | None = None,
-        ) -> None: ...
 
     def __post_init__(self) -> None:
         time_ns = _times(self.time_ns)

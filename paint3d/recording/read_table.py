@@ -172,7 +172,7 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
             position,
             lifts.put(orientation),
             lifts.put_pressure(pressure),
-            None if pressed is None else lifts.put(pressed),
+            **({} if pressed is None else {"buttons": lifts.put(pressed)}),
             header={"space": "pad", **header},
         )
     except RecordingError as cause:
@@ -201,17 +201,13 @@ def _posed(
     buttons: AnyArray | None,
 ) -> Recording:
     orientation = _columns(table, _QUATERNION)
-    held = _columns(table, _OBJECT) if table.column(_OBJECT[0]) else None
+    given = {} if buttons is None else {"buttons": buttons}
+    if table.column(_OBJECT[0]):
+        held = _columns(table, _OBJECT)
+        given |= {"object_position": held[:, :3], "object_orientation": held[:, 3:]}
+    contact = _columns(table, _CONTACT) if table.column(_CONTACT[0]) else None
     return Recording(
-        time_ns,
-        position,
-        orientation,
-        pressure,
-        buttons,
-        None if held is None else held[:, :3],
-        None if held is None else held[:, 3:],
-        header,
-        _columns(table, _CONTACT) if table.column(_CONTACT[0]) else None,
+        time_ns, position, orientation, pressure, header=header, contact=contact, **given
     )
 
 
