@@ -280,7 +280,7 @@ def _sort(n, block, found, at):
     return at, straight, slow
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", forceinline=True)
 def weigh_block(n, sweep, block, found, at):
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
 

@@ -12,7 +12,7 @@ from paint3d.core.kernel import uncounted
 __all__ = ["gather"]
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", forceinline=True)
 def gather(before, after, field, room):
     """Find and weigh every vertex that the sweep covers; -1 where the mesh needs room to grow."""
     sweep = Sweep(room.sweep, room.between, before, after)

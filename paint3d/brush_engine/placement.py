@@ -82,7 +82,7 @@ def _up_of(pose):
     return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
-@uncounted
+@uncounted(forceinline=True)
 def _find_place(pose, up, tuft, tree, values, room):
     """Let a stamp stand where its foot or the place that the hand means is; False: nowhere."""
     foot, reach, place = room.foot, REACH * tuft.length, (pose[0], pose[1], pose[2])
@@ -107,7 +107,7 @@ def _find_place(pose, up, tuft, tree, values, room):
     return True
 
 
-@uncounted
+@uncounted(forceinline=True)
 def _lean_plane(values, tuft, field, room):
     """Enclose the bent tuft, and lean the stamp's plane to the surface that it stands on."""
     along, up, radius = enclose_tuft(tuft, values.descent, values.tilt, values.pressure, room.tuft)
@@ -126,7 +126,7 @@ def _lean_plane(values, tuft, field, room):
         lean_plane(values, field, room)
 
 
-@uncounted
+@uncounted(forceinline=True)
 def _lay_outline(stamp, dragged, trail, tuft, room):
     """Trace a placed stamp's outline, around the place that the hand means where it means one."""
     values = stamp.values[0]

@@ -21,7 +21,7 @@ _RUN, _IN_RUN, _CELL, _IN_CELL = range(4)
 CURSOR_SIZE = 4
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", forceinline=True)
 def _find_cells(sweep, plane, field, room):
     """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
     values = plane.values[0]
@@ -40,7 +40,7 @@ def _find_cells(sweep, plane, field, room):
     return cells
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", forceinline=True)
 def find_candidates(sweep, alone, field, room):
     """Fill a sweep, and find runs of base vertices and cells that it may reach.
 
@@ -77,7 +77,7 @@ def find_candidates(sweep, alone, field, room):
     return n_runs, cells
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", forceinline=True)
 def next_block(n_runs, n_cells, without_inside, sweep, field, room):
     """Project the next vertices that the sweep may reach; return how many (0: there are no more).
 
