@@ -72,7 +72,7 @@ def _foot_motion(a, b):
     return np.sqrt(d2)
 
 
-@uncounted
+@uncounted(forceinline=True)
 def _begin(samples, i, brush, canvas, progress, room):
     """Place the footprints at both ends of an interval, and cut the way between them."""
     at, before, after, pose = progress.at, progress.before, progress.after, room.pose
