@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
-from paint3d.calligraphy.layout import Layout, lay_out
+from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.writing import Pen, write_text
 from paint3d.core.frames import (
     multiply_quaternions,
@@ -83,7 +83,7 @@ def make_recording(glyphs: Path) -> Recording:
         "licence": LICENCE,
     }
     right = write_text(mesh, TEXT, open_glyphs(glyphs), pen, LAYOUT, header=header).recording
-    placed = lay_out(ClosestPoints(mesh), TEXT, EM_MM, LAYOUT)
+    placed = layout_text(ClosestPoints(mesh), TEXT, EM_MM, LAYOUT)
     frames = [character.square.chart.frame for character in placed]
     time_s = 1e-9 * right.time_ns
     place, turned = hold(time_s, character_shares(right, len(frames)), frames)

@@ -135,7 +135,7 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
     painter.dip()
     painter.replay(recording)
     stamps = (before, painter._progress.after)
-    work = (surface.paint_mesh.arrays, surface.ink, painter._room)
+    work = (surface.paint_mesh.arrays, surface.ink, painter._scratch)
     assert hairs is not None, "it is a tuft of hairs"
     own = hairs.work(surface)
     best = alternate(

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.calligraphy.glyph_sources import open_glyph_folder
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.hand_motion import HandMotion, lay_motion, root_stretch
-from paint3d.calligraphy.layout import Layout, lay_out
+from paint3d.calligraphy.hand_motion import HandMotion, root_stretch, to_hand_motion
+from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.metrics import (
     MARGIN,
     PIXELS,
@@ -46,7 +46,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Copy", "Desk", "copy_character", "draw_sample", "picture"]
 
-_WIDEST = 0.2  # ems: the ladder's last footprint
+_WIDEST = 0.2  # ems: the last footprint of the table
 _NODES_PER_EM = 24.0  # finer, and the chart would follow the mesh's facets
 _REACH = 0.15  # ems that the chart goes beyond the em square: there the handle may stand
 _MISSING, _BEYOND, _SHARED = (0, 60, 255), (255, 0, 0), (200, 200, 200)
@@ -151,13 +151,13 @@ def copy_character(desk: Desk, text: str) -> Copy:
     glyph = open_glyph_folder(desk.glyphs).load(text)
     mesh, chart, square = _place(desk.on, desk.em_mm, desk.layout)
     tuft = build_tuft(load_brush(desk.brush_name))
-    ladder = build_ladder(tuft, _WIDEST * desk.em_mm)
+    footprints = tabulate_footprints(tuft, _WIDEST * desk.em_mm)
     started = time.process_time()
-    courses = plan_glyph(glyph, desk.em_mm, ladder, desk.settings)
+    courses = plan_glyph(glyph, desk.em_mm, footprints, desk.settings)
     tempo = Tempo().slower(root_stretch(square.points, square.normals, tuft))
     motion = time_courses([courses], desk.em_mm, tempo)
     seconds = time.process_time() - started
-    recording = _recorded(motion, lay_motion(motion, chart, desk.em_mm, tuft), desk)
+    recording = _recorded(motion, to_hand_motion(motion, chart, desk.em_mm, tuft), desk)
     surface = PaintedSurface(mesh, desk.resolution_mm)
     Painter(surface, desk.brush_name, azimuth=desk.settings.azimuth).replay(recording)
     painted, wanted = _painted(surface, chart, desk.em_mm), _wanted(glyph, desk.em_mm)
@@ -220,7 +220,7 @@ def _place(on: str, em_mm: float, layout: Layout) -> tuple[TriangleMesh, Surface
     """The object, and the chart and em square of a single character, whichever it is."""
     mesh = load_mesh(on)
     closest = ClosestPoints(mesh)
-    square = lay_out(closest, "一", em_mm, layout)[0].square
+    square = layout_text(closest, "一", em_mm, layout)[0].square
     half = (0.5 + _REACH) * em_mm
     chart = make_chart(closest, square.chart.frame, half, half, em_mm / _NODES_PER_EM)
     return mesh, chart, square

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from paint3d.bench.kernels.standing import deposit_standing, place_standing
 from paint3d.brush_engine import stamp as st
-from paint3d.brush_engine.scratch import make_room
+from paint3d.brush_engine.scratch import make_scratch
 from paint3d.painter.painter import Painter
 
 __all__ = ["StandingStamps"]
@@ -31,20 +31,26 @@ class StandingStamps:
         surface = painter.surface
         n = len(poses)
         self._painter = painter
-        self._room = make_room(surface.paint_mesh, len(surface.pigments))
+        self._scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
         self._before, self._after = st.make_stamp(), st.make_stamp()
         rows = [np.zeros((n, *array.shape), array.dtype) for array in st.make_stamp()]
         self._stamps = st.Stamp(*rows)
-        self.counters = self._room.counters
+        self.counters = self._scratch.counters
         field = surface.paint_mesh.arrays
         place_standing(
-            poses, painter.tuft, surface.contact_tree, field, self._room, self._after, self._stamps
+            poses,
+            painter.tuft,
+            surface.contact_tree,
+            field,
+            self._scratch,
+            self._after,
+            self._stamps,
         )
 
     def __call__(self) -> None:
         """Leave every stamp once."""
         surface = self._painter.surface
         deposit_standing(
-            self._stamps, self._painter.tuft, surface.paint_mesh.arrays, surface.ink, self._room,
+            self._stamps, self._painter.tuft, surface.paint_mesh.arrays, surface.ink, self._scratch,
             self._before, self._after,
         )  # fmt: skip

@@ -65,7 +65,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
         fans=fans,
         clumps=np.stack([_clump_middles(count) for count in _CLUMPS]),
         appetite=(1.0 + hairs.appetite * noise / np.abs(noise).max()).astype(np.float32),
-        thirst=(np.argsort(np.argsort(noise)) / (_CELLS - 1.0)).astype(np.float32),
+        retention=(np.argsort(np.argsort(noise)) / (_CELLS - 1.0)).astype(np.float32),
         shortest=float(lengths.min()),
         lowest_tilt=LOWEST_TILT,
         greatest_fraction=GREATEST_FRACTION,

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.placement import REACH, place_stamp
-from paint3d.brush_engine.scratch import make_room
+from paint3d.brush_engine.scratch import make_scratch
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
@@ -97,8 +97,8 @@ def find_contact(
         a place is given without it.
     """
     pose = _pose(position, orientation, pressure, place)
-    stamp, room = st.make_stamp(), make_room(mesh, 0)
-    place_stamp(pose, False, stamp, stamp, tuft, tree, mesh.arrays, room)
+    stamp, scratch = st.make_stamp(), make_scratch(mesh, 0)
+    place_stamp(pose, False, stamp, stamp, tuft, tree, mesh.arrays, scratch)
     v = stamp.values[0]
     if v["triangle"] < 0:
         return None

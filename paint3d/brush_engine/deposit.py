@@ -14,13 +14,13 @@ PAINTED = 3  # counter: vertices that ink was left on
 
 
 @uncounted(error_model="numpy")
-def sweep_deposit(before, after, tuft, field, ink, room):
+def sweep_deposit(before, after, tuft, field, ink, scratch):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
     Conserves: what leaves `ink.load` is on vertices or counted in `ink.off_surface`.
     """
-    width, found = field.soft_edge, room.found
-    n = gather(before, after, field, room)
+    width, found = field.soft_edge, scratch.found
+    n = gather(before, after, field, scratch)
     if n < 0:
         return False
     weighed = weighed_area(field, found.ids, found.share, n)
@@ -42,22 +42,22 @@ def sweep_deposit(before, after, tuft, field, ink, room):
         landing *= weighed / whole
     if weighed <= 0.0:
         landing = 0.0
-    room.part[:] = 0.0
-    room.taken[:] = 0.0
+    scratch.part[:] = 0.0
+    scratch.taken[:] = 0.0
     if ink.habit[PICKUP] > 0.0:
-        take_up_ink(before, after, released, found, n, field, ink, room.taken)
+        take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
     if ink.stations.shape[0] > 1:
         gift = Gift(released, landing, weighed)
-        leave_from_stations(before, after, gift, found, n, field, ink, room.taken)
+        leave_from_stations(before, after, gift, found, n, field, ink, scratch.taken)
     elif total > 0.0:
         for p in range(ink.load.shape[0]):
             part = ink.load[p] / total
             ink.off_surface[p] += part * (released - landing)
-            room.part[p] = part * landing / weighed if weighed > 0.0 else 0.0
+            scratch.part[p] = part * landing / weighed if weighed > 0.0 else 0.0
             ink.load[p] -= part * released
     if ink.habit[PICKUP] > 0.0 and ink.stations.shape[0] <= 1:
         for p in range(ink.load.shape[0]):
-            ink.load[p] += room.taken[p]
-    leave_ink(found, n, room.part, ink)
-    room.counters[PAINTED] += n
+            ink.load[p] += scratch.taken[p]
+    leave_ink(found, n, scratch.part, ink)
+    scratch.counters[PAINTED] += n
     return True

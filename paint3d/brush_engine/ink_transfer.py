@@ -100,8 +100,8 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
         within += part * here * areas[v] * unit
     if within <= 0.0:
         return
-    room = max(0.0, ink.habit[CAPACITY] - held + released)
-    scale = min(1.0, room / within)
+    capacity_left = max(0.0, ink.habit[CAPACITY] - held + released)
+    scale = min(1.0, capacity_left / within)
     for k in range(n):
         v = ids[k]
         part = scale * (1.0 - np.exp(-rate * min(1.0, np.float64(share[k]))))

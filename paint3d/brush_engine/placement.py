@@ -35,7 +35,7 @@ _TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a bru
 
 
 @uncounted
-def place_stamp(pose, dragged, before, after, tuft, tree, field, room):
+def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     """Fill `after` with the footprint of a pose.
 
     The pose (9,) is a position, a quaternion wxyz, the pressure or NaN, and 1 where the position is
@@ -45,25 +45,25 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, room):
     values, up = after.values[0], _up_of(pose)
     was_touching = before.values[0].touches > 0.0
     for axis in range(3):
-        room.vector[axis] = before.values[0].foot[axis]
-        room.drag[axis] = before.values[0].drag[axis]
+        scratch.vector[axis] = before.values[0].foot[axis]
+        scratch.drag[axis] = before.values[0].drag[axis]
     centred = pose[8] > 0.0
     trail = _TRAIL * before.values[0].widest if was_touching and centred else 0.0
     values.touches = 0.0
     values.centred = pose[8]
-    if not _find_place(pose, up, tuft, tree, values, room):
+    if not _find_place(pose, up, tuft, tree, values, scratch):
         return
     if centred and not dragged:
-        _follow_way(values, trail, room)
+        _follow_way(values, trail, scratch)
     _bend_along_pose(values, pose)
     _press(pose, up, values, tuft)
     if values.descent <= 0.0:
         _flatten(values, _straight_reach(values, tuft))
-        _keep_drag(values, room.drag)
+        _keep_drag(values, scratch.drag)
         return
     if dragged:
-        _bend_along_drag(values, was_touching, tuft, room)
-    _lean_plane(values, tuft, field, room)
+        _bend_along_drag(values, was_touching, tuft, scratch)
+    _lean_plane(values, tuft, field, scratch)
     if dragged:
         _set_bend(values, values.drag[0], values.drag[1], values.drag[2])
     else:
@@ -71,8 +71,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, room):
     _press(pose, up, values, tuft)
     if not centred:
         _settle(values, up, tuft)
-    _count_limits(up, values, tuft, room.counters)
-    _lay_outline(after, dragged, trail, tuft, room)
+    _count_limits(up, values, tuft, scratch.counters)
+    _lay_outline(after, dragged, trail, tuft, scratch)
 
 
 @uncounted
@@ -83,15 +83,15 @@ def _up_of(pose):
 
 
 @uncounted(forceinline=True)
-def _find_place(pose, up, tuft, tree, values, room):
+def _find_place(pose, up, tuft, tree, values, scratch):
     """Let a stamp stand where its foot or the place that the hand means is; False: nowhere."""
-    foot, reach, place = room.foot, REACH * tuft.length, (pose[0], pose[1], pose[2])
+    foot, reach, place = scratch.foot, REACH * tuft.length, (pose[0], pose[1], pose[2])
     if values.centred > 0.0:
         triangle = find_meant(tree, place, up, reach, foot)
     else:
-        triangle = find_foot(tree, place, up, reach, foot, room.warm)
+        triangle = find_foot(tree, place, up, reach, foot, scratch.warm)
         if triangle < 0 and pose[7] >= 0.0:
-            triangle = _find_far(tree, place, up, foot, room.warm)
+            triangle = _find_far(tree, place, up, foot, scratch.warm)
     values.triangle = triangle
     if triangle < 0:
         for axis in range(3):
@@ -108,37 +108,39 @@ def _find_place(pose, up, tuft, tree, values, room):
 
 
 @uncounted(forceinline=True)
-def _lean_plane(values, tuft, field, room):
+def _lean_plane(values, tuft, field, scratch):
     """Enclose the bent tuft, and lean the stamp's plane to the surface that it stands on."""
-    along, up, radius = enclose_tuft(tuft, values.descent, values.tilt, values.pressure, room.tuft)
+    along, up, radius = enclose_tuft(
+        tuft, values.descent, values.tilt, values.pressure, scratch.tuft
+    )
     extent = 0.0
     if values.centred > 0.0:
-        middle, extent = _trace_extent(values, tuft, room)
+        middle, extent = _trace_extent(values, tuft, scratch)
         along -= middle
     for axis in range(3):
         values.sphere_centre[axis] = (
-            room.foot[axis] + along * values.bend[axis] + up * values.normal[axis]
+            scratch.foot[axis] + along * values.bend[axis] + up * values.normal[axis]
         )
     values.radius = radius
     if values.centred > 0.0:
-        _lean_plane_under(values, extent, field, room)
+        _lean_plane_under(values, extent, field, scratch)
     else:
-        lean_plane(values, field, room)
+        lean_plane(values, field, scratch)
 
 
 @uncounted(forceinline=True)
-def _lay_outline(stamp, dragged, trail, tuft, room):
+def _lay_outline(stamp, dragged, trail, tuft, scratch):
     """Trace a placed stamp's outline, around the place that the hand means where it means one."""
     values = stamp.values[0]
-    n = _trace(values, tuft, room)
+    n = _trace(values, tuft, scratch)
     if n < 2:
         _flatten(values, _straight_reach(values, tuft))
         return
     if values.centred > 0.0:
-        middle = 0.5 * (room.reach[0] + room.reach[n - 1])
+        middle = 0.5 * (scratch.reach[0] + scratch.reach[n - 1])
         for axis in range(3):
-            values.origin[axis] = room.foot[axis] - middle * values.bend[axis]
-    st.fill_profile(stamp, room.reach, room.half_width, n)
+            values.origin[axis] = scratch.foot[axis] - middle * values.bend[axis]
+    st.fill_profile(stamp, scratch.reach, scratch.half_width, n)
     if values.centred > 0.0 and not dragged:
         _centre_mark(values, stamp.half_widths, trail)
     _hold_outline(values)
@@ -169,32 +171,32 @@ def _find_far(tree, root, up, foot, warm):
 
 
 @uncounted
-def _trace(values, tuft, room):
-    """The outline as the tuft is bent now, into the room; returns how many points it has."""
+def _trace(values, tuft, scratch):
+    """The outline as the tuft is bent now, into the scratch; returns how many points it has."""
     return trace_outline(
         tuft,
         values.descent,
         values.tilt,
         values.pressure,
-        room.tuft,
-        room.reach,
-        room.half_width,
+        scratch.tuft,
+        scratch.reach,
+        scratch.half_width,
     )
 
 
 @uncounted
-def _trace_extent(values, tuft, room):
+def _trace_extent(values, tuft, scratch):
     """How far along the bend the outline's middle lies from P'_m, and half its longer side, mm.
 
     Both are 0 where nothing touches.
     """
-    n = _trace(values, tuft, room)
+    n = _trace(values, tuft, scratch)
     if n == 0:
         return 0.0, 0.0
-    half = 0.5 * (room.reach[0] - room.reach[n - 1])
+    half = 0.5 * (scratch.reach[0] - scratch.reach[n - 1])
     for k in range(n):
-        half = max(half, room.half_width[k])
-    return 0.5 * (room.reach[0] + room.reach[n - 1]), half
+        half = max(half, scratch.half_width[k])
+    return 0.5 * (scratch.reach[0] + scratch.reach[n - 1]), half
 
 
 @uncounted
@@ -257,10 +259,10 @@ def _bend_along_pose(values, pose):
 
 
 @uncounted
-def _bend_along_drag(values, was_touching, tuft, room):
+def _bend_along_drag(values, was_touching, tuft, scratch):
     """Dragged azimuth: the paper pulls the tip along (a tractrix with slack)."""
     slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
-    rx, ry, rz = room.drag[0], room.drag[1], room.drag[2]
+    rx, ry, rz = scratch.drag[0], scratch.drag[1], scratch.drag[2]
     if rx * rx + ry * ry + rz * rz == 0.0:
         rx = 0.2 * slack * values.bend[0]
         ry = 0.2 * slack * values.bend[1]
@@ -274,9 +276,9 @@ def _bend_along_drag(values, was_touching, tuft, room):
             rx,
             ry,
             rz,
-            values.foot[0] - room.vector[0],
-            values.foot[1] - room.vector[1],
-            values.foot[2] - room.vector[2],
+            values.foot[0] - scratch.vector[0],
+            values.foot[1] - scratch.vector[1],
+            values.foot[2] - scratch.vector[2],
             slack,
         )
     _set_bend(values, rx, ry, rz)
@@ -286,7 +288,7 @@ def _bend_along_drag(values, was_touching, tuft, room):
 
 
 @uncounted
-def _follow_way(values, trail, room):
+def _follow_way(values, trail, scratch):
     """Pull the dragged point behind the place that the hand means, at most `trail` (mm) away.
 
     With `trail` 0 the brush comes down: it has no way yet. Nothing is bent by this point.
@@ -294,12 +296,12 @@ def _follow_way(values, trail, room):
     rx, ry, rz = 0.0, 0.0, 0.0
     if trail > 0.0:
         rx, ry, rz = drag_step(
-            room.drag[0],
-            room.drag[1],
-            room.drag[2],
-            values.foot[0] - room.vector[0],
-            values.foot[1] - room.vector[1],
-            values.foot[2] - room.vector[2],
+            scratch.drag[0],
+            scratch.drag[1],
+            scratch.drag[2],
+            values.foot[0] - scratch.vector[0],
+            values.foot[1] - scratch.vector[1],
+            values.foot[2] - scratch.vector[2],
             trail,
         )
     values.drag[0] = rx
@@ -451,15 +453,17 @@ def start_sheet(values, field):
 
 
 @uncounted
-def lean_plane(values, field, room):
+def lean_plane(values, field, scratch):
     """Replace the plane's normal by the mean over the effective patch (Guo 2017, Fig. 7).
 
     Sheets of surface that face away from the brush are left out (the far side of a thin wall), and
     those at the sphere's border fade in, so that the plane does not jump as the brush moves.
     """
-    if _flood(values, field, room.patch) > 0:
+    if _flood(values, field, scratch.patch) > 0:
         pack, centre = field.sheet_pack, values.sphere_centre
-        total = _sum_normals(pack, room.patch, values, centre, values.radius, field.cell_size, 0.0)
+        total = _sum_normals(
+            pack, scratch.patch, values, centre, values.radius, field.cell_size, 0.0
+        )
         _set_normal(values, total)
 
 
@@ -474,7 +478,7 @@ def _flood(values, field, patch):
 
 
 @uncounted
-def _lean_plane_under(values, extent, field, room):
+def _lean_plane_under(values, extent, field, scratch):
     """Let the plane be that of the surface under a footprint around the place that is meant.
 
     The enclosing sphere is that of the whole tuft, many times as wide. What it holds of a wall or
@@ -482,12 +486,12 @@ def _lean_plane_under(values, extent, field, room):
     that what lies under the footprint faces away from it. `extent` is half the outline's longer
     side, mm.
     """
-    if _flood(values, field, room.patch) == 0:
+    if _flood(values, field, scratch.patch) == 0:
         return
     cell = field.cell_size
     fade = max(_LEAST_FADE * cell, min(cell, extent))
     total = _sum_normals(
-        field.sheet_pack, room.patch, values, values.foot, extent, fade, _OTHER_SIDE
+        field.sheet_pack, scratch.patch, values, values.foot, extent, fade, _OTHER_SIDE
     )
     _set_normal(values, total)
 

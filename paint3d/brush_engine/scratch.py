@@ -15,7 +15,7 @@ from paint3d.brush_engine.vertex_query import CURSOR_SIZE
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 
-__all__ = ["Block", "Found", "Query", "Room", "grow_room", "make_room"]
+__all__ = ["Block", "Found", "Query", "Scratch", "grow_room", "make_scratch"]
 
 _BLOCK = 2032  # vertices projected and weighed at a time; an odd number of cache lines
 _COUNTERS = 8
@@ -58,7 +58,7 @@ class Found(NamedTuple):
     cover: NDArray  # (cap + 1,) float32, greatest share covered, 0 to 1
 
 
-class Room(NamedTuple):
+class Scratch(NamedTuple):
     """Scratch arrays of the stroke kernels (P pigments)."""
 
     counters: NDArray  # (8,) int64: SAMPLES, FOOTPRINTS, VISITED, PAINTED, TILT_LIMITED,
@@ -82,9 +82,9 @@ class Room(NamedTuple):
     found: Found
 
 
-def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
+def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
     """Scratch for painting on a mesh with so many pigments."""
-    return Room(
+    return Scratch(
         counters=np.zeros(_COUNTERS, np.int64),
         pose=np.zeros(9),
         foot=np.zeros(6),
@@ -106,9 +106,9 @@ def make_room(mesh: PaintMesh, n_pigments: int) -> Room:
     )
 
 
-def grow_room(room: Room, mesh: PaintMesh, n_pigments: int) -> Room:
+def grow_room(scratch: Scratch, mesh: PaintMesh, n_pigments: int) -> Scratch:
     """The same scratch, for a mesh that has grown or a pigment more; what was begun goes on."""
-    return room._replace(
+    return scratch._replace(
         found=_make_found(mesh), part=np.zeros(n_pigments), taken=np.zeros(n_pigments)
     )
 
@@ -143,5 +143,7 @@ def _make_block() -> Block:
 
 
 def _make_found(mesh: PaintMesh) -> Found:
-    room = mesh.capacity + 1
-    return Found(np.zeros(room, np.int32), np.zeros(room, np.float32), np.zeros(room, np.float32))
+    scratch = mesh.capacity + 1
+    return Found(
+        np.zeros(scratch, np.int32), np.zeros(scratch, np.float32), np.zeros(scratch, np.float32)
+    )

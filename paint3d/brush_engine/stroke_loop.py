@@ -73,27 +73,27 @@ def _foot_motion(a, b):
 
 
 @uncounted(forceinline=True)
-def _begin(samples, i, brush, canvas, progress, room):
+def _begin(samples, i, brush, canvas, progress, scratch):
     """Place the footprints at both ends of an interval, and cut the way between them."""
-    at, before, after, pose = progress.at, progress.before, progress.after, room.pose
+    at, before, after, pose = progress.at, progress.before, progress.after, scratch.pose
     tree, field, ink = canvas.tree, canvas.field, canvas.ink
     if before.values[0].touches <= 0.0:
         interpolate(samples, i, 0.0, pose)
         tuft = drive(samples, i, 0.0, pose, before, brush.tuft, ink, brush.curves)
-        place_stamp(pose, brush.dragged, before, before, tuft, tree, field, room)
+        place_stamp(pose, brush.dragged, before, before, tuft, tree, field, scratch)
         if samples.joined[i]:
             before.values[0].touches = 0.0
         # else the stroke begins pressed: the footprint stands there from the start
     interpolate(samples, i, 1.0, pose)
     tuft = drive(samples, i, 1.0, pose, before, brush.tuft, ink, brush.curves)
-    place_stamp(pose, brush.dragged, before, after, tuft, tree, field, room)
+    place_stamp(pose, brush.dragged, before, after, tuft, tree, field, scratch)
     at[1] = 1
     bow = _bow(samples, i, pose)
     at[2] = _sweeps(before, after, bow, brush.dragged, tuft, field.resolution)
 
 
 @uncounted
-def paint_samples(samples, last, brush, canvas, progress, room):
+def paint_samples(samples, last, brush, canvas, progress, scratch):
     """Paint from where `progress` stands up to sample `last`.
 
     Parameters
@@ -104,32 +104,32 @@ def paint_samples(samples, last, brush, canvas, progress, room):
     brush : HeldBrush
     canvas : Canvas
     progress : Progress
-    room : Room
+    scratch : Room
 
     Returns
     -------
     int
         FINISHED, or NEEDS_ROOM: call again after the mesh's arrays have grown.
     """
-    at, before, after, pose = progress.at, progress.before, progress.after, room.pose
+    at, before, after, pose = progress.at, progress.before, progress.after, scratch.pose
     tree, field, ink = canvas.tree, canvas.field, canvas.ink
     while True:
-        i = next_interval(samples, last, brush.tuft, field.resolution, progress, room.counters)
+        i = next_interval(samples, last, brush.tuft, field.resolution, progress, scratch.counters)
         if i < 0:
             return FINISHED
         if at[2] == 0:
-            _begin(samples, i, brush, canvas, progress, room)
+            _begin(samples, i, brush, canvas, progress, scratch)
         tuft = drive(samples, i, 1.0, pose, before, brush.tuft, ink, brush.curves)
         while at[1] <= at[2]:
             if at[2] > 1:  # a single sweep ends where the sample is: placed above
                 share = at[1] / at[2]
                 interpolate(samples, i, share, pose)
                 tuft = drive(samples, i, share, pose, before, brush.tuft, ink, brush.curves)
-                place_stamp(pose, brush.dragged, before, after, tuft, tree, field, room)
+                place_stamp(pose, brush.dragged, before, after, tuft, tree, field, scratch)
             if after.values[0].touches > 0.0 or before.values[0].touches > 0.0:
-                if not sweep_deposit(before, after, tuft, field, ink, room):
+                if not sweep_deposit(before, after, tuft, field, ink, scratch):
                     return NEEDS_ROOM
-                room.counters[FOOTPRINTS] += 1
+                scratch.counters[FOOTPRINTS] += 1
             copy_stamp(after, before)
             at[1] += 1
         end_interval(samples, progress)

@@ -22,7 +22,7 @@ CURSOR_SIZE = 4
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _find_cells(sweep, plane, field, room):
+def _find_cells(sweep, plane, field, scratch):
     """Cells of the connected patch that the sweep may reach, refined; -1 for want of room."""
     values = plane.values[0]
     sheet = start_sheet(values, field)
@@ -31,17 +31,17 @@ def _find_cells(sweep, plane, field, room):
     if values.touches <= 0.0 or sweep.after.values[0].touches <= 0.0:
         # the brush has just left: the patch that was flooded last is not that of this plane
         radius = values.radius + field.cell_size
-        flood_patch(field, sheet, values.sphere_centre, radius, room.patch)
-    cells = find_cells(sweep, field, room.patch, room.query)
+        flood_patch(field, sheet, values.sphere_centre, radius, scratch.patch)
+    cells = find_cells(sweep, field, scratch.patch, scratch.query)
     for k in range(cells):
-        cell = room.query.cells[k]
+        cell = scratch.query.cells[k]
         if field.done[cell] == 0 and activate_cell(field, cell) < 0:
             return -1
     return cells
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def find_candidates(sweep, alone, field, room):
+def find_candidates(sweep, alone, field, scratch):
     """Fill a sweep, and find runs of base vertices and cells that it may reach.
 
     Parameters
@@ -51,7 +51,7 @@ def find_candidates(sweep, alone, field, room):
     alone : bool
         Both stamps are the same: what lies under the one is looked for.
     field : SurfaceField
-    room : Room
+    scratch : Room
         Of `query`, `cells` and `runs` are filled, and `cursor` stands at the beginning.
 
     Returns
@@ -62,15 +62,15 @@ def find_candidates(sweep, alone, field, room):
     before, after, values = sweep.before, sweep.after, sweep.values[0]
     margin, scale = field.soft_edge, 1.0 / field.soft_edge
     plane = after if after.values[0].touches > 0.0 else before
-    sweep_bounds(before, after, plane, margin, room.bounds)
-    fill_sweep(before, after, plane.values[0], scale, room.bounds, values)
+    sweep_bounds(before, after, plane, margin, scratch.bounds)
+    fill_sweep(before, after, plane.values[0], scale, scratch.bounds, values)
     fill_between(before, after, values, sweep.between)
     if alone:
         values.before_touches = 0.0
-    cells = _find_cells(sweep, plane, field, room)
+    cells = _find_cells(sweep, plane, field, scratch)
     if cells < 0:
         return 0, cells
-    query = room.query
+    query = scratch.query
     n_runs = find_runs(sweep, field, cells, query)
     query.cursor[_RUN], query.cursor[_IN_RUN] = 0, query.runs[0, 0]
     query.cursor[_CELL], query.cursor[_IN_CELL] = 0, field.head[query.cells[0]]
@@ -78,7 +78,7 @@ def find_candidates(sweep, alone, field, room):
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def next_block(n_runs, n_cells, without_inside, sweep, field, room):
+def next_block(n_runs, n_cells, without_inside, sweep, field, scratch):
     """Project the next vertices that the sweep may reach; return how many (0: there are no more).
 
     A block goes on over runs and cells until it is full: base vertices come run by run, added ones
@@ -92,12 +92,12 @@ def next_block(n_runs, n_cells, without_inside, sweep, field, room):
         Pass over runs that lie within the outline: they were taken whole.
     sweep : record of SWEEP
     field : SurfaceField
-    room : Room
+    scratch : Room
         Of `block`, `ids` and the first three of `rows` are filled: plane x, y and stretch.
     """
-    block, vertices = room.block, vertices_of(field)
-    start = _project_runs(n_runs, without_inside, vertices, sweep, field.vertex_sheet, room)
-    end = _list_from_cells(n_cells, start, field, room)
+    block, vertices = scratch.block, vertices_of(field)
+    start = _project_runs(n_runs, without_inside, vertices, sweep, field.vertex_sheet, scratch)
+    end = _list_from_cells(n_cells, start, field, scratch)
     n = end - start
     packed = block.packed
     scattered = Vertices(packed[0], packed[1], packed[2], packed[3], packed[4], packed[5])
@@ -107,12 +107,12 @@ def next_block(n_runs, n_cells, without_inside, sweep, field, room):
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _project_runs(n_runs, without_inside, vertices, sweep, vertex_sheet, room):
+def _project_runs(n_runs, without_inside, vertices, sweep, vertex_sheet, scratch):
     """Project base vertices from where the cursor stands; return how many there are."""
     runs, cursor, ticks, tick = (
-        room.query.runs, room.query.cursor, room.patch.ticks, room.patch.tick[0]
+        scratch.query.runs, scratch.query.cursor, scratch.patch.ticks, scratch.patch.tick[0]
     )  # fmt: skip
-    ids, rows = room.block.ids, room.block.rows
+    ids, rows = scratch.block.ids, scratch.block.rows
     size, start = ids.shape[0], 0
     r, first = cursor[_RUN], cursor[_IN_RUN]
     while r < n_runs and start < size:
@@ -137,14 +137,14 @@ def _project_runs(n_runs, without_inside, vertices, sweep, vertex_sheet, room):
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _list_from_cells(n_cells, filled, field, room):
+def _list_from_cells(n_cells, filled, field, scratch):
     """Append the added vertices of cells from where the cursor stands; return how many there are.
 
     Cells with sheets outside the connected patch give only the vertices of those within.
     """
     head, next_in_cell, cell_sheets = field.head, field.next_in_cell, field.cell_sheets
-    cells, cursor, ids = room.query.cells, room.query.cursor, room.block.ids
-    ticks, tick = room.patch.ticks, room.patch.tick[0]
+    cells, cursor, ids = scratch.query.cells, scratch.query.cursor, scratch.block.ids
+    ticks, tick = scratch.patch.ticks, scratch.patch.tick[0]
     size = ids.shape[0]
     c, v = cursor[_CELL], cursor[_IN_CELL]
     while c < n_cells and filled < size:

@@ -1,4 +1,4 @@
-"""A ladder of footprints: the same brush, upright, pressed deeper from rung to rung."""
+"""A table of footprints: the same brush, upright, pressed deeper from row to row."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, Tuft, trac
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["FootprintLadder", "build_ladder"]
+__all__ = ["FootprintTable", "tabulate_footprints"]
 
 _SIDE = 15  # boundary points on each side, between tip and heel
 _SUPPORT_DIRECTIONS = 72
@@ -21,13 +21,13 @@ _FINE = 600  # descents tried to find where contact begins and where it is wide 
 
 
 @dataclass(frozen=True, eq=False)
-class FootprintLadder:
+class FootprintTable:
     """Footprints of an upright brush at L descents, each about its own centroid.
 
     Attributes
     ----------
     descents : (L,) float64
-        D_s of each rung, mm, rising.
+        D_s of each row, mm, rising.
     centroids : (L,) float64
         Distance of the centroid from P'_m along the bend, mm.
     points : (L, B, 2) float64
@@ -57,14 +57,14 @@ class FootprintLadder:
         return np.interp(level, np.arange(len(self.descents)), self.slack)
 
 
-def build_ladder(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintLadder:
+def tabulate_footprints(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintTable:
     """Tabulate the footprints of a brush from the first touch to a width.
 
     Parameters
     ----------
     tuft : Tuft
     widest_mm : float
-        Width of the last rung; less where the brush ends before.
+        Width of the last row; less where the brush ends before.
     n_levels : int
         Rungs, even in the footprint's width.
 
@@ -86,10 +86,10 @@ def build_ladder(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintL
     size = np.sqrt(np.array([_area(o) for o in outlines[first : last + 1]]))
     wanted = np.linspace(size[0], size[-1], n_levels)
     at = np.interp(wanted, size, descents[first : last + 1])
-    return _ladder(tuft, at)
+    return _tabulate(tuft, at)
 
 
-def _ladder(tuft: Tuft, descents: AnyArray) -> FootprintLadder:
+def _tabulate(tuft: Tuft, descents: AnyArray) -> FootprintTable:
     rungs, centroids = [], []
     for descent in descents:
         outline = _outline(tuft, float(descent))
@@ -103,7 +103,7 @@ def _ladder(tuft: Tuft, descents: AnyArray) -> FootprintLadder:
     rays = np.stack([np.cos(angle), np.sin(angle)])
     support = (points @ rays).max(axis=1)
     slack = [drag_length(float(d), tuft.length, tuft.drag_fraction) for d in descents]
-    return FootprintLadder(
+    return FootprintTable(
         np.asarray(descents), np.array(centroids), points, support, np.array(slack)
     )
 

@@ -16,7 +16,7 @@ from paint3d.core.types import AnyArray
 from paint3d.mesh.chart import SurfaceChart
 from paint3d.mesh.closest_points import ClosestPoints
 
-__all__ = ["HandMotion", "join_motions", "lay_motion", "root_stretch", "travel"]
+__all__ = ["HandMotion", "join_motions", "root_stretch", "to_hand_motion", "travel"]
 
 _PEAK = 1.875  # of a least-jerk move's speed over its mean
 _PEAK_ACCELERATION = 5.78  # of a least-jerk move: times length over time squared
@@ -46,7 +46,7 @@ class HandMotion:
     buttons: NDArray[np.int32]
 
 
-def lay_motion(motion: Motion, chart: SurfaceChart, em_mm: float, tuft: Tuft) -> HandMotion:
+def to_hand_motion(motion: Motion, chart: SurfaceChart, em_mm: float, tuft: Tuft) -> HandMotion:
     """Carry a motion over an em square onto the chart around the square's middle.
 
     The holder stands on the surface's normal at P'_m wherever it is, so the foot follows the wall.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from paint3d.brush_engine.drag import drag_along
-from paint3d.calligraphy.footprint_table import FootprintLadder
+from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.core.types import AnyArray
 
@@ -28,7 +28,7 @@ _REVERSAL = 2.4  # rad of turn within the slack: the brush rises to its tip to t
 
 
 class Pulled(NamedTuple):
-    """A dragged course of N poses; see `StrokeCourse`."""
+    """A dragged course of N poses; see `StrokePath`."""
 
     handle: NDArray[np.float64]
     azimuth: NDArray[np.float64]
@@ -38,7 +38,7 @@ class Pulled(NamedTuple):
 
 def pull(
     wanted: NDArray[np.float64],
-    ladder: FootprintLadder,
+    footprints: FootprintTable,
     target: kernels.Target,
     start: float,
 ) -> Pulled:
@@ -48,16 +48,16 @@ def pull(
     ----------
     wanted : (N, 2) float64
         The line, mm, at even steps.
-    ladder : FootprintLadder
+    footprints : FootprintTable
     target : Target
-        The outline, the ladder's footprints, and how far these may leave it.
+        The outline, the table's footprints, and how far these may leave it.
     start : float
         Where the tuft points when it lands, rad.
     """
-    light = _light_poses(wanted, float(ladder.slack[0]))
+    light = _light_poses(wanted, float(footprints.slack[0]))
     level = np.zeros(len(wanted))
     for _ in range(_ROUNDS):
-        reach, slack = ladder.centroid_at(level), ladder.slack_at(level)
+        reach, slack = footprints.centroid_at(level), footprints.slack_at(level)
         ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
         bend = _follow(wanted, slack - ahead, start)
         handle = wanted - ahead[:, None] * bend

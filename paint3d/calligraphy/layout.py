@@ -25,7 +25,7 @@ from paint3d.mesh.em_square import EmSquare, SquareLimits, lay_square
 from paint3d.mesh.placement import place, upwards
 from paint3d.mesh.walking import SurfaceLine, walk
 
-__all__ = ["LAYOUTS", "Layout", "PlacedCharacter", "lay_out", "split_text"]
+__all__ = ["LAYOUTS", "Layout", "PlacedCharacter", "layout_text", "split_text"]
 
 LAYOUTS = ("columns", "row")
 
@@ -94,7 +94,7 @@ def split_text(text: str) -> list[str]:
     return lines
 
 
-def lay_out(
+def layout_text(
     surface: ClosestPoints,
     text: str,
     em_mm: float,

@@ -15,19 +15,19 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smoothed
-from paint3d.calligraphy.footprint_table import FootprintLadder
+from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.lag_compensation import pull
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
 from paint3d.core.types import AnyArray
 
-__all__ = ["Follower", "StrokeCourse"]
+__all__ = ["PathFitter", "StrokePath"]
 
 _SPAN = 0.12  # of the width: how far a course steps aside to lie in the middle
 
 
 @dataclass(frozen=True, eq=False)
-class StrokeCourse:
+class StrokePath:
     """The way of the brush through one stroke: N poses with an upright holder, in order.
 
     Attributes
@@ -41,7 +41,7 @@ class StrokeCourse:
     centre : (N, 2) float64
         Centroid of the footprint, mm.
     level : (N,) float64
-        Place on the ladder of footprints, -1 where the brush is off.
+        Row in the table of footprints, -1 where the brush is off.
     """
 
     handle: NDArray[np.float64]
@@ -52,11 +52,11 @@ class StrokeCourse:
 
 
 @dataclass(frozen=True, eq=False)
-class Follower:
+class PathFitter:
     """What stays the same while one stroke's course is improved; see `plan_stroke`."""
 
     field: OutlineField
-    ladder: FootprintLadder
+    footprints: FootprintTable
     settings: PlanSettings
     em_mm: float
     start: float | None
@@ -65,10 +65,12 @@ class Follower:
     def target(self) -> kernels.Target:
         """The outline and the footprints as the kernels take them."""
         margin = self.settings.margin * self.em_mm
-        ladder, field = self.ladder, self.field
-        return kernels.Target(ladder.points, ladder.support, field.distance, field.grid, margin)
+        footprints, field = self.footprints, self.field
+        return kernels.Target(
+            footprints.points, footprints.support, field.distance, field.grid, margin
+        )
 
-    def follow(self, line: CentreLine) -> tuple[StrokeCourse | None, NDArray[np.bool_]]:
+    def follow(self, line: CentreLine) -> tuple[StrokePath | None, NDArray[np.bool_]]:
         """Return the course along a line (None: nothing fits), and what it leaves bare."""
         azimuth, shift = _balanced(line, self, *_choose_course(line, self))
         centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
@@ -80,24 +82,24 @@ class Follower:
         kept = slice(touching[0], touching[-1] + 1)
         if self.settings.azimuth == "dragged":
             start = azimuth[kept][0] if self.start is None else self.start
-            pulled = pull(centre[kept], self.ladder, self.target, start)
-            course = _touched(*pulled, self.ladder)
+            pulled = pull(centre[kept], self.footprints, self.target, start)
+            course = _touched(*pulled, self.footprints)
         else:
-            course = _course(centre[kept], azimuth[kept], _calm(level[kept]), self.ladder)
+            course = _course(centre[kept], azimuth[kept], _calm(level[kept]), self.footprints)
         painted = np.zeros(self.field.distance.shape, np.bool_)
         kernels.cover(
-            self.ladder.points, course.level, course.centre, course.azimuth, *self.field.grid,
+            self.footprints.points, course.level, course.centre, course.azimuth, *self.field.grid,
             painted,
         )  # fmt: skip
         return course, self.field.inside & ~painted
 
 
-def _choose_course(line: CentreLine, plan: Follower) -> tuple[AnyArray, AnyArray]:
+def _choose_course(line: CentreLine, plan: PathFitter) -> tuple[AnyArray, AnyArray]:
     """Return the azimuth (rad) and the side step (mm) for every sample of the line."""
-    settings, ladder = plan.settings, plan.ladder
+    settings, footprints = plan.settings, plan.footprints
     n, shifts = settings.n_directions, np.array(settings.shifts)
     gap = np.empty((len(line.points), n, len(shifts)))
-    sparse = np.ascontiguousarray(ladder.points[:, ::2])  # directions are only compared
+    sparse = np.ascontiguousarray(footprints.points[:, ::2])  # directions are only compared
     target = plan.target._replace(points=sparse)
     kernels.rate(target, line.points, line.headings, line.room, shifts, gap)
     directions = 2.0 * np.pi * np.arange(n) / n
@@ -122,7 +124,7 @@ def _cost_of_bend(ahead: AnyArray, settings: PlanSettings) -> NDArray[np.float64
 
 
 def _balanced(
-    line: CentreLine, plan: Follower, azimuth: AnyArray, shift: AnyArray
+    line: CentreLine, plan: PathFitter, azimuth: AnyArray, shift: AnyArray
 ) -> tuple[AnyArray, AnyArray]:
     """Smooth the chosen course, and step aside until both edges are reached alike."""
     sigma = 0.2 * line.width / line.step
@@ -155,21 +157,25 @@ def _calm(level: AnyArray, half_window: int = 3) -> NDArray[np.float64]:
 
 
 def _course(
-    centre: AnyArray, azimuth: AnyArray, level: AnyArray, ladder: FootprintLadder
-) -> StrokeCourse:
+    centre: AnyArray, azimuth: AnyArray, level: AnyArray, footprints: FootprintTable
+) -> StrokePath:
     """Place the handle behind the footprints."""
     bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-    handle = centre - ladder.centroid_at(level)[:, None] * bend
-    return _touched(handle, azimuth, centre, level, ladder)
+    handle = centre - footprints.centroid_at(level)[:, None] * bend
+    return _touched(handle, azimuth, centre, level, footprints)
 
 
 def _touched(
-    handle: AnyArray, azimuth: AnyArray, centre: AnyArray, level: AnyArray, ladder: FootprintLadder
-) -> StrokeCourse:
+    handle: AnyArray,
+    azimuth: AnyArray,
+    centre: AnyArray,
+    level: AnyArray,
+    footprints: FootprintTable,
+) -> StrokePath:
     """Add the touch before and the lift after."""
     pick = np.r_[0, np.arange(len(level)), len(level) - 1]
     level = level[pick]
-    descent = ladder.descent_at(level)
+    descent = footprints.descent_at(level)
     descent[[0, -1]] = 0.0
     level[[0, -1]] = -1.0
-    return StrokeCourse(handle[pick], azimuth[pick], descent, centre[pick], level)
+    return StrokePath(handle[pick], azimuth[pick], descent, centre[pick], level)

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, label, maximum
 
 from paint3d.calligraphy.centre_line import bend_towards, centre_line, outline_field
-from paint3d.calligraphy.footprint_table import FootprintLadder
+from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
-from paint3d.calligraphy.path_fit import Follower, StrokeCourse
+from paint3d.calligraphy.path_fit import PathFitter, StrokePath
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["TECHNIQUES", "PlanSettings", "StrokeCourse", "on_paper", "plan_glyph", "plan_stroke"]
+__all__ = ["TECHNIQUES", "PlanSettings", "StrokePath", "on_paper", "plan_glyph", "plan_stroke"]
 
 
 def on_paper(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
@@ -33,8 +33,8 @@ def on_paper(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
 
 
 def plan_glyph(
-    glyph: Glyph, em_mm: float, ladder: FootprintLadder, settings: PlanSettings | None = None
-) -> list[StrokeCourse]:
+    glyph: Glyph, em_mm: float, footprints: FootprintTable, settings: PlanSettings | None = None
+) -> list[StrokePath]:
     """Plan all strokes of a glyph, in writing order.
 
     Parameters
@@ -42,7 +42,7 @@ def plan_glyph(
     glyph : Glyph
     em_mm : float
         Side of the em square, mm.
-    ladder : FootprintLadder
+    footprints : FootprintTable
         Footprints of the brush.
     settings : PlanSettings, optional
 
@@ -51,12 +51,12 @@ def plan_glyph(
     InputError
         If a stroke is too fine for the brush.
     """
-    courses: list[StrokeCourse] = []
+    courses: list[StrokePath] = []
     for k, stroke in enumerate(glyph.strokes):
         outline, median = on_paper(stroke.outline, em_mm), on_paper(stroke.median, em_mm)
         name = f"stroke {k + 1} of {glyph.text}"
         start = float(courses[-1].azimuth[-1]) if courses else None
-        courses.append(plan_stroke(outline, median, em_mm, ladder, settings, name, start))
+        courses.append(plan_stroke(outline, median, em_mm, footprints, settings, name, start))
     return courses
 
 
@@ -64,11 +64,11 @@ def plan_stroke(
     outline: NDArray[np.float64],
     median: NDArray[np.float64],
     em_mm: float,
-    ladder: FootprintLadder,
+    footprints: FootprintTable,
     settings: PlanSettings | None = None,
     name: str = "stroke",
     start: float | None = None,
-) -> StrokeCourse:
+) -> StrokePath:
     """Plan one stroke.
 
     Parameters
@@ -79,7 +79,7 @@ def plan_stroke(
         Centre line in writing order, mm.
     em_mm : float
         Side of the em square, mm: the scale of `settings`.
-    ladder : FootprintLadder
+    footprints : FootprintTable
     settings : PlanSettings, optional
     name : str
         What to call the stroke in messages.
@@ -97,7 +97,7 @@ def plan_stroke(
     if not field.inside.any():
         raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
     line = centre_line(median, field, settings.sample_step * em_mm)
-    plan = Follower(field, ladder, settings, em_mm, start)
+    plan = PathFitter(field, footprints, settings, em_mm, start)
     best, bare = plan.follow(line)
     tried = np.zeros_like(bare)
     for _ in range(settings.detours):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from paint3d.calligraphy.planning import StrokeCourse
+from paint3d.calligraphy.planning import StrokePath
 from paint3d.calligraphy.speed_profile import Limits, travel
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
@@ -124,13 +124,13 @@ class Motion:
 
 
 def time_courses(
-    characters: Sequence[Sequence[StrokeCourse]], em_mm: float, tempo: Tempo | None = None
+    characters: Sequence[Sequence[StrokePath]], em_mm: float, tempo: Tempo | None = None
 ) -> Motion:
     """Give the strokes of several characters their times.
 
     Parameters
     ----------
-    characters : sequence of sequences of StrokeCourse
+    characters : sequence of sequences of StrokePath
         In writing order, all on one plane.
     em_mm : float
         Side of the em square, mm.
@@ -181,7 +181,7 @@ class _Part:
     group: int
 
 
-def _poses(course: StrokeCourse) -> NDArray[np.float64]:
+def _poses(course: StrokePath) -> NDArray[np.float64]:
     return np.column_stack([course.handle, -course.descent, course.azimuth])
 
 

@@ -16,17 +16,17 @@ import numpy as np
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.calligraphy.footprint_table import FootprintLadder, build_ladder
+from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.hand_motion import (
     HandMotion,
     join_motions,
-    lay_motion,
     root_stretch,
+    to_hand_motion,
     travel,
 )
-from paint3d.calligraphy.layout import Layout, PlacedCharacter, lay_out
+from paint3d.calligraphy.layout import Layout, PlacedCharacter, layout_text
 from paint3d.calligraphy.planning import PlanSettings, plan_glyph
 from paint3d.calligraphy.processes import in_processes
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
@@ -43,7 +43,7 @@ __all__ = ["Pen", "Written", "write_text"]
 
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 
-_WIDEST = 0.2  # ems: the ladder's last footprint
+_WIDEST = 0.2  # ems: the last footprint of the table
 _NODES_PER_EM = 24.0
 _STEPS_PER_EM = 64.0
 _FINEST_MM = 0.25
@@ -128,12 +128,12 @@ def write_text(
     as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
     glyphs = load_glyphs(source, "".join(text.split()))
     surface, limits = _surface_of(mesh), SquareLimits(room_mm=pen.brush.length_mm)
-    placed = lay_out(surface, text, pen.em_mm, layout, limits)
+    placed = layout_text(surface, text, pen.em_mm, layout, limits)
     tuft = build_tuft(pen.brush)
-    ladder = build_ladder(tuft, _WIDEST * pen.em_mm)
+    footprints = tabulate_footprints(tuft, _WIDEST * pen.em_mm)
     pen = replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
     motions: dict[str, Motion] = {}
-    with closing(_plan_all(glyphs, ladder, pen, processes)) as plans:
+    with closing(_plan_all(glyphs, footprints, pen, processes)) as plans:
         for character, motion in zip(glyphs, plans, strict=True):
             motions[character] = motion
             if progress is not None:
@@ -161,19 +161,21 @@ def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
 
 
 def _plan_all(
-    glyphs: Mapping[str, Glyph], ladder: FootprintLadder, pen: Pen, processes: int
+    glyphs: Mapping[str, Glyph], footprints: FootprintTable, pen: Pen, processes: int
 ) -> Generator[Motion]:
     """The motions of glyphs in their order, planned by one process or by several."""
     n = min(processes, len(glyphs))
     if n < 2 or len(glyphs) < _FEW:
         for glyph in glyphs.values():
-            yield _planned(glyph, ladder, pen)
+            yield _planned(glyph, footprints, pen)
         return
-    yield from in_processes(partial(_planned, ladder=ladder, pen=pen), [*glyphs.values()], n)
+    yield from in_processes(
+        partial(_planned, footprints=footprints, pen=pen), [*glyphs.values()], n
+    )
 
 
-def _planned(glyph: Glyph, ladder: FootprintLadder, pen: Pen) -> Motion:
-    courses = plan_glyph(glyph, pen.em_mm, ladder, pen.settings)
+def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen) -> Motion:
+    courses = plan_glyph(glyph, pen.em_mm, footprints, pen.settings)
     return time_courses([courses], pen.em_mm, pen.tempo)
 
 
@@ -202,7 +204,7 @@ def _laid(
             f"{character.text!r}: its strokes reach beyond where one can write ({cause}); "
             "expected a smaller size or another place"
         ) from None
-    return lay_motion(motion, chart, em, tuft)
+    return to_hand_motion(motion, chart, em, tuft)
 
 
 def _described(character: PlacedCharacter) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from paint3d.cli.options import add_quiet_option, check_output_folder, parse_hairs
-from paint3d.cli.painting import Wishes, paint, prepare, timed, write_report
+from paint3d.cli.painting import PaintOptions, paint, prepare, timed, write_report
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import write_result
 from paint3d.errors import ExportError
@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> None:
     ):
         recording = load_recording(path, progress=progress)
         mesh = load_mesh("bowl")
-    wishes = Wishes(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs)
+    wishes = PaintOptions(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs)
     seconds: dict[str, float] = {}
     painting = paint(prepare(mesh, wishes, seconds), recording, wishes, seconds)
     written = [options.out / name for name in _FILES]

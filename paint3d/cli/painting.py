@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["DEFAULT_INK", "Painting", "Wishes", "paint", "prepare", "timed", "write_report"]
+__all__ = ["DEFAULT_INK", "PaintOptions", "Painting", "paint", "prepare", "timed", "write_report"]
 
 _DEFAULT_BRUSH = "full"
 DEFAULT_INK = "pine soot"
 
 
 @dataclass(frozen=True)
-class Wishes:
+class PaintOptions:
     """What the user asked for; brush and ink None stand for the recording's own.
 
     With `spread_s` the ink spreads and dries while it is painted, and so many seconds more. `hairs`
@@ -105,7 +105,7 @@ def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
     seconds[step] = seconds.get(step, 0.0) + time.perf_counter() - started
 
 
-def prepare(mesh: TriangleMesh, wishes: Wishes, seconds: dict[str, float]) -> PaintedSurface:
+def prepare(mesh: TriangleMesh, wishes: PaintOptions, seconds: dict[str, float]) -> PaintedSurface:
     """Make a mesh ready for painting, adding the time that takes to `seconds`.
 
     Raises
@@ -125,7 +125,7 @@ def prepare(mesh: TriangleMesh, wishes: Wishes, seconds: dict[str, float]) -> Pa
 def paint(
     surface: PaintedSurface,
     recording: Recording | LaidPad,
-    wishes: Wishes,
+    wishes: PaintOptions,
     seconds: dict[str, float],
 ) -> Painting:
     """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.

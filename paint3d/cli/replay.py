@@ -19,7 +19,7 @@ from paint3d.cli.options import (
     parse_seconds,
 )
 from paint3d.cli.pads import lay_on
-from paint3d.cli.painting import Wishes, paint, prepare, timed, write_report
+from paint3d.cli.painting import PaintOptions, paint, prepare, timed, write_report
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import result_suffixes, write_result
 from paint3d.cli.untouched import refuse_untouched
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> None:
         (options.recording, options.on, own_table(options.ink)),
         force=options.force,
     )
-    wishes = Wishes(
+    wishes = PaintOptions(
         brush=options.brush,
         ink=options.ink,
         material=options.material,

@@ -19,7 +19,7 @@ from paint3d.cli.options import (
     parse_place,
 )
 from paint3d.cli.outlines import check_is_plane, export_outlines
-from paint3d.cli.painting import DEFAULT_INK, Wishes, paint, prepare, timed, write_report
+from paint3d.cli.painting import DEFAULT_INK, PaintOptions, paint, prepare, timed, write_report
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import result_suffixes, write_result
 from paint3d.core.machine import usable_cores
@@ -142,7 +142,7 @@ def run(options: argparse.Namespace) -> None:
         (options.on, own_table(options.ink)),
         force=options.force,
     )
-    wishes = Wishes(
+    wishes = PaintOptions(
         brush=None,
         ink=options.ink,
         material=options.material,

@@ -175,12 +175,12 @@ class PaintMesh:
             extra = max(_ROOM, (n - self.n_base_vertices) // 2)
         vertices = n + extra + MOST_AROUND_EDGE
         # a vertex on an edge halves two triangles: four nodes
-        room = nodes + 4 * extra + 4 * MOST_AROUND_EDGE
+        capacity = nodes + 4 * extra + 4 * MOST_AROUND_EDGE
         grown: dict[str, Any]
         grown = {name: _grow(getattr(field, name), n, vertices) for name in _PER_VERTEX}
         for name in ("node_vertices", "node_root", "child", "longest", "node_area"):
-            grown[name] = _grow(getattr(field, name), nodes, room)
-        grown["radial"] = _grow(field.radial, 3 * nodes, 3 * room)
+            grown[name] = _grow(getattr(field, name), nodes, capacity)
+        grown["radial"] = _grow(field.radial, 3 * nodes, 3 * capacity)
         self.arrays = field._replace(**grown)
 
     def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
@@ -292,8 +292,8 @@ def _check_precision(points: AnyArray, resolution: float) -> None:
         )
 
 
-def _grow(array: AnyArray, used: int, room: int) -> AnyArray:
-    grown = np.empty((room, *array.shape[1:]), array.dtype)
+def _grow(array: AnyArray, used: int, capacity: int) -> AnyArray:
+    grown = np.empty((capacity, *array.shape[1:]), array.dtype)
     grown[:used] = array[:used]
     return grown
 
@@ -378,17 +378,17 @@ def _pairs_by_cell(
     base: BaseSurface, origin: AnyArray, size: float
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Cells (C, 3) in Morton order, the roots that meet them, and each cell's run of roots."""
-    room = int(_PAIRS_PER_FACE * len(base.faces) + _PAIRS_PER_CELL * base.areas.sum() / size**2)
-    n = room + 1
-    while n > room:  # counting first would take as long as listing, so we guess
-        room = max(room, n)
-        if room > _MOST_PAIRS:
+    capacity = int(_PAIRS_PER_FACE * len(base.faces) + _PAIRS_PER_CELL * base.areas.sum() / size**2)
+    n = capacity + 1
+    while n > capacity:  # counting first would take as long as listing, so we guess
+        capacity = max(capacity, n)
+        if capacity > _MOST_PAIRS:
             raise MeshError(
                 f"the object's surface of {1e-6 * float(base.areas.sum()):.3g} m2 would take about "
-                f"{room:.2g} cells at this resolution; expected at most {_MOST_PAIRS:.2g}: a "
+                f"{capacity:.2g} cells at this resolution; expected at most {_MOST_PAIRS:.2g}: a "
                 "coarser resolution or, if it is not so large, another unit"
             )
-        places, roots = np.empty((room, 3), np.int32), np.empty(room, np.int32)
+        places, roots = np.empty((capacity, 3), np.int32), np.empty(capacity, np.int32)
         n = fill_pairs(base.points, base.faces, origin, size, places, roots)
     places, roots = places[:n], roots[:n]
     code = _morton(places)
@@ -428,11 +428,11 @@ def _links(
     pair_order = np.argsort(cells.pair_root, kind="stable")
     counts = np.bincount(cells.pair_root, minlength=n_roots)
     root_pairs = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    room = _LINKS_PER_PAIR * len(pair_order)
-    n = room + 1
-    while n > room:
-        room = max(room, n)
-        links = np.empty((room, 2), np.int32)
+    capacity = _LINKS_PER_PAIR * len(pair_order)
+    n = capacity + 1
+    while n > capacity:
+        capacity = max(capacity, n)
+        links = np.empty((capacity, 2), np.int32)
         n = link_sheets(cells, root_pairs, pair_order, pair_cell, links)
     links = np.concatenate([links[:n], others]).astype(np.int64)
     codes = np.concatenate(
@@ -446,16 +446,16 @@ def _links(
 
 def _over_cracks(base: BaseSurface, cells: Cells) -> NDArray[np.int32]:
     """(n, 2) int32: sheets that end beside one another, at most a hair's breadth away."""
-    room = 0
-    links = np.empty((room, 2), np.int32)
+    capacity = 0
+    links = np.empty((capacity, 2), np.int32)
     if not (base.radial == np.arange(len(base.radial), dtype=np.int32)).any():
         return links
     while True:
         n = link_cracks(base.points, base.faces, base.radial, cells, _CRACK_MM, links)
-        if n <= room:
+        if n <= capacity:
             return np.unique(links[:n], axis=0)
-        room = n
-        links = np.empty((room, 2), np.int32)
+        capacity = n
+        links = np.empty((capacity, 2), np.int32)
 
 
 def _sort_vertices(base: BaseSurface, cells: Cells) -> tuple[AnyArray, AnyArray, AnyArray]:

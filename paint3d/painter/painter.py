@@ -28,7 +28,7 @@ from paint3d.brush_engine.brush_load import level_stations
 from paint3d.brush_engine.contact import Contact, find_contact
 from paint3d.brush_engine.deposit import PAINTED
 from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
-from paint3d.brush_engine.scratch import Room, grow_room, make_room
+from paint3d.brush_engine.scratch import Scratch, grow_room, make_scratch
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.pigments import Pigment, load_pigment
@@ -146,7 +146,7 @@ class Painter:
         if ink is not None:
             self._dipped = ink
             self.ink = self.surface.main_pigment(parts)
-        self._room = self._make_room()
+        self._scratch = self._make_room()
 
     def _take_up(self) -> None:
         """Take the brush as it lies there: with what it holds, or dry."""
@@ -157,7 +157,7 @@ class Painter:
         parts = held / held.sum() if held.any() else np.eye(len(held))[-1]
         self._dipped = {p: w for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-9}
         self.ink = surface.main_pigment(parts)
-        self._room = self._make_room()
+        self._scratch = self._make_room()
         accounts = self.ledger()
         self.loaded = sum(accounts.values()) - accounts["loaded"]
 
@@ -234,7 +234,7 @@ class Painter:
                 setattr(self, name, value)
         if self.hairs is not None and of_hairs is not None:
             self.hairs.restore(of_hairs)
-        self._room = self._make_room()
+        self._scratch = self._make_room()
 
     def _mixture(self, ink: Ink) -> AnyArray:
         """(P,) parts of the pigments on the surface, of sum 1."""
@@ -420,7 +420,7 @@ class Painter:
     def _begin(self) -> None:
         self._progress.at[:] = 0
         self._progress.before.values[:] = 0.0
-        self._room.warm[0] = 0.0
+        self._scratch.warm[0] = 0.0
 
     def _paint_held(self, last: int) -> None:
         if last <= int(self._progress.at[0]):
@@ -449,32 +449,32 @@ class Painter:
     def _run(self, samples: intervals.Samples, last: int) -> None:
         started = time.perf_counter()
         surface = self.surface
-        room = self._room  # the surface may have grown, or another brush brought a pigment
-        is_small = len(room.found.ids) != surface.paint_mesh.capacity + 1
-        if is_small or len(room.part) != len(surface.pigments):
-            self._room = self._make_room()
+        scratch = self._scratch  # the surface may have grown, or another brush brought a pigment
+        is_small = len(scratch.found.ids) != surface.paint_mesh.capacity + 1
+        if is_small or len(scratch.part) != len(surface.pigments):
+            self._scratch = self._make_room()
         while True:
             state = self._run_kernel(samples, last)
             if state == intervals.FINISHED:
                 break
             surface.make_room()
-            self._room = self._make_room()
+            self._scratch = self._make_room()
         surface.ink.habit[CAPACITY] = self.tuft.load  # whatever curves made of it
         self.seconds["stroke"] += time.perf_counter() - started
 
     def _run_kernel(self, samples: intervals.Samples, last: int) -> int:
-        surface, progress, room = self.surface, self._progress, self._room
+        surface, progress, scratch = self.surface, self._progress, self._scratch
         brush = intervals.HeldBrush(self.tuft, self._curves, self.azimuth == "dragged")
         hairs = None if self.hairs is None else self.hairs.work(surface)
         canvas = intervals.Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
         if hairs is None:
-            return int(paint_samples(samples, last, brush, canvas, progress, room))
-        return int(paint_with_hairs(samples, last, brush, canvas, progress, room, hairs))
+            return int(paint_samples(samples, last, brush, canvas, progress, scratch))
+        return int(paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs))
 
-    def _make_room(self) -> Room:
+    def _make_room(self) -> Scratch:
         mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
         old = getattr(self, "_room", None)
-        return make_room(mesh, pigments) if old is None else grow_room(old, mesh, pigments)
+        return make_scratch(mesh, pigments) if old is None else grow_room(old, mesh, pigments)
 
     # -- accounts ---------------------------------------------------------------------------
 
@@ -496,7 +496,7 @@ class Painter:
     def report(self) -> dict[str, Any]:
         """Counts, seconds by stage, and the ink ledger, ready for JSON."""
         self._refresh()
-        counters = self._room.counters
+        counters = self._scratch.counters
         return {
             "brush": self.brush.name,
             "ink": self.ink.name,

@@ -96,7 +96,7 @@ class InkStore:
         self.paint_mesh.reserve(extra)
         self._fit()
 
-    def make_room_ahead(self) -> None:
+    def grow_ahead(self) -> None:
         """Let the mesh grow where it soon would have to: it takes .2 s with a million vertices."""
         mesh = self.paint_mesh
         added = mesh.n_vertices - mesh.n_base_vertices

@@ -28,7 +28,7 @@ from paint3d.view.live_object import PatchUpload
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 
-__all__ = ["DARK", "LIGHT", "Box", "LiveScene", "Mood", "joined_box"]
+__all__ = ["DARK", "LIGHT", "Background", "Box", "LiveScene", "joined_box"]
 
 _SQUARES = 20  # along the floor: those without shade are not drawn
 _SHADE = 0.55  # darkest the object's shade on the floor becomes
@@ -58,15 +58,15 @@ _LIGHTS = (  # of what shines and of the brush; the object's own light is baked
 
 
 @dataclass(frozen=True)
-class Mood:
+class Background:
     """Colours around the object, sRGB in [0, 1]: at the picture's lower border and its upper."""
 
     below: tuple[float, float, float]
     above: tuple[float, float, float]
 
 
-LIGHT = Mood((0.815, 0.805, 0.785), (0.640, 0.630, 0.612))
-DARK = Mood((0.300, 0.296, 0.290), (0.150, 0.150, 0.154))
+LIGHT = Background((0.815, 0.805, 0.785), (0.640, 0.630, 0.612))
+DARK = Background((0.300, 0.296, 0.290), (0.150, 0.150, 0.154))
 
 
 def joined_box(boxes: Iterable[Box | None]) -> Box | None:
@@ -103,7 +103,7 @@ class LiveScene:
         If OpenGL cannot be started.
     """
 
-    def __init__(self, size: tuple[int, int] = (800, 600), mood: Mood = LIGHT) -> None:
+    def __init__(self, size: tuple[int, int] = (800, 600), mood: Background = LIGHT) -> None:
         import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  gives the classes below their bodies
         from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderWindow
 
@@ -172,7 +172,7 @@ class LiveScene:
 
     # -- what is in it ----------------------------------------------------------------------
 
-    def set_mood(self, mood: Mood) -> None:
+    def set_mood(self, mood: Background) -> None:
         """Change the colours around the object."""
         self.mood = mood
         self._backdrop.GradientBackgroundOn()

@@ -375,7 +375,7 @@ def _command_seeds() -> list[tuple[str, bytes]]:
 def _check_command(_: str, content: bytes) -> None:
     """Read the options, and check what is named before any work; nothing is run."""
     from paint3d.cli.main import _make_parser
-    from paint3d.cli.painting import Wishes
+    from paint3d.cli.painting import PaintOptions
     from paint3d.cli.parsing import UsageError
     from paint3d.errors import InputError
 
@@ -387,7 +387,7 @@ def _check_command(_: str, content: bytes) -> None:
     except UsageError as cause:
         raise InputError(" ".join(str(cause).split())) from None
     if "resolution" in chosen:
-        Wishes(
+        PaintOptions(
             brush=chosen.get("brush"),
             ink=chosen.get("ink"),
             material=chosen["material"],

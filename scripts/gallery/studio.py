@@ -99,7 +99,7 @@ def demo(app: QtWidgets.QApplication, path: Path) -> None:
 def copybook(app: QtWidgets.QApplication, path: Path) -> None:
     """Writing after a copybook on the vase, in Chinese and in the dark."""
     window = opened(app, "vase", "zh", dark=True)
-    window.copying.lay_out("永和九年", 38.0, True)
+    window.copying.layout_text("永和九年", 38.0, True)
     window.panels.docks["copybook"].raise_()
     window.workspace.post("set_brush", "zhongkai")
     window.hand.look(dolly(pan(window.hand.camera, 20.0, -50.0, window.canvas.height()), 2.3))

@@ -139,12 +139,12 @@ def test_images_of_a_stroke_keep_their_own_ink_from_the_stencil():
 
 @pytest.mark.parametrize("thirst", [0.0, 0.05])
 @pytest.mark.parametrize("shown", [False, True])
-def test_how_samples_come_in_batches_makes_no_difference_under_a_mask(thirst, shown):
+def test_how_samples_come_in_batches_makes_no_difference_under_a_mask(retention, shown):
     ends = []
     for size in (1, 7, 40):
         document = Document.new(roof(), 2.0)
         mesh = document.surface.paint_mesh
-        document.surface.ink.habit[0] = thirst
+        document.surface.ink.habit[0] = retention
         paint(document, (-30, -10), (30, -10))
         vertex = int(np.argmin(mesh.vertices[:, 0] + 100 * (mesh.vertices[:, 2] < -30)))
         document.set_mask(Mask(regions=(RegionPick(face_at(mesh, vertex)),)))

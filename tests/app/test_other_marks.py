@@ -145,7 +145,7 @@ def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, a
 )
 def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> None:
     open_for(window, {"object": "vase", "material": "porcelain", "view": "front"}, 0.6)
-    assert window.copying.lay_out("二十", 36.0, False)
+    assert window.copying.layout_text("二十", 36.0, False)
     ghosts = window.panels.copybook.copybook.ghosts
     told, strokes = [], []
     for number, ghost in enumerate(ghosts):

@@ -5,7 +5,7 @@ import pytest
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
-from paint3d.app.model.input.devices import DeviceDesk, StrokeCutter
+from paint3d.app.model.input.devices import DeviceHub, StrokeCutter
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.writing import Pen, write_text
@@ -113,7 +113,7 @@ class Stand:
 
 def test_buttons_ask_the_document_or_steer_the_object():
     stand, now = Stand(), [0]
-    desk = DeviceDesk(stand, actions={0: "recentre", 1: "dip", 2: "undo", 3: "toggle_turning",
+    desk = DeviceHub(stand, actions={0: "recentre", 1: "dip", 2: "undo", 3: "toggle_turning",
                                       4: "calibrate_rest"}, clock=lambda: now[0])  # fmt: skip
     push = np.array([1.0, 0, 0, 0, 0, 0])
     stand.mouse = [MouseEvent(MS * k, push, buttons) for k, buttons in ((1, 0), (2, 6), (3, 8))]
@@ -160,7 +160,7 @@ class Servo:
 
 def test_a_haptic_stylus_paints_and_its_force_is_shown():
     servo, stand = Servo(), Stand()
-    desk = DeviceDesk(stand, clock=lambda: 20 * MS, hands=TwoHands(), feedback=servo)
+    desk = DeviceHub(stand, clock=lambda: 20 * MS, hands=TwoHands(), feedback=servo)
     (one,) = desk.take().samples
     assert one.pressure is None
     np.testing.assert_array_equal(one.position, [1, 2, 3])

@@ -19,7 +19,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 import paint3d
 from paint3d.app.model.persistence.sitting import recoverable
 from paint3d.app.window.dialogs.film_dialog import Film
-from paint3d.app.window.input.both_hands import BothHands, carried_camera
+from paint3d.app.window.input.device_input import DeviceInput, carried_camera
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.frames import rotate
@@ -210,7 +210,7 @@ def test_history_goes_back_and_forth(window) -> None:
 
 
 def test_a_copybook_is_painted_over_and_judged(window) -> None:
-    assert window.copying.lay_out("一", 60.0, True)
+    assert window.copying.layout_text("一", 60.0, True)
     ghost = window.panels.copybook.copybook.ghosts[0]
     back = window.hand.camera
     window.workspace.actions["look_top"].trigger()
@@ -297,16 +297,16 @@ def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
     workspace, panel = window.workspace, window.panels.devices
     if haptic:
         felt = Felt(readings)
-        window.both_hands = BothHands(workspace, panel, Plugged([]), lambda document: felt)
+        window.both_hands = DeviceInput(workspace, panel, Plugged([]), lambda document: felt)
         window.both_hands.open(window.document)
     else:
-        window.both_hands = BothHands(workspace, panel, Plugged(readings))
+        window.both_hands = DeviceInput(workspace, panel, Plugged(readings))
     wait_for(lambda: len(window.document.strokes) == there + 1)
     settled(window)
     assert painted(window) >= n > 0
     assert window.both_hands.desk.force_n == pytest.approx(2.0 if haptic else 0.0)
     window.both_hands.close()
-    window.both_hands = BothHands(workspace, panel)
+    window.both_hands = DeviceInput(workspace, panel)
 
 
 def test_the_camera_stays_in_the_world_while_the_object_is_turned() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.hand_motion import join_motions, lay_motion, travel
+from paint3d.calligraphy.hand_motion import join_motions, to_hand_motion, travel
 from paint3d.calligraphy.timing import Motion, Tempo
 from paint3d.core.frames import rotate
 from paint3d.files.load import load_mesh
@@ -39,7 +39,7 @@ def motion(n=200):
 def laid(point):
     frame = frame_at(sphere(), point, (0.0, 0.0, 1.0))
     chart = make_chart(sphere(), frame, 11.0, 11.0)
-    return lay_motion(motion(), chart, EM, tuft()), chart
+    return to_hand_motion(motion(), chart, EM, tuft()), chart
 
 
 def test_the_holder_stands_on_the_wall_over_its_foot():

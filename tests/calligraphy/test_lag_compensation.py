@@ -6,7 +6,7 @@ import pytest
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.calligraphy.planning import PlanSettings, plan_stroke
 from paint3d.errors import InputError
 from tests.support.planned_strokes import EM, band, boundary, overlap, signed_distance
@@ -16,8 +16,8 @@ DRAGGED = PlanSettings(azimuth="dragged")
 
 
 @functools.cache
-def ladder():
-    return build_ladder(build_tuft(load_brush("xiaobaiyun")), 0.2 * EM)
+def footprints():
+    return tabulate_footprints(build_tuft(load_brush("xiaobaiyun")), 0.2 * EM)
 
 
 def hook():
@@ -30,14 +30,14 @@ def hook():
 
 @functools.cache
 def course(start):
-    return plan_stroke(*band(0.4, 12.0, 1.4, 0.6), EM, ladder(), DRAGGED, start=start)
+    return plan_stroke(*band(0.4, 12.0, 1.4, 0.6), EM, footprints(), DRAGGED, start=start)
 
 
 @pytest.mark.parametrize("start", [None, 0.4, 2.0, -1.5])
 def test_law_turns_the_tuft_as_planned(start):
     planned = course(start)
     inner = slice(1, -1)
-    slack = ladder().slack_at(planned.level[inner])
+    slack = footprints().slack_at(planned.level[inner])
     first = planned.azimuth[1] if start is None else start
     bend = slack[0] * np.array([math.cos(first), math.sin(first)])
     contact = drag_track(planned.handle[inner], slack, bend) - planned.handle[inner]
@@ -48,7 +48,7 @@ def test_law_turns_the_tuft_as_planned(start):
 @pytest.mark.parametrize("start", [None, 0.4, 2.0, -1.5])
 def test_outline_is_filled_wherever_the_tuft_pointed_before(start):
     outline, _ = band(0.4, 12.0, 1.4, 0.6)
-    assert overlap(course(start), ladder(), outline) > 0.95
+    assert overlap(course(start), footprints(), outline) > 0.95
 
 
 def test_tuft_trails_in_the_middle():
@@ -65,14 +65,14 @@ def test_footprints_stay_in_the_outline():
     big = np.flatnonzero(planned.level > 1.0)
     allowed = DRAGGED.margin * EM + EM / 512
     for i in big[::7]:
-        assert signed_distance(outline, boundary(planned, ladder(), i)).min() > -allowed
+        assert signed_distance(outline, boundary(planned, footprints(), i)).min() > -allowed
 
 
 def test_brush_rises_to_its_tip_where_the_stroke_turns_back():
     outline, median = hook()
-    planned = plan_stroke(outline, median, EM, ladder(), DRAGGED)
+    planned = plan_stroke(outline, median, EM, footprints(), DRAGGED)
     assert (planned.level[1:-1] >= 0.0).all()
-    assert overlap(planned, ladder(), outline) > 0.85
+    assert overlap(planned, footprints(), outline) > 0.85
     corner = np.linalg.norm(planned.centre - [10.0, 6.0], axis=1) < 1.2
     assert planned.level[corner].min() < 0.1 * planned.level.max()
     turned = np.abs(np.diff(planned.azimuth))

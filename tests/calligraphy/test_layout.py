@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from paint3d.calligraphy.layout import Layout, lay_out, split_text
+from paint3d.calligraphy.layout import Layout, layout_text, split_text
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import frame_at, make_chart
@@ -78,7 +78,7 @@ CASES = [
 def placed(case):
     name, em, layout = CASES[case]
     n = {40.0: 7, 18.0: 8, 16.0: 6, 45.0: 12, 30.0: 6}.get(em, 20)
-    return lay_out(body(name), POEM[:n], em, layout)
+    return layout_text(body(name), POEM[:n], em, layout)
 
 
 @pytest.mark.parametrize("case", range(len(CASES)))
@@ -134,20 +134,20 @@ def test_writing_inside_faces_inwards():
 
 
 def test_line_breaks_make_columns():
-    frames = [c.square.chart.frame.origin for c in lay_out(body("plane"), "永和\n九", 20.0)]
+    frames = [c.square.chart.frame.origin for c in layout_text(body("plane"), "永和\n九", 20.0)]
     assert frames[1] - frames[0] == pytest.approx([0, -20, 0], abs=0.2)
     assert frames[2] - frames[0] == pytest.approx([-22, 0, 0], abs=0.2)
     assert split_text(" 永 和\n\n九\t") == ["永和", "九"]
 
 
 def test_a_place_that_was_asked_for_is_kept():
-    (one,) = lay_out(body("plane"), "永", 20.0, Layout(at=(0.25, 0.75)))
+    (one,) = layout_text(body("plane"), "永", 20.0, Layout(at=(0.25, 0.75)))
     assert one.square.chart.frame.origin == pytest.approx([-50, 50, 0], abs=1e-3)
 
 
 def test_a_text_that_does_not_fit_says_how_much_would():
     with pytest.raises(InputError, match=r"9 characters does not fit on plane .* 4 would"):
-        lay_out(body("plane"), POEM[:9], 66.0)
+        layout_text(body("plane"), POEM[:9], 66.0)
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_a_text_that_does_not_fit_says_how_much_would():
 )
 def test_no_place_is_said_and_why(name, em, layout, words):
     with pytest.raises(MeshError, match=words):
-        lay_out(body(name), "永", em, layout)
+        layout_text(body(name), "永", em, layout)
 
 
 def sheets(*offsets):
@@ -178,21 +178,21 @@ def sheets(*offsets):
 
 def test_a_place_is_looked_for_where_the_middle_has_none():
     apart = sheets((0, 0, 0), (90, 0, 0), (0, 0, 80), (90, 0, 80))  # the middle is a gap
-    (one,) = lay_out(apart, "\u6c38", 40.0)
+    (one,) = layout_text(apart, "\u6c38", 40.0)
     x, y, z = one.square.points.reshape(-1, 3).T
     assert y == pytest.approx(0.0, abs=1e-3)
     assert (x < 60).all() or (x > 90).all()
     assert (z < 60).all() or (z > 80).all()
     with pytest.raises(MeshError, match=r"no surface at .* other places were no better"):
-        lay_out(apart, "\u6c38", 70.0)
+        layout_text(apart, "\u6c38", 70.0)
     with pytest.raises(MeshError, match=r"no surface at \[0.5, 0.5\] seen from the outside"):
-        lay_out(apart, "\u6c38", 40.0, Layout(at=(0.5, 0.5)))
+        layout_text(apart, "\u6c38", 40.0, Layout(at=(0.5, 0.5)))
 
 
 def test_a_text_that_fits_nowhere_says_how_much_would_at_the_best_place():
     apart = sheets((0, 0, 0), (90, 0, 0), (0, 0, 80), (90, 0, 80))
     with pytest.raises(InputError, match=r"9 characters does not fit on sheets .* [1-4] would"):
-        lay_out(apart, POEM[:9], 25.0)
+        layout_text(apart, POEM[:9], 25.0)
 
 
 def test_the_brush_needs_room_above_the_square():
@@ -212,7 +212,7 @@ def test_the_brush_needs_room_above_the_square():
 @pytest.mark.parametrize("text", ["", " \n\t"])
 def test_an_empty_text_is_refused(text):
     with pytest.raises(InputError, match="the text is empty"):
-        lay_out(body("plane"), text, 20.0)
+        layout_text(body("plane"), text, 20.0)
 
 
 def test_a_box_is_written_on_up_to_its_edges():
@@ -221,16 +221,16 @@ def test_a_box_is_written_on_up_to_its_edges():
     faces = [f for a, b, c, d in sides for f in ((a, b, c), (a, c, d))]
     mesh = TriangleMesh(corners.astype(np.float32), np.array(faces, np.int32), name="box")
     box = ClosestPoints(mesh)
-    placed = lay_out(box, "永和九", 27.0)
+    placed = layout_text(box, "永和九", 27.0)
     assert [c.square.chart.frame.normal.round(6).tolist() for c in placed] == [[0, -1, 0]] * 3
     assert placed[0].square.sides() == pytest.approx(27.0, abs=1e-3)
     with pytest.raises(MeshError, match="the surface ends within it"):
-        lay_out(box, "永", 29.0)
+        layout_text(box, "永", 29.0)
 
 
 def test_an_unknown_order_is_refused():
     with pytest.raises(InputError, match="expected one of columns, row"):
-        lay_out(body("plane"), "永", 20.0, Layout("spiral"))
+        layout_text(body("plane"), "永", 20.0, Layout("spiral"))
 
 
 def test_level_lines_close_and_keep_their_height():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.hand_motion import root_stretch
 from paint3d.calligraphy.kernels import planning as kernels
@@ -22,13 +22,13 @@ RATE = 250.0
 
 
 @functools.cache
-def ladder(brush="xiaokai"):
-    return build_ladder(build_tuft(load_brush(brush)), 0.2 * EM)
+def footprints(brush="xiaokai"):
+    return tabulate_footprints(build_tuft(load_brush(brush)), 0.2 * EM)
 
 
 @functools.cache
 def example(angle=0.0, brush="xiaokai"):
-    return plan_stroke(*band(angle, 12.0, 1.4, 0.6), EM, ladder(brush))
+    return plan_stroke(*band(angle, 12.0, 1.4, 0.6), EM, footprints(brush))
 
 
 @given(
@@ -40,24 +40,24 @@ def example(angle=0.0, brush="xiaokai"):
 @settings(deadline=None, max_examples=25)
 def test_nothing_leaves_the_outline(angle, length, width, bend):
     outline, median = band(angle, length, width, bend)
-    course = plan_stroke(outline, median, EM, ladder())
+    course = plan_stroke(outline, median, EM, footprints())
     allowed = PlanSettings().margin * EM + 0.5 * EM / 512  # half a pixel of the field
     for i in range(1, len(course.level) - 1, 5):
-        assert signed_distance(outline, boundary(course, ladder(), i)).min() > -allowed
+        assert signed_distance(outline, boundary(course, footprints(), i)).min() > -allowed
 
 
 @pytest.mark.parametrize(("brush", "least"), [("xiaokai", 0.94), ("full", 0.95)])
 @pytest.mark.parametrize("angle", [0.0, -1.4, 2.5])
 def test_stroke_is_covered(angle, brush, least):
     course = example(angle, brush)
-    assert overlap(course, ladder(brush), band(angle, 12.0, 1.4, 0.6)[0]) > least
+    assert overlap(course, footprints(brush), band(angle, 12.0, 1.4, 0.6)[0]) > least
 
 
 def test_quarter_turn_of_the_paper_turns_the_course():
     a, b = example(0.3), example(0.3 + 0.5 * math.pi)
     assert b.descent.max() == pytest.approx(a.descent.max(), rel=0.05)
-    assert overlap(b, ladder(), band(0.3 + 0.5 * math.pi, 12.0, 1.4, 0.6)[0]) == pytest.approx(
-        overlap(a, ladder(), band(0.3, 12.0, 1.4, 0.6)[0]), abs=0.02
+    assert overlap(b, footprints(), band(0.3 + 0.5 * math.pi, 12.0, 1.4, 0.6)[0]) == pytest.approx(
+        overlap(a, footprints(), band(0.3, 12.0, 1.4, 0.6)[0]), abs=0.02
     )
 
 
@@ -67,8 +67,8 @@ def test_handle_stands_behind_the_footprint():
     reach = np.sum((course.centre - course.handle) * bend, axis=1)
     assert np.allclose(course.handle + reach[:, None] * bend, course.centre, atol=1e-12)
     touching = course.level >= 0
-    assert np.allclose(reach[touching], ladder().centroid_at(course.level[touching]), atol=1e-9)
-    assert np.allclose(course.descent[touching], ladder().descent_at(course.level[touching]))
+    assert np.allclose(reach[touching], footprints().centroid_at(course.level[touching]), atol=1e-9)
+    assert np.allclose(course.descent[touching], footprints().descent_at(course.level[touching]))
 
 
 def test_course_starts_and_ends_lifted_and_turns_evenly():
@@ -91,7 +91,7 @@ def test_trailing_tip_is_preferred_in_the_middle():
 )
 def test_technique_holds_the_bend_against_the_motion(technique, degrees):
     asked = PlanSettings(technique=technique)
-    course = plan_stroke(*band(0.2, 14.0, 1.4), EM, ladder("slender"), asked)
+    course = plan_stroke(*band(0.2, 14.0, 1.4), EM, footprints("slender"), asked)
     middle = slice(len(course.level) // 3, 2 * len(course.level) // 3)
     ahead = np.gradient(course.centre, axis=0)[middle]
     angle = course.azimuth[middle] - np.arctan2(ahead[:, 1], ahead[:, 0])
@@ -106,7 +106,7 @@ def test_unknown_technique_is_refused():
 
 
 def test_planning_repeats_to_the_bit():
-    again = plan_stroke(*band(0.0, 12.0, 1.4, 0.6), EM, ladder())
+    again = plan_stroke(*band(0.0, 12.0, 1.4, 0.6), EM, footprints())
     assert np.array_equal(again.handle, example().handle)
     assert np.array_equal(again.descent, example().descent)
 
@@ -114,13 +114,13 @@ def test_planning_repeats_to_the_bit():
 def test_stroke_too_fine_for_the_brush_is_refused():
     outline, median = band(0.3, 12.0, 0.06)
     with pytest.raises(InputError, match="stroke 3 is too fine"):
-        plan_stroke(outline, median, EM, ladder("baiyun"), name="stroke 3")
+        plan_stroke(outline, median, EM, footprints("baiyun"), name="stroke 3")
 
 
 def test_outline_without_an_inside_is_refused():
     outline, median = band(0.0, 12.0, 0.0)
     with pytest.raises(InputError, match="stroke 3 is finer"):
-        plan_stroke(outline, median, EM, ladder(), name="stroke 3")
+        plan_stroke(outline, median, EM, footprints(), name="stroke 3")
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_outline_without_an_inside_is_refused():
 )
 def test_bad_medians_are_refused(median, words):
     with pytest.raises(InputError, match=words):
-        plan_stroke(band(0.0, 12.0, 1.4)[0], np.array(median, float), EM, ladder())
+        plan_stroke(band(0.0, 12.0, 1.4)[0], np.array(median, float), EM, footprints())
 
 
 def test_paper_frame_puts_the_em_square_at_the_origin():
@@ -137,13 +137,13 @@ def test_paper_frame_puts_the_em_square_at_the_origin():
 
 
 def test_ladder_rises_and_keeps_to_the_brush():
-    steps = ladder()
+    steps = footprints()
     assert (np.diff(steps.descents) > 0.0).all()
     widths = np.ptp(steps.points[:, :, 1], axis=1)
     assert (np.diff(widths) > -1e-9).all()
     assert widths[-1] == pytest.approx(0.2 * EM, rel=0.05)
     with pytest.raises(InputError, match="expected more than 0"):
-        build_ladder(build_tuft(load_brush("full")), 0.0)
+        tabulate_footprints(build_tuft(load_brush("full")), 0.0)
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=4 * 6 * 3, max_size=4 * 6 * 3))
@@ -194,7 +194,7 @@ def test_distances_equal_the_slow_twin(seed):
 
 
 def test_cover_fills_the_area_of_a_footprint():
-    steps, step = ladder(), 0.01
+    steps, step = footprints(), 0.01
     mask = np.zeros((600, 600), np.bool_)
     level = np.array([30.0, -1.0])
     kernels.cover(steps.points, level, np.full((2, 2), 3.0), np.array([0.7, 0.0]), 0, 0, step, mask)
@@ -297,8 +297,8 @@ def test_glyph_is_planned_stroke_by_stroke():
     for angle in (0.0, 1.2):
         outline, median = band(angle, 12.0, 1.4, 0.6)
         strokes.append(GlyphStroke(outline * scale - [0, 124], median * scale - [0, 124]))
-    courses = plan_glyph(Glyph("二", tuple(strokes)), EM, ladder())
+    courses = plan_glyph(Glyph("二", tuple(strokes)), EM, footprints())
     assert len(courses) == 2
     outline = on_paper(strokes[1].outline, EM)
-    alone = plan_stroke(outline, on_paper(strokes[1].median, EM), EM, ladder())
+    alone = plan_stroke(outline, on_paper(strokes[1].median, EM), EM, footprints())
     assert np.array_equal(courses[1].handle, alone.handle)

@@ -53,9 +53,16 @@ def test_painting_leaves_arrays_held_as_often_as_before(inputs: dict, hairs: int
     surface = PaintedSurface(sheet(flat, (40.0, 20.0), 5.0), 0.6)
     painter = Painter(surface, dataclasses.replace(load_brush("full"), inputs=inputs), hairs=hairs)
     painter.replay(recording)  # whatever grows has grown
-    room = painter._room
-    held = [*painter.tuft, *painter._curves, *room, *room.patch, *room.query, *room.block]
-    held += [*room.found, *surface.contact_tree, *surface.paint_mesh.arrays, *surface.ink]
+    scratch = painter._scratch
+    held = [
+        *painter.tuft,
+        *painter._curves,
+        *scratch,
+        *scratch.patch,
+        *scratch.query,
+        *scratch.block,
+    ]
+    held += [*scratch.found, *surface.contact_tree, *surface.paint_mesh.arrays, *surface.ink]
     if painter.hairs is not None:
         work = painter.hairs.work(surface)
         held += [*work, *work.bristles, *work.imprint]

@@ -3,7 +3,7 @@ import pytest
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.calligraphy.footprint_table import build_ladder
+from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.errors import InputError
 from paint3d.painter.brush_choice import choose_brush
 
@@ -21,8 +21,8 @@ def test_every_size_has_a_brush_and_larger_ones_no_smaller_brush():
 @pytest.mark.parametrize("em", [8.0, 21.9, 22.1, 60.0, 60.1, 200.0])
 def test_brush_makes_the_strokes_of_its_size(em):
     """Kaishu's strokes are 1 to 14 % of the em wide; the footprint must be about as long."""
-    ladder = build_ladder(build_tuft(load_brush(choose_brush(em))), 0.2 * em)
-    length, width = np.ptp(ladder.points, axis=1).T
+    footprints = tabulate_footprints(build_tuft(load_brush(choose_brush(em))), 0.2 * em)
+    length, width = np.ptp(footprints.points, axis=1).T
     assert width[0] < 0.02 * em
     assert width[-1] > 0.14 * em
     body = (width > 0.04 * em) & (width < 0.1 * em)

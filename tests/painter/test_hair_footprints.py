@@ -87,9 +87,9 @@ def test_what_touches_lies_on_the_paper(tilt, press):
     standing(painter, tilt, press)
     work = painter.hairs.work(surface)
     heights = work.points[:, :, 2 * BLOCK :].astype(float)  # block, point, hair
-    findings = work.findings.astype(float)
+    hair_contacts = work.hair_contacts.astype(float)
     touching = 0
-    for g, row in enumerate(findings):
+    for g, row in enumerate(hair_contacts):
         for j in range(BLOCK):
             begin, end = row[BEGIN + j], row[END + j]
             if end < 0.0:

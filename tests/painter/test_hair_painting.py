@@ -248,11 +248,11 @@ def test_sums_over_hairs_take_every_hair_and_every_pigment():
 def test_hairs_give_by_the_law_at_every_rate():
     wishes = np.linspace(0.0, 1.9, BLOCK)
     for rate in (1e-6, 0.02, 0.7, 40.0):
-        findings = np.zeros((1, FINDINGS * BLOCK), np.float32)
-        findings[0, GIVES : GIVES + BLOCK] = wishes
-        findings[0, HELD : HELD + BLOCK] = 2.0
-        told = settle_gifts(BLOCK, float(BLOCK), rate, findings, np.zeros(BLOCK))
-        gives = findings[0, GIVES : GIVES + BLOCK]
+        hair_contacts = np.zeros((1, FINDINGS * BLOCK), np.float32)
+        hair_contacts[0, GIVES : GIVES + BLOCK] = wishes
+        hair_contacts[0, HELD : HELD + BLOCK] = 2.0
+        told = settle_gifts(BLOCK, float(BLOCK), rate, hair_contacts, np.zeros(BLOCK))
+        gives = hair_contacts[0, GIVES : GIVES + BLOCK]
         np.testing.assert_allclose(gives, -np.expm1(-rate * wishes), rtol=2e-6)
         assert told == pytest.approx(2.0 * gives.sum(dtype=np.float64), rel=1e-12)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.layout import Layout, lay_out
+from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
 from paint3d.calligraphy.planning import on_paper
 from paint3d.core.arrays import as_number
@@ -200,7 +200,7 @@ class Copybook:
         source = source or open_glyphs(None)
         glyphs = load_glyphs(source, "".join(text.split()))
         surface = surface or ClosestPoints(mesh)
-        placed = lay_out(surface, text, em_mm, layout)
+        placed = layout_text(surface, text, em_mm, layout)
         self.ghosts = tuple(Ghost(glyphs[one.text], one.square, surface) for one in placed)
 
     @property

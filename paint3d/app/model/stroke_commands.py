@@ -183,7 +183,7 @@ class StrokeCommands:
     def rest(self) -> None:
         """Get ready for the next stroke while nobody paints; nothing that is painted changes."""
         if not self.in_stroke:
-            self.surface.make_room_ahead()
+            self.surface.grow_ahead()
 
     def follow_time(self, seconds: float) -> bool:
         """Let wet ink spread and dry, if it keeps up; see `PaintedSurface.follow_time`."""

@@ -19,7 +19,7 @@ from paint3d.app.model.copybook import Ghost
 from paint3d.app.model.study_plan import StudyPlan, Trial
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
-from paint3d.calligraphy.layout import lay_out
+from paint3d.calligraphy.layout import layout_text
 from paint3d.colour.pigments import load_pigment
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, Paint3DError
@@ -325,7 +325,7 @@ class _Judge:
     def __init__(self, plan: StudyPlan, source: GlyphSource | None) -> None:
         self._mesh = load_mesh(plan.object)
         closest = ClosestPoints(self._mesh)
-        (placed,) = lay_out(closest, plan.character, plan.em_mm)
+        (placed,) = layout_text(closest, plan.character, plan.em_mm)
         glyph = (source or open_glyphs(None)).load(plan.character)
         self._ghost = Ghost(glyph, placed.square, closest)
 

@@ -32,7 +32,7 @@ from paint3d.view.live_layers import Box
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_picture import LivePicture
-from paint3d.view.live_scene import LIGHT, LiveScene, Mood
+from paint3d.view.live_scene import LIGHT, Background, LiveScene
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh
 
@@ -61,7 +61,7 @@ class Stage:
         Of the object, to place the camera by, mm.
     """
 
-    def __init__(self, size: tuple[int, int], mood: Mood = LIGHT) -> None:
+    def __init__(self, size: tuple[int, int], mood: Background = LIGHT) -> None:
         self.scene = LiveScene(size, mood)
         self.easel: Easel | None = None
         self.frame: Frame | None = None
@@ -152,7 +152,7 @@ class Stage:
             self.scene.set_size(size)
             self.touch()
 
-    def set_mood(self, mood: Mood) -> None:
+    def set_mood(self, mood: Background) -> None:
         """Change the colours around the object."""
         self.scene.set_mood(mood)
         self.touch()

@@ -15,10 +15,10 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.begin_page import BeginPage
-from paint3d.app.window.copying import Copying
+from paint3d.app.window.copybook_guide import CopybookGuide
 from paint3d.app.window.guard import TellOnce
 from paint3d.app.window.hud import Hud
-from paint3d.app.window.input.both_hands import BothHands
+from paint3d.app.window.input.device_input import DeviceInput
 from paint3d.app.window.input.keys import HeldKeys
 from paint3d.app.window.input.steering import Steering
 from paint3d.app.window.jobs.exporting import Exporting
@@ -64,7 +64,7 @@ class StudioWindow(QtWidgets.QMainWindow):
     plugged : PluggedDevices, optional
         Pens and 6-DOF mice.
     feel : callable, optional
-        Starts the force feedback of a haptic stylus; see `BothHands`.
+        Starts the force feedback of a haptic stylus; see `DeviceInput`.
 
     Attributes
     ----------
@@ -92,8 +92,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels = Panels(workspace, self.commands.menus["window"])
         self._make_jobs()
         self._bind_actions()
-        self.copying = Copying(workspace, self.panels.copybook)
-        self.both_hands = BothHands(workspace, self.panels.devices, plugged, feel)
+        self.copying = CopybookGuide(workspace, self.panels.copybook)
+        self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)
         self.hud, self.status = Hud(workspace), StatusLine(workspace)
         self.begin_page = BeginPage(workspace, self.opening, self.recovery, self.recent)
         self._show_open(False)

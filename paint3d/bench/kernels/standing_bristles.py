@@ -19,14 +19,14 @@ def bend_often(times, bristles, tuft, cause, turned, bend, block, points):
 
 
 @kernel
-def deposit_often(times, before, after, tuft, field, ink, room):
+def deposit_often(times, before, after, tuft, field, ink, scratch):
     """Leave a solid tuft's footprint `times` times; arguments as in `brush_engine.deposit`."""
     for _ in range(times):
-        sweep_deposit(before, after, tuft, field, ink, room)
+        sweep_deposit(before, after, tuft, field, ink, scratch)
 
 
 @kernel
-def deposit_hairs_often(times, before, after, hairs, field, ink, room):
+def deposit_hairs_often(times, before, after, hairs, field, ink, scratch):
     """Leave an imprint of hairs `times` times; arguments as in `brush_engine.bristles.deposit`."""
     for _ in range(times):
-        sweep_hairs(before, after, 0.0, hairs, field, ink, room)
+        sweep_hairs(before, after, 0.0, hairs, field, ink, scratch)

@@ -120,7 +120,7 @@ class Bristles(NamedTuple):
     fans: NDArray  # (tilts, heights, 2) float32: measured spread (rad), from which length on
     clumps: NDArray  # (2, cells) float32: where in [-1, 1] the middle of a place's clump is
     appetite: NDArray  # (cells,) float32: how readily the hairs at a place give, mean 1
-    thirst: NDArray  # (cells,) float32: how wet they must be to give at all, 0 to 1, evenly
+    retention: NDArray  # (cells,) float32: how wet they must be to give at all, 0 to 1, evenly
     shortest: float  # of `lengths`
     lowest_tilt: float  # rad
     greatest_fraction: float  # descent over the straight hair's height in the last column
@@ -593,9 +593,9 @@ def _step(bend, k, known, rest, w, above, here):
         here[_Z + j] *= run - over * (rides if rides < _ONE else _ONE)
     for j in range(BLOCK):
         ex, aside, drop = here[_X + j], here[_Y + j], here[_Z + j]
-        room = rest[j] * rest[j] - aside * aside - drop * drop
-        room = room if room > _TINY else _TINY
-        ahead = room * _per_root(room)
+        scratch = rest[j] * rest[j] - aside * aside - drop * drop
+        scratch = scratch if scratch > _TINY else _TINY
+        ahead = scratch * _per_root(scratch)
         here[_X + j] = above[_X + j] + (ahead if ex > _ZERO else -ahead)
         here[_Y + j] = above[_Y + j] + aside
         here[_Z + j] = above[_Z + j] + drop
@@ -643,9 +643,9 @@ def _raise(rest, w, above, here):
     """Lift points under the plane to it and slide them on, so that the piece keeps its length."""
     for j in range(BLOCK):
         ex, ey, z1 = here[_X + j] - above[_X + j], here[_Y + j] - above[_Y + j], above[_Z + j]
-        room = rest[j] * rest[j] - z1 * z1
-        room = room if room > _TINY else _TINY
-        run = room * _per_root(room * (ex * ex + (ey * ey + _TINY)))
+        scratch = rest[j] * rest[j] - z1 * z1
+        scratch = scratch if scratch > _TINY else _TINY
+        run = scratch * _per_root(scratch * (ex * ex + (ey * ey + _TINY)))
         w[_RUN + j] = run if here[_Z + j] < _ZERO else _ONE
     for j in range(BLOCK):
         x1, y1, z, run = above[_X + j], above[_Y + j], here[_Z + j], w[_RUN + j]
@@ -665,9 +665,9 @@ def _raise_patch(bend, rest, w, above, here):
     for j in range(BLOCK):
         ex, ey = here[_X + j] - above[_X + j], here[_Y + j] - above[_Y + j]
         drop = w[_LIFTED + j] - above[_Z + j]
-        room = rest[j] * rest[j] - drop * drop
-        room = room if room > _TINY else _TINY
-        w[_RUN + j] = room * _per_root(room * (ex * ex + (ey * ey + _TINY)))
+        scratch = rest[j] * rest[j] - drop * drop
+        scratch = scratch if scratch > _TINY else _TINY
+        w[_RUN + j] = scratch * _per_root(scratch * (ex * ex + (ey * ey + _TINY)))
     for j in range(BLOCK):
         x1, y1, z, run = above[_X + j], above[_Y + j], w[_LIFTED + j], w[_RUN + j]
         x, y = x1 + (here[_X + j] - x1) * run, y1 + (here[_Y + j] - y1) * run

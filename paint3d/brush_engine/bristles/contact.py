@@ -150,8 +150,8 @@ def _find_ends(near, row, begins, ends):
         bow = _TWO * z_after / (rise if rise > _STEEP else _STEEP)
         bow = bow if bow < _ONE else _ONE
         flat = (_ONE - bow) * (_ONE - here * per_near)
-        room = (near - here) / (z_after - here)
-        beyond = flat + (_ONE - flat) * np.sqrt(room if room > _ZERO else _ZERO)
+        scratch = (near - here) / (z_after - here)
+        beyond = flat + (_ONE - flat) * np.sqrt(scratch if scratch > _ZERO else _ZERO)
         last = first + count - _ONE
         end = last + (beyond if last < top else _ZERO)
         ends[j] = end if count > _ZERO else -_ONE
@@ -184,7 +184,7 @@ def find_contacts(hairs):
     Parameters
     ----------
     hairs : Hairs
-        Bent, with their slopes and landings. Rows BEGIN and END of `findings` are filled, and
+        Bent, with their slopes and landings. Rows BEGIN and END of `hair_contacts` are filled, and
         `depths`: for each block the end of the hair that lies on furthest up, in points, below 0
         for none. On a curved surface points are laid on the plane: x and y become those of their
         feet along the normal.
@@ -195,12 +195,17 @@ def find_contacts(hairs):
         How many hairs touch.
     """
     bristles, bend, landing, turned = hairs.bristles, hairs.bend[0], hairs.landing, hairs.turned
-    points, findings, scratch, slopes = hairs.points, hairs.findings, hairs.clear, hairs.slopes
+    points, hair_contacts, scratch, slopes = (
+        hairs.points,
+        hairs.hair_contacts,
+        hairs.clear,
+        hairs.slopes,
+    )
     near = np.float32(bristles.threshold_mm)
     curved = bend.curved > 0.0
     touching = 0
     for g in range(points.shape[0]):
-        row = findings[g]
+        row = hair_contacts[g]
         highest = -1
         for k in range(SAMPLES):
             here, clear = points[g, k], scratch[k * BLOCK : (k + 1) * BLOCK]

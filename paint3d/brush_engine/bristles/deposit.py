@@ -49,7 +49,7 @@ def _leave(mix, landing, found, n, lanes, field, weights, ink):
 
 
 @uncounted(error_model="numpy")
-def sweep_hairs(before, after, ready, hairs, field, ink, room):
+def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
     Parameters
@@ -58,12 +58,12 @@ def sweep_hairs(before, after, ready, hairs, field, ink, room):
         `after` touches.
     ready : float
         What the hairs are ready to give on the way, coats x mm2: what `settle_gifts` found.
-    hairs, field, ink, room : as for `brush_engine.bristles.stroke_loop`
+    hairs, field, ink, scratch : as for `brush_engine.bristles.stroke_loop`
 
     Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`.
     """
-    width, found = field.soft_edge, room.found
-    n, within, weighed = gather_under_hairs(hairs.imprint, after, field, room, hairs.lanes)
+    width, found = field.soft_edge, scratch.found
+    n, within, weighed = gather_under_hairs(hairs.imprint, after, field, scratch, hairs.lanes)
     if n < 0:
         return False
     area = after.values[0].area
@@ -75,21 +75,21 @@ def sweep_hairs(before, after, ready, hairs, field, ink, room):
         n = _thin(level, found, hairs.lanes, n, field)
         rest = weighed_area(field, found.ids, found.share, n)
         scale *= rest / whole if whole > 0.0 else 0.0
-    room.taken[:] = 0.0
+    scratch.taken[:] = 0.0
     if ink.habit[PICKUP] > 0.0:
-        take_up_ink(before, after, ready * scale, found, n, field, ink, room.taken)
-    take_from_hairs(hairs.load, hairs.findings, scale, hairs.whole_sums, hairs.released)
+        take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
+    take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     for p in range(hairs.left.shape[0]):
         hairs.left[p] = hairs.released[p] * lands
         ink.off_surface[p] += hairs.released[p] - hairs.left[p]
-    _leave(hairs.imprint.mix, hairs.left, found, n, hairs.lanes, field, room.part, ink)
+    _leave(hairs.imprint.mix, hairs.left, found, n, hairs.lanes, field, scratch.part, ink)
     for p in range(hairs.left.shape[0]):  # what found no vertex
         ink.off_surface[p] += hairs.left[p]
     if ink.habit[PICKUP] > 0.0:
-        give_to_hairs(hairs.load, hairs.findings, room.taken)
+        give_to_hairs(hairs.load, hairs.hair_contacts, scratch.taken)
     _level(hairs, ink.habit[CAPACITY], outline_motion(before, after))
     sum_hairs(hairs.load, ink.load)
-    room.counters[PAINTED] += n
+    scratch.counters[PAINTED] += n
     return True
 
 

@@ -126,15 +126,15 @@ def _turn(values, x, y, z, nx, ny, nz):
 
 
 @uncounted(error_model="numpy")
-def fit_patch(values, field, room, work, out):
+def fit_patch(values, field, scratch, work, out):
     """Fit the patch under a stamp that has just been placed.
 
     Parameters
     ----------
     values : record of GEOMETRY
-        Of the stamp; `room` holds the patch of sheets that its plane was taken from.
+        Of the stamp; `scratch` holds the patch of sheets that its plane was taken from.
     field : SurfaceField
-    room : Room
+    scratch : Room
     work : (12, 6) float64
         Scratch.
     out : (6,) float64
@@ -146,7 +146,7 @@ def fit_patch(values, field, room, work, out):
     work[:] = 0.0
     radius = values.radius
     pack = field.sheet_pack
-    sheets, n = room.patch.sheets, room.patch.count[0]
+    sheets, n = scratch.patch.sheets, scratch.patch.count[0]
     for k in range(0, n, 1 + n // _MOST_SHEETS):
         s = sheets[k]
         x, y, z, nx, ny, nz = _turn(

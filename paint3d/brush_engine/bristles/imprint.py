@@ -147,7 +147,12 @@ def _add_to_lanes(n, lanes, rows, ink, cover):
 @uncounted(error_model="numpy")
 def _lay_hairs(hairs, count, last):
     """Lay all hairs into the map's stations."""
-    imprint, points, findings, depths = hairs.imprint, hairs.points, hairs.findings, hairs.depths
+    imprint, points, hair_contacts, depths = (
+        hairs.imprint,
+        hairs.points,
+        hairs.hair_contacts,
+        hairs.depths,
+    )
     rows, lanes, places = imprint.rows, imprint.lanes, imprint.places
     imprint.laid[:, : last + 1] = _ZERO
     most = 0.0
@@ -159,7 +164,7 @@ def _lay_hairs(hairs, count, last):
         for g in range(points.shape[0]):
             if depths[g] * SUB + 0.25 <= s - 0.5:
                 continue
-            near, far, row = points[g, k], points[g, k + 1], findings[g]
+            near, far, row = points[g, k], points[g, k + 1], hair_contacts[g]
             _find_parts(np.float32(s), row, rows)
             _lay_parts(share, scale, near, far, row, rows, lanes)
             _sum_places(share, near, far, rows)
@@ -172,7 +177,7 @@ def _lay_hairs(hairs, count, last):
 
 
 @uncounted(error_model="numpy")
-def draw_imprint(stamp, hairs, wet, dot, resolution, room):
+def draw_imprint(stamp, hairs, wet, dot, resolution, scratch):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
     Parameters
@@ -185,7 +190,7 @@ def draw_imprint(stamp, hairs, wet, dot, resolution, room):
         Means over the hairs that touch: how full they are, and their radius with their film, mm.
     resolution : float
         Vertex spacing, mm: nothing finer than a quarter of it is drawn.
-    room : Room
+    scratch : Room
     """
     imprint, load, bristles = hairs.imprint, hairs.load, hairs.bristles
     count = load.shape[0]
@@ -203,7 +208,14 @@ def draw_imprint(stamp, hairs, wet, dot, resolution, room):
     _fill_mix(imprint.mix)
     _finish_map(imprint, last, wet, max(dot, finest))
     draw_outline(
-        stamp, imprint, hairs.points, hairs.findings, count, dot, room.reach, room.half_width
+        stamp,
+        imprint,
+        hairs.points,
+        hairs.hair_contacts,
+        count,
+        dot,
+        scratch.reach,
+        scratch.half_width,
     )
     index_stations(imprint, last, stamp.values[0].tip, stamp.values[0].heel)
 
@@ -286,10 +298,10 @@ def _lay_mix(hairs, load):
     imprint, points = hairs.imprint, hairs.points
     for i in range(load.shape[0]):
         g, j = i // BLOCK, i % BLOCK
-        wish = hairs.findings[g, GIVES + j]
+        wish = hairs.hair_contacts[g, GIVES + j]
         if wish <= _ZERO:
             continue
-        s = min(int(hairs.findings[g, BEGIN + j] * SUB + _HALF), STATIONS - 1)
+        s = min(int(hairs.hair_contacts[g, BEGIN + j] * SUB + _HALF), STATIONS - 1)
         k = min(s // SUB, SAMPLES - 2)
         near, far = points[g, k, _Y + j], points[g, k + 1, _Y + j]
         y = near + np.float32(s / SUB - k) * (far - near)

@@ -13,7 +13,7 @@ from paint3d.brush_engine import stamp as st
 from paint3d.brush_engine.bristles.outline import hold_outline
 from paint3d.core.kernel import kernel
 
-__all__ = ["KEPT", "carry_outline", "keep_bend", "keep_outline", "may_keep", "note_cause"]
+__all__ = ["KEPT", "carry_outline", "keep_bend", "keep_outline", "may_keep", "note_cache_key"]
 
 _CAUSES = 14  # numbers that hairs are bent by
 _MOST_WAY = 0.5  # of the vertex spacing
@@ -39,7 +39,7 @@ KEPT = np.dtype(
 
 
 @kernel(error_model="numpy")
-def note_cause(cause, radius, tuft, kept):
+def note_cache_key(cause, radius, tuft, kept):
     """Note what the hairs would be bent by, in mm at the border of a tuft in such a sphere (mm)."""
     patch, now = cause.patch, kept.now
     now[0] = cause.descent

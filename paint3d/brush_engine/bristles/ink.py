@@ -30,9 +30,9 @@ __all__ = ["LEVEL_BINS", "ask_hairs", "give_to_hairs", "know_hairs", "level_hair
 
 LEVEL_BINS = 64  # across the tuft, within which hairs share
 _MOST_PER_HAIR = 4.0  # times its own share that a hair gives for those that do not touch
-_THIRST = np.float32(0.4)  # of a hair's room: the thirstiest hairs hold back what they have below
+_RETENTION = np.float32(0.4)  # of a hair's room: what those keep that hold back most
 _PER_SOFT = np.float32(1.0 / 0.06)  # of it, over which they do so
-_PASSING = np.float32(0.2)  # share of the thirst that changes along the way
+_PASSING = np.float32(0.2)  # share of the retention that changes along the way
 _STAGE = 7.0  # mm of way, over which it becomes another
 _STEP = 6  # places that change alike
 _FLOWS = (0.08, 0.35)  # of a hair's room for ink: where ink begins to move, and moves freely
@@ -46,7 +46,7 @@ _elementwise = kernel(error_model="numpy", fastmath={"contract"})
 
 
 @kernel(error_model="numpy")
-def know_hairs(bristles, turned, roll, way_done, known, findings):
+def know_hairs(bristles, turned, roll, way_done, known, hair_contacts):
     """How readily the hairs at their places give: only where the bend or the stage is another.
 
     Parameters
@@ -56,8 +56,8 @@ def know_hairs(bristles, turned, roll, way_done, known, findings):
     way_done : float
         Of the tuft since it was dipped, mm: streaks come and go along it.
     known : (3,) float64
-        What `findings` is for: the roll, and the stage of the way.
-    findings : (B / BLOCK, FINDINGS BLOCK) float32
+        What `hair_contacts` is for: the roll, and the stage of the way.
+    hair_contacts : (B / BLOCK, FINDINGS BLOCK) float32
         The rows from READY on are filled.
     """
     stage = int(way_done / _STAGE)
@@ -66,15 +66,15 @@ def know_hairs(bristles, turned, roll, way_done, known, findings):
     known[0], known[1], known[2] = roll[0], roll[1], stage
     cells = bristles.appetite.shape[0]
     for g in range(turned.shape[0]):
-        row, sides = findings[g], turned[g]
+        row, sides = hair_contacts[g], turned[g]
         for j in range(BLOCK):
             side = (sides[_SIDE + j] + _ONE) * np.float32(0.5 * cells)
             cell = min(cells - 1, max(0, int(side)))
             place = _STEP * (cell // _STEP) + 1
             row[_APPETITE + j] = bristles.appetite[cell]
-            row[_OWN + j] = bristles.thirst[cell]
-            row[_NOW + j] = bristles.thirst[(place * (stage + 7) * 31) % cells]
-            row[_SOON + j] = bristles.thirst[(place * (stage + 8) * 31) % cells]
+            row[_OWN + j] = bristles.retention[cell]
+            row[_NOW + j] = bristles.retention[(place * (stage + 7) * 31) % cells]
+            row[_SOON + j] = bristles.retention[(place * (stage + 8) * 31) % cells]
 
 
 @kernel(error_model="numpy")
@@ -101,8 +101,8 @@ def _wish(per_room, fraction, hair_mm, film_mm, per_piece, row, sums):
         here = _ONE if end >= _ZERO else _ZERO
         wet = held * per_room
         now, soon = row[_NOW + j], row[_SOON + j]
-        thirst = own * row[_OWN + j] + passing * (now + fraction * (soon - now))
-        flow = (wet - _THIRST * thirst) * _PER_SOFT
+        retention = own * row[_OWN + j] + passing * (now + fraction * (soon - now))
+        flow = (wet - _RETENTION * retention) * _PER_SOFT
         flow = flow if flow > _ZERO else _ZERO
         reach = _LEAST_WISH + (end - begin)
         reach = reach if reach < _ONE else _ONE
@@ -120,7 +120,7 @@ def _wish(per_room, fraction, hair_mm, film_mm, per_piece, row, sums):
 
 
 @kernel(error_model="numpy")
-def ask_hairs(bristles, load, capacity, way_done, per_piece, findings, sums):
+def ask_hairs(bristles, load, capacity, way_done, per_piece, hair_contacts, sums):
     """What the hairs are ready to give, as against one another.
 
     Parameters
@@ -134,7 +134,7 @@ def ask_hairs(bristles, load, capacity, way_done, per_piece, findings, sums):
         As for `know_hairs`.
     per_piece : int
         Stations of the map to a piece of hair.
-    findings : (B / BLOCK, FINDINGS BLOCK) float32
+    hair_contacts : (B / BLOCK, FINDINGS BLOCK) float32
         With the hairs' contacts, and READY; the other rows are filled.
     sums : (3 BLOCK,) float32
         Scratch.
@@ -148,8 +148,8 @@ def ask_hairs(bristles, load, capacity, way_done, per_piece, findings, sums):
     count = load.shape[0]
     sums[:] = _ZERO
     fraction = np.float32(way_done / _STAGE - int(way_done / _STAGE))
-    for g in range(findings.shape[0]):
-        row = findings[g]
+    for g in range(hair_contacts.shape[0]):
+        row = hair_contacts[g]
         _hold(load, g * BLOCK, min(BLOCK, count - g * BLOCK), row)
         _wish(
             np.float32(1.0 / capacity) if capacity > 0.0 else _ZERO, fraction,
@@ -180,7 +180,7 @@ def _give_by_law(rate, doublings, row):
 
 
 @kernel(error_model="numpy")
-def settle_gifts(count, wanted, rate, findings, sums):
+def settle_gifts(count, wanted, rate, hair_contacts, sums):
     """Turn wishes into the share of its ink that each hair gives over a way; returns the sum.
 
     Parameters
@@ -191,7 +191,7 @@ def settle_gifts(count, wanted, rate, findings, sums):
         Sum of the wishes, from `ask_hairs`.
     rate : float
         eta' pe ds.
-    findings : (B / BLOCK, FINDINGS BLOCK) float32
+    hair_contacts : (B / BLOCK, FINDINGS BLOCK) float32
         From `ask_hairs`; GIVES is overwritten.
     sums : (BLOCK,) float64
         Scratch.
@@ -202,8 +202,8 @@ def settle_gifts(count, wanted, rate, findings, sums):
         each *= 0.5
         doublings += 1
     sums[:BLOCK] = 0.0
-    for g in range(findings.shape[0]):
-        row = findings[g]
+    for g in range(hair_contacts.shape[0]):
+        row = hair_contacts[g]
         _give_by_law(np.float32(each), doublings, row)
         for j in range(BLOCK):
             sums[j] += np.float64(row[GIVES + j]) * np.float64(row[HELD + j])
@@ -231,13 +231,13 @@ def sum_hairs(load, out):
 
 
 @kernel(error_model="numpy")
-def take_from_hairs(load, findings, scale, sums, released):
+def take_from_hairs(load, hair_contacts, scale, sums, released):
     """Take `scale` of what each hair is ready to give; `released` (P,) gets the sums.
 
     Parameters
     ----------
     load : (B, P) float64
-    findings : (B / BLOCK, FINDINGS BLOCK) float32
+    hair_contacts : (B / BLOCK, FINDINGS BLOCK) float32
         From `settle_gifts`.
     scale : float
     sums : (BLOCK,) float64
@@ -247,8 +247,8 @@ def take_from_hairs(load, findings, scale, sums, released):
     flat = load.reshape(load.size)
     for p in range(n_pigments):
         sums[:BLOCK] = 0.0
-        for g in range(findings.shape[0]):
-            row, first = findings[g][GIVES : GIVES + BLOCK], g * BLOCK
+        for g in range(hair_contacts.shape[0]):
+            row, first = hair_contacts[g][GIVES : GIVES + BLOCK], g * BLOCK
             n = min(BLOCK, count - first)
             if n_pigments == 1:
                 here = flat[first : first + n]
@@ -265,14 +265,14 @@ def take_from_hairs(load, findings, scale, sums, released):
 
 
 @kernel(error_model="numpy")
-def give_to_hairs(load, findings, taken):
+def give_to_hairs(load, hair_contacts, taken):
     """Share `taken` (P,) evenly among the hairs that touch."""
     count = load.shape[0]
     touching = 0
     for i in range(count):
-        touching += findings[i // BLOCK, END + i % BLOCK] >= _ZERO
+        touching += hair_contacts[i // BLOCK, END + i % BLOCK] >= _ZERO
     for i in range(count):
-        if findings[i // BLOCK, END + i % BLOCK] >= _ZERO:
+        if hair_contacts[i // BLOCK, END + i % BLOCK] >= _ZERO:
             for p in range(load.shape[1]):
                 load[i, p] += taken[p] / touching
 

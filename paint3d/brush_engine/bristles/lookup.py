@@ -89,7 +89,7 @@ def _keep(n, places, block, found, lanes):
 
 
 @uncounted(error_model="numpy")
-def gather_under_hairs(imprint, stamp, field, room, lanes):
+def gather_under_hairs(imprint, stamp, field, scratch, lanes):
     """Find the vertices that hairs lie over, and weigh them by what lies there.
 
     The way from the stamp before is no longer than the vertices lie apart: what the hairs left
@@ -101,7 +101,7 @@ def gather_under_hairs(imprint, stamp, field, room, lanes):
     stamp : Stamp
         It touches.
     field : SurfaceField
-    room : Room
+    scratch : Room
         `found` is filled.
     lanes : (cap + 1,) int16
         Filled: each one's lane of the map.
@@ -115,8 +115,8 @@ def gather_under_hairs(imprint, stamp, field, room, lanes):
     weighed : float
         Area that those stand for, weighed, mm2.
     """
-    sweep, block = Sweep(room.sweep, room.between, stamp, stamp), room.block
-    n_runs, n_cells = find_candidates(sweep, True, field, room)
+    sweep, block = Sweep(scratch.sweep, scratch.between, stamp, stamp), scratch.block
+    n_runs, n_cells = find_candidates(sweep, True, field, scratch)
     if n_cells < 0:
         return -1, 0, 0.0
     map_ = imprint.map.reshape(imprint.map.size)
@@ -124,16 +124,16 @@ def gather_under_hairs(imprint, stamp, field, room, lanes):
     packed, places, parts = block.packed, block.near[1], block.work[:3]
     found, within, weighed = 0, 0, 0.0
     while True:
-        n = next_block(n_runs, n_cells, False, room.sweep[0], field, room)
+        n = next_block(n_runs, n_cells, False, scratch.sweep[0], field, scratch)
         if n == 0:
             return found, within, weighed
-        room.counters[VISITED] += n
+        scratch.counters[VISITED] += n
         m = weigh_standing(n, sweep, block)
         within += m
         weighed += weighed_area(field, block.packed_ids, packed[2], m)
         _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
         _find_lanes(m, packed[1], places, parts)
         _read_map(m, map_, places, parts, packed[4], packed[5])
-        all_ = room.found
+        all_ = scratch.found
         rest = Found(all_.ids[found:], all_.share[found:], all_.cover[found:])
         found += _keep(m, places, block, rest, lanes[found:])

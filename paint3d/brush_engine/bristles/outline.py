@@ -42,11 +42,11 @@ def _place_on(points, i, at):
 
 
 @kernel(error_model="numpy")
-def _find_ends(points, findings, some):
+def _find_ends(points, hair_contacts, some):
     """From where to where along the bend some hairs touch, mm: (first, end, step) of them."""
     low, high = np.inf, -np.inf
     for i in range(some[0], some[1], some[2]):
-        row, j = findings[i // BLOCK], i % BLOCK
+        row, j = hair_contacts[i // BLOCK], i % BLOCK
         if row[END + j] < 0.0:
             continue
         for at in (row[BEGIN + j], row[END + j]):
@@ -69,10 +69,10 @@ def _draw_piece(x0, y0, x1, y1, low, per_bin, reaches):
 
 
 @kernel(error_model="numpy")
-def _draw_hairs(points, findings, some, pieces, low, per_bin, reaches):
+def _draw_hairs(points, hair_contacts, some, pieces, low, per_bin, reaches):
     """Let the outline hold the first pieces that touch of some hairs, with their films."""
     for i in range(some[0], some[1], some[2]):
-        row, j = findings[i // BLOCK], i % BLOCK
+        row, j = hair_contacts[i // BLOCK], i % BLOCK
         begin, end, dot = row[BEGIN + j], row[END + j], np.float64(row[DOT + j])
         if end < 0.0:
             continue
@@ -94,7 +94,7 @@ def hold_outline(values):
 
 
 @kernel(error_model="numpy")
-def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_width):
+def draw_outline(stamp, imprint, points, hair_contacts, count, margin, reach, half_width):
     """Let the stamp's outline be that of the touching hairs: what those at the tuft's rim enclose.
 
     Within the outline the map says what is covered.
@@ -115,16 +115,16 @@ def draw_outline(stamp, imprint, points, findings, count, margin, reach, half_wi
     reaches[:] = margin
     first = max(0, count - OUTER)
     rim, inner = (first, count, 1), (0, first, max(1, first // _INNER))
-    low, high = _find_ends(points, findings, rim)
-    low_inside, high_inside = _find_ends(points, findings, inner)
+    low, high = _find_ends(points, hair_contacts, rim)
+    low_inside, high_inside = _find_ends(points, hair_contacts, inner)
     low, high = min(low, low_inside), max(high, high_inside)
     if not low < np.inf:  # few are long enough, and none of these
         inner = (0, first, 1)
-        low, high = _find_ends(points, findings, (0, count, 1))
+        low, high = _find_ends(points, hair_contacts, (0, count, 1))
     high = max(high, low + _SHORTEST)
     per_bin = BINS / (high - low)
-    _draw_hairs(points, findings, rim, SAMPLES, low, per_bin, reaches)
-    _draw_hairs(points, findings, inner, 1, low, per_bin, reaches)
+    _draw_hairs(points, hair_contacts, rim, SAMPLES, low, per_bin, reaches)
+    _draw_hairs(points, hair_contacts, inner, 1, low, per_bin, reaches)
     wide = (high - low) / BINS
     ends = _ENDS * margin
     n = 0

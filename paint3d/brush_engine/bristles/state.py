@@ -61,7 +61,7 @@ class Hairs(NamedTuple):
     slopes: NDArray  # (SAMPLES,) float32
     patch: NDArray  # (6,)
     patch_work: NDArray  # (12, 6)
-    findings: NDArray  # (B / BLOCK, FINDINGS BLOCK) float32, see `contact`
+    hair_contacts: NDArray  # (B / BLOCK, FINDINGS BLOCK) float32, see `contact`
     depths: NDArray  # (B / BLOCK,) float32, how far up the hairs of a block touch, in points
     clear: NDArray  # (CONTACT_SIZE,) float32
     known: NDArray  # (3,), see `know_hairs`
@@ -95,7 +95,7 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         slopes=np.zeros(bt.SAMPLES, np.float32),
         patch=np.zeros(PATCH_SIZE),
         patch_work=np.zeros((12, PATCH_SIZE)),
-        findings=zeros_on_lines((blocks, FINDINGS * bt.BLOCK), np.float32),
+        hair_contacts=zeros_on_lines((blocks, FINDINGS * bt.BLOCK), np.float32),
         depths=np.zeros(blocks, np.float32),
         clear=zeros_on_lines(CONTACT_SIZE, np.float32),
         known=np.full(3, np.nan),

@@ -28,7 +28,7 @@ from paint3d.brush_engine.bristles.imprint_cache import (
     keep_bend,
     keep_outline,
     may_keep,
-    note_cause,
+    note_cache_key,
 )  # fmt: skip
 from paint3d.brush_engine.bristles.ink import ask_hairs, know_hairs, settle_gifts
 from paint3d.brush_engine.bristles.landing import find_landings
@@ -127,7 +127,7 @@ def _find_cause(values, tuft, cosine, sine, hairs, ink):
 
 
 @uncounted(error_model="numpy")
-def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, room):
+def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, scratch):
     """Bend the hairs under a stamp that touches and find where they do; return how many.
 
     Where they would hardly lie otherwise, they stay as they are.
@@ -139,9 +139,9 @@ def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, room):
     same = turned < (_LEAST_TURN if kept.touching > 0.0 else 1e-6)
     if same:
         cosine, sine = hairs.roll[0], hairs.roll[1]
-    fit_patch(values, field, room, hairs.patch_work, hairs.patch)
+    fit_patch(values, field, scratch, hairs.patch_work, hairs.patch)
     cause = _find_cause(values, tuft, cosine, sine, hairs, ink)
-    note_cause(cause, values.radius, tuft, kept)
+    note_cache_key(cause, values.radius, tuft, kept)
     if same and may_keep(before, values, way, field.resolution, kept):
         return int(kept.touching)
     if not same:
@@ -155,18 +155,18 @@ def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, room):
 
 
 @uncounted(error_model="numpy")
-def _draw(stamp, touching, hairs, resolution, ink, room):
+def _draw(stamp, touching, hairs, resolution, ink, scratch):
     """What the hairs would give, and the imprint; returns how much they wish to."""
     count, bristles, kept = hairs.load.shape[0], hairs.bristles, hairs.kept[0]
     way = hairs.memory[0].way
-    know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.findings)
+    know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.hair_contacts)
     wanted, wet, dot = ask_hairs(
-        bristles, hairs.load, ink.habit[CAPACITY] / count, way, SUB, hairs.findings, hairs.sums
+        bristles, hairs.load, ink.habit[CAPACITY] / count, way, SUB, hairs.hair_contacts, hairs.sums
     )
     if kept.drawn > 0.0:
         carry_outline(stamp, kept, hairs.kept_lines)
     else:
-        draw_imprint(stamp, hairs, wet / touching, dot / touching, resolution, room)
+        draw_imprint(stamp, hairs, wet / touching, dot / touching, resolution, scratch)
         keep_outline(stamp, kept, hairs.kept_lines)
     return wanted
 
@@ -233,9 +233,9 @@ def _fastest(before, after, track):
 
 
 @uncounted
-def _begin(samples, i, brush, canvas, progress, room, hairs):
+def _begin(samples, i, brush, canvas, progress, scratch, hairs):
     """Begin an interval: where the brush does not touch yet, with the imprint of its first pose."""
-    before, pose = progress.before, room.pose
+    before, pose = progress.before, scratch.pose
     hairs.pace[0], hairs.pace[1] = 0.0, 1.0
     progress.at[2] = 1
     if before.values[0].touches > 0.0:
@@ -243,19 +243,19 @@ def _begin(samples, i, brush, canvas, progress, room, hairs):
     tree, field, ink = canvas.tree, canvas.field, canvas.ink
     interpolate(samples, i, 0.0, pose)
     tuft = drive(samples, i, 0.0, pose, before, brush.tuft, ink, brush.curves)
-    place_stamp(pose, brush.dragged, before, before, tuft, tree, field, room)
+    place_stamp(pose, brush.dragged, before, before, tuft, tree, field, scratch)
     hairs.kept[0].touching = 0.0
     if before.values[0].touches > 0.0:
-        touching = _place_hairs(pose, before, before, tuft, hairs, field, ink, room)
+        touching = _place_hairs(pose, before, before, tuft, hairs, field, ink, scratch)
         if touching > 0:
-            _draw(before, touching, hairs, field.resolution, ink, room)
+            _draw(before, touching, hairs, field.resolution, ink, scratch)
         _track(before, hairs, hairs.track[0])
     if samples.joined[i]:
         before.values[0].touches = 0.0
 
 
 @uncounted
-def _find_step(samples, i, brush, canvas, progress, room, hairs):
+def _find_step(samples, i, brush, canvas, progress, scratch, hairs):
     """Place the next imprint of an interval, as far from the last as no hair moves too far.
 
     Returns
@@ -269,7 +269,7 @@ def _find_step(samples, i, brush, canvas, progress, room, hairs):
     step : float
         How far in the interval it lies from the last, as a share of it.
     """
-    before, after, pose, pace = progress.before, progress.after, room.pose, hairs.pace
+    before, after, pose, pace = progress.before, progress.after, scratch.pose, hairs.pace
     tree, field, ink = canvas.tree, canvas.field, canvas.ink
     most = _SPACING * field.resolution
     step = min(pace[1], 1.0 - pace[0])
@@ -277,10 +277,10 @@ def _find_step(samples, i, brush, canvas, progress, room, hairs):
         share = pace[0] + step
         interpolate(samples, i, share, pose)
         tuft = drive(samples, i, share, pose, before, brush.tuft, ink, brush.curves)
-        place_stamp(pose, brush.dragged, before, after, tuft, tree, field, room)
+        place_stamp(pose, brush.dragged, before, after, tuft, tree, field, scratch)
         touching = 0
         if after.values[0].touches > 0.0:
-            touching = _place_hairs(pose, before, after, tuft, hairs, field, ink, room)
+            touching = _place_hairs(pose, before, after, tuft, hairs, field, ink, scratch)
             _track(after, hairs, hairs.track[1])
         touches = after.values[0].touches > 0.0 or before.values[0].touches > 0.0
         moved = _fastest(before, after, hairs.track) if touches else 0.0
@@ -290,25 +290,25 @@ def _find_step(samples, i, brush, canvas, progress, room, hairs):
 
 
 @uncounted
-def _deposit(before, after, tuft, touching, hairs, canvas, room):
+def _deposit(before, after, tuft, touching, hairs, canvas, scratch):
     """Leave what the hairs of an imprint wish to give; False where the mesh has no room."""
     field, ink = canvas.field, canvas.ink
-    wanted = _draw(after, touching, hairs, field.resolution, ink, room)
+    wanted = _draw(after, touching, hairs, field.resolution, ink, scratch)
     if wanted <= 0.0:
         return True
     rate = tuft.transfer_per_mm * mean_pressure(before, after)
     rate *= ink_way(before, after)
     count = hairs.load.shape[0]
-    ready = settle_gifts(count, wanted, rate, hairs.findings, hairs.whole_sums)
-    if not sweep_hairs(before, after, ready, hairs, field, ink, room):
+    ready = settle_gifts(count, wanted, rate, hairs.hair_contacts, hairs.whole_sums)
+    if not sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         return False
-    room.counters[FOOTPRINTS] += 1
+    scratch.counters[FOOTPRINTS] += 1
     _remember(before, after, tuft, hairs, ink)
     return True
 
 
 @uncounted
-def paint_with_hairs(samples, last, brush, canvas, progress, room, hairs):
+def paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs):
     """Paint from where `progress` stands up to sample `last`; see `paint_samples`.
 
     Parameters
@@ -325,16 +325,16 @@ def paint_with_hairs(samples, last, brush, canvas, progress, room, hairs):
     resolution = canvas.field.resolution
     most = _SPACING * resolution
     while True:
-        i = next_interval(samples, last, brush.tuft, resolution, progress, room.counters)
+        i = next_interval(samples, last, brush.tuft, resolution, progress, scratch.counters)
         if i < 0:
             return FINISHED
         if progress.at[2] == 0:
-            _begin(samples, i, brush, canvas, progress, room, hairs)
+            _begin(samples, i, brush, canvas, progress, scratch, hairs)
         while pace[0] < 1.0:
             tuft, touching, moved, step = _find_step(
-                samples, i, brush, canvas, progress, room, hairs
+                samples, i, brush, canvas, progress, scratch, hairs
             )
-            if touching > 0 and not _deposit(before, after, tuft, touching, hairs, canvas, room):
+            if touching > 0 and not _deposit(before, after, tuft, touching, hairs, canvas, scratch):
                 pace[1] = step
                 return NEEDS_ROOM
             copy_stamp(after, before)

@@ -1,7 +1,7 @@
 """Which footprints fit into a stroke's outline: distances, containment, best directions, coverage.
 
 Distances are kept on a grid: `field[i, j]` is the signed distance (positive inside) at
-(x0 + j step, y0 + i step), with `grid = (x0, y0, step)`. A ladder of footprints is an array
+(x0 + j step, y0 + i step), with `grid = (x0, y0, step)`. A table of footprints is an array
 `points` (L levels, B boundary points, 2): the outline of each descent about its own centroid, with
 the bend along +x. Points of the same index belong together, so a level may lie between two rungs;
 level -1 stands for a brush that is lifted.
@@ -40,7 +40,7 @@ _STAYING = 0.01  # of a side step, what it must gain
 class Target(NamedTuple):
     """What is to be filled, with which footprints, and how far these may leave it."""
 
-    points: NDArray[np.float64]  # (L, B, 2), ladder of footprints, mm
+    points: NDArray[np.float64]  # (L, B, 2), table of footprints, mm
     support: NDArray[np.float64]  # (L, 2 A), reach of each from its centroid, even ways from 0, mm
     field: NDArray[np.float64]  # (H, W), signed distances of the outline, mm
     grid: NDArray[np.float64]  # (3,), of these: x0, y0, step, mm

@@ -8,11 +8,11 @@ from paint3d.core.kernel import kernel
 from paint3d.core.quaternion import turn
 from paint3d.mesh.kernels.bounded_bvh import find_foot_within, mean_normal
 
-__all__ = ["push_back"]
+__all__ = ["contact_force"]
 
 
 @kernel(error_model="numpy")
-def push_back(tree, settings, state, root, q, work, force):
+def contact_force(tree, settings, state, root, q, work, force):
     """The brush's force on the hand in the object's frame, N, before anything is made safe.
 
     F = lambda_c S D_s along the averaged normal (Guo 2017, Eq. 4), plus friction of at most mu F

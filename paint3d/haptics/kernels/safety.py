@@ -16,7 +16,7 @@ from paint3d.haptics.kernels.state import (
     WAITING,
 )
 
-__all__ = ["make_safe", "tame"]
+__all__ = ["limit_power", "make_safe"]
 
 _ABSURD = 1e18  # N2; NaN is not below it either
 _FORESIGHT = 1.5  # the hand may speed up by so much until the next step
@@ -109,7 +109,7 @@ def _slew(settings, state, force, dt):
 
 
 @kernel(error_model="numpy")
-def tame(state, force, way):
+def limit_power(state, force, way):
     """Let the device give back no more energy than the hand put in (Hannaford and Ryu 2002).
 
     The tank gains what the hand did against the last force, and what turning the pen put into the

@@ -6,8 +6,8 @@ import numpy as np
 
 from paint3d.core.kernel import kernel
 from paint3d.core.quaternion import relative, turn, turn_back
-from paint3d.haptics.kernels.force import push_back
-from paint3d.haptics.kernels.safety import make_safe, tame
+from paint3d.haptics.kernels.force import contact_force
+from paint3d.haptics.kernels.safety import limit_power, make_safe
 from paint3d.haptics.kernels.state import BUDGET_SPENT
 
 __all__ = ["NODE_BUDGET", "servo_step"]
@@ -47,7 +47,7 @@ def servo_step(tree, the_settings, the_state, target, pose, moment, out):
     _feel(tree, settings, state, pose, work, force, way)
     state.spent = NODE_BUDGET - work[0]
     flags = make_safe(settings, state, force, moment)
-    flags |= tame(state, force, way)
+    flags |= limit_power(state, force, way)
     if work[0] <= 0:
         flags |= BUDGET_SPENT
     state.last_force[:] = force
@@ -72,7 +72,7 @@ def _feel(tree, settings, state, pose, work, force, way):
     if state.has_last > 0.0:
         for axis in range(3):
             way[axis] = root[axis] - state.last[axis]
-    touching = push_back(tree, settings, state, root, held, work, force)
+    touching = contact_force(tree, settings, state, root, held, work, force)
     state.touching = 1.0 if touching else 0.0
     state.last[:] = root
     state.has_last = 1.0

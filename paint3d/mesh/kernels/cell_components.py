@@ -222,7 +222,7 @@ def link_sheets(cells, root_pairs, pair_order, pair_cell, links):
     """
     table, places, pair_sheet = cells.table, cells.cell_place, cells.pair_sheet
     n = 0
-    room = links.shape[0]
+    capacity = links.shape[0]
     for t in range(root_pairs.shape[0] - 1):
         first = root_pairs[t]
         last = root_pairs[t + 1]
@@ -237,7 +237,7 @@ def link_sheets(cells, root_pairs, pair_order, pair_cell, links):
                     for axis in range(3):
                         near = near and abs(places[c, axis] - places[d, axis]) <= 1
                     if near:
-                        if n < room:
+                        if n < capacity:
                             links[n, 0] = pair_sheet[p]
                             links[n, 1] = pair_sheet[q]
                         n += 1
@@ -251,7 +251,7 @@ def link_sheets(cells, root_pairs, pair_order, pair_cell, links):
                     continue
                 q = find_pair(cells.cell_pairs, cells.pair_root, d, t)
                 if q >= 0:
-                    if n < room:
+                    if n < capacity:
                         links[n, 0] = pair_sheet[p]
                         links[n, 1] = pair_sheet[q]
                     n += 1

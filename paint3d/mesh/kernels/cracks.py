@@ -45,7 +45,7 @@ def link_cracks(points, triangles, radial, cells, widest, links):
         How many there are.
     """
     n = 0
-    room = links.shape[0]
+    capacity = links.shape[0]
     place = np.empty(3)
     for h in range(radial.shape[0]):
         if radial[h] != h:
@@ -69,7 +69,7 @@ def link_cracks(points, triangles, radial, cells, widest, links):
                 _v, _w, away2 = closest_on(points, a, b, c, place[0], place[1], place[2])
                 if away2 > widest * widest:
                     continue
-                if n < room:
+                if n < capacity:
                     links[n, 0] = sheet
                     links[n, 1] = cells.pair_sheet[other]
                 n += 1

@@ -63,7 +63,7 @@ def fill_pairs(points, triangles, origin, size, places, roots):
     Returns how many there are.
     """
     n = 0
-    room = roots.shape[0]
+    capacity = roots.shape[0]
     tri = np.empty((3, 3))
     low = np.empty(3, np.int64)
     high = np.empty(3, np.int64)
@@ -88,7 +88,7 @@ def fill_pairs(points, triangles, origin, size, places, roots):
                     z = origin[2] + (k + 0.5) * size
                     if not single and not _triangle_meets_box(tri, x, y, z, half):
                         continue
-                    if n < room:
+                    if n < capacity:
                         places[n, 0] = i
                         places[n, 1] = j
                         places[n, 2] = k

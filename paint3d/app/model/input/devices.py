@@ -22,7 +22,7 @@ from paint3d.device.stylus_reading import StylusReading
 from paint3d.pose.steering import ObjectPose, apply_action
 from paint3d.pose.two_hands import TwoHands
 
-__all__ = ["DOCUMENT_COMMANDS", "DeviceDesk", "DeviceView", "StrokeCutter", "Taken"]
+__all__ = ["DOCUMENT_COMMANDS", "DeviceHub", "DeviceView", "StrokeCutter", "Taken"]
 
 DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
 """Actions of buttons that are commands of a `Document`; the others steer the object."""
@@ -111,7 +111,7 @@ class Taken:
     object_pose: ObjectPose
 
 
-class DeviceDesk:
+class DeviceHub:
     """The devices of both hands; ask it some ten to a hundred times a second.
 
     Parameters

@@ -8,7 +8,7 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.frame import Frame
-from paint3d.app.model.input.devices import DeviceDesk
+from paint3d.app.model.input.devices import DeviceHub
 from paint3d.app.window.keeping_up import keeping_up
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
@@ -123,7 +123,7 @@ class DevicePanel(QtWidgets.QWidget):
         self.picture.object_axes = axes
         self.picture.update()
 
-    def show_desk(self, desk: DeviceDesk | None, frame: Frame | None) -> None:
+    def show_desk(self, desk: DeviceHub | None, frame: Frame | None) -> None:
         """Show what is plugged in, and how it does."""
         views = desk.views() if desk is not None else []
         lines = []

@@ -9,22 +9,22 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
 
-__all__ = ["Copying"]
+__all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
 
-class Copying:
+class CopybookGuide:
     """For one window."""
 
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
         self._workspace, self._panel = workspace, panel
-        panel.asked.connect(self.lay_out)
+        panel.asked.connect(self.layout_text)
         panel.hidden.connect(self.hide)
         workspace.hand.ended.connect(self._judge)
 
-    def lay_out(self, text: str, em_mm: float, columns: bool) -> bool:
+    def layout_text(self, text: str, em_mm: float, columns: bool) -> bool:
         """Lay a text on the object as ghosts; say whether that went well."""
         workspace = self._workspace
         mesh = workspace.document.surface.source

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paint3d.app.model.input.devices import DeviceDesk, StrokeCutter
+from paint3d.app.model.input.devices import DeviceHub, StrokeCutter
 from paint3d.app.window.panels.device_panel import DevicePanel
 from paint3d.app.window.wording import say_error
 from paint3d.app.window.workspace import Workspace
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from paint3d.app.model.input.devices import Feedback, Plugged
     from paint3d.view.camera import Camera
 
-__all__ = ["BothHands", "carried_camera"]
+__all__ = ["DeviceInput", "carried_camera"]
 
 _SHOWN_EVERY = 12  # ticks between two looks at the panel
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
@@ -46,7 +46,7 @@ def carried_camera(camera: Camera, before: ObjectPose, after: ObjectPose) -> Cam
     )
 
 
-class BothHands:
+class DeviceInput:
     """For one window.
 
     Parameters
@@ -89,11 +89,11 @@ class BothHands:
             self._workspace.tell(say_error(error), state="bad")
         self.desk = self._make_desk()
 
-    def _make_desk(self) -> DeviceDesk | None:
+    def _make_desk(self) -> DeviceHub | None:
         if self._plugged is None:
             return None
         actions = self._workspace.settings.buttons
-        return DeviceDesk(self._plugged, actions=actions, feedback=self._feedback)
+        return DeviceHub(self._plugged, actions=actions, feedback=self._feedback)
 
     def tick(self) -> None:
         """Take what the devices said; show them now and then."""
