@@ -73,7 +73,7 @@ def export(
     path : path-like
         An existing file is replaced at the end, in one step; after a failure it is as it was.
     options : ExportOptions, optional
-        PaintOptions about the file; without, what is right in its format.
+        How the file is to be written; without, what is right in its format.
     progress : callable, optional
         Called with about the share done, now and then; what it raises leaves everything as it was.
 

@@ -25,6 +25,7 @@ from tests.support.app.event_player import (
 from tests.support.app.hands import same_vertices
 from tests.support.app.trials import blind_window, player_of
 
+_STALL_S = 0.004  # in which the ink would go on by itself
 _GRID_MS = PIECE_NS // 1_000_000  # events are the same if they fall alike between its lines
 WAYS = (("pictures", 5.0), ("pictures", 120.0), ("one by one", 0.0), ("burst", 0.0))
 
@@ -59,6 +60,10 @@ def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -
     player._aspect = recording.header.get("aspect")
     for batch in hand_over(recording.events, how, 12, pace):
         wall.ms = begin_ms + batch[-1].time_ms
+        if how == "burst":  # something holds the window up, longer than between two strokes
+            for _ in range(5):
+                window.stage.easel.post(lambda document: None).result(60)
+                time.sleep(_STALL_S)
         for event in batch:
             player.send(event, begin_ms)
         process()

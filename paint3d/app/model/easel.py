@@ -47,6 +47,7 @@ _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
 _BASE_EVERY_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
+_LIVE_S = 0.002  # between two looks whether the window has said that it lives
 _DEAR_S = 3.0  # of work since the last base, after which the next is due: what recovering costs
 
 Command = str | Callable[[Document], object]
@@ -154,6 +155,7 @@ class Easel:
         self._stale = True
         self._lag = 0.0
         self._ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
+        self._seen_ns: tuple[int, int] | None = None  # the last two times that `live` was called
         self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
         self._thread.start()
 
@@ -210,6 +212,16 @@ class Easel:
             self._hovering = self.newest = sample
             self._stale = True
             self._wake.notify()
+
+    def live(self) -> None:
+        """Say again and again that events of the hand are handed over as they come.
+
+        What came before the last call but one has been by now. While a window that says so is
+        silent, because something holds it up, the ink waits for what the hand may have done.
+        """
+        now = time.perf_counter_ns()
+        with self._wake:
+            self._seen_ns = (now if self._seen_ns is None else self._seen_ns[1], now)
 
     def take_frame(self) -> Frame | None:
         """What changed since the last frame that was taken, or None; never waits."""
@@ -353,7 +365,8 @@ class Easel:
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
         if self._wet:
-            return self._ink_clock.patience(time.perf_counter_ns())
+            patience = self._ink_clock.patience(self._handed_over_ns())
+            return patience if self._seen_ns is None else max(patience, _LIVE_S)
         if self._scribe is None:
             return None
         return min(_AGAIN_S, self._base_every_s) if self._scribe.has_gap else self._base_every_s
@@ -419,10 +432,13 @@ class Easel:
         with self._wake:
             if self._jobs or self._stopping or not self._wet:
                 return
-            now = time.perf_counter()
-            passed = self._ink_clock.wait(round(1e9 * now), self._pace.most(0.0))
+            passed = self._ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
             if passed and not is_dry:
-                self._enqueue(_piece(now))
+                self._enqueue(_piece(time.perf_counter()))
+
+    def _handed_over_ns(self) -> int:
+        """Up to when the hand's events have been handed over, but for what is on its way."""
+        return time.perf_counter_ns() if self._seen_ns is None else self._seen_ns[0]
 
     # -- keeping ----------------------------------------------------------------------------
 

@@ -224,6 +224,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.begin_page.show_page(self.stage.easel is None and not self.workspace.is_waiting)
         if self.stage.easel is None:
             return
+        self.stage.easel.live()
         self.both_hands.tick()
         self.player.tick()
         self.copying.follow()
