@@ -15,7 +15,7 @@ from paint3d.brush_engine.vertex_query import CURSOR_SIZE
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 
-__all__ = ["Block", "Found", "Query", "Scratch", "grow_room", "make_scratch"]
+__all__ = ["Block", "Found", "Query", "Scratch", "grow_scratch", "make_scratch"]
 
 _BLOCK = 2032  # vertices projected and weighed at a time; an odd number of cache lines
 _COUNTERS = 8
@@ -106,7 +106,7 @@ def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
     )
 
 
-def grow_room(scratch: Scratch, mesh: PaintMesh, n_pigments: int) -> Scratch:
+def grow_scratch(scratch: Scratch, mesh: PaintMesh, n_pigments: int) -> Scratch:
     """The same scratch, for a mesh that has grown or a pigment more; what was begun goes on."""
     return scratch._replace(
         found=_make_found(mesh), part=np.zeros(n_pigments), taken=np.zeros(n_pigments)
@@ -143,7 +143,5 @@ def _make_block() -> Block:
 
 
 def _make_found(mesh: PaintMesh) -> Found:
-    scratch = mesh.capacity + 1
-    return Found(
-        np.zeros(scratch, np.int32), np.zeros(scratch, np.float32), np.zeros(scratch, np.float32)
-    )
+    n = mesh.capacity + 1
+    return Found(np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32))

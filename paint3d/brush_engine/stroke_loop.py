@@ -104,7 +104,7 @@ def paint_samples(samples, last, brush, canvas, progress, scratch):
     brush : HeldBrush
     canvas : Canvas
     progress : Progress
-    scratch : Room
+    scratch : Scratch
 
     Returns
     -------

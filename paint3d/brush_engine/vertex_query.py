@@ -51,7 +51,7 @@ def find_candidates(sweep, alone, field, scratch):
     alone : bool
         Both stamps are the same: what lies under the one is looked for.
     field : SurfaceField
-    scratch : Room
+    scratch : Scratch
         Of `query`, `cells` and `runs` are filled, and `cursor` stands at the beginning.
 
     Returns
@@ -92,7 +92,7 @@ def next_block(n_runs, n_cells, without_inside, sweep, field, scratch):
         Pass over runs that lie within the outline: they were taken whole.
     sweep : record of SWEEP
     field : SurfaceField
-    scratch : Room
+    scratch : Scratch
         Of `block`, `ids` and the first three of `rows` are filled: plane x, y and stretch.
     """
     block, vertices = scratch.block, vertices_of(field)

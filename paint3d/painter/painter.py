@@ -28,7 +28,7 @@ from paint3d.brush_engine.brush_load import level_stations
 from paint3d.brush_engine.contact import Contact, find_contact
 from paint3d.brush_engine.deposit import PAINTED
 from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
-from paint3d.brush_engine.scratch import Scratch, grow_room, make_scratch
+from paint3d.brush_engine.scratch import Scratch, grow_scratch, make_scratch
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.pigments import Pigment, load_pigment
@@ -146,7 +146,7 @@ class Painter:
         if ink is not None:
             self._dipped = ink
             self.ink = self.surface.main_pigment(parts)
-        self._scratch = self._make_room()
+        self._scratch = self._make_scratch()
 
     def _take_up(self) -> None:
         """Take the brush as it lies there: with what it holds, or dry."""
@@ -157,7 +157,7 @@ class Painter:
         parts = held / held.sum() if held.any() else np.eye(len(held))[-1]
         self._dipped = {p: w for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-9}
         self.ink = surface.main_pigment(parts)
-        self._scratch = self._make_room()
+        self._scratch = self._make_scratch()
         accounts = self.ledger()
         self.loaded = sum(accounts.values()) - accounts["loaded"]
 
@@ -234,7 +234,7 @@ class Painter:
                 setattr(self, name, value)
         if self.hairs is not None and of_hairs is not None:
             self.hairs.restore(of_hairs)
-        self._scratch = self._make_room()
+        self._scratch = self._make_scratch()
 
     def _mixture(self, ink: Ink) -> AnyArray:
         """(P,) parts of the pigments on the surface, of sum 1."""
@@ -452,13 +452,13 @@ class Painter:
         scratch = self._scratch  # the surface may have grown, or another brush brought a pigment
         is_small = len(scratch.found.ids) != surface.paint_mesh.capacity + 1
         if is_small or len(scratch.part) != len(surface.pigments):
-            self._scratch = self._make_room()
+            self._scratch = self._make_scratch()
         while True:
             state = self._run_kernel(samples, last)
             if state == intervals.FINISHED:
                 break
             surface.make_room()
-            self._scratch = self._make_room()
+            self._scratch = self._make_scratch()
         surface.ink.habit[CAPACITY] = self.tuft.load  # whatever curves made of it
         self.seconds["stroke"] += time.perf_counter() - started
 
@@ -471,10 +471,10 @@ class Painter:
             return int(paint_samples(samples, last, brush, canvas, progress, scratch))
         return int(paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs))
 
-    def _make_room(self) -> Scratch:
+    def _make_scratch(self) -> Scratch:
         mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
-        old = getattr(self, "_room", None)
-        return make_scratch(mesh, pigments) if old is None else grow_room(old, mesh, pigments)
+        old = getattr(self, "_scratch", None)
+        return make_scratch(mesh, pigments) if old is None else grow_scratch(old, mesh, pigments)
 
     # -- accounts ---------------------------------------------------------------------------
 

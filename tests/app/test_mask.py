@@ -137,7 +137,7 @@ def test_images_of_a_stroke_keep_their_own_ink_from_the_stencil():
     close(document)
 
 
-@pytest.mark.parametrize("thirst", [0.0, 0.05])
+@pytest.mark.parametrize("retention", [0.0, 0.05])
 @pytest.mark.parametrize("shown", [False, True])
 def test_how_samples_come_in_batches_makes_no_difference_under_a_mask(retention, shown):
     ends = []

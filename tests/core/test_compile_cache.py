@@ -219,7 +219,7 @@ def test_every_kernel_and_every_tuple_that_one_takes_is_looked_at() -> None:
                 _, compiled = pickle.loads(file.read())
             for signature, *_ in compiled:
                 seen |= {one.instance_class for one in signature if hasattr(one, "instance_class")}
-    assert {"Room", "InkField", "SurfaceField"} <= {one.__name__ for one in seen}
+    assert {"Scratch", "InkField", "SurfaceField"} <= {one.__name__ for one in seen}
     for one in seen:
         name = one.__module__.removeprefix("paint3d.").replace(".", "/")
         assert looked_at[name][2][one.__name__] == list(one._fields)

@@ -134,7 +134,7 @@ def fit_patch(values, field, scratch, work, out):
     values : record of GEOMETRY
         Of the stamp; `scratch` holds the patch of sheets that its plane was taken from.
     field : SurfaceField
-    scratch : Room
+    scratch : Scratch
     work : (12, 6) float64
         Scratch.
     out : (6,) float64

@@ -190,7 +190,7 @@ def draw_imprint(stamp, hairs, wet, dot, resolution, scratch):
         Means over the hairs that touch: how full they are, and their radius with their film, mm.
     resolution : float
         Vertex spacing, mm: nothing finer than a quarter of it is drawn.
-    scratch : Room
+    scratch : Scratch
     """
     imprint, load, bristles = hairs.imprint, hairs.load, hairs.bristles
     count = load.shape[0]

@@ -101,7 +101,7 @@ def gather_under_hairs(imprint, stamp, field, scratch, lanes):
     stamp : Stamp
         It touches.
     field : SurfaceField
-    scratch : Room
+    scratch : Scratch
         `found` is filled.
     lanes : (cap + 1,) int16
         Filled: each one's lane of the map.
