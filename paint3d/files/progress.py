@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import overload
 
 __all__ = ["Progress", "part_of"]
 
@@ -10,6 +11,10 @@ Progress = Callable[[float], None]
 """Called with the share done, 0 to 1, now and then; what it raises stops the work."""
 
 
+@overload
+def part_of(progress: Progress, low: float, high: float) -> Progress: ...
+@overload
+def part_of(progress: Progress | None, low: float, high: float) -> Progress | None: ...
 def part_of(progress: Progress | None, low: float, high: float) -> Progress | None:
     """What a part of the work is given that takes it from one share of the whole to another.
 

@@ -50,12 +50,12 @@ class CopybookGuide:
 
     def follow(self) -> None:
         """Take what strokes were judged to be."""
-        panel = self._panel
-        if panel.follow():
+        panel, copybook = self._panel, self._panel.copybook
+        if panel.follow() and copybook is not None:
             self._draw()
-            for place, ghost in enumerate(panel.copybook.ghosts):
+            for place, ghost in enumerate(copybook.ghosts):
                 percent = panel.percent(place)
-                if percent is not None and place == self._last(panel.copybook):
+                if percent is not None and place == self._last(copybook):
                     told = say("copybook.match", character=ghost.text, percent=percent)
                     self._workspace.tell(told, state="good")
 
@@ -73,7 +73,7 @@ class CopybookGuide:
             copybook.follow(document.strokes)
             return copybook.note(document.strokes[-1], document.surface)
 
-        self._panel.expect(self._workspace.stage.easel.post(note))
+        self._panel.expect(self._workspace.easel.post(note))
 
     def _draw(self) -> None:
         copybook, stage = self._panel.copybook, self._workspace.stage

@@ -142,8 +142,8 @@ class PaintActions:
         """Take paint only where the surface faces the viewer, or everywhere again."""
         angle = None
         if on:
-            back = picture_axes(self._workspace.hand.camera)[2]
-            angle = AngleMask(tuple(float(x) for x in back), self._mask_degrees)
+            back = picture_axes(self._workspace.hand.open_camera)[2]
+            angle = AngleMask((float(back[0]), float(back[1]), float(back[2])), self._mask_degrees)
         mask = self._document.mask
         self._post("set_mask", Mask(angle, mask.regions, mask.inverted))
 
@@ -168,7 +168,7 @@ class PaintActions:
         place = self._workspace.hand.place()
         if place is None:
             return None
-        with self._workspace.stage.easel.paused(_PATIENCE_S) as document:
+        with self._workspace.easel.paused(_PATIENCE_S) as document:
             if document is not None:
                 return what(document.surface.paint_mesh, place)
         self._workspace.tell(say("Still painting; ask again in a moment"), state="slow")
@@ -183,7 +183,7 @@ class PaintActions:
     def do_refine(self) -> None:
         """Refine the whole surface now, with a bar; if it is stopped, it is as it was."""
         workspace = self._workspace
-        easel = workspace.stage.easel
+        easel = workspace.easel
 
         def work(progress: Progress) -> None:
             result_of(easel.post(lambda document: document.surface.refine_all(progress)), progress)

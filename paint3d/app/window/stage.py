@@ -135,6 +135,17 @@ class Stage:
         self.scene.close()
 
     @property
+    def open_easel(self) -> Easel:
+        """`easel`, while something is open."""
+        assert self.easel is not None, "something is open"
+        return self.easel
+
+    @property
+    def _open_object(self) -> LiveObject:
+        assert self._object is not None, "something is open"
+        return self._object
+
+    @property
     def is_lit(self) -> bool:
         """Whether the soft light has been found."""
         return self._baking is None
@@ -215,12 +226,12 @@ class Stage:
 
     def _take(self) -> None:
         """Copy what has changed; later, where a step of the painting lasts too long."""
-        with self.easel.paused(_PATIENCE_S) as document:
+        with self.open_easel.paused(_PATIENCE_S) as document:
             if document is None:
                 return
             ids = np.concatenate([*self._pending, document.refresh()])
-            uploads = self._object.uploads(ids)
-            coarse = self._object.repaint_coarse()
+            uploads = self._open_object.uploads(ids)
+            coarse = self._open_object.repaint_coarse()
         self._pending.clear()
         for points in self.scene.apply(uploads):
             self._drawn.touch_object(self.scene.screen_box(points))
@@ -231,10 +242,10 @@ class Stage:
         """Have the scene draw the object coarsely; whether it can."""
         if self._pending:
             self._take()
-        with self.easel.paused(_PATIENCE_S) as document:
+        with self.open_easel.paused(_PATIENCE_S) as document:
             if document is None or self._pending:
                 return self.scene.has_coarse
-            coarse = self._object.coarse_for(self.scene.nearest_mm(), n_triangles)
+            coarse = self._open_object.coarse_for(self.scene.nearest_mm(), n_triangles)
         if coarse is not None:
             self.scene.set_coarse(coarse)
         return True
@@ -243,18 +254,18 @@ class Stage:
         if self._baking is None or not self._baking.done():
             return
         baked, self._baking = self._baking.result(), None
-        self._object.relight(baked)
+        self._open_object.relight(baked)
         self.scene.set_ground(baked)
         self._pending.append(_NONE)
         self.touch()
 
     def _take_mask(self) -> None:
         """Hatch the object where another mask than before covers it."""
-        stencil = self.easel.document.stencil if self.shows_mask else None
+        stencil = self.open_easel.document.stencil if self.shows_mask else None
         if stencil is self._stencil:
             return
         self._stencil = stencil
-        self._object.veil(None if stencil is None else stencil.covers)
+        self._open_object.veil(None if stencil is None else stencil.covers)
         self._pending.append(_NONE)
         self.touch()
 
@@ -281,7 +292,7 @@ class Stage:
         if len(lines):
             drawn = self._lines[name] = DrawnMesh()
             drawn.set_lines(lines)
-            drawn.set_colours(np.tile(np.uint8(colour), (sum(map(len, lines)), 1)))
+            drawn.set_colours(np.tile(np.array(colour, np.uint8), (sum(map(len, lines)), 1)))
             look = drawn.actor.GetProperty()
             look.LightingOff()
             look.SetLineWidth(width)
@@ -295,11 +306,11 @@ class Stage:
     def _place_brush(self) -> None:
         """Put the brush where it is to be drawn."""
         if self.frame is not None:
-            self._show_brush(self._brush_now())
+            self._show_brush(self._brush_now(self.frame))
 
-    def _brush_now(self) -> BrushView | None:
+    def _brush_now(self, frame: Frame) -> BrushView | None:
         """The brush where the hand was last; how it stands there, if that can be found at once."""
-        seen, newest = self.frame.brush, self.easel.newest
+        seen, newest = frame.brush, self.open_easel.newest
         if newest is self._left_at:
             return None
         if seen is None or newest is None:
@@ -309,7 +320,7 @@ class Stage:
         if not shift.any() and np.array_equal(pose.orientation[0], seen.orientation):
             return seen
         if newest is not self._seen_at:
-            with self.easel.paused(0.0) as document:
+            with self.open_easel.paused(0.0) as document:
                 self._seen = (
                     _moved(seen, shift) if document is None else view_brush(document, newest)
                 )
@@ -318,8 +329,8 @@ class Stage:
 
     def _show_brush(self, seen: BrushView | None) -> None:
         """Draw the brush where it is now, if it is anywhere else or otherwise than before."""
-        painter = self.easel.document.painter
-        stood = (painter.brush, self.shows_brush)
+        painter = self.open_easel.document.painter
+        stood: tuple[Any, ...] = (painter.brush, self.shows_brush)
         if seen is not None:
             held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
             stood += (*seen.position, *seen.orientation, *held)
@@ -338,9 +349,9 @@ class Stage:
             return
         axes = matrices_from_quaternions(seen.orientation[None])[0]
         stand = BrushStand.of(painter.tuft, seen.position, axes, seen.contact)
-        tree = self.easel.document.surface.contact_tree
-        ink = tuple(int(code) for code in seen.srgb)
-        self._brush.show(stand, tree, self._object.light.axes, ink, seen.load)
+        tree = self.open_easel.document.surface.contact_tree
+        red, green, blue = (int(code) for code in seen.srgb)
+        self._brush.show(stand, tree, self._open_object.light.axes, (red, green, blue), seen.load)
         self._drawn.touch_front(self._brush.screen_box())
 
     def hide_brush(self) -> None:
@@ -353,6 +364,6 @@ def _moved(seen: BrushView, shift: AnyArray) -> BrushView:
     """The brush as it stands, elsewhere (mm)."""
     contact = seen.contact
     if contact is not None:
-        there = {"foot": contact.foot + shift, "origin": contact.origin + shift}
-        contact = dataclasses.replace(contact, **there)
+        foot, origin = contact.foot + shift, contact.origin + shift
+        contact = dataclasses.replace(contact, foot=foot, origin=origin)
     return dataclasses.replace(seen, position=seen.position + shift, contact=contact)

@@ -10,6 +10,7 @@ from typing import Any
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.easel import Easel
 from paint3d.app.model.persistence.saved_settings import in_hand
 from paint3d.app.model.persistence.settings import Settings, save_settings
 from paint3d.app.window.input.canvas import Canvas
@@ -93,9 +94,14 @@ class Workspace(QtCore.QObject):
     # -- the painting -----------------------------------------------------------------------
 
     @property
+    def easel(self) -> Easel:
+        """What paints, while something is open; `stage.easel` says whether anything is."""
+        return self.stage.open_easel
+
+    @property
     def document(self) -> Document:
         """What is being painted; only for reading, and what is posted changes it."""
-        return self.stage.easel.document
+        return self.easel.document
 
     def show(self, opened: Opened) -> None:
         """Paint on this from now on; what was painted on before is let go of."""
@@ -135,7 +141,7 @@ class Workspace(QtCore.QObject):
         """Remember the brush, the inks and the force for the next painting."""
         if self.stage.easel is None:
             return
-        chosen = in_hand(self.stage.easel.brush, list[Any](self.document.inks))
+        chosen = in_hand(self.easel.brush, list[Any](self.document.inks))
         force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 

@@ -81,12 +81,12 @@ class PointerInput:
     """
 
     time_ns: int
-    point: Sequence[float] | None = None
-    normal: Sequence[float] | None = None
-    origin: Sequence[float] | None = None
-    direction: Sequence[float] | None = None
-    right: Sequence[float] | None = None
-    up: Sequence[float] | None = None
+    point: Sequence[float] | AnyArray | None = None
+    normal: Sequence[float] | AnyArray | None = None
+    origin: Sequence[float] | AnyArray | None = None
+    direction: Sequence[float] | AnyArray | None = None
+    right: Sequence[float] | AnyArray | None = None
+    up: Sequence[float] | AnyArray | None = None
     pressure: float | None = None
     x_tilt: float = 0.0
     y_tilt: float = 0.0

@@ -27,8 +27,8 @@ _STEEPEST_TILT = 85.0  # degrees that a tablet may say
 
 def lean_of(
     normal: AnyArray,
-    right: Sequence[float] | None,
-    up: Sequence[float] | None,
+    right: Sequence[float] | AnyArray | None,
+    up: Sequence[float] | AnyArray | None,
     x_tilt: float,
     y_tilt: float,
 ) -> AnyArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
-from typing import Any
+from typing import Any, TypedDict
 
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.persistence.brush_words import brush_from_words, restore_hairs
@@ -106,13 +106,22 @@ def chosen_inks(settings: Settings) -> list[Mixture | str]:
     return inks
 
 
-def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str]) -> dict[str, object]:
+class InHand(TypedDict, total=False):
+    """Settings of these names."""
+
+    brush: str
+    brush_mm: float | None
+    inks: tuple[str | Mapping[str, float], ...]
+
+
+def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str]) -> InHand:
     """The settings that `chosen_brush` and `chosen_inks` read."""
     name = brush.name.split(" @")[0]
-    settings: dict[str, object] = {"inks": tuple(_as_chosen(ink) for ink in inks)}
+    settings: InHand = {"inks": tuple(_as_chosen(ink) for ink in inks)}
     if name in brush_names():
         as_made = load_brush(name).length_mm == brush.length_mm
-        settings |= {"brush": name, "brush_mm": None if as_made else brush.length_mm}
+        settings["brush"] = name
+        settings["brush_mm"] = None if as_made else brush.length_mm
     return settings
 
 

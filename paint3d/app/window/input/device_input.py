@@ -99,7 +99,7 @@ class DeviceInput:
         """Take what the devices said; show them now and then."""
         self._ticks += 1
         if self.desk is not None:
-            self._take()
+            self._take(self.desk)
         if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
             frame = self._workspace.stage.frame
             self._panel.show_desk(self.desk, frame)
@@ -108,8 +108,8 @@ class DeviceInput:
                 force = MAX_FORCE_N * (frame.brush.pressure or 0.0)
                 self._panel.show_brush(matrices_from_quaternions(q)[0][:, 2], force)
 
-    def _take(self) -> None:
-        taken, easel = self.desk.take(), self._workspace.stage.easel
+    def _take(self, desk: DeviceHub) -> None:
+        taken, easel = desk.take(), self._workspace.easel
         for command in taken.commands:
             easel.post(command)
         self._carry(taken.object_pose)

@@ -16,6 +16,7 @@ from paint3d.app.window.input.canvas import Canvas
 from paint3d.app.window.input.touch import Touch
 from paint3d.app.window.stage import Stage
 from paint3d.core.types import AnyArray
+from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera, is_flat, studio_axes
 
@@ -63,6 +64,17 @@ class CanvasHand(QtCore.QObject):
         canvas.resized.connect(self._resized)
         canvas.left.connect(self._leave)
 
+    @property
+    def open_camera(self) -> Camera:
+        """`camera`, while something is open."""
+        assert self.camera is not None, "something is open"
+        return self.camera
+
+    @property
+    def _open_hand(self) -> Hand:
+        assert self.hand is not None, "something is open"
+        return self.hand
+
     # -- the view ---------------------------------------------------------------------------
 
     def open(self, surface: ClosestPoints) -> None:
@@ -101,9 +113,9 @@ class CanvasHand(QtCore.QObject):
         found = self.place()
         if found is None:
             return
-        radius = _CLOSE * self._stage.easel.document.painter.brush.length_mm
+        radius = _CLOSE * self._stage.open_easel.document.painter.brush.length_mm
         aspect = self._canvas.width() / max(1, self._canvas.height())
-        self.look(navigation.approach(self.camera, found, radius, aspect))
+        self.look(navigation.approach(self.open_camera, found, radius, aspect))
 
     def look_from(self, side: str) -> None:
         """See the whole object from a side."""
@@ -111,7 +123,7 @@ class CanvasHand(QtCore.QObject):
         centre = 0.5 * (points.min(axis=0) + points.max(axis=0)).astype(np.float64)
         radius = 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
         aspect = self._canvas.width() / max(1, self._canvas.height())
-        camera = navigation.frame(self.camera, centre, radius, aspect)
+        camera = navigation.frame(self.open_camera, centre, radius, aspect)
         self.look(navigation.look_from(camera, side))
 
     def look(self, camera: Camera) -> None:
@@ -130,7 +142,8 @@ class CanvasHand(QtCore.QObject):
 
     def meets(self, places: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether the object is seen at places (N, 2) of the picture, pixels."""
-        rays = [navigation.ray_at(self.camera, x, y, self._size()) for x, y in places]
+        assert self._surface is not None, "something is open"
+        rays = [navigation.ray_at(self.open_camera, x, y, self._size()) for x, y in places]
         origins = np.array([ray.origin for ray in rays])
         return self._surface.cast(origins, np.array([ray.direction for ray in rays])).hit
 
@@ -138,7 +151,7 @@ class CanvasHand(QtCore.QObject):
         """(3,) the place on the object under the pointer, or None."""
         if self._place is None or self._surface is None:
             return None
-        ray = navigation.ray_at(self.camera, self._place.x, self._place.y, self._size())
+        ray = navigation.ray_at(self.open_camera, self._place.x, self._place.y, self._size())
         hits = self._surface.cast(ray.origin[None], ray.direction[None])
         return hits.points[0] if hits.hit[0] else None
 
@@ -158,13 +171,13 @@ class CanvasHand(QtCore.QObject):
             return
         event, brush = self._input(touch), easel.brush
         if self.in_stroke and touch.down:
-            easel.feed(self.hand.move(event, brush))
+            easel.feed(self._open_hand.move(event, brush))
         elif self.in_stroke:
             self.lift(event)
         elif touch.down and not touch.eraser:
             self._begin(event)
         else:
-            sample = self.hand.hover(event, brush)
+            sample = self._open_hand.hover(event, brush)
             if sample is None:
                 self._stage.hide_brush()
             else:
@@ -178,11 +191,12 @@ class CanvasHand(QtCore.QObject):
         if "size" in self.held:
             self.sized.emit(_SIZE_A_PIXEL**pixels)
         else:
-            self.hand.force = min(7.9, max(0.0, self.hand.force + _FORCE_A_PIXEL * pixels))
+            hand = self._open_hand
+            hand.force = min(7.9, max(0.0, hand.force + _FORCE_A_PIXEL * pixels))
 
     def _input(self, touch: Touch) -> PointerInput:
-        ray = navigation.ray_at(self.camera, touch.x, touch.y, self._size())
-        right, up, _ = navigation.picture_axes(self.camera)
+        ray = navigation.ray_at(self.open_camera, touch.x, touch.y, self._size())
+        right, up, _ = navigation.picture_axes(self.open_camera)
         notches, self._notches = self._notches, 0.0
         return PointerInput(
             touch.time_ns,
@@ -200,8 +214,8 @@ class CanvasHand(QtCore.QObject):
         )
 
     def _begin(self, event: PointerInput) -> None:
-        easel = self._stage.easel
-        samples = self.hand.begin(event, easel.brush)
+        easel = self._stage.open_easel
+        samples = self._open_hand.begin(event, easel.brush)
         if samples is None:
             return
         self.in_stroke, self._whole = True, None
@@ -214,10 +228,15 @@ class CanvasHand(QtCore.QObject):
         if not self.in_stroke:
             return
         self.in_stroke = False
-        easel = self._stage.easel
-        easel.feed(self.hand.end(self._place.time_ns, easel.brush, event))
+        easel = self._stage.open_easel
+        easel.feed(self._end_in_hand(event))
         easel.post("end_stroke")
         self.ended.emit()
+
+    def _end_in_hand(self, event: PointerInput | None = None) -> list[DeviceSample]:
+        """Let the hand end the stroke where the pointer was last; what is still to be painted."""
+        assert self._place is not None, "a stroke goes on"
+        return self._open_hand.end(self._place.time_ns, self._stage.open_easel.brush, event)
 
     def interrupt(self) -> None:
         """End the stroke that is going on where it is; a pen that stays down begins none."""
@@ -229,8 +248,8 @@ class CanvasHand(QtCore.QObject):
         """Take the stroke that is going on back."""
         if self.in_stroke:
             self.in_stroke, self._spent = False, True
-            self.hand.end(self._place.time_ns, self._stage.easel.brush)
-            self._stage.easel.post("cancel_stroke")
+            self._end_in_hand()
+            self._stage.open_easel.post("cancel_stroke")
             self.ended.emit()
 
     def _take_back(self) -> None:

@@ -129,7 +129,7 @@ class Steering(QtCore.QObject):
 
     def _drag(self, mode: str, dx: float, dy: float) -> None:
         """Steer by a drag of (dx, dy) pixels from where the pointer was."""
-        camera, height = self._hand.camera, self._canvas.height()
+        camera, height = self._hand.open_camera, self._canvas.height()
         if mode == "dolly":
             pixels = min(max(dx - dy, -_LEAP), _LEAP)
             self._look(navigation.dolly(camera, _NEARER_A_PIXEL**pixels))

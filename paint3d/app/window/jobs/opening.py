@@ -105,7 +105,7 @@ class Opening:
             return False
         title = say("status.opening", name=named(Path(path).name))
         if is_session_path(path):
-            done = self._open_session(path, title)
+            done: Future[Any] | None = self._open_session(path, title)
         else:
             done = self._open_mesh(path, title, resolution, material)
         if done is None or not self._workspace.went_well(done):
@@ -120,7 +120,7 @@ class Opening:
     def _tell_if_open_elsewhere(self) -> None:
         """Say that another window paints on the same file; who saves second will be asked."""
         workspace = self._workspace
-        path, sitting = workspace.document.path, workspace.stage.easel.sitting
+        path, sitting = workspace.document.path, workspace.easel.sitting
         own = None if sitting is None else sitting.folder
         if path is not None and is_open_elsewhere(path, own):
             told = say("{name} is open in another window, too", name=path.name)

@@ -40,7 +40,7 @@ class Player:
         if samples:  # by the hand's clock, and by whole pieces of the ink's time: as it was painted
             since = time.perf_counter_ns() - samples[0].time_ns
             self._later_ns = since // PIECE_NS * PIECE_NS
-            self._workspace.stage.easel.post("begin_stroke")
+            self._workspace.easel.post("begin_stroke")
             self._workspace.tell(say("status.replaying"))
             self.tick()
 
@@ -52,17 +52,17 @@ class Player:
         for at in range(self._next, due, _BATCH):
             samples = self._samples[at : min(at + _BATCH, due)]
             moved = [replace(s, time_ns=s.time_ns + self._later_ns) for s in samples]
-            self._workspace.stage.easel.feed(moved)
+            self._workspace.easel.feed(moved)
         self._next = due
         if not self.is_playing:
-            self._workspace.stage.easel.post("end_stroke")
+            self._workspace.easel.post("end_stroke")
             self._workspace.tell(say("status.ready"))
 
     def stop(self) -> None:
         """Lift the brush where it is, if something is playing."""
         if self.is_playing:
             self._next = len(self._samples)
-            self._workspace.stage.easel.post("end_stroke")
+            self._workspace.easel.post("end_stroke")
 
     def _due(self) -> int:
         """Number of the first sample whose time has not come."""

@@ -34,7 +34,7 @@ class Recalling:
             Only to look at; see `Document.replay_history`.
         """
         workspace = self._workspace
-        easel, document = workspace.stage.easel, workspace.document
+        easel, document = workspace.easel, workspace.document
         if upto >= document.oldest_stroke or upto < document.earliest_stroke:
             workspace.post("replay_history", upto, passing)
             return

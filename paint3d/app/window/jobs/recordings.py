@@ -61,7 +61,8 @@ class Recordings:
     def do_save_recording(self, first: int = 0) -> None:
         """Ask where, and save the strokes of this sitting from number `first` on."""
         workspace = self._workspace
-        with workspace.stage.easel.paused() as document:
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
             recording = document.recording(first)
         if recording is None:
             told = say("Strokes: {n}, {seconds:.1f} s", n=0, seconds=0.0)

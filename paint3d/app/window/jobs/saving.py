@@ -79,7 +79,7 @@ class Saving:
     def save_to(self, path: Path) -> bool:
         """Save to a session; say whether that went well."""
         workspace = self._workspace
-        easel = workspace.stage.easel
+        easel = workspace.easel
 
         def work(progress: Progress) -> None:
             result_of(easel.post("save", path, progress=progress), progress)

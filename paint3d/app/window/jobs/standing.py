@@ -101,7 +101,8 @@ class Standing:
         workspace = self._workspace
         if workspace.stage.easel is None:
             return
-        with workspace.stage.easel.paused() as document:
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
             surface = document.surface
             is_bare = not document.strokes and not surface.painted.any()
             material, resolution = surface.material.name, surface.resolution

@@ -40,14 +40,14 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
     form = FILMS.get(path.suffix.lower())
     if form is None:
         raise ExportError(f"{path}: a film is written as .gif or .webp")
-    film = film._replace(size=film.size or workspace.canvas.pixel_size)
+    width, height = film.size or workspace.canvas.pixel_size
+    film = film._replace(size=(width, height))
     if film.is_too_long:
-        width, height = film.size
         raise ExportError(
             f"{path}: {film.n_pictures} pictures of {width} x {height} pixels are too many; "
             "expected a shorter or smaller film"
         )
-    camera, drawn = workspace.hand.camera, queue.Queue(_AHEAD)
+    camera, drawn = workspace.hand.open_camera, queue.Queue[Image.Image](_AHEAD)
     n, turn = film.n_pictures, 2.0 * workspace.canvas.height()
     parts = _parts(workspace, [-turn * k / n for k in range(n)])
 
@@ -70,7 +70,7 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
 
     workspace.hold()
     workspace.stage.hide_brush()
-    workspace.stage.set_size(film.size)
+    workspace.stage.set_size((width, height))
     try:
         return workspace.run(say("Drawing the film…"), work, draw)
     finally:
@@ -84,7 +84,7 @@ def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image
 
     Yields None between the parts of a picture, then the picture.
     """
-    camera = workspace.hand.camera
+    camera = workspace.hand.open_camera
     for turn in turns:
         workspace.stage.set_camera(orbit(camera, turn, 0.0, workspace.canvas.height()))
         for share, pixels in workspace.stage.picture_by_parts():
@@ -92,7 +92,7 @@ def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image
             yield Image.fromarray(np.array(pixels[::-1, :, :3])) if done else None
 
 
-def _taken(drawn: queue.Queue, n: int, progress: Progress) -> Iterator[Image.Image]:
+def _taken(drawn: queue.Queue[Image.Image], n: int, progress: Progress) -> Iterator[Image.Image]:
     """Pictures as they are drawn."""
     for k in range(n):
         progress.expect(_DRAWN * k / n, _DRAWN * (k + 1) / n, _LOOK_S)
