@@ -200,9 +200,9 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
     window.targets.folder = tmp_path
 
     def few(dialog: ExportDialog) -> None:
-        assert "unit" not in dialog.boxes
-        dialog.boxes["few"].setChecked(True)
-        dialog.boxes["filaments"].setValue(2)
+        assert "unit" not in dialog.choices
+        dialog.checks["few"].setChecked(True)
+        dialog.numbers["filaments"].setValue(2)
         dialog.accept()
 
     with answers("few.html", few):
@@ -212,9 +212,9 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
     assert 1000 < (tmp_path / "few.html").stat().st_size < plain.stat().st_size
 
     def in_inches(dialog: ExportDialog) -> None:
-        dialog.boxes["unit"].setCurrentIndex(dialog.boxes["unit"].findData("in"))
-        dialog.boxes["exact"].setChecked(True)
-        assert not dialog.boxes["tolerance"].isEnabled()
+        dialog.choices["unit"].setCurrentIndex(dialog.choices["unit"].findData("in"))
+        dialog.checks["exact"].setChecked(True)
+        assert not dialog.numbers["tolerance"].isEnabled()
         dialog.accept()
 
     with answers("inches.ply", in_inches):
@@ -227,7 +227,7 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
     seen: list[object] = []
 
     def again(dialog: ExportDialog) -> None:
-        seen.append((dialog.boxes["unit"].currentData(), dialog.boxes["exact"].isChecked()))
+        seen.append((dialog.choices["unit"].currentData(), dialog.checks["exact"].isChecked()))
         dialog.reject()
 
     with answers("other.ply", again):
@@ -245,8 +245,8 @@ def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
 
     def larger(dialog: ExportDialog) -> None:
         assert dialog.is_of_screen
-        assert dialog.size() == (width, height)
-        dialog.boxes["size"].width_box.setValue(1200)
+        assert dialog.picture_size() == (width, height)
+        dialog.size_boxes.width_box.setValue(1200)
         dialog.accept()
 
     for name in ("a.png", "a.jpg"):
@@ -268,10 +268,10 @@ def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
     window.targets.folder = tmp_path
 
     def in_the_studio(dialog: ExportDialog) -> None:
-        dialog.boxes["view"].setCurrentIndex(1)
-        assert dialog.size() == (1600, 1200)
-        dialog.boxes["size"].width_box.setValue(320)
-        dialog.boxes["size"].height_box.setValue(200)
+        dialog.choices["view"].setCurrentIndex(1)
+        assert dialog.picture_size() == (1600, 1200)
+        dialog.size_boxes.width_box.setValue(320)
+        dialog.size_boxes.height_box.setValue(200)
         dialog.accept()
 
     with answers("b.png", in_the_studio):

@@ -51,7 +51,10 @@ class ExportDialog(FormDialog):
         super().__init__(parent, f"{say('action.export').rstrip('…')}  {suffix}")
         self.suffix, self._kept, self._screen = suffix, kept, screen
         self._takes = FORMATS[suffix].takes if suffix in FORMATS else frozenset()
-        self.boxes: dict[str, QtWidgets.QWidget] = {}
+        self.choices: dict[str, QtWidgets.QComboBox] = {}
+        self.checks: dict[str, QtWidgets.QCheckBox] = {}
+        self.numbers: dict[str, QtWidgets.QDoubleSpinBox] = {}
+        self.size_boxes: SizeBoxes | None = None
         if suffix in _PICTURES:
             self._add_picture()
         else:
@@ -67,23 +70,23 @@ class ExportDialog(FormDialog):
         if self.suffix in FORMATS:
             views["studio"] = say("The painted side, in the studio's light")
         view = self.add_box(say("menu.view"), views, self._kept.get("view"))
-        self.boxes["view"] = view
-        size = self._kept_size(self._screen)
-        self.boxes["size"] = SizeBoxes(size, self._screen)
-        self.form.addRow(say("Size in pixels"), self.boxes["size"])
+        self.choices["view"] = view
+        self.size_boxes = SizeBoxes(self._kept_size(self._screen), self._screen)
+        self.form.addRow(say("Size in pixels"), self.size_boxes)
         if self.suffix == ".jpg":
             quality = kept_number(self._kept, "quality", _QUALITY)
-            self.boxes["quality"] = self.add_number(say("Quality"), 1, 100, quality, "%")
+            self.numbers["quality"] = self.add_number(say("Quality"), 1, 100, quality, "%")
         view.currentIndexChanged.connect(self._view_chosen)
 
     def _kept_size(self, default: tuple[int, int]) -> tuple[int, int]:
-        kept = self._kept.get("size")
-        usable = isinstance(kept, list | tuple) and len(kept) == 2
-        return tuple(kept) if usable and all(isinstance(n, int) for n in kept) else default
+        match self._kept.get("size"):
+            case [int(width), int(height)]:
+                return width, height
+        return default
 
     def _view_chosen(self) -> None:
         """Begin with the size that is usual for a view."""
-        boxes = self.boxes["size"]
+        boxes = self._sizes()
         boxes.kept.setChecked(self.is_of_screen)
         width, height = self._screen if self.is_of_screen else _STUDIO_SIZE
         boxes.width_box.setValue(width)
@@ -94,29 +97,28 @@ class ExportDialog(FormDialog):
         if "unit" in self._takes:
             own = say("As the format has it")
             units = {None: own} | {unit: say(f"unit.{unit}") for unit in UNITS_MM}
-            self.boxes["unit"] = self.add_box(say("Unit"), units, self._kept.get("unit"))
+            self.choices["unit"] = self.add_box(say("Unit"), units, self._kept.get("unit"))
             axes = {None: own} | {axis: axis.upper() for axis in UP_AXES}
-            self.boxes["up_axis"] = self.add_box(say("Up"), axes, self._kept.get("up_axis"))
+            self.choices["up_axis"] = self.add_box(say("Up"), axes, self._kept.get("up_axis"))
         if "texture" in self._takes:
-            ways = {False: say("At the vertices"), True: say("As a texture")}
+            ways: dict[bool | int, str] = {False: say("At the vertices"), True: say("As a texture")}
             ways |= {n: say("As a texture of {n} pixels", n=n) for n in _TEXTURES}
             kept = self._kept.get("texture", False)
-            self.boxes["texture"] = self.add_box(say("Colours"), ways, kept)
-            self.boxes["texture"].currentIndexChanged.connect(self._follow)
+            self.choices["texture"] = self.add_box(say("Colours"), ways, kept)
+            self.choices["texture"].currentIndexChanged.connect(self._follow)
         tolerance = kept_number(self._kept, "tolerance", 1.0)
-        self.boxes["tolerance"] = self.add_number(
+        self.numbers["tolerance"] = self.add_number(
             say("Colours may miss by"), 0.0, 20.0, tolerance, "ΔE", 1
         )
-        self.boxes["exact"] = self.add_check(
-            say("Every vertex, none left out"), self._kept.get("exact") is True
-        )
-        self.boxes["exact"].toggled.connect(self._follow)
+        self._add_kept_check("exact", say("Every vertex, none left out"))
+        self.checks["exact"].toggled.connect(self._follow)
         if "unlit" in self._takes:
-            on = self._kept.get("unlit") is True
-            self.boxes["unlit"] = self.add_check(say("Colours as they are, without light"), on)
+            self._add_kept_check("unlit", say("Colours as they are, without light"))
         if "packed_normals" in self._takes:
-            on = self._kept.get("packed_normals") is True
-            self.boxes["packed_normals"] = self.add_check(say("Normals in one number"), on)
+            self._add_kept_check("packed_normals", say("Normals in one number"))
+
+    def _add_kept_check(self, name: str, text: str) -> None:
+        self.checks[name] = self.add_check(text, self._kept.get(name) is True)
 
     def _add_filaments(self) -> None:
         if "filaments" not in self._takes:
@@ -125,26 +127,28 @@ class ExportDialog(FormDialog):
         count = kept if isinstance(kept, int) and 1 <= kept <= MOST_FILAMENTS else None
         on = self.add_check(say("Few colours, one for each triangle"), count is not None)
         number = self.add_number(say("How many"), 1, MOST_FILAMENTS, count or _FILAMENTS)
-        self.boxes |= {"few": on, "filaments": number}
+        self.checks["few"], self.numbers["filaments"] = on, number
         on.toggled.connect(self._follow)
 
     def _follow(self, _: object = None) -> None:
         """Let only that be chosen which has an effect beside the rest."""
-        boxes = self.boxes
-        few = "few" in boxes and boxes["few"].isChecked()
-        if "few" in boxes:
+        few = self._is_on("few")
+        if "few" in self.checks:
             possible = not self.is_of_screen and not self._has_texture()
-            boxes["few"].setEnabled(possible)
-            boxes["filaments"].setEnabled(possible and few)
-        if "texture" in boxes:
-            boxes["texture"].setEnabled(not few)
-        if "tolerance" in boxes:
-            whole = boxes["exact"].isChecked() or self._has_texture()
-            boxes["tolerance"].setEnabled(not whole and not few)
-            boxes["exact"].setEnabled(not self._has_texture())
+            self.checks["few"].setEnabled(possible)
+            self.numbers["filaments"].setEnabled(possible and few)
+        if "texture" in self.choices:
+            self.choices["texture"].setEnabled(not few)
+        if "tolerance" in self.numbers:
+            whole = self._is_on("exact") or self._has_texture()
+            self.numbers["tolerance"].setEnabled(not whole and not few)
+            self.checks["exact"].setEnabled(not self._has_texture())
+
+    def _is_on(self, name: str) -> bool:
+        return name in self.checks and self.checks[name].isChecked()
 
     def _has_texture(self) -> bool:
-        box = self.boxes.get("texture")
+        box = self.choices.get("texture")
         return box is not None and box.currentData() is not False
 
     # -- what was chosen --------------------------------------------------------------------
@@ -152,39 +156,44 @@ class ExportDialog(FormDialog):
     @property
     def is_of_screen(self) -> bool:
         """Whether the picture is the one on the screen."""
-        return "view" in self.boxes and self.boxes["view"].currentData() == "screen"
+        return "view" in self.choices and self.choices["view"].currentData() == "screen"
 
-    def size(self) -> tuple[int, int]:
+    def picture_size(self) -> tuple[int, int]:
         """Of a picture, pixels."""
-        result: tuple[int, int] = self.boxes["size"].size_in_pixels()
-        return result
+        return self._sizes().size_in_pixels()
+
+    def _sizes(self) -> SizeBoxes:
+        assert self.size_boxes is not None, "a picture has a size"
+        return self.size_boxes
 
     def quality(self) -> int:
         """Of a JPEG, 1 to 100."""
-        return round(self.boxes["quality"].value()) if "quality" in self.boxes else _QUALITY
+        return round(self.numbers["quality"].value()) if "quality" in self.numbers else _QUALITY
 
     def options(self) -> dict[str, object]:
         """What `ExportOptions` takes."""
         if self.suffix in _PICTURES:
-            options: dict[str, object] = {"size": self.size()}
+            options: dict[str, object] = {"size": self.picture_size()}
         else:
-            options = {"exact": self.boxes["exact"].isChecked()}
-            options["tolerance"] = self.boxes["tolerance"].value()
+            options = {"exact": self._is_on("exact")}
+            options["tolerance"] = self.numbers["tolerance"].value()
         for name in ("unit", "up_axis", "texture"):
-            if name in self.boxes:
-                options[name] = self.boxes[name].currentData()
+            if name in self.choices:
+                options[name] = self.choices[name].currentData()
         for name in ("unlit", "packed_normals"):
-            if name in self.boxes:
-                options[name] = self.boxes[name].isChecked()
-        if "few" in self.boxes and self.boxes["few"].isChecked() and self.boxes["few"].isEnabled():
-            options["filaments"] = round(self.boxes["filaments"].value())
+            if name in self.checks:
+                options[name] = self._is_on(name)
+        if self._is_on("few") and self.checks["few"].isEnabled():
+            options["filaments"] = round(self.numbers["filaments"].value())
         return options
 
     def chosen(self) -> dict[str, object]:
         """Everything, as JSON can hold it, to begin with the next time."""
         if self.suffix not in _PICTURES:
             return self.options()
-        kept = {"view": self.boxes["view"].currentData(), "size": list(self.size())}
-        if "quality" in self.boxes:
+        kept: dict[str, object] = {
+            "view": self.choices["view"].currentData(), "size": list(self.picture_size())
+        }  # fmt: skip
+        if "quality" in self.numbers:
             kept["quality"] = self.quality()
         return kept

@@ -80,8 +80,9 @@ class FilmDialog(FormDialog):
         film = self.film()
         text = "{n} pictures: too many of this size" if film.is_too_long else "{n} pictures"
         self.told.setText(say(text, n=film.n_pictures))
-        ok = self.findChild(QtWidgets.QDialogButtonBox)
-        ok.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setEnabled(not film.is_too_long)
+        below = self.findChild(QtWidgets.QDialogButtonBox)
+        assert below is not None, "it was finished"
+        below.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setEnabled(not film.is_too_long)
 
     def film(self) -> Film:
         """What was chosen."""
@@ -91,5 +92,5 @@ class FilmDialog(FormDialog):
     def chosen(self) -> dict[str, object]:
         """The same, as JSON can hold it."""
         film = self.film()
-        width, height = film.size
+        width, height = self.size_boxes.size_in_pixels()
         return {"seconds": film.seconds, "rate": film.rate, "width": width, "height": height}

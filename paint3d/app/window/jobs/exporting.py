@@ -61,7 +61,7 @@ class Exporting:
             return
         workspace.keep(exports={**kept, "format": suffix, suffix: dialog.chosen()})
         if dialog.is_of_screen:
-            self._pictures.picture_to(path, dialog.size(), dialog.quality())
+            self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
         else:
             self.export_to(path, **dialog.options())
 
@@ -87,16 +87,16 @@ class Exporting:
 
     def _by_the_easel(self, path: Path) -> Callable[[Progress], None]:
         """Write it while nothing is painted."""
-        easel = self._workspace.stage.easel
+        easel = self._workspace.easel
 
         def work(progress: Progress) -> None:
             result_of(easel.post("export", path, progress=progress), progress)
 
         return work
 
-    def _beside(self, path: Path, options: Mapping[str, object]) -> Callable[[Progress], None]:
+    def _beside(self, path: Path, options: Mapping[str, Any]) -> Callable[[Progress], None]:
         """Take what is needed from the painting, then write it while that may go on."""
-        easel = self._workspace.stage.easel
+        easel = self._workspace.easel
         seconds = self._workspace.document.surface.n_vertices / _VERTICES_A_SECOND
 
         def work(progress: Progress) -> None:
