@@ -176,7 +176,7 @@ def test_the_picture_stays_where_it_is_while_numbers_grow(window) -> None:
     live(0.1)
     width, panels = window.canvas.width(), window.panels
     panels.history.count.setText("Strokes: 12345, 98765.4 s")
-    panels.surface.size.setText("0.4 mm  ·  12,345,678 vertices")
+    panels.surface.fineness.setText("0.4 mm  ·  12,345,678 vertices")
     live(0.1)
     assert window.canvas.width() == width
     needed = panels.history.count.fontMetrics().horizontalAdvance(panels.history.count.text())

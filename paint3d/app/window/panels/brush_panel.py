@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme
@@ -55,7 +56,7 @@ class BrushPanel(QtWidgets.QWidget):
     def __init__(self, theme: Theme) -> None:
         super().__init__()
         self._theme = theme
-        self._ink: object = "pine soot"
+        self._ink: Ink = "pine soot"
         self._painter = ThreadPoolExecutor(1, thread_name_prefix="paint3d-preview")
         self._coming: dict[str, Future[Any]] = {}
         self._failures: set[str] = set()
@@ -136,7 +137,7 @@ class BrushPanel(QtWidgets.QWidget):
         texts = [say_length(mm) for mm in (_SHORTEST_MM, 45.25, 88.88, _LONGEST_MM)]
         self._told.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
 
-    def set_ink(self, ink: object) -> None:
+    def set_ink(self, ink: Ink) -> None:
         """Paint the previews in this ink: a name, or parts by name."""
         self._ink = ink
         for row in range(self._list.count()):
@@ -197,8 +198,9 @@ class BrushPanel(QtWidgets.QWidget):
             del self._coming[self._name(row)]
             if coming.cancelled():
                 continue
-            if coming.exception() is not None:
-                self._failed(coming.exception())
+            error = coming.exception()
+            if error is not None:
+                self._failed(error)
                 continue
             icon = plain_icon(_framed(coming.result(), self._theme))
             self._list.item(row).setIcon(icon)
@@ -224,11 +226,10 @@ def plain_icon(pixmap: QtGui.QPixmap) -> QtGui.QIcon:
 
 def _blank() -> QtGui.QPixmap:
     """What stands where a stroke has not been painted yet."""
-    pixmap = QtGui.QPixmap(2 * _ICON)
+    pixmap = QtGui.QPixmap(_ICON * 2)
     pixmap.fill(QtCore.Qt.GlobalColor.transparent)
     pixmap.setDevicePixelRatio(2.0)
-    result: QtGui.QPixmap = pixmap
-    return result
+    return pixmap
 
 
 def plain_name(brush: BrushSpec) -> str:
@@ -244,7 +245,7 @@ def _step_of(length: float) -> int:
 
 def _framed(pixels: AnyArray, theme: Theme) -> QtGui.QPixmap:
     """The stroke as a slip of paper with rounded corners, twice as fine as it is shown."""
-    size = 2 * _ICON
+    size = _ICON * 2
     whole = QtGui.QPixmap(size)
     whole.fill(QtCore.Qt.GlobalColor.transparent)
     painter = QtGui.QPainter(whole)
@@ -258,5 +259,4 @@ def _framed(pixels: AnyArray, theme: Theme) -> QtGui.QPixmap:
     painter.drawPath(path)
     painter.end()
     whole.setDevicePixelRatio(2.0)
-    result: QtGui.QPixmap = whole
-    return result
+    return whole

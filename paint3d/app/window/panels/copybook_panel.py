@@ -38,11 +38,11 @@ class CopybookPanel(QtWidgets.QWidget):
         self._coming: list[Future[Any]] = []
         self._scores: dict[int, Score] = {}
         self.text = QtWidgets.QLineEdit(_EXAMPLE)
-        self.size = QtWidgets.QDoubleSpinBox()
-        self.size.setRange(2.0, 1000.0)
-        self.size.setDecimals(0)
-        self.size.setValue(40.0)
-        self.size.setSuffix(" mm")
+        self.em = QtWidgets.QDoubleSpinBox()
+        self.em.setRange(2.0, 1000.0)
+        self.em.setDecimals(0)
+        self.em.setValue(40.0)
+        self.em.setSuffix(" mm")
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("copybook.columns"), True)
         self.direction.addItem(say("copybook.row"), False)
@@ -57,7 +57,7 @@ class CopybookPanel(QtWidgets.QWidget):
         form = QtWidgets.QFormLayout()
         form.addRow(say("copybook.text"), self.text)
         row = QtWidgets.QHBoxLayout()
-        row.addWidget(self.size, 1)
+        row.addWidget(self.em, 1)
         row.addWidget(self.direction, 1)
         form.addRow(say("copybook.size"), row)
         buttons = QtWidgets.QHBoxLayout()
@@ -73,9 +73,7 @@ class CopybookPanel(QtWidgets.QWidget):
     def ask(self) -> None:
         """Ask for what is written here."""
         if self.text.text().strip():
-            self.asked.emit(
-                self.text.text().strip(), self.size.value(), self.direction.currentData()
-            )
+            self.asked.emit(self.text.text().strip(), self.em.value(), self.direction.currentData())
 
     def show_copybook(self, copybook: Copybook | None) -> None:
         """Show another copybook, or none."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.frame import Frame
-from paint3d.app.model.input.devices import DeviceHub
+from paint3d.app.model.input.devices import DeviceHub, DeviceView
 from paint3d.app.window.keeping_up import keeping_up
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
@@ -67,11 +68,11 @@ class HandsPicture(QtWidgets.QWidget):
         pen = QtGui.QPen(QtGui.QColor("#b08850"), 6)
         pen.setCapStyle(QtCore.Qt.PenCapStyle.RoundCap)
         painter.setPen(pen)
-        painter.drawLine(tip + 0.4 * way, tip + 1.5 * way)
+        painter.drawLine(tip + way * 0.4, tip + way * 1.5)
         pen.setColor(QtGui.QColor(self.theme.text))
         pen.setWidthF(5 + 4 * self.force / MAX_FORCE_N)
         painter.setPen(pen)
-        painter.drawLine(tip, tip + 0.4 * way)
+        painter.drawLine(tip, tip + way * 0.4)
 
     def _draw_force(self, painter: QtGui.QPainter, area: QtCore.QRectF) -> None:
         """A gauge with a needle, marks and the number: the shape tells, not a colour."""
@@ -125,19 +126,8 @@ class DevicePanel(QtWidgets.QWidget):
 
     def show_desk(self, desk: DeviceHub | None, frame: Frame | None) -> None:
         """Show what is plugged in, and how it does."""
-        views = desk.views() if desk is not None else []
-        lines = []
-        for view in views:
-            if not view.is_open:
-                lines.append(f"{STATES['bad']} {view.name}\n     {view.message}")
-                continue
-            late, rate = desk.lateness_ms(view.hand), desk.rate_hz(view.hand)
-            state = STATES["slow" if late > _LATE_MS else "good"]
-            told = f"{say('device.rate', hz=rate)}, {say('device.late', ms=late)}"
-            hand = say(f"device.{view.hand}_hand")
-            lines.append(f"{state} {view.name}\n     {hand}: {told}")
-        if desk is not None and desk.lost():
-            lines.append(f"{STATES['slow']} {say('device.lost', count=desk.lost())}")
+        views = [] if desk is None else desk.views()
+        lines = [] if desk is None else _lines_of(desk, views)
         if not views:
             lines.append(f"{STATES['off']} {say('device.none')}")
         state, told = keeping_up(frame)
@@ -148,3 +138,20 @@ class DevicePanel(QtWidgets.QWidget):
         """Use other colours."""
         self._theme = self.picture.theme = theme
         self.picture.update()
+
+
+def _lines_of(desk: DeviceHub, views: Sequence[DeviceView]) -> list[str]:
+    """A line for each device, and one for what was lost."""
+    lines = []
+    for view in views:
+        if not view.is_open:
+            lines.append(f"{STATES['bad']} {view.name}\n     {view.message}")
+            continue
+        late, rate = desk.lateness_ms(view.hand), desk.rate_hz(view.hand)
+        state = STATES["slow" if late > _LATE_MS else "good"]
+        told = f"{say('device.rate', hz=rate)}, {say('device.late', ms=late)}"
+        hand = say(f"device.{view.hand}_hand")
+        lines.append(f"{state} {view.name}\n     {hand}: {told}")
+    if desk.lost():
+        lines.append(f"{STATES['slow']} {say('device.lost', count=desk.lost())}")
+    return lines

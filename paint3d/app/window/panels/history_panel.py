@@ -195,7 +195,7 @@ class HistoryPanel(QtWidgets.QWidget):
             return
         self._is_playing = True
         self.play.setText(say("Stop"))
-        self._last = None
+        self._last: int | None = None
         if self._shown[0] == self._shown[1]:
             self._wait(self._shown[0])
         else:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.brush_commands import Ink
 from paint3d.app.window.previews import ink_swatch
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
@@ -22,9 +24,9 @@ _LONG_MS = 500  # that a dish is pressed to stir
 _KEY = QtCore.Qt.Key
 
 
-def _parts(ink: object) -> dict[str, float]:
+def _parts(ink: Ink) -> dict[str, float]:
     """Parts of an ink by name."""
-    stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
+    stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
     return {key if isinstance(key, str) else key.name: part for key, part in stirred.items()}
 
 
@@ -204,7 +206,7 @@ class DishGrid(QtWidgets.QWidget):
     def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         """Go from dish to dish, dip with Enter or Space, stir with +, take out with -."""
         key, at = event.key(), max(self._at, 0)
-        ways = {
+        ways: dict[int, int] = {
             _KEY.Key_Left: -1, _KEY.Key_Right: 1,
             _KEY.Key_Up: -self.columns(self.width()), _KEY.Key_Down: self.columns(self.width()),
         }  # fmt: skip
@@ -222,7 +224,8 @@ class DishGrid(QtWidgets.QWidget):
 
     def event(self, event: QtCore.QEvent) -> bool:
         """Have + and - before the view does, while the dishes have the focus."""
-        if event.type() == QtCore.QEvent.Type.ShortcutOverride and event.key() in (
+        asked = event.type() == QtCore.QEvent.Type.ShortcutOverride
+        if asked and isinstance(event, QtGui.QKeyEvent) and event.key() in (
             _KEY.Key_Plus, _KEY.Key_Equal, _KEY.Key_Minus,
         ):  # fmt: skip
             event.accept()
@@ -234,7 +237,8 @@ class DishGrid(QtWidgets.QWidget):
         self._at = at
         self.setToolTip(_tool_tip(self.names[at]))
         self.update()
-        area = self.parentWidget().parentWidget() if self.parentWidget() else None
+        parent = self.parentWidget()
+        area = None if parent is None else parent.parentWidget()
         if isinstance(area, QtWidgets.QScrollArea):
             middle = self.box(at).center().toPoint()
             area.ensureVisible(middle.x(), middle.y(), _DISH, _DISH)
@@ -251,7 +255,8 @@ class _MixingDish(QtWidgets.QWidget):
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
-        self.theme, self.parts = theme, {}
+        self.theme = theme
+        self.parts: dict[str, float] = {}
         self.setFixedSize(74, 74)
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
@@ -277,7 +282,7 @@ class InkPanel(QtWidgets.QWidget):
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
-        self.ink: object = "pine soot"
+        self.ink: Ink = "pine soot"
         self._stirred: dict[str, float] = {}
         self.dishes = DishGrid(list(load_palette()), theme)
         self._mixing = _MixingDish(theme)
@@ -385,14 +390,14 @@ class InkPanel(QtWidgets.QWidget):
 
     # -- the brush --------------------------------------------------------------------------
 
-    def _dip(self, ink: object) -> None:
+    def _dip(self, ink: Ink) -> None:
         if not ink:
             return
         reach = _TIP_REACH if self.tip_only.isChecked() else None
         self.show_inks([ink])
         self.dipped.emit(ink, reach)
 
-    def show_inks(self, inks: Sequence[object]) -> None:
+    def show_inks(self, inks: Sequence[Ink]) -> None:
         """Show what the brush is dipped in."""
         self.ink = inks[0]
         parts = _parts(self.ink)
@@ -401,7 +406,7 @@ class InkPanel(QtWidgets.QWidget):
 
     def ink_name(self) -> str:
         """What the brush is dipped in, in words."""
-        inks = self.ink if isinstance(self.ink, Mapping) else (self.ink,)
+        inks: Iterable[Any] = self.ink if isinstance(self.ink, Mapping) else (self.ink,)
         return " + ".join(ink_label(ink) for ink in inks)
 
     def set_theme(self, theme: Theme) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from PySide6 import QtCore, QtWidgets
@@ -10,6 +10,7 @@ from PySide6 import QtCore, QtWidgets
 from paint3d.app.window.icons import make_icon
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_layer
+from paint3d.surface.layer_stack import Layer
 
 __all__ = ["LayerPanel"]
 
@@ -52,7 +53,7 @@ class LayerPanel(QtWidgets.QWidget):
         row.addStretch(1)
         layout.addLayout(row)
 
-    def _button(self, icon: str, text: str, do) -> QtWidgets.QToolButton:
+    def _button(self, icon: str, text: str, do: Callable[[], object]) -> QtWidgets.QToolButton:
         button = QtWidgets.QToolButton()
         button.setIcon(make_icon(icon, self._theme))
         button.setToolTip(say(text))
@@ -62,7 +63,7 @@ class LayerPanel(QtWidgets.QWidget):
 
     # -- showing ----------------------------------------------------------------------------
 
-    def show_layers(self, layers: Sequence[Any], active: int) -> None:
+    def show_layers(self, layers: Sequence[Layer], active: int) -> None:
         """Show these layers, the lowest first, and which is painted on."""
         told = (tuple((x.name, x.visible, x.locked) for x in layers), active)
         if told == self._shown:
@@ -81,7 +82,7 @@ class LayerPanel(QtWidgets.QWidget):
         self.buttons["up"].setEnabled(active < len(layers) - 1)
         self.buttons["down"].setEnabled(active > 0)
 
-    def _row(self, place: int, layer) -> QtWidgets.QWidget:
+    def _row(self, place: int, layer: Layer) -> QtWidgets.QWidget:
         row = QtWidgets.QWidget()
         row.setAttribute(QtCore.Qt.WidgetAttribute.WA_StyledBackground)
         layout = QtWidgets.QHBoxLayout(row)
@@ -121,11 +122,12 @@ class LayerPanel(QtWidgets.QWidget):
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
         """A click on a name chooses the layer, a double click lets it be written anew."""
         kind = QtCore.QEvent.Type
-        if event.type() == kind.MouseButtonDblClick:
-            watched.setReadOnly(False)
-            watched.selectAll()
-        elif event.type() == kind.MouseButtonPress and watched.isReadOnly():
-            self.asked.emit("select_layer", watched.property("place"), None)
+        if isinstance(watched, QtWidgets.QLineEdit):
+            if event.type() == kind.MouseButtonDblClick:
+                watched.setReadOnly(False)
+                watched.selectAll()
+            elif event.type() == kind.MouseButtonPress and watched.isReadOnly():
+                self.asked.emit("select_layer", watched.property("place"), None)
         return super().eventFilter(watched, event)
 
     def _renamed(self, place: int, name: QtWidgets.QLineEdit) -> None:
@@ -137,6 +139,7 @@ class LayerPanel(QtWidgets.QWidget):
         """Let the name of the layer that is painted on be written."""
         row = self.list.itemWidget(self.list.currentItem())
         name = row.findChild(QtWidgets.QLineEdit)
+        assert name is not None, "every row has one"
         name.setReadOnly(False)
         name.setFocus()
         name.selectAll()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Protocol
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.window.panels.brush_panel import BrushPanel
@@ -25,6 +27,10 @@ __all__ = ["Panels"]
 
 _WIDTH = 316
 _RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
+
+
+class _Themed(Protocol):
+    def set_theme(self, theme: Theme) -> None: ...
 
 
 class Panels:
@@ -154,7 +160,7 @@ class Panels:
         for panel in self._all():
             panel.set_theme(theme)
 
-    def _all(self) -> tuple[QtWidgets.QWidget, ...]:
+    def _all(self) -> tuple[_Themed, ...]:
         upper = self.brushes, self.inks, self.hand
         lower = self.layers, self.history, self.copybook, self.devices
         return *upper, self.surface, *lower
@@ -190,7 +196,7 @@ class Panels:
         self.brushes.show_brush(brush)
         self._workspace.post("set_brush", brush)
 
-    def _dip(self, ink: object, reach: object) -> None:
+    def _dip(self, ink: Ink, reach: float | None) -> None:
         self._workspace.post("dip", ink, reach)
         self.brushes.set_ink(ink)
 

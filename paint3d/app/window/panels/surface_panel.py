@@ -33,15 +33,15 @@ class SurfacePanel(QtWidgets.QWidget):
         self.swatch = QtWidgets.QLabel()
         self.name = QtWidgets.QLabel()
         self.name.setObjectName("title")
-        self.size = QtWidgets.QLabel()
-        self.size.setObjectName("faint")
-        self.size.setWordWrap(True)
+        self.fineness = QtWidgets.QLabel()
+        self.fineness.setObjectName("faint")
+        self.fineness.setWordWrap(True)
         self._numbers: dict[str, QtWidgets.QLabel] = {}
         head = QtWidgets.QHBoxLayout()
         head.addWidget(self.swatch)
         words = QtWidgets.QVBoxLayout()
         words.addWidget(self.name)
-        words.addWidget(self.size)
+        words.addWidget(self.fineness)
         head.addLayout(words, 1)
         form = QtWidgets.QFormLayout()
         for key, text in _NUMBERS:
@@ -71,7 +71,7 @@ class SurfacePanel(QtWidgets.QWidget):
         material = surface.material
         self.name.setText(say(f"surface.{material.name}"))
         fine = "" if surface.resolution is None else f"{say_length(surface.resolution)}  ·  "
-        self.size.setText(fine + say("status.vertices", count=surface.n_vertices))
+        self.fineness.setText(fine + say("status.vertices", count=surface.n_vertices))
         for key, number in self._numbers.items():
             number.setText(f"{100 * getattr(material, key):.0f} %")
         red, green, blue = (int(code) for code in srgb_from_reflectance(material.reflectance))
