@@ -121,7 +121,7 @@ class Actions:
         """Draw the tools closer together where the window is low, so that none is lost."""
         tools = self.tools
         if self._tools_height is None:
-            self._tools_height = tools.layout().sizeHint().height()
+            self._tools_height = self._tools_layout().sizeHint().height()
         tight = self._tools_height > height - _AROUND
         if tight is tools.property("tight"):
             return
@@ -130,7 +130,12 @@ class Actions:
         for widget in (tools, *tools.findChildren(QtWidgets.QToolButton)):
             widget.style().unpolish(widget)
             widget.style().polish(widget)
-        tools.layout().invalidate()
+        self._tools_layout().invalidate()
+
+    def _tools_layout(self) -> QtWidgets.QLayout:
+        layout = self.tools.layout()
+        assert layout is not None, "a tool bar has one"
+        return layout
 
     def _set_theme(self, theme: Theme) -> None:
         for name, icon in ICONS_OF.items():

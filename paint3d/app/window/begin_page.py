@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
@@ -51,11 +52,14 @@ class BeginPage(QtWidgets.QFrame):
     def place(self) -> None:
         """Stand in the middle of the canvas."""
         self.adjustSize()
-        self.move(self.parentWidget().rect().center() - self.rect().center())
+        self.move(self._workspace.canvas.rect().center() - self.rect().center())
 
     def _fill(self) -> None:
         while self._rows.count():
-            self._rows.takeAt(0).widget().deleteLater()
+            item = self._rows.takeAt(0)
+            row = None if item is None else item.widget()
+            if row is not None:
+                row.deleteLater()
         self.buttons = []
         head = QtWidgets.QLabel(say("Open an object, or drop a file here"))
         head.setObjectName("title")
@@ -75,7 +79,7 @@ class BeginPage(QtWidgets.QFrame):
             below.setObjectName("faint")
             self._rows.addWidget(below)
         for path in recent:
-            opened = self._add(Path(path).name, lambda path=path: self._opening.open_path(path))
+            opened = self._add(Path(path).name, partial(self._opening.open_path, path))
             opened.setToolTip(path)
 
     def _add(self, text: str, do: Callable[[], object]) -> QtWidgets.QPushButton:

@@ -106,7 +106,7 @@ class ViewActions:
         before, chosen = workspace.settings, dialog.chosen()
         workspace.keep(**chosen)
         workspace.hand.set_settings(pressure_by=chosen["pressure_by"])
-        workspace.canvas.finger = chosen["finger"]
+        workspace.canvas.finger = workspace.settings.finger
         choose_unit(workspace.settings.unit)
         self._panels.show_unit()
         workspace.canvas.update()

@@ -11,6 +11,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.core.compile_cache import is_compiled
+from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.brush_shape import BrushStand, tuft_rings
 from paint3d.view.kernels.drape import drape_points
@@ -58,6 +59,7 @@ def _paint_unseen(progress: Callable[[], None]) -> None:
     progress()
     document.begin_stroke()
     samples = hand.begin(_over(0), brush)
+    assert samples is not None, "the pen is over the sheet"
     for k in range(1, 6):
         samples += hand.move(_over(k), brush)
     document.feed(samples)
@@ -81,11 +83,12 @@ def _over(k: int) -> PointerInput:
 def _turn(shown: LiveObject) -> None:
     """Make ready what is drawn while the view moves."""
     coarse = shown.coarse_for(1.0, 1000)
+    assert coarse is not None, "it is asked for the first time"
     lamps, out = np.zeros((1, 6)), coarse.colours.copy()
     add_shine(coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, 4.0, 0.1, out)
 
 
-def _stand(document: Document, sample) -> None:
+def _stand(document: Document, sample: DeviceSample) -> None:
     """Find how the brush stands, as for drawing it."""
     painter, tree = document.painter, document.surface.contact_tree
     contact = painter.contact(sample.position, sample.orientation, 0.4)

@@ -40,8 +40,7 @@ def restore_window(window: QtWidgets.QMainWindow, words: Mapping[str, object]) -
 
 
 def _text(data: QtCore.QByteArray) -> str:
-    result: str = bytes(data.toBase64()).decode("ascii")
-    return result
+    return bytes(data.toBase64().data()).decode("ascii")
 
 
 def _bytes(text: str) -> QtCore.QByteArray:

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -144,10 +145,10 @@ class Canvas(QtWidgets.QWidget):
     def event(self, event: QtCore.QEvent) -> bool:
         """Take fingers, on the screen or on a touch pad."""
         if event.type() in _TOUCHES:
-            self._take_fingers(event)
+            self._take_fingers(cast(QtGui.QTouchEvent, event))
             event.accept()
             return True
-        if event.type() == _KIND.NativeGesture and self._take_native(event):
+        if isinstance(event, QtGui.QNativeGestureEvent) and self._take_native(event):
             return True
         return super().event(event)
 
@@ -324,11 +325,16 @@ class Canvas(QtWidgets.QWidget):
         self._mode, self._by = mode, by
         self.steered.emit("begin", Drag(mode, place.x(), place.y()))
 
+    @property
+    def _steering(self) -> str:
+        assert self._mode is not None, "a drag goes on"
+        return self._mode
+
     def _go_on(self, place: QtCore.QPointF) -> None:
-        self.steered.emit("move", Drag(self._mode, place.x(), place.y()))
+        self.steered.emit("move", Drag(self._steering, place.x(), place.y()))
 
     def _end(self, place: QtCore.QPointF) -> None:
-        mode, self._mode, self._by = self._mode, None, ""
+        mode, self._mode, self._by = self._steering, None, ""
         self.steered.emit("end", Drag(mode, place.x(), place.y()))
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:

@@ -6,6 +6,8 @@ Qt would take its digits for those above the letters.
 
 from __future__ import annotations
 
+from typing import Any
+
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.persistence.shortcuts import SHORTCUTS
@@ -54,16 +56,14 @@ class HeldKeys(QtCore.QObject):
         held = {one.keys: one.action for one in SHORTCUTS if one.gesture in ("hold", "drag")}
         self._taps = {one.keys: one.action for one in SHORTCUTS if one.gesture == "press"}
         self._held = {
-            QtGui.QKeySequence(keys)[0].toCombined(): (keys, action)
+            _combined(keys): (keys, action)
             for keys, action in held.items()
             if action in ("size", "force", "harder", "softer")
         }
-        self._pad = {
-            QtGui.QKeySequence(one.keys)[0].toCombined(): one.action
-            for one in SHORTCUTS
-            if "Num+" in one.keys
-        }
-        QtWidgets.QApplication.instance().installEventFilter(self)
+        self._pad = {_combined(one.keys): one.action for one in SHORTCUTS if "Num+" in one.keys}
+        program = QtWidgets.QApplication.instance()
+        assert program is not None, "a window has one"
+        program.installEventFilter(self)
 
     def taps(self) -> set[str]:
         """Actions whose key is also one to hold: they come by `tapped`."""
@@ -76,7 +76,7 @@ class HeldKeys(QtCore.QObject):
             self._watch_window(kind)
         if kind not in (_KIND.KeyPress, _KIND.KeyRelease, _KIND.ShortcutOverride):
             return False
-        if not self._window.isActiveWindow():
+        if not isinstance(event, QtGui.QKeyEvent) or not self._window.isActiveWindow():
             return False
         if event.key() == _KEY.Key_Alt:
             self._alt = kind != _KIND.KeyRelease
@@ -137,6 +137,13 @@ class HeldKeys(QtCore.QObject):
         if keys in self._taps and not self._hand.adjusted:
             self.tapped.emit(self._taps[keys])
         return True
+
+
+def _combined(keys: str) -> int:
+    """The number of a key together with those that are held beside it, as Qt has it."""
+    sequence: Any = QtGui.QKeySequence(keys)  # Qt's own types leave out that it has places
+    combined: int = sequence[0].toCombined()
+    return combined
 
 
 def _leave_to_the_menu(kind: QtCore.QEvent.Type, event: QtGui.QKeyEvent) -> bool:

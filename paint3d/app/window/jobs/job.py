@@ -200,6 +200,7 @@ class _Bar(QtCore.QObject):
         look = QtCore.QTimer(interval=_LOOK_MS if self._here is None else 0)
         look.timeout.connect(self._look)
         program = QtWidgets.QApplication.instance()
+        assert program is not None, "a window has one"
         program.sendEvent(self._window, QtCore.QEvent(QtCore.QEvent.Type.WindowBlocked))
         program.installEventFilter(self)
         soon.start(_SOON_MS if self._here is None else 0)
@@ -224,20 +225,21 @@ class _Bar(QtCore.QObject):
 
     def _look(self) -> None:
         self._dialog.setValue(round(_STEPS * min(self._progress.share, 1.0)))
-        left = self._progress.is_stopped and time.monotonic() - self._stopped_at > _GRACE_S
+        stopped = self._stopped_at if self._progress.is_stopped else None
+        left = stopped is not None and time.monotonic() - stopped > _GRACE_S
         if self._future.done() or left:
             self._loop.quit()
         elif self._here is not None and self._stopped_at is None and self._is_seen():
-            self._do_here()
+            self._do_here(self._here)
 
     def _is_seen(self) -> bool:
         """Whether the bar is on the screen, or a while has gone by in which it should have been."""
         seen = self._dialog.isVisible() and self._dialog.windowHandle().isExposed()
         return seen or time.monotonic() - self._began > 1e-3 * _SOON_MS
 
-    def _do_here(self) -> None:
+    def _do_here(self, here: Callable[[], None]) -> None:
         try:
-            self._here()
+            here()
         except Exception as error:
             self._error = error
             self._progress.stop()

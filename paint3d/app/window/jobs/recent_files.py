@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
@@ -35,8 +36,11 @@ class RecentFiles(QtCore.QObject):
         """Fill the menu."""
         self._menu.clear()
         for path in self.paths():
-            self._menu.addAction(Path(path).name, lambda path=path: self.chosen.emit(path))
+            self._menu.addAction(Path(path).name, self._chooser(path))
         self._menu.setEnabled(bool(self._menu.actions()))
+
+    def _chooser(self, path: str) -> Callable[[], None]:
+        return lambda: self.chosen.emit(path)
 
     def paths(self) -> list[str]:
         """Those that are still there, the last opened first."""

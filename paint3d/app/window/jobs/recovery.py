@@ -43,6 +43,9 @@ class Recovery:
         """Ask about one, and what becomes of the painting that is open."""
         return self._is_wanted(one) and self._may_leave() and self.recover(one)
 
+    def _asker(self, one: Unfinished) -> Callable[[], bool]:
+        return lambda: self._ask_and_recover(one)
+
     def _is_wanted(self, one: Unfinished) -> bool:
         """Whether to go on with it; if not, it is deleted or stays for later."""
         box = QtWidgets.QMessageBox(self._workspace.window)
@@ -70,7 +73,7 @@ class Recovery:
         self._menu.clear()
         for one in recoverable():
             text = f"{_name_of(one)}  ({_time_of(one)})"
-            self._menu.addAction(text, lambda one=one: self._ask_and_recover(one))
+            self._menu.addAction(text, self._asker(one))
         self._menu.setEnabled(bool(self._menu.actions()))
 
     def recover(self, one: Unfinished) -> bool:
