@@ -245,6 +245,34 @@ def test_a_recording_is_replayed_at_the_speed_that_is_asked_for(painted_once) ->
     choose(window, "undo")
 
 
+@pytest.mark.parametrize("by", ["mouse", "stylus"])
+def test_a_stroke_by_hand_ends_a_replay_and_is_one_of_its_own(painted_once, by: str) -> None:
+    """It would be painted into the stroke of the recording, and the rest of that be refused."""
+    window = painted_once
+    stroke = window.document.strokes[0]
+    there = len(window.document.strokes)
+    window.player.play(stroke.samples, 0.1)
+    wait_for(lambda: window.document.in_stroke)
+    if by == "mouse":
+        drag(window.canvas, (0.4, 0.6), (0.6, 0.6), n=6)
+    else:
+        readings = readings_along_a_line()
+        window.both_hands = DeviceInput(window.workspace, window.panels.devices, Plugged(readings))
+        wait_for(lambda: len(window.document.strokes) == there + 2)
+        window.both_hands.close()
+        window.both_hands = DeviceInput(window.workspace, window.panels.devices)
+    assert not window.player.is_playing
+    assert "replay was stopped" in window.status.told.text()
+    settled(window)
+    replayed, own = window.document.strokes[there:]
+    assert len(replayed.samples) < len(stroke.samples)
+    places = np.array([sample.position[1] for sample in own.samples])
+    old = np.array([sample.position[1] for sample in stroke.samples])
+    assert not ((places > old.min()) & (places < old.max())).any()
+    choose(window, "undo")
+    choose(window, "undo")
+
+
 class Plugged:
     """A stylus that is read again and again; no other device."""
 
@@ -278,12 +306,10 @@ class Felt(Plugged):
         self.object_pose = object_pose
 
 
-@pytest.mark.parametrize("haptic", [False, True])
-def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
-    window = painted_once
-    now = time.monotonic_ns()
-    upright = np.array([1.0, 0.0, 0.0, 0.0])
-    readings = [
+def readings_along_a_line() -> list[StylusReading]:
+    """Of a stylus over the sheet, from now on."""
+    now, upright = time.monotonic_ns(), np.array([1.0, 0.0, 0.0, 0.0])
+    return [
         StylusReading(
             now + 4_000_000 * k,
             np.array([-40.0 + 2.0 * k, 60.0, 35.0]),
@@ -292,6 +318,11 @@ def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
         )
         for k in range(30)
     ]
+
+
+@pytest.mark.parametrize("haptic", [False, True])
+def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
+    window, readings = painted_once, readings_along_a_line()
     settled(window)
     n, there = painted(window), len(window.document.strokes)
     workspace, panel = window.workspace, window.panels.devices

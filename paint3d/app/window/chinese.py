@@ -58,6 +58,7 @@ CHINESE = {
     "ink {share:.0f} %": "含墨 {share:.0f}%", "behind by {ms:.0f} ms": "落后 {ms:.0f} 毫秒",
     "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画", "has caught up": "已跟上",
     "{fps:.0f} pictures/s": "每秒 {fps:.0f} 帧", "Stopped": "已停止",
+    "The replay was stopped by your stroke": "您已落笔，重放停止",
     "The language changes with the next start": "下次启动时换用此语言",
     "Please wait": "请稍候", "Writing {name}…": "正在写出 {name}…",
     "Drawing the film…": "正在绘制影片…", "Refining the surface…": "正在细分表面…",

@@ -115,6 +115,8 @@ class DeviceInput:
         self._carry(taken.object_pose)
         for part in self._cutter.cut(taken.samples):
             if isinstance(part, str):
+                if part == "begin_stroke":
+                    self._workspace.hand.began.emit()
                 easel.post(part)
                 if part == "end_stroke":
                     self._workspace.hand.ended.emit()

@@ -37,7 +37,7 @@ class CanvasHand(QtCore.QObject):
     sized : float
         The brush is to be so many times as large.
     began, ended : ()
-        Of a stroke.
+        Of a stroke; before the easel hears of it, and after.
     """
 
     sized = QtCore.Signal(float)
@@ -219,9 +219,9 @@ class CanvasHand(QtCore.QObject):
         if samples is None:
             return
         self.in_stroke, self._whole = True, None
+        self.began.emit()
         easel.post("begin_stroke")
         easel.feed(samples)
-        self.began.emit()
 
     def lift(self, event: PointerInput | None = None) -> None:
         """End the stroke that is going on, where the pen was lifted if it says."""

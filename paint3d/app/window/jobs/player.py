@@ -64,6 +64,12 @@ class Player:
             self._next = len(self._samples)
             self._workspace.easel.post("end_stroke")
 
+    def give_way(self) -> None:
+        """Stop for a stroke by hand, which would be one with that of the recording."""
+        if self.is_playing:
+            self.stop()
+            self._workspace.tell(say("The replay was stopped by your stroke"))
+
     def _due(self) -> int:
         """Number of the first sample whose time has not come."""
         if self._speed is None:
