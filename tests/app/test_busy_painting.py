@@ -42,13 +42,19 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
     settled(window)
 
 
-def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None:
+@pytest.mark.parametrize("how", ["waiting", "going on"])
+def test_leaving_asks_about_what_is_still_to_be_done(window, how: str) -> None:
+    """A stroke that waits, or a step that takes long and is the last that was asked for."""
     settled(window)
     with window.stage.easel.paused() as document:
         document.modified = False
     gate = threading.Event()
-    window.stage.easel.post(lambda document: gate.wait(300))
-    drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
+    easel = window.stage.easel
+    easel.post(lambda document: gate.wait(300) and document.dry())
+    if how == "waiting":
+        drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
+    else:
+        wait_for(lambda: easel.queue_length == 0)
     assert not window.document.modified
     asked = []
 
@@ -62,6 +68,21 @@ def test_leaving_asks_about_strokes_that_are_still_to_be_painted(window) -> None
     finally:
         gate.set()
     assert len(asked) == 1
+    settled(window)
+    assert window.document.modified
+
+
+def test_leaving_does_not_ask_about_time_that_passes_for_the_ink(
+    window, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settled(window)
+    asked, easel = [], window.stage.easel
+    monkeypatch.setattr(QtWidgets.QMessageBox, "exec", lambda box: asked.append(box.text()))
+    with easel.paused() as document:
+        document.modified = False
+        easel.post("follow_time", 0.01)
+        assert window.saving.may_leave()
+    assert asked == []
     settled(window)
 
 

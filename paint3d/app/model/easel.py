@@ -258,6 +258,11 @@ class Easel:
         return len(self._jobs)
 
     @property
+    def is_behind(self) -> bool:
+        """Whether something that was asked for waits or is being done; time for the ink is none."""
+        return self._n_asked > self._n_done
+
+    @property
     def is_still(self) -> bool:
         """Whether all that was asked for is done, shown, and the last frame taken."""
         with self._wake:

@@ -29,7 +29,7 @@ class Saving:
         if easel is None:
             return True
         document = self._workspace.document
-        if not (document.modified or easel.queue_length):  # what waits will change it
+        if not (easel.is_behind or document.modified):  # what is still to be done will change it
             return True
         name = document.path.name if document.path else named(document.surface.source.name)
         box = QtWidgets.QMessageBox(self._workspace.window)
