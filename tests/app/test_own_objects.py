@@ -15,6 +15,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
 from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
+from paint3d.app.window.dialogs.questions import NewDialog
 from paint3d.app.window.start import _open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
@@ -166,6 +167,34 @@ def test_what_is_cancelled_leaves_everything(window, tmp_path: Path) -> None:
     assert not window.opening.open_path(str(lying_jug(tmp_path)), asked=True)
     assert asked
     assert window.document is before
+
+
+def test_what_becomes_of_the_old_painting_is_asked_once_for_a_file(
+    window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A new painting on a mesh file asks for an object, and for the file; not twice about this."""
+    path, asked, plain = lying_jug(tmp_path), [], window.saving.may_leave
+
+    def may_leave() -> bool:
+        asked.append(plain())
+        return asked[-1]
+
+    def take_a_file(dialog: NewDialog) -> None:
+        dialog.object.setCurrentIndex(dialog.object.findData(""))
+        dialog.accept()
+
+    def choose(dialog: QtWidgets.QFileDialog) -> None:
+        dialog.selectFile(str(path))
+        dialog.accept()
+
+    monkeypatch.setattr(window.saving, "may_leave", may_leave)
+    foreseen(NewDialog, take_a_file)
+    files = foreseen(QtWidgets.QFileDialog, choose)
+    objects = foreseen(ObjectDialog, lambda dialog: dialog.accept())
+    window.workspace.actions["new"].trigger()
+    assert files
+    assert objects == ["lying.ply"]
+    assert asked == [True]
 
 
 def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:

@@ -60,17 +60,19 @@ class Opening:
         if name:
             self.open_path(name, resolution, material, asked=True)
         else:
-            self.do_open(resolution, material)
+            self.do_open(resolution, material, asked=True)
 
-    def do_open(self, resolution: float | None = None, material: str | None = None) -> None:
-        """Ask for a file, and open it."""
+    def do_open(
+        self, resolution: float | None = None, material: str | None = None, *, asked: bool = False
+    ) -> None:
+        """Ask for a file, and open it; see `open_path`."""
         meshes = " ".join(f"*{suffix}" for suffix in (SESSION_SUFFIX, *MESH_SUFFIXES))
         kinds = f"{say('Objects and paintings')} ({meshes});;{say('All files')} (*)"
         path, _ = QtWidgets.QFileDialog.getOpenFileName(
             self._workspace.window, say("action.open").rstrip("…"), "", kinds
         )
         if path:
-            self.open_path(path, resolution, material)
+            self.open_path(path, resolution, material, asked=asked)
 
     # -- opening ----------------------------------------------------------------------------
 
