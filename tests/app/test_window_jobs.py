@@ -18,13 +18,14 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.sitting import Sitting, Unfinished, recoverable
-from paint3d.app.window import start
+from paint3d.app.window import start, studio
 from paint3d.app.window.commands import ALWAYS, CHECKABLE
 from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.jobs import job as jobs
 from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
+from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, wait_for
 from tests.support.app.windows import settled
 
@@ -281,6 +282,23 @@ def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
     assert any(b.text().startswith("Bring back") for b in empty.begin_page.buttons)
     for left in recoverable():
         left.discard()
+
+
+def test_what_is_brought_back_and_cannot_be_kept_anew_stays(
+    empty, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the disk is full, what the crash left is all that there is until it is saved."""
+
+    def full(document: Document) -> Sitting:
+        raise ExportError("the disk is full")
+
+    leave_a_sitting()
+    monkeypatch.setattr(studio, "Sitting", full)
+    assert empty.recovery.recover(recoverable()[0])
+    assert len(empty.document.layers) == 2
+    assert "the disk is full" in empty.status.told.text()
+    (left,) = recoverable()
+    left.discard()
 
 
 def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
