@@ -191,6 +191,11 @@ class ForceFeedback:
             board.fault(),
         )
 
+    @property
+    def process_id(self) -> int | None:
+        """Of the servo's process, as the system counts them."""
+        return self._process.pid
+
     def is_running(self) -> bool:
         """Whether the servo runs; where its process was killed, the device is told to rest."""
         if self._process.is_alive():

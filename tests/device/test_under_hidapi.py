@@ -299,8 +299,10 @@ def main():
             feedback.publish()
             readings += feedback.take()
             if KILLED and len(readings) > 600:
-                os.kill(feedback._process.pid, signal.SIGKILL)
-                feedback._process.join()
+                os.kill(feedback.process_id, signal.SIGKILL)
+                while feedback.is_running():
+                    time.sleep(0.001)
+                break
             time.sleep(0.01)
         readings += feedback.take()
         status = feedback.status()

@@ -293,7 +293,7 @@ def test_a_signal_ends_in_no_force(tree, device, number) -> None:
         device.plug.close()
         keep_alive(feedback, device, 20, LIFTED)
         assert keep_alive(feedback, device, 200)[2] > 0.7
-        os.kill(feedback._process.pid, number)
+        os.kill(feedback.process_id, number)
         device.until_quiet(keep_sending=True)
 
 
@@ -308,7 +308,7 @@ if __name__ == "__main__":
     tree = PaintedSurface(make_plane(), resolution=None).contact_tree
     feedback = ForceFeedback(SocketForcePort(plug), tree, SETTINGS)
     plug.close()
-    print(feedback._process.pid, flush=True)
+    print(feedback.process_id, flush=True)
     while True:
         feedback.publish()
         time.sleep(0.01)
