@@ -130,12 +130,12 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
     painter.dip()
     painter.replay(first_samples(recording, len(recording) - 1))
     before = make_stamp()
-    for kept, last in zip(before, painter._progress.after, strict=True):
+    for kept, last in zip(before, painter.stamp, strict=True):
         kept[:] = last
     painter.dip()
     painter.replay(recording)
-    stamps = (before, painter._progress.after)
-    work = (surface.paint_mesh.arrays, surface.ink, painter._scratch)
+    stamps = (before, painter.stamp)
+    work = (surface.paint_mesh.arrays, surface.ink, painter.scratch)
     assert hairs is not None, "it is a tuft of hairs"
     own = hairs.work(surface)
     best = alternate(

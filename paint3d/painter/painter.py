@@ -28,7 +28,8 @@ from paint3d.brush_engine.brush_load import level_stations
 from paint3d.brush_engine.contact import Contact, find_contact
 from paint3d.brush_engine.deposit import PAINTED
 from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
-from paint3d.brush_engine.scratch import Scratch, grow_scratch, make_scratch
+from paint3d.brush_engine.scratch import grow_scratch, make_scratch
+from paint3d.brush_engine.stamp import Stamp
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.pigments import Pigment, load_pigment
@@ -73,6 +74,17 @@ class Painter:
     hairs : int or BristleSpec, optional
         Paint with so many single hairs, or with these; 0 for a solid tuft. None: as the brush is.
 
+    Attributes
+    ----------
+    tuft : Tuft
+        The brush as it bends.
+    curves : Curves
+        What drives it while it paints.
+    hairs : HairTuft or None
+        None in a solid tuft.
+    scratch : Scratch
+        What the kernels work in, and count.
+
     Raises
     ------
     UnknownNameError
@@ -95,13 +107,14 @@ class Painter:
         self.surface = surface
         self.brush = load_brush(brush) if isinstance(brush, str) else brush
         self.tuft = build_tuft(self.brush)
-        self._curves = build_curves(self.brush.inputs)
+        self.curves = build_curves(self.brush.inputs)
         self._wanted_hairs = hairs
         self.hairs = self._make_hairs()
         self.azimuth = azimuth
         self.loaded = 0.0
         self.seconds = {"poses": 0.0, "stroke": 0.0, "colour": 0.0}
         self._progress = intervals.make_progress()
+        self.scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
         self._held: list[DeviceSample] = []
         self._origin_ns = 0
         self._n_samples = 0
@@ -146,7 +159,7 @@ class Painter:
         if ink is not None:
             self._dipped = ink
             self.ink = self.surface.main_pigment(parts)
-        self._scratch = self._make_scratch()
+        self._fit_scratch()
 
     def _take_up(self) -> None:
         """Take the brush as it lies there: with what it holds, or dry."""
@@ -157,7 +170,7 @@ class Painter:
         parts = held / held.sum() if held.any() else np.eye(len(held))[-1]
         self._dipped = {p: w for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-9}
         self.ink = surface.main_pigment(parts)
-        self._scratch = self._make_scratch()
+        self._fit_scratch()
         accounts = self.ledger()
         self.loaded = sum(accounts.values()) - accounts["loaded"]
 
@@ -194,7 +207,7 @@ class Painter:
         brush = load_brush(brush) if isinstance(brush, str) else brush
         self.tuft = build_tuft(brush)
         self.brush = brush
-        self._curves = build_curves(brush.inputs)
+        self.curves = build_curves(brush.inputs)
         self.hairs = self._make_hairs()
         self.dip()
 
@@ -222,7 +235,7 @@ class Painter:
 
     def keep(self) -> dict[str, object]:
         """What `restore` takes: all that is remembered between strokes, apart from the surface."""
-        names = ("brush", "tuft", "loaded", "ink", "_dipped", "hairs", "_curves")
+        names = ("brush", "tuft", "loaded", "ink", "_dipped", "hairs", "curves")
         kept = {name: getattr(self, name) for name in names}
         return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
 
@@ -234,7 +247,7 @@ class Painter:
                 setattr(self, name, value)
         if self.hairs is not None and of_hairs is not None:
             self.hairs.restore(of_hairs)
-        self._scratch = self._make_scratch()
+        self._fit_scratch()
 
     def _mixture(self, ink: Ink) -> AnyArray:
         """(P,) parts of the pigments on the surface, of sum 1."""
@@ -282,6 +295,11 @@ class Painter:
     def in_brush(self) -> float:
         """Pigment in the brush, coats x mm2."""
         return self.surface.lasting(self.surface.ink.load)
+
+    @property
+    def stamp(self) -> Stamp:
+        """The footprint that was placed last."""
+        return self._progress.after
 
     def contact(
         self,
@@ -420,7 +438,7 @@ class Painter:
     def _begin(self) -> None:
         self._progress.at[:] = 0
         self._progress.before.values[:] = 0.0
-        self._scratch.warm[0] = 0.0
+        self.scratch.warm[0] = 0.0
 
     def _paint_held(self, last: int) -> None:
         if last <= int(self._progress.at[0]):
@@ -449,32 +467,32 @@ class Painter:
     def _run(self, samples: intervals.Samples, last: int) -> None:
         started = time.perf_counter()
         surface = self.surface
-        scratch = self._scratch  # the surface may have grown, or another brush brought a pigment
+        scratch = self.scratch  # the surface may have grown, or another brush brought a pigment
         is_small = len(scratch.found.ids) != surface.paint_mesh.capacity + 1
         if is_small or len(scratch.part) != len(surface.pigments):
-            self._scratch = self._make_scratch()
+            self._fit_scratch()
         while True:
             state = self._run_kernel(samples, last)
             if state == intervals.FINISHED:
                 break
             surface.make_room()
-            self._scratch = self._make_scratch()
+            self._fit_scratch()
         surface.ink.habit[CAPACITY] = self.tuft.load  # whatever curves made of it
         self.seconds["stroke"] += time.perf_counter() - started
 
     def _run_kernel(self, samples: intervals.Samples, last: int) -> int:
-        surface, progress, scratch = self.surface, self._progress, self._scratch
-        brush = intervals.HeldBrush(self.tuft, self._curves, self.azimuth == "dragged")
+        surface, progress, scratch = self.surface, self._progress, self.scratch
+        brush = intervals.HeldBrush(self.tuft, self.curves, self.azimuth == "dragged")
         hairs = None if self.hairs is None else self.hairs.work(surface)
         canvas = intervals.Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
         if hairs is None:
             return int(paint_samples(samples, last, brush, canvas, progress, scratch))
         return int(paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs))
 
-    def _make_scratch(self) -> Scratch:
+    def _fit_scratch(self) -> None:
+        """Let the scratch fit the surface and its pigments; counts, and what was begun, go on."""
         mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
-        old = getattr(self, "_scratch", None)
-        return make_scratch(mesh, pigments) if old is None else grow_scratch(old, mesh, pigments)
+        self.scratch = grow_scratch(self.scratch, mesh, pigments)
 
     # -- accounts ---------------------------------------------------------------------------
 
@@ -496,7 +514,7 @@ class Painter:
     def report(self) -> dict[str, Any]:
         """Counts, seconds by stage, and the ink ledger, ready for JSON."""
         self._refresh()
-        counters = self._scratch.counters
+        counters = self.scratch.counters
         return {
             "brush": self.brush.name,
             "ink": self.ink.name,

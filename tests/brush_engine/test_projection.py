@@ -78,8 +78,8 @@ def test_a_dab_on_the_plane_is_the_footprint(brush, pressure, azimuth, tilt):
 def test_a_dab_on_curved_ground_is_carried_along_normals(shape):
     place = {"sphere": on_sphere(40.0), "dish": on_sphere(-60.0), "cylinder": on_cylinder(30.0)}
     painter = press(sheet(place[shape], (25.0, 25.0), 1.0), 0.4, 0.5)
-    values = painter._progress.after.values[0]
-    profile = painter._progress.after.half_widths[: stamp.PROFILE_CELLS + 1]
+    values = painter.stamp.values[0]
+    profile = painter.stamp.half_widths[: stamp.PROFILE_CELLS + 1]
     normal, bend, cross, foot = (values[k] for k in ("normal", "bend", "cross", "origin"))
     vertices = painter.surface.paint_mesh.vertices.astype(float)
     normals = painter.surface.paint_mesh.normals.astype(float)
@@ -100,7 +100,7 @@ def test_the_plane_leans_to_the_mean_normal():
     normals = {}
     for name, place in (("plane", flat), ("sphere", on_sphere(60.0)), ("dish", on_sphere(-60.0))):
         painter = press(sheet(place, (25.0, 25.0), 1.0), 0.4)
-        normals[name] = painter._progress.after.values[0]["normal"]
+        normals[name] = painter.stamp.values[0]["normal"]
     np.testing.assert_allclose(normals["plane"], [0.0, 0.0, 1.0], atol=1e-6)
     assert 0.005 < normals["sphere"][0] < 0.2
     assert -0.2 < normals["dish"][0] < -0.005
@@ -113,6 +113,6 @@ def test_the_mesh_under_the_brush_does_not_move_the_plane():
     leans = []
     for edge in (0.7, 2.0):
         mesh = sheet(on_sphere(60.0), (25.0, 25.0), edge)
-        values = press(mesh, 0.4, rng.uniform(0.0, 1e-9))._progress.after.values
+        values = press(mesh, 0.4, rng.uniform(0.0, 1e-9)).stamp.values
         leans.append(values[0]["normal"][0])
     assert leans[0] == pytest.approx(leans[1], abs=3e-3)

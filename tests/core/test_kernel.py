@@ -53,10 +53,10 @@ def test_painting_leaves_arrays_held_as_often_as_before(inputs: dict, hairs: int
     surface = PaintedSurface(sheet(flat, (40.0, 20.0), 5.0), 0.6)
     painter = Painter(surface, dataclasses.replace(load_brush("full"), inputs=inputs), hairs=hairs)
     painter.replay(recording)  # whatever grows has grown
-    scratch = painter._scratch
+    scratch = painter.scratch
     held = [
         *painter.tuft,
-        *painter._curves,
+        *painter.curves,
         *scratch,
         *scratch.patch,
         *scratch.query,

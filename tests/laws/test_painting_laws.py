@@ -380,7 +380,7 @@ def test_any_order_of_strokes_paints_the_same_vertices(order):
 
 def heading(painter: Painter) -> np.ndarray:
     """Where the tip points from the foot point, at the last stamp that touched (in the plane)."""
-    return painter._progress.after.values[0]["bend"][:2]
+    return painter.stamp.values[0]["bend"][:2]
 
 
 @pytest.mark.parametrize("tilt", [UPRIGHT, 1.2])

@@ -29,7 +29,7 @@ def standing(painter, tilt, press):
     recording = poses(still, UP, BACK, pressure, brush, np.radians(tilt), 125.0)
     painter.dip()
     painter.advance(sample_of(recording, k) for k in range(6))
-    values = painter._progress.before.values[0].copy()
+    values = painter.stamp.values[0].copy()
     painter.finish()
     return values["tip"] - values["heel"], 2.0 * values["widest"]
 

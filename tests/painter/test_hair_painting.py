@@ -264,8 +264,8 @@ def test_hairs_that_hardly_move_are_kept_and_paint_the_same(wipe):
     for anew in (False, True):
         painter = paint(wipe=wipe)
         for k in range(len(recording)):
-            if anew and painter.hairs._work is not None:
-                painter.hairs._work.kept["touching"] = 0.0
+            if anew:
+                painter.hairs.work(painter.surface).kept["touching"] = 0.0
             painter.advance([sample_of(recording, k)])
         painter.finish()
         painters.append(painter)

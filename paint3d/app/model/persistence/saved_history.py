@@ -229,7 +229,7 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
 
 def _brush(words: Mapping[str, Any]) -> dict[str, Any]:
     brush = brush_from_words(words)
-    return {"brush": brush, "tuft": build_tuft(brush), "_curves": build_curves(brush.inputs)}
+    return {"brush": brush, "tuft": build_tuft(brush), "curves": build_curves(brush.inputs)}
 
 
 def _maker(about: Mapping[str, Any]) -> Callable[..., Kept]:
