@@ -19,10 +19,10 @@ from tests.support.app.event_player import (
     DeviceEvent,
     EventPlayer,
     EventRecording,
-    _without_slips,
     hand_over,
     open_for,
     pen_ways,
+    without_slips,
 )
 
 NAMES = sorted(path.stem for path in FOLDER.glob("*.jsonl"))
@@ -179,9 +179,9 @@ def test_a_ray_that_slips_through_a_crack_is_no_place_of_the_pen() -> None:
     events = way[[0, 10, 20]]
     way[[4, 10], 2] = -90.0
     way[15, 2] = -1.5  # in a groove, but near
-    found = _without_slips(way, at, events, behind)
+    found = without_slips(way, at, events, behind)
     assert np.isnan(found[[4, 10]]).all()
     kept = np.delete(np.arange(21), [4, 10])
     np.testing.assert_array_equal(found[kept], way[kept])
     events[2, 2] = way[11:, 2] = -90.0  # the pen itself went there
-    assert np.isfinite(_without_slips(way, at, events, behind)[11:]).all()
+    assert np.isfinite(without_slips(way, at, events, behind)[11:]).all()

@@ -85,10 +85,14 @@ def test_a_kill_gives_every_hair_back(tmp_path):
     for y in (-10, 0, 10):
         easel.post("begin_stroke")
         easel.feed(line((-20, y), (20, y)))
+        easel.keep_every(0.001 if y == 0 else 600.0)
         easel.post("end_stroke").result(timeout=300)
-        easel._base_due = y == 0
+        with easel.paused():  # a base is kept after the second, before the third is begun
+            easel.keep_every(600.0)
     easel.stop(keep=True)
-    again = recoverable(tmp_path)[0].recover().document
+    (unfinished,) = recoverable(tmp_path)
+    assert [base.name for base in unfinished.folder.glob("base*")] == ["base-2.p3d"]
+    again = unfinished.recover().document
     same_vertices(again.surface, document.surface)
     np.testing.assert_array_equal(hairs_of(again)[0], hairs_of(document)[0])
 

@@ -41,6 +41,14 @@ def rested(easel):
     easel.post(lambda document: None).result(timeout=300)
 
 
+def keep_a_base(easel):
+    """Have one base, now that the hand rests, and no other soon."""
+    easel.keep_every(0.001)
+    rested(easel)
+    with easel.paused():  # once it has been kept
+        easel.keep_every(600.0)
+
+
 def paint_all_sorts(easel):
     easel.post("dip", {"pine soot": 0.3, "water": 0.5})
     stroke(easel, (-20, -10), (20, -10))
@@ -64,8 +72,7 @@ def test_everything_comes_back_to_the_bit(tmp_path, new_base):
     easel = Easel(document, sitting=Sitting(document, tmp_path))
     paint_all_sorts(easel)
     if new_base:
-        easel._base_due = True
-        rested(easel)
+        keep_a_base(easel)
         easel.post("dip")
         stroke(easel, (0, -30), (0, 30))
         rested(easel)
@@ -106,8 +113,7 @@ def test_undo_past_the_base_makes_a_new_one(tmp_path):
     easel = Easel(document, sitting=Sitting(document, tmp_path))
     stroke(easel, (-20, 0), (20, 0))
     rested(easel)
-    easel._base_due = True
-    rested(easel)
+    keep_a_base(easel)
     easel.post("undo")
     rested(easel)
     rested(easel)

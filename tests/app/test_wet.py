@@ -107,9 +107,8 @@ def test_ink_that_moves_by_itself_is_nothing_that_was_asked_for(clockwork):
     """A hand that rests is never told that painting is behind."""
     easel = clockwork.easel
     easel.take_frame()
-    with easel._wake:
-        for _ in range(3):
-            easel._enqueue(easels._piece(time.perf_counter()))
+    for _ in range(3):
+        easel.post("follow_time", PIECE_S)
     clockwork.held.set()
     frames = []
     wait_for(lambda: frames.append(easel.take_frame()) or frames[-1] is not None)
@@ -153,7 +152,7 @@ def test_while_ink_cannot_be_followed_no_time_passes_for_it(monkeypatch):
 def test_time_is_left_out_where_a_piece_takes_long(clockwork, wall):
     wall.now += 10 * PIECE_S
     clockwork.held.set()
-    wait_for(lambda: clockwork.easel._ink_clock.left_out > 0)
+    wait_for(lambda: clockwork.easel.ink_clock.left_out > 0)
     for _ in range(3):
         clockwork.easel.post(lambda document: None).result(timeout=LIMIT_S)
     with clockwork.easel.paused():
@@ -216,9 +215,10 @@ def test_the_ink_has_the_hands_own_time_however_late_it_is_told(quick_wall, pain
         same_ink(painted_in_time.surface, handed_over(quick_wall, late_s).surface)
 
 
-@pytest.mark.parametrize("part", [engine._PART, 7, 40])
+@pytest.mark.parametrize("part", [None, 7, 40])
 def test_its_recording_gives_the_ink_the_same_time(monkeypatch, painted_in_time, part):
-    monkeypatch.setattr(engine, "_PART", part)
+    if part is not None:
+        monkeypatch.setattr(engine, "_PART", part)
     recording, source = painted_in_time.recording(), painted_in_time.surface.source
     surface = PaintedSurface(source, 1.0, "xuan")
     Painter(surface).replay(recording, wet=True)

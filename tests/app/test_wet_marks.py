@@ -57,7 +57,7 @@ def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -
     window.activateWindow()  # a bar had the keys until now
     assert QtTest.QTest.qWaitForWindowActive(window, 60_000)
     player, begin_ms = player_of(window), -(-(wall.ms + PAUSE_MS) // _GRID_MS) * _GRID_MS
-    player._aspect = recording.header.get("aspect")
+    player.aspect = recording.header.get("aspect")
     for batch in hand_over(recording.events, how, 12, pace):
         wall.ms = begin_ms + batch[-1].time_ms
         if how == "burst":  # something holds the window up, longer than between two strokes

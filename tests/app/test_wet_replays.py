@@ -81,7 +81,7 @@ def rest(window, wall: Wall, seconds: float) -> None:
     """Let time pass on the wall while nobody paints, and what it is worth to the ink."""
     wall.ms += round(1000.0 * (seconds + LATE_S))
     easel = window.stage.easel
-    while easel._ink_clock.patience(wall.ms * 1_000_000) == 0.0:
+    while easel.ink_clock.patience(wall.ms * 1_000_000) == 0.0:
         settle(window)
     settle(window)
 

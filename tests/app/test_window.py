@@ -54,7 +54,7 @@ from tests.support.app.gestures import drag, live, wait_for
 
 def kept():
     n, found = 0, 0  # strokes, and samples of the last; between these time passes for the ink
-    (journal,) = window.stage.easel._scribe.sitting.folder.glob("journal-1.*")
+    (journal,) = window.stage.easel.sitting.folder.glob("journal-1.*")
     for event in read_events(journal)[1]:
         if not isinstance(event, dict):
             found += len(event)

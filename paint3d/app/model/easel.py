@@ -123,6 +123,9 @@ class Easel:
     document : Document
     newest : DeviceSample or None
         What the hand did last, whether it is painted yet or not.
+    ink_clock : InkClock
+        Counts the time that passes for the ink, if it is wet.
+    base_every_s : float
     """
 
     def __init__(
@@ -134,8 +137,8 @@ class Easel:
     ) -> None:
         self.document = document
         self._wet = wet
-        self._base_every_s = base_every_s
-        self._scribe = None if sitting is None else _Scribe(sitting, document, self._tell)
+        self.base_every_s = base_every_s
+        self._scribe = None if sitting is None else _Scribe(sitting, document, self.tell)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
         self._work_s = 0.0  # since the last base
@@ -154,7 +157,7 @@ class Easel:
         self._stopping = self._working = self._nudged = False
         self._stale = True
         self._lag = 0.0
-        self._ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
+        self.ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
         self._seen_ns: tuple[int, int] | None = None  # the last two times that `live` was called
         self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
         self._thread.start()
@@ -248,7 +251,7 @@ class Easel:
         with self._wake:
             self._wet = bool(on)
             self._fed.clear()
-            self._ink_clock = InkClock(time.perf_counter_ns())
+            self.ink_clock = InkClock(time.perf_counter_ns())
             self._nudged = True
             self._wake.notify()
 
@@ -299,7 +302,7 @@ class Easel:
     def keep_every(self, seconds: float) -> None:
         """Let the sitting have its bases no oftener than that, from now on."""
         with self._wake:
-            self._base_every_s = seconds
+            self.base_every_s = seconds
             self._wake.notify()
 
     def stop(self, keep: bool = False) -> None:
@@ -330,7 +333,7 @@ class Easel:
         behind = now - self._jobs[0].came if self._jobs else 0.0
         first = 0
         for k, sample in enumerate(samples if self._wet else ()):
-            pieces = self._ink_clock.hear(sample.time_ns, round(1e9 * now), self._pace.most(behind))
+            pieces = self.ink_clock.hear(sample.time_ns, round(1e9 * now), self._pace.most(behind))
             if pieces and first < k:
                 yield _Job(now, tuple(samples[first:k]))
                 first = k
@@ -370,11 +373,11 @@ class Easel:
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
         if self._wet:
-            patience = self._ink_clock.patience(self._handed_over_ns())
+            patience = self.ink_clock.patience(self._handed_over_ns())
             return patience if self._seen_ns is None else max(patience, _LIVE_S)
         if self._scribe is None:
             return None
-        return min(_AGAIN_S, self._base_every_s) if self._scribe.has_gap else self._base_every_s
+        return min(_AGAIN_S, self.base_every_s) if self._scribe.has_gap else self.base_every_s
 
     def _work(self) -> None:
         before = time.thread_time()
@@ -415,7 +418,7 @@ class Easel:
             self._base_due = True  # the journal says that it was done
             result.set_exception(stopped)
         except Exception as error:
-            self._tell(name, error)
+            self.tell(name, error)
             result.set_exception(error)
         if name == _FOLLOW:
             self._pace.took(time.perf_counter() - before)
@@ -437,7 +440,7 @@ class Easel:
         with self._wake:
             if self._jobs or self._stopping or not self._wet:
                 return
-            passed = self._ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
+            passed = self.ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
             if passed and not is_dry:
                 self._enqueue(_piece(time.perf_counter()))
 
@@ -464,7 +467,7 @@ class Easel:
         if self._scribe is None or self.document.in_stroke:
             return
         passed_s = time.monotonic() - self._base_time
-        late = passed_s > self._base_every_s or self._work_s > _DEAR_S
+        late = passed_s > self.base_every_s or self._work_s > _DEAR_S
         gap = self._scribe.has_gap and passed_s > _AGAIN_S
         if not (self._base_due or gap or (late and self._scribe.n_put)):
             return
@@ -509,9 +512,10 @@ class Easel:
         try:
             action()
         except Exception as error:
-            self._tell(doing, error)
+            self.tell(doing, error)
 
-    def _tell(self, doing: str, error: Exception) -> None:
+    def tell(self, doing: str, error: Exception) -> None:
+        """Have an error among the next events."""
         known = isinstance(error, Paint3DError)
         message = str(error) if known else f"{type(error).__name__}: {error}"
         self._events.append(Event("error" if known else "internal", doing, message, error))

@@ -31,6 +31,7 @@ __all__ = [
     "open_for",
     "pen_ways",
     "surface_of",
+    "without_slips",
 ]
 
 FOLDER = Path(__file__).parents[2] / "app" / "recordings"
@@ -279,12 +280,15 @@ class EventPlayer(QtCore.QObject):
     ----------
     now_ms : int
         The time of the event sent last, by the devices' clock.
+    aspect : float or None
+        Of the picture that places are counted in (`pixel_of`); of the recording played last.
     """
 
     def __init__(self, window: StudioWindow) -> None:
         super().__init__(window)
         self._window, self._canvas = window, window.canvas
         self.now_ms = 0
+        self.aspect: float | None = None
         self._sending = False
         touch = QtTest.QTest.createTouchDevice()
         self._touches = QtTest.QTest.touchEvent(self._canvas, touch, autoCommit=False)
@@ -342,7 +346,7 @@ class EventPlayer(QtCore.QObject):
         if late:
             begin_ms = self._wait_for(recording)
         n_strokes, started = 0, time.monotonic()
-        self._aspect = recording.header.get("aspect")
+        self.aspect = recording.header.get("aspect")
         try:
             for batch in hand_over(recording.events, how, n, pictures_a_second):
                 due = started + 1e-3 * (
@@ -364,7 +368,7 @@ class EventPlayer(QtCore.QObject):
 
     def _wait_for(self, recording: EventRecording) -> int:
         """Hover now, and live on until a recording that begins now has ended; its time 0."""
-        self._aspect = recording.header.get("aspect")
+        self.aspect = recording.header.get("aspect")
         hands = [event for event in recording.events if event.device in ("pen", "mouse")]
         now_ms = time.monotonic_ns() // 1_000_000
         hover = replace(hands[0], kind="move", pressure=0.0, buttons=(), time_ms=0)
@@ -390,7 +394,7 @@ class EventPlayer(QtCore.QObject):
 
     def pixel(self, place: Sequence[float]) -> QtCore.QPointF:
         """Where a place lies in the canvas."""
-        return QtCore.QPointF(*pixel_of(self._window, place, self._aspect))
+        return QtCore.QPointF(*pixel_of(self._window, place, self.aspect))
 
     def _tablet(self, event: DeviceEvent) -> QtGui.QTabletEvent:
         place = self.pixel(event.place)
@@ -509,11 +513,11 @@ def pen_ways(
             np.array([ray.origin for ray in rays]), np.array([ray.direction for ray in rays])
         )
         met = np.where(hits.hit[:, None], hits.points, np.nan)
-        ways.append(_without_slips(met[: len(at)], at, met[len(at) :], behind))
+        ways.append(without_slips(met[: len(at)], at, met[len(at) :], behind))
     return ways
 
 
-def _without_slips(way: NDArray, at: NDArray, events: NDArray, behind: NDArray) -> NDArray:
+def without_slips(way: NDArray, at: NDArray, events: NDArray, behind: NDArray) -> NDArray:
     """A way (N, 3) with nan where it lies farther from both events beside it than they lie apart.
 
     `at` (N,) and `behind` (E,) say how far the places and the events (E, 3) lie along the line.

@@ -24,6 +24,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.persistence.shortcuts import SHORTCUTS
 from paint3d.app.window.studio import StudioWindow
+from paint3d.errors import Paint3DError
 from tests.support.app.event_player import DeviceEvent, EventPlayer
 
 __all__ = ["Fault", "Monkey"]
@@ -394,7 +395,7 @@ class Monkey(QtCore.QObject):
         easel = self.window.stage.easel
         if easel is not None:
             easel.stop(keep=True)
-        self.window._timer.stop()
+        self.window.workspace.held.emit(True)  # it draws no more
         self.window.both_hands.close()
         self.window.panels.close_down()
         self.window.stage.close()
@@ -532,7 +533,7 @@ class Monkey(QtCore.QObject):
         window = self.window = StudioWindow(self._app)
         window.show()
         self._player = EventPlayer(window)
-        self._player._aspect = 1.0
+        self._player.aspect = 1.0
         self._begun = time.monotonic_ns() // 1_000_000
         window.activateWindow()
         if self.start is not None:
@@ -631,22 +632,22 @@ class Monkey(QtCore.QObject):
         hooks.thread_hook, threading.excepthook = threading.excepthook, self._raised_beside
         hooks.unraisable, sys.unraisablehook = sys.unraisablehook, self._raised_beside
         hooks.messages = QtCore.qInstallMessageHandler(self._message)
-        hooks.tell = Easel._tell
-        monkey = self
+        hooks.tell = Easel.tell
+        found = self._fault
 
         def tell(easel: Easel, doing: str, error: Exception) -> None:
             hooks.tell(easel, doing, error)
-            if easel._events and easel._events[-1].kind == "internal":
-                monkey._fault("internal", "".join(traceback.format_exception(error)))
+            if not isinstance(error, Paint3DError):
+                found("internal", "".join(traceback.format_exception(error)))
 
-        Easel._tell = tell
+        Easel.tell = tell
 
     def _unhook(self) -> None:
         hooks = self._hooks
         sys.excepthook, threading.excepthook = hooks.excepthook, hooks.thread_hook
         sys.unraisablehook = hooks.unraisable
         QtCore.qInstallMessageHandler(hooks.messages)
-        Easel._tell = hooks.tell
+        Easel.tell = hooks.tell
 
     def _raised(self, kind, error, trace) -> None:
         self._fault("traceback", "".join(traceback.format_exception(kind, error, trace)))
