@@ -55,6 +55,7 @@ class UndoHistory:
 
     Attributes
     ----------
+    memory_budget : int
     done, undone : list
         Labels of the steps: oldest first, and the one that `redo` takes next last.
     """
@@ -67,7 +68,7 @@ class UndoHistory:
         restore: Callable[[object], None] | None = None,
     ) -> None:
         self._surface = surface
-        self._budget = memory_budget
+        self.memory_budget = memory_budget
         self._keep = keep or (lambda: None)
         self._restore = restore or (lambda kept: None)
         self._recorder = DeltaRecorder(surface)
@@ -364,7 +365,7 @@ class UndoHistory:
         n_bytes = self.n_bytes
         for step in [*self._done[:-1], *self._undone[:-1]]:
             for k, part in enumerate(step.parts):
-                if n_bytes <= self._budget:
+                if n_bytes <= self.memory_budget:
                     return
                 if (
                     isinstance(part, Painting)

@@ -140,7 +140,7 @@ def test_undo_leads_back_through_layers_to_the_bit(actions):
         document.dip(ink)
     seen = [everything(document)]
     for action, place, y in actions:
-        done = len(document._undo.done)
+        done = len(document.steps.done)
         place = min(place, len(document.layers) - 1)
         if action == "stroke":
             paint(document, (-15, y), (15, -y), n=8)
@@ -159,12 +159,12 @@ def test_undo_leads_back_through_layers_to_the_bit(actions):
         elif len(document.layers) > 1:
             document.move_layer(place, 0 if action == "down" else len(document.layers) - 1)
         close(document)
-        if len(document._undo.done) == done:
+        if len(document.steps.done) == done:
             seen[-1] = everything(document)
         else:
             seen.append(everything(document))
     for k in [*range(len(seen) - 2, -1, -1), *range(1, len(seen)), *range(len(seen) - 2, -1, -1)]:
-        document.undo() if len(document._undo.done) > k else document.redo()
+        document.undo() if len(document.steps.done) > k else document.redo()
         if k:
             same(everything(document), seen[k])
         close(document)
