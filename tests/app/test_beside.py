@@ -5,13 +5,14 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import paint3d
-from paint3d.app.window.jobs.opened import _some
+from paint3d.app.window.jobs.opened import some_points
 from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -66,22 +67,20 @@ def test_an_object_is_examined_beside_the_window(
     program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     here, found = threading.main_thread(), []
-    monkeypatch.setattr(TriangleMesh, "_is_solid", TriangleMesh.is_solid.func, raising=False)
 
-    def watch(owner: type, method: str, what: str) -> None:
-        before = getattr(owner, method)
-
+    def watched(before: Callable[..., object], what: str) -> Callable[..., object]:
         def told(*args: object, **options: object) -> object:
             found.append((what, threading.current_thread() is here))
             return before(*args, **options)
 
-        monkeypatch.setattr(owner, method, told)
+        return told
 
     for kind in LONG:
-        watch(kind, "__init__", kind.__name__)
-    watch(sys.modules["paint3d.files.sandbox.reading"], "guess_up", guess_up.__name__)
-    watch(TriangleMesh, "_is_solid", "is_solid")
-    monkeypatch.setattr(TriangleMesh, "is_solid", property(TriangleMesh._is_solid))
+        monkeypatch.setattr(kind, "__init__", watched(kind.__init__, kind.__name__))
+    reading = sys.modules["paint3d.files.sandbox.reading"]
+    monkeypatch.setattr(reading, "guess_up", watched(guess_up, guess_up.__name__))
+    is_solid = watched(TriangleMesh.is_solid.func, "is_solid")
+    monkeypatch.setattr(TriangleMesh, "is_solid", property(is_solid))
     path = tmp_path / "ball.ply"
     paint3d.export(load_mesh("sphere"), path)
     with opened(program, str(path)):
@@ -96,7 +95,7 @@ def test_a_camera_is_placed_as_well_by_some_of_the_points() -> None:
     ways = rng.normal(size=(400_000, 3))
     points = 80.0 * ways / np.linalg.norm(ways, axis=1, keepdims=True) * [1.0, 0.4, 0.7]
     points = np.concatenate([points, [[0.0, 0.0, 120.0]]]).astype(np.float32)
-    some = _some(points)
+    some = some_points(points)
     assert len(some) < 70_000
     assert np.array_equal(some.max(axis=0), points.max(axis=0))
     assert np.array_equal(some.min(axis=0), points.min(axis=0))
@@ -105,4 +104,4 @@ def test_a_camera_is_placed_as_well_by_some_of_the_points() -> None:
         all_of_it, by_some = (fit_camera(where, view, 1.4) for where in (points, some))
         away = np.linalg.norm(all_of_it.position - all_of_it.focus)
         assert np.linalg.norm(all_of_it.position - by_some.position) < 0.005 * away
-    assert np.array_equal(_some(points[:1000]), points[:1000])
+    assert np.array_equal(some_points(points[:1000]), points[:1000])

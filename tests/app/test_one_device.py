@@ -217,7 +217,7 @@ STATES = {
 @pytest.mark.parametrize("by", [ByPen, ByFingers, ByKeys])
 def test_every_way_alone_is_enough(window, by, what) -> None:
     window.hand.show_all()
-    window.canvas._pen_seen_ns = None
+    window.canvas.pen_seen_ns = None
     window.activateWindow()
     window.canvas.setFocus()
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)

@@ -16,7 +16,7 @@ from paint3d.app.model.own_object import first_choice, likely_unit, sensible_res
 from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
 from paint3d.app.window.dialogs.questions import NewDialog
-from paint3d.app.window.start import _open_first
+from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.files.export import export
@@ -350,7 +350,7 @@ def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
 
 def test_the_command_line_says_which_way_is_up(window, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(window.recovery, "offer", lambda: False)
-    _open_first(window, str(lying_jug(tmp_path)), 2.0, "xuan", "-y")
+    open_first(window, str(lying_jug(tmp_path)), 2.0, "xuan", "-y")
     vertices = window.document.surface.source.vertices
     np.testing.assert_array_equal(vertices[:, 2], -jug().vertices[:, 2])
     assert (window.workspace.quiet, window.opening.up) == (False, None)

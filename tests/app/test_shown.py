@@ -18,6 +18,7 @@ from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
 from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
 from paint3d.colour.pigments import WATER, load_pigment
+from paint3d.view.live_picture import LivePicture
 from tests.support.app.gestures import KIND, answer, live, mouse, wait_for
 from tests.support.app.pointers import Touching
 from tests.support.app.windows import faults, opened, settled
@@ -133,7 +134,7 @@ def test_no_more_pictures_a_second_are_told_than_are_drawn(window) -> None:
 
 
 def test_a_small_picture_does_not_stand_for_all(window) -> None:
-    drawn = window.stage._drawn
+    drawn = LivePicture(window.stage.scene, lambda most: False)
     for _ in range(10):
         drawn.touch()
         drawn.draw()
@@ -141,6 +142,7 @@ def test_a_small_picture_does_not_stand_for_all(window) -> None:
     drawn.touch_front((0, 0, 1, 1))
     drawn.draw()
     assert drawn.picture_s > 0.5 * whole
+    window.stage.touch()
 
 
 def test_how_far_a_job_is_can_be_read_on_its_bar(window) -> None:
@@ -204,7 +206,7 @@ def test_rows_of_brushes_are_as_high_before_their_strokes_are_painted(program) -
     view = panel.findChild(QtWidgets.QListWidget, "brushes")
     try:
         before = view.sizeHintForRow(0)
-        wait_for(lambda: (panel._take_previews(), not panel.is_busy)[1])
+        wait_for(lambda: not panel.is_busy)
         assert before == view.sizeHintForRow(0) >= view.iconSize().height()
     finally:
         panel.close_down()
@@ -276,15 +278,15 @@ def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
     inks.stir("cinnabar")
     inks.stir("cinnabar")
     inks.stir("gamboge")
-    inks._told.linkActivated.emit("-cinnabar")
+    inks.told.linkActivated.emit("-cinnabar")
     assert inks.mixture() == {"cinnabar": 0.5, "gamboge": 0.5}
-    inks._told.linkActivated.emit("+gamboge")
-    inks._told.linkActivated.emit("-cinnabar")
+    inks.told.linkActivated.emit("+gamboge")
+    inks.told.linkActivated.emit("-cinnabar")
     assert inks.mixture() == {"gamboge": 1.0}
     inks.dishes.setFocus()
     for key in (QtCore.Qt.Key.Key_Plus, QtCore.Qt.Key.Key_Minus, QtCore.Qt.Key.Key_Minus):
         QtTest.QTest.keyClick(inks.dishes, key)
-    at = inks.dishes.names[inks.dishes._at]
+    at = inks.dishes.marked
     assert at not in inks.mixture() or at == "gamboge"
     inks.empty()
 
@@ -349,9 +351,9 @@ def test_the_first_start_is_told_once(window, monkeypatch) -> None:
     from paint3d.app.window.jobs import opening
 
     assert not warming.is_first_start()  # this very test has compiled
-    assert opening._warming() == "Preparing the brush…"
+    assert opening.say_warming() == "Preparing the brush…"
     monkeypatch.setattr(opening, "is_first_start", lambda: True)
-    assert opening._warming().startswith("First start")
+    assert opening.say_warming().startswith("First start")
 
 
 def test_errors_are_told_in_the_language_of_the_window(window) -> None:
@@ -375,15 +377,15 @@ def test_title_and_picture_change_together(program, monkeypatch) -> None:
         tell = window.setWindowTitle
 
         def told(title: str) -> None:
-            pictures.append(window.canvas._pixels.astype(int))
+            pictures.append(window.canvas.pixels.astype(int))
             tell(title)
 
-        before = window.canvas._pixels.astype(int)
+        before = window.canvas.pixels.astype(int)
         monkeypatch.setattr(window, "setWindowTitle", told)
         window.stage.easel.post(lambda document: setattr(document, "modified", False)).result(300)
         assert window.opening.open_path("sphere", 6.0, "porcelain", asked=True)
         wait_for(lambda: window.stage.is_drawn)
-        after = window.canvas._pixels.astype(int)
+        after = window.canvas.pixels.astype(int)
         new = np.abs(pictures[0] - before).mean()  # soft light comes later
         assert new > 2.0 * np.abs(pictures[0] - after).mean()
 

@@ -39,12 +39,12 @@ def first_view(window, at_first):
     window.hand.look(at_first[0])
     window.hand.show_all()
     window.workspace.post("set_brush", at_first[1])
-    window.canvas._pen_seen_ns = None  # no pen was ever here
+    window.canvas.pen_seen_ns = None  # no pen was ever here
     window.canvas.setFocus()
     live(0.05)
     yield
     settled(window)
-    assert not window.canvas._mode
+    assert not window.canvas.is_steering
     assert not window.hand.in_stroke
 
 

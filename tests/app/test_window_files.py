@@ -282,7 +282,7 @@ def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".gif", ".webp"])
 def test_a_film_has_the_length_size_and_rate_that_are_asked(
-    window, tmp_path: Path, suffix: str
+    window, tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     window.workspace.keep(exports={})
     window.targets.folder = tmp_path
@@ -303,7 +303,9 @@ def test_a_film_has_the_length_size_and_rate_that_are_asked(
         film.load()
         assert film.info["duration"] == 100
     assert window.stage.scene.size == (width, height)
-    assert window._timer.isActive()
+    ticks: list[None] = []
+    monkeypatch.setattr(window, "tick", lambda: ticks.append(None))
+    wait_for(lambda: bool(ticks))  # it goes on
 
 
 def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path) -> None:

@@ -190,7 +190,7 @@ def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
     wait_for(lambda: os.listdir(tmp_path) == [])
     assert window.hand.camera is camera
     assert window.stage.scene.size == window.canvas.pixel_size
-    np.testing.assert_array_equal(window.stage.scene._camera.position, camera.position)
+    np.testing.assert_array_equal(window.stage.scene.camera.position, camera.position)
     assert still_paints(window)
 
 
@@ -274,7 +274,7 @@ def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
         box.defaultButton().click()
 
     answer(bring_back, QtWidgets.QMessageBox)
-    start._open_first(empty, None, 3.0, None)
+    start.open_first(empty, None, 3.0, None)
     gate.set()
     monkeypatch.undo()
     assert empty.stage.easel is None
@@ -309,7 +309,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     sitting.note({"do": "add_layer"})
     sitting.close(keep=True)
     answer(later, QtWidgets.QMessageBox)
-    start._open_first(empty, "sphere", 8.0, None)
+    start.open_first(empty, "sphere", 8.0, None)
     assert empty.document.surface.source.name == "sphere"
     assert "File, Bring back" in empty.status.told.text()
     menu = empty.commands.menus["file"]
@@ -348,7 +348,7 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
 ) -> None:
     monkeypatch.setattr(opening, "read_mesh", lambda *given, **named: gate.wait(LIMIT_S))
     answer_bar(cancel)
-    start._open_first(empty, "bowl", 3.0, None)
+    start.open_first(empty, "bowl", 3.0, None)
     gate.set()
     monkeypatch.undo()
     live(0.1)
@@ -389,7 +389,7 @@ def test_every_name_of_a_format_is_there_in_chinese() -> None:
     from paint3d.app.window.chinese import CHINESE
     from paint3d.app.window.jobs import exporting, pictures, recordings
 
-    for names in (exporting._FORMATS, recordings._FORMATS, pictures._PICTURES, pictures._FILMS):
+    for names in (exporting.FORMATS, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):
         assert set(names.values()) <= set(CHINESE)
 
 

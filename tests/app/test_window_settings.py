@@ -141,7 +141,7 @@ def test_material_and_fineness_are_those_that_were_chosen_last(start) -> None:
 
 def test_preferences_have_an_effect_now_and_with_the_next_start(start) -> None:
     window = start(resolution=4.0)
-    assert window.panels.brushes._told.text() == "35 mm"
+    assert window.panels.brushes.told.text() == "35 mm"
 
     def choose(dialog: PreferencesDialog) -> None:
         dialog.boxes["unit"].setCurrentIndex(dialog.boxes["unit"].findData("cm"))
@@ -152,16 +152,16 @@ def test_preferences_have_an_effect_now_and_with_the_next_start(start) -> None:
 
     answer(choose)
     window.workspace.actions["preferences"].trigger()
-    assert window.panels.brushes._told.text() == "3.5 cm"
+    assert window.panels.brushes.told.text() == "3.5 cm"
     assert say_length(120.0) == "12 cm"
     assert window.workspace.actions["wet"].isChecked()
     assert window.stage.easel.wet
-    assert window.stage.easel._base_every_s == 45.0
+    assert window.stage.easel.base_every_s == 45.0
     window = start(resolution=4.0)
-    assert window.panels.brushes._told.text() == "3.5 cm"
-    assert window.stage.easel._base_every_s == 45.0
+    assert window.panels.brushes.told.text() == "3.5 cm"
+    assert window.stage.easel.base_every_s == 45.0
     assert window.stage.easel.wet
-    assert window.document.steps._budget == 64 << 20
+    assert window.document.steps.memory_budget == 64 << 20
 
 
 def test_every_setting_that_is_kept_is_read_by_something() -> None:

@@ -22,7 +22,7 @@ from paint3d.errors import InputError, Paint3DError
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
 
-__all__ = ["make_program", "run_studio"]
+__all__ = ["make_program", "open_first", "run_studio"]
 
 _FIRST = "bowl"
 
@@ -106,7 +106,7 @@ def run_studio(
     window.show()
     window.recent.show()
     try:
-        _open_first(window, target, resolution, material, up)
+        open_first(window, target, resolution, material, up)
     except BaseException:
         window.close()
         raise
@@ -139,7 +139,7 @@ def _translate_qt(app: QtWidgets.QApplication) -> None:
             app.installTranslator(translator)
 
 
-def _open_first(
+def open_first(
     window: StudioWindow,
     target: str | None,
     resolution: float | None,

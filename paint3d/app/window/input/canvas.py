@@ -71,6 +71,10 @@ class Canvas(QtWidgets.QWidget):
         Given x and y; whether there is something to take hold of that is no place to paint.
     finger : {"auto", "paint", "turn"}
         What one finger does; "auto": it paints until a pen was seen, then it turns.
+    pen_seen_ns : int or None
+        When a pen was here last.
+    pixels : (H, W, 4) uint8 or None
+        What is shown, the first row at the top.
     """
 
     touched = QtCore.Signal(object)
@@ -97,7 +101,7 @@ class Canvas(QtWidgets.QWidget):
         )
         self.overlays: list[Callable[[QtGui.QPainter, QtCore.QRect], None]] = []
         self._image: QtGui.QImage | None = None
-        self._pixels: AnyArray | None = None
+        self.pixels: AnyArray | None = None
         self.mode_at: Callable[..., str | None] = lambda x, y, keys: None
         self.grip_at: Callable[..., object] = lambda x, y: None
         self.finger = "auto"
@@ -105,7 +109,7 @@ class Canvas(QtWidgets.QWidget):
         self._mode: str | None = None  # of the drag that steers now
         self._by = ""  # what began it: "mouse", "pen" or "finger"
         self._pen_down = self._mouse_down = self._finger_down = self._palm = False
-        self._pen_seen_ns: int | None = None
+        self.pen_seen_ns: int | None = None
         self._clock = EventClock()
 
     @property
@@ -114,12 +118,17 @@ class Canvas(QtWidgets.QWidget):
         ratio = self.devicePixelRatioF()
         return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
 
+    @property
+    def is_steering(self) -> bool:
+        """Whether a drag goes on that turns or moves the view."""
+        return self._mode is not None
+
     def show_pixels(self, pixels: AnyArray) -> None:
         """Show (H, W, 4) uint8 pixels, the first row at the bottom."""
-        self._pixels = np.ascontiguousarray(pixels[::-1])
+        self.pixels = np.ascontiguousarray(pixels[::-1])
         height, width = pixels.shape[:2]
         form = QtGui.QImage.Format.Format_RGBX8888
-        self._image = QtGui.QImage(self._pixels.data, width, height, 4 * width, form)
+        self._image = QtGui.QImage(self.pixels.data, width, height, 4 * width, form)
         self._image.setDevicePixelRatio(self.devicePixelRatioF())
         self.update()
 
@@ -222,7 +231,7 @@ class Canvas(QtWidgets.QWidget):
         handled = time.perf_counter_ns()
         event.accept()
         self._take_focus()
-        time_ns = self._pen_seen_ns = self._time_ns("pen", event, handled)
+        time_ns = self.pen_seen_ns = self._time_ns("pen", event, handled)
         place = event.position()
         if self._by == "pen":
             self._steer_with_pen(event)
@@ -305,7 +314,7 @@ class Canvas(QtWidgets.QWidget):
 
     def _saw_pen(self, time_ns: int, within_ns: int) -> bool:
         """Whether a pen was here so shortly before."""
-        return self._pen_seen_ns is not None and time_ns - self._pen_seen_ns < within_ns
+        return self.pen_seen_ns is not None and time_ns - self.pen_seen_ns < within_ns
 
     def _take_native(self, event: QtGui.QNativeGestureEvent) -> bool:
         """Fingers on a touch pad: pinch and roll."""

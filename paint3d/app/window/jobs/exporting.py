@@ -17,9 +17,10 @@ from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX
 
-__all__ = ["Exporting"]
+__all__ = ["FORMATS", "Exporting"]
 
-_FORMATS = {
+# What a file may be, by its ending, and how the dialog says it:
+FORMATS = {
     ".glb": "glTF, for the web and most programs",
     ".ply": "PLY",
     ".obj": "Wavefront OBJ",
@@ -46,11 +47,11 @@ class Exporting:
         """Ask for a name and a format, then for what can be chosen in that format; write it."""
         workspace = self._workspace
         kept = workspace.settings.exports
-        path = self._targets.ask(say("action.export"), _FORMATS, str(kept.get("format", "")))
+        path = self._targets.ask(say("action.export"), FORMATS, str(kept.get("format", "")))
         if path is None:
             return
         name = path.name.lower()
-        suffix = max((s for s in _FORMATS if name.endswith(s)), key=len)
+        suffix = max((s for s in FORMATS if name.endswith(s)), key=len)
         if suffix == SESSION_SUFFIX:
             self.export_to(path)
             return

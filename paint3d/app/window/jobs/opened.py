@@ -14,7 +14,7 @@ from paint3d.core.types import AnyArray
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.live_object import LiveObject, PatchUpload
 
-__all__ = ["Opened", "open_with_progress"]
+__all__ = ["Opened", "open_with_progress", "some_points"]
 
 _MOST_POINTS = 60_000  # to place a camera by; more show no object any better
 _N_WAYS = 200  # and the outermost of all vertices so many ways
@@ -62,7 +62,7 @@ class Opened:
         check()
         surface = ClosestPoints(document.surface.source)
         check()
-        return cls(document, shown, uploads, surface, _some(document.surface.source.vertices))
+        return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))
 
 
 def open_with_progress(document: Document, progress: Progress, share: float) -> Opened:
@@ -72,7 +72,7 @@ def open_with_progress(document: Document, progress: Progress, share: float) -> 
     return Opened.of(document, progress.check)
 
 
-def _some(points: AnyArray) -> AnyArray:
+def some_points(points: AnyArray) -> AnyArray:
     """Some of (N, 3) points, spread evenly over the list, and those that lie outermost."""
     step = -(-len(points) // _MOST_POINTS)
     if step == 1:

@@ -27,7 +27,7 @@ from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX, is_session_path
 from paint3d.files.sandbox.reading import Reading
 
-__all__ = ["Opening"]
+__all__ = ["Opening", "say_warming"]
 
 _FACES_A_SECOND = 1e6  # of a mesh that is made ready to be painted on, about
 
@@ -103,7 +103,7 @@ class Opening:
         if not asked and self._workspace.stage.easel is not None and not self._saving.may_leave():
             return False
         self._workspace.error = None
-        if not self._workspace.went_well(self._workspace.run(_warming(), _warm_up)):
+        if not self._workspace.went_well(self._workspace.run(say_warming(), _warm_up)):
             return False
         title = say("status.opening", name=named(Path(path).name))
         if is_session_path(path):
@@ -187,7 +187,7 @@ class Opening:
         return int(self._workspace.settings.undo_megabytes * (1 << 20))
 
 
-def _warming() -> str:
+def say_warming() -> str:
     """What is said while the kernels are got ready."""
     return say("status.compiling" if is_first_start() else "status.warming")
 

@@ -20,10 +20,11 @@ from paint3d.core.atomic import write_atomically
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, Paint3DError
 
-__all__ = ["Pictures"]
+__all__ = ["FILMS", "PICTURES", "Pictures"]
 
-_PICTURES = {".png": "Picture, PNG", ".jpg": "Picture, JPEG"}
-_FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF"}
+# What a file may be, by its ending, and how the dialog says it:
+PICTURES = {".png": "Picture, PNG", ".jpg": "Picture, JPEG"}
+FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF"}
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 _FINE_PIXELS = 4_500_000  # more are drawn without being smoothed, which needs four times as many
 _QUALITY = 92
@@ -89,7 +90,7 @@ class Pictures:
 
     def do_screenshot(self) -> None:
         """Ask where, and save the picture as it is seen."""
-        path = self._targets.ask(say("action.screenshot"), _PICTURES)
+        path = self._targets.ask(say("action.screenshot"), PICTURES)
         if path is not None:
             self.screenshot_to(path)
 
@@ -131,7 +132,7 @@ class Pictures:
     def do_turntable(self) -> None:
         """Ask where and how, and save a film of the object turning."""
         kept = self._workspace.settings.exports
-        path = self._targets.ask(say("action.turntable"), _FILMS, str(kept.get("film_format", "")))
+        path = self._targets.ask(say("action.turntable"), FILMS, str(kept.get("film_format", "")))
         if path is None:
             return
         dialog = FilmDialog(

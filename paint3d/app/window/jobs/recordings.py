@@ -14,9 +14,10 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.recording.recording import Recording, load_recording, save_recording
 
-__all__ = ["Recordings"]
+__all__ = ["FORMATS", "Recordings"]
 
-_FORMATS = {
+# What a file may be, by its ending, and how the dialog says it:
+FORMATS = {
     ".jsonl": "Recording, JSON Lines",
     ".jsonl.gz": "Recording, JSON Lines, packed",
     ".inkml": "Recording, InkML",
@@ -68,7 +69,7 @@ class Recordings:
             told = say("Strokes: {n}, {seconds:.1f} s", n=0, seconds=0.0)
             workspace.tell(told, state="bad")
             return
-        path = self._targets.ask(say("Save the strokes as a recording…"), _FORMATS)
+        path = self._targets.ask(say("Save the strokes as a recording…"), FORMATS)
         if path is None:
             return
         title = say("Writing {name}…", name=path.name)

@@ -92,7 +92,7 @@ class Recovery:
         if not workspace.went_well(done):
             return False
         workspace.show(done.result())
-        if workspace.stage.easel.sitting is None:  # it is said, and this is all that a crash leaves
+        if workspace.easel.sitting is None:  # it is said, and this is all that a crash leaves
             return True
         one.discard()
         workspace.tell(say("Brought back; save it to keep it"), state="good")

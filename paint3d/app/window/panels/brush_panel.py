@@ -64,13 +64,13 @@ class BrushPanel(QtWidgets.QWidget):
         self._list = self._make_list()
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self._size.setRange(0, 1000)
-        self._told = QtWidgets.QLabel()
+        self.told = QtWidgets.QLabel()
         self._keep_room()
-        self._told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
+        self.told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Tuft")))
         row.addWidget(self._size, 1)
-        row.addWidget(self._told)
+        row.addWidget(self.told)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
         layout.addWidget(self._list, 1)
@@ -122,20 +122,20 @@ class BrushPanel(QtWidgets.QWidget):
         self._wanted = brush.length_mm
         with QtCore.QSignalBlocker(self._size):
             self._size.setValue(_step_of(brush.length_mm))
-        self._told.setText(say_length(brush.length_mm))
+        self.told.setText(say_length(brush.length_mm))
 
     def show_unit(self) -> None:
         """Tell lengths in the unit that is chosen now."""
         for row in range(self._list.count()):
             length = load_brush(self._name(row)).length_mm
             self._list.item(row).setText(f"{say(self._name(row))}\n{say_length(length)}")
-        self._told.setText(say_length(self._wanted))
+        self.told.setText(say_length(self._wanted))
         self._keep_room()
 
     def _keep_room(self) -> None:
         """Leave room for any length, so that the panel never grows, nor the picture moves."""
         texts = [say_length(mm) for mm in (_SHORTEST_MM, 45.25, 88.88, _LONGEST_MM)]
-        self._told.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
+        self.told.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
 
     def set_ink(self, ink: Ink) -> None:
         """Paint the previews in this ink: a name, or parts by name."""
@@ -184,7 +184,7 @@ class BrushPanel(QtWidgets.QWidget):
     def _want(self, length: float) -> None:
         least, most = size_limits(self.brush)
         self._wanted = min(max(length, 1.0001 * least), 0.9999 * most)
-        self._told.setText(say_length(self._wanted))
+        self.told.setText(say_length(self._wanted))
         self._settle.start()
 
     def _size_settled(self) -> None:

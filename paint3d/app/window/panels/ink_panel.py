@@ -98,6 +98,11 @@ class DishGrid(QtWidgets.QWidget):
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
 
+    @property
+    def marked(self) -> str:
+        """The ink of the dish that keys mean, or the pointer is at; empty for none."""
+        return self.names[self._at] if self._at >= 0 else ""
+
     def columns(self, width: int) -> int:
         """How many dishes fit beside each other."""
         return max(1, (width - _GAP) // (_DISH + _GAP))
@@ -286,14 +291,14 @@ class InkPanel(QtWidgets.QWidget):
         self._stirred: dict[str, float] = {}
         self.dishes = DishGrid(list(load_palette()), theme)
         self._mixing = _MixingDish(theme)
-        self._told = QtWidgets.QLabel()
-        self._told.setWordWrap(True)
-        self._told.setObjectName("faint")
-        self._told.setTextInteractionFlags(
+        self.told = QtWidgets.QLabel()
+        self.told.setWordWrap(True)
+        self.told.setObjectName("faint")
+        self.told.setTextInteractionFlags(
             QtCore.Qt.TextInteractionFlag.LinksAccessibleByMouse
             | QtCore.Qt.TextInteractionFlag.LinksAccessibleByKeyboard
         )
-        self._told.linkActivated.connect(self._link)
+        self.told.linkActivated.connect(self._link)
         self.water = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.water.setRange(0, _MOST_WATER)
         self.tip_only = QtWidgets.QCheckBox(say("Only the tip"))
@@ -316,7 +321,7 @@ class InkPanel(QtWidgets.QWidget):
         grid = QtWidgets.QGridLayout(card)
         grid.setContentsMargins(8, 6, 8, 8)
         grid.addWidget(self._mixing, 0, 0, 2, 1)
-        grid.addWidget(self._told, 0, 1, 1, 3)
+        grid.addWidget(self.told, 0, 1, 1, 3)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Water")))
         row.addWidget(self.water, 1)
@@ -372,9 +377,9 @@ class InkPanel(QtWidgets.QWidget):
         self._mixing.update()
         self._dip_button.setEnabled(bool(parts))
         if not parts:
-            self._told.setText(say("inks.mixing_hint"))
+            self.told.setText(say("inks.mixing_hint"))
             return
-        self._told.setText("<br>".join(self._line(name, part) for name, part in parts.items()))
+        self.told.setText("<br>".join(self._line(name, part) for name, part in parts.items()))
 
     def _line(self, name: str, part: float) -> str:
         """An ink of the mixing dish, with signs to put a part in and to take one out."""
