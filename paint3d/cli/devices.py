@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from paint3d.device.sample import DeviceSample
     from paint3d.pose.two_hands import TwoHands
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["HELP", "add_arguments", "rounds", "run"]
 
 HELP = "what is plugged in, live values, rate and latency, a recording"
 _KINDS = {"mouse": "6-DOF mouse", "stylus": "haptic stylus", "pen": "pen tablet"}
@@ -116,7 +116,7 @@ def _state(node: HidNode) -> str:
 def _watch(options: argparse.Namespace) -> None:
     devices = _plug_in()
     try:
-        for _ in _rounds(options.seconds, 1.0 / _LINES_HZ):
+        for _ in rounds(options.seconds, 1.0 / _LINES_HZ):
             line = " | ".join([*_mouse_values(devices), *_stylus_values(devices)])
             sys.stdout.write(f"\r\x1b[K{line}" if sys.stdout.isatty() else f"{line}\n")
             sys.stdout.flush()
@@ -167,7 +167,7 @@ def _check(options: argparse.Namespace) -> None:
 
     devices = _plug_in(log=keep)
     try:
-        for _ in _rounds(options.seconds, 0.1):
+        for _ in rounds(options.seconds, 0.1):
             devices.take_mouse(), devices.take_stylus()
         for node in devices.nodes():
             heard.setdefault(node.path, (node, []))
@@ -270,7 +270,7 @@ def _take_samples(
         try:
             names = [node.name for node in devices.nodes()]
             samples = []
-            for _ in _rounds(options.seconds, _TAKE_S):
+            for _ in rounds(options.seconds, _TAKE_S):
                 samples += _merge(devices, hands, time.monotonic_ns() - _SETTLED_NS)
             samples += _merge(devices, hands, time.monotonic_ns())
         finally:
@@ -333,7 +333,7 @@ def _plug_in(log: Callable[[HidNode, bytes, int, bytes], None] | None = None) ->
     return devices
 
 
-def _rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
+def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
     """Once every `pause_s`, for so long or until Ctrl-C, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
     over: list[int] = []

@@ -11,7 +11,7 @@ from paint3d.cli.progress import ProgressBar
 from paint3d.cli.versions import find_versions
 from paint3d.core.machine import usable_cores
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["HELP", "add_arguments", "ask_python", "run"]
 
 HELP = "versions, renderer, devices: to paste into a bug report"
 
@@ -25,7 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options: none."""
 
 
-def _ask(code: str) -> str:
+def ask_python(code: str) -> str:
+    """The last line that a Python of its own prints for this code, or why there is none."""
     try:
         answer = subprocess.run(
             [sys.executable, "-W", "ignore", "-c", code],
@@ -49,8 +50,8 @@ def run(options: argparse.Namespace) -> None:
     facts["cores"] = str(usable_cores())
     facts["display"] = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or "none"
     with ProgressBar("asking"):
-        facts["renderer"] = _ask(_ASK_RENDERER)
-        facts["hid devices"] = _ask(_ASK_DEVICES)
+        facts["renderer"] = ask_python(_ASK_RENDERER)
+        facts["hid devices"] = ask_python(_ASK_DEVICES)
     width = max(map(len, facts))
     for name, value in facts.items():
         sys.stdout.write(f"{name:<{width}}  {value}\n")

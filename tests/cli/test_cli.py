@@ -175,7 +175,7 @@ def test_ctrl_c_ends_what_goes_on_until_then_and_cuts_no_round_short() -> None:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     whole = []
     try:
-        for _ in devices._rounds(None, 0.0):
+        for _ in devices.rounds(None, 0.0):
             signal.raise_signal(signal.SIGINT)
             whole.append(len(whole))
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
@@ -213,9 +213,10 @@ def test_versions_name_what_decides_the_result() -> None:
 
 
 def test_report_survives_what_is_missing() -> None:
-    assert report._ask("import nothing_of_this_name").startswith("unknown (ModuleNotFoundError")
-    assert report._ask("import os; os._exit(3)") == "unknown (exit status 3)"
-    assert report._ask("print('llvmpipe')") == "llvmpipe"
+    missing = report.ask_python("import nothing_of_this_name")
+    assert missing.startswith("unknown (ModuleNotFoundError")
+    assert report.ask_python("import os; os._exit(3)") == "unknown (exit status 3)"
+    assert report.ask_python("print('llvmpipe')") == "llvmpipe"
 
 
 def test_a_benchmark_is_shown_as_a_table_with_its_bounds() -> None:

@@ -82,7 +82,7 @@ def test_every_step_of_a_command_has_its_bar(
         "planning preparing painting writing writing",
         ("export", str(painted), f"{pad}.glb"): "opening writing",
     }
-    monkeypatch.setattr(report, "_ask", lambda code: "nothing")
+    monkeypatch.setattr(report, "ask_python", lambda code: "nothing")
     for command, labels in commands.items():
         begun.clear()
         monkeypatch.setattr(objects, "_last", {})
