@@ -50,6 +50,11 @@ class ClosestPoints:
     ----------
     mesh : TriangleMesh
 
+    Attributes
+    ----------
+    tree : ContactTree
+        Of its triangles, in which the kernels search.
+
     Raises
     ------
     MeshError
@@ -69,7 +74,7 @@ class ClosestPoints:
             base.points, base.faces, FACES_PER_LEAF, halve=True
         )
         faces = base.source_faces.astype(np.int32)[order]
-        self._tree = ContactTree(faces, boxes, triangles, base.points, base.normals)
+        self.tree = ContactTree(faces, boxes, triangles, base.points, base.normals)
 
     def find(self, points: AnyArray) -> Found:
         """The closest point of the surface to each of `points` (N, 3), mm."""
@@ -77,7 +82,7 @@ class ClosestPoints:
         n = len(queries)
         there, normals, weights = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         faces = np.empty(n, np.int64)
-        if find_closest(self._tree, queries, there, faces, weights, normals):
+        if find_closest(self.tree, queries, there, faces, weights, normals):
             cancelled = ~normals.any(axis=1)
             normals[cancelled] = self.mesh.face_normals[faces[cancelled]]
         return Found(there, faces, weights, normals)
@@ -87,7 +92,7 @@ class ClosestPoints:
         origins = as_array(origins, "origins", (None, 3))
         directions = as_array(directions, "directions", (len(origins), 3))
         distance, faces = np.empty(len(origins)), np.empty(len(origins), np.int64)
-        find_hits(self._tree, np.hstack([origins, directions]), distance, faces)
+        find_hits(self.tree, np.hstack([origins, directions]), distance, faces)
         hit = np.isfinite(distance)
         points = np.full((len(origins), 3), np.nan)
         points[hit] = origins[hit] + distance[hit, None] * directions[hit]

@@ -31,6 +31,7 @@ __all__ = [
     "MOST_INK",
     "MOST_STATIONS",
     "STATE_VERSION",
+    "UPGRADES",
     "checked_flow",
     "layer_state",
     "restore_layer",
@@ -57,13 +58,14 @@ _FLOW = {  # the most of each
 }  # fmt: skip
 
 State = dict[str, Any]
-_UPGRADES: dict[int, Callable[[State], State]] = {
+UPGRADES: dict[int, Callable[[State], State]] = {
     1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
     2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
     3: lambda state: {**state, "version": 4, "layers": None, "active": 0, **_whole(state)},
     4: lambda state: {**state, "version": 5, **_paced(state)},
     5: lambda state: {**state, "version": 6},  # it says how fast the water rose, too
 }
+"""For each old version the step to the next one; `restore_surface` takes them in turn."""
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
 
@@ -239,7 +241,7 @@ def _upgraded(state: State) -> State:
             f"the surface's state has version {version}; this program knows up to {STATE_VERSION}"
         )
     while state["version"] < STATE_VERSION:
-        state = _UPGRADES[state["version"]](state)
+        state = UPGRADES[state["version"]](state)
     return state
 
 

@@ -117,11 +117,17 @@ def test_points_too_near_the_root_to_come_to_the_plane_never_do(press, tilt, upp
 
 
 def test_pressed_flat_the_hairs_lie_evenly_side_by_side():
-    row = bt.make_turned(1)[0]
-    b = np.linspace(-1.0, 1.0, bt.BLOCK)
-    row[bt.BLOCK : 2 * bt.BLOCK] = b
-    bt._find_even(row)
-    even = row[6 * bt.BLOCK : 7 * bt.BLOCK]
+    bristles = build_bristles(load_brush("full"), BristleSpec(n_hairs=bt.BLOCK))
+    b = np.linspace(-1.0, 1.0, bt.BLOCK, dtype=np.float32)
+    places = np.stack([np.zeros_like(b), b])[:, None]
+    places.setflags(write=False)  # as they are built
+    bristles = bristles._replace(places=places)
+    turned = bt.make_turned(1)
+    bt.turn_hairs(bristles, 1.0, 0.0, turned)
+    rows = turned.reshape(8, bt.BLOCK).astype(np.float64)
+    even = rows[1] + rows[6]  # where they are, and how far they move
+    np.testing.assert_array_equal(rows[1], b)
+    b = b.astype(np.float64)
     np.testing.assert_allclose(
         even, 2.0 / np.pi * (np.arcsin(b) + b * np.sqrt(1.0 - b * b)), atol=1e-6
     )

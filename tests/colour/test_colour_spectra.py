@@ -1,6 +1,7 @@
 """Spectra to sRGB, against colour-science."""
 
 import warnings
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -46,7 +47,8 @@ def test_xyz_agrees_with_colour_science():
 
 def test_observer_table_is_the_cie_table():
     shape = colour.SpectralShape(400, 700, 10)
-    table = np.loadtxt(spectra._TABLE, delimiter=",", skiprows=1)
+    path = files("paint3d.colour").joinpath("data", "observer.csv")
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
     observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(shape)
     np.testing.assert_allclose(table[:, 1:4], observer.values, rtol=1e-8)
 

@@ -245,7 +245,7 @@ def test_older_versions_are_taken_step_by_step(tmp_path, monkeypatch):
     monkeypatch.setattr(sessions, "VERSION", 3)
     monkeypatch.setitem(sessions.UPGRADES, 2, renamed)
     monkeypatch.setattr(states, "STATE_VERSION", 7)
-    monkeypatch.setitem(states._UPGRADES, 6, halved)
+    monkeypatch.setitem(states.UPGRADES, 6, halved)
     opened = load_session(path)
     assert opened.settings == {"renamed": 1}
     assert opened.surface.ink.load.tolist() == (0.5 * surface.ink.load).tolist()

@@ -27,6 +27,10 @@ from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.resampling import resample
 
 MS = 1_000_000
+OLD_SAMPLE = [
+    ("time_ns", "<i8"), ("position", "<f8", 3), ("orientation", "<f8", 4), ("pressure", "<f8"),
+    ("buttons", "<i4"), ("object_position", "<f8", 3), ("object_orientation", "<f8", 4),
+]  # fmt: skip
 
 
 def stroke(places, normals, leans, pressures, header=None):
@@ -281,7 +285,7 @@ def test_journals_and_sessions_keep_the_places(tmp_path):
 def test_a_journal_from_before_places_opens(tmp_path):
     path = tmp_path / "a.p3dj"
     Journal(path, {}).close()
-    old = np.zeros(3, journals._OLD_SAMPLE)
+    old = np.zeros(3, OLD_SAMPLE)
     old["time_ns"], old["orientation"] = (1, 2, 3), (1.0, 0.0, 0.0, 0.0)
     old["object_orientation"], old["pressure"] = (1.0, 0.0, 0.0, 0.0), 0.5
     content = old.tobytes()

@@ -213,7 +213,7 @@ def test_of_equal_triangles_the_first_counts() -> None:
 def test_where_corner_normals_cancel_out_the_face_has_its_own() -> None:
     surface = ClosestPoints(TriangleMesh(np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0]]), [[0, 1, 2]]))
     twisted = np.array([[0, 1, 0], [0, -1, 0], [0, 1, 0]], np.float32)
-    surface._tree = surface._tree._replace(normals=twisted)
+    surface.tree = surface.tree._replace(normals=twisted)
     normals = surface.find([[1.0, -1.0, 3.0], [0.0, 0.0, 3.0]]).normals
     np.testing.assert_array_equal(normals, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 

@@ -478,14 +478,15 @@ def test_a_slice_of_work_is_bounded_and_the_rest_is_done_later():
 
 def test_no_more_than_a_few_blocks_are_opened_in_one_call(monkeypatch):
     """Where much is wet at once, as after opening a painting, the hand need not wait for it."""
-    monkeypatch.setattr(flows, "_OPENED", 2)
+    most = 2
+    monkeypatch.setattr(flows, "_OPENED", most)
     surface, whole = laid(radius=12.0, coats=1.0), laid(radius=12.0, coats=1.0)
     whole.diffuse(0.0)
     before = surface.wet_ink()
     opened, calls = 0, 0
     while surface.follow_flow(0.0) and len(surface.flow.waiting):
         now = np.count_nonzero(surface.flow_graph.block_open)
-        assert opened < now <= opened + flows._OPENED
+        assert opened < now <= opened + most
         opened, calls = now, calls + 1
         assert surface.flow_patience == 0.0
     assert calls > 3
