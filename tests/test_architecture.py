@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -56,6 +57,8 @@ TO_BE_CONNECTED = {
     "paint3d.device.force.inverse3_port",
     "paint3d.device.force.openhaptics",
 }
+PRIVATE = re.compile("_[^_]")
+OF_NAMED_TUPLES = {"_asdict", "_fields", "_make", "_replace"}
 VAGUE = {"utils", "util", "helpers", "helper", "common", "manager", "misc"}
 
 
@@ -181,6 +184,34 @@ def functions() -> Iterator[tuple[str, ast.FunctionDef]]:
         for node in ast.walk(parse(module)):
             if isinstance(node, ast.FunctionDef):
                 yield f"{module.relative_to(ROOT)}: {node.name}", node
+
+
+def test_tests_see_the_program_from_outside() -> None:
+    """They reach for what begins with one underscore in few places, each of them to be regretted.
+
+    Constants that a test changes by name for itself are not among them.
+    """
+    text = "from a import _b, c; c.d._e, self._f, self.d._g, c._replace(), c.__doc__, os._exit"
+    assert list(reached_into(ast.parse(text))) == [(1, "_b"), (1, "c.d._e"), (1, "self.d._g")]
+    places = [
+        f"{module.relative_to(ROOT)}:{line}: {name}"
+        for module in sorted((ROOT / "tests").rglob("*.py"))
+        for line, name in reached_into(parse(module))
+    ]
+    assert len(places) <= 5, "\n".join(places)
+
+
+def reached_into(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Lines and names of private attributes, of anything but oneself, and of private imports."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            private = [alias.name for alias in node.names if PRIVATE.match(alias.name)]
+            yield from ((node.lineno, name) for name in private)
+        elif isinstance(node, ast.Attribute) and PRIVATE.match(node.attr):
+            owner, name = ast.unparse(node.value), ast.unparse(node)
+            public = node.attr in OF_NAMED_TUPLES or owner == "sys" or name == "os._exit"
+            if owner not in ("self", "cls") and not public:
+                yield node.lineno, name
 
 
 def test_functions_are_short_and_take_few_things() -> None:
