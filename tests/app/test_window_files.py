@@ -23,6 +23,7 @@ from paint3d.app.model.persistence.sitting import recoverable
 from paint3d.app.window.dialogs.export_dialog import ExportDialog
 from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
 from paint3d.app.window.dialogs.target_dialog import TargetDialog
+from paint3d.app.window.named import named
 from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
@@ -119,6 +120,29 @@ def keep(dialog) -> None:
 
 def accept(dialog) -> None:
     dialog.accept()
+
+
+def test_a_new_painting_is_proposed_under_a_name_that_is_free(window, tmp_path: Path) -> None:
+    """A pen alone types no other one, and what was saved before is not to be replaced."""
+    window.document.belong_to(None)
+    window.targets.folder = tmp_path
+    name = said_name(window)
+    for path in (tmp_path / f"{name}.p3d", tmp_path / f"{name} 2.p3d"):
+        path.write_bytes(b"another painting")
+    proposed: list[list[str]] = []
+
+    def leave(dialog: TargetDialog) -> None:
+        proposed.append(dialog.selectedFiles())
+        dialog.reject()
+
+    answer(leave, TargetDialog)
+    window.workspace.actions["save_as"].trigger()
+    assert proposed == [[str(tmp_path / f"{name} 3.p3d")]]
+
+
+def said_name(window) -> str:
+    """What the object is called."""
+    return named(window.document.surface.source.name)
 
 
 @pytest.mark.parametrize(
