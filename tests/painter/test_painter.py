@@ -52,6 +52,19 @@ def test_a_stroke_leaves_ink_and_a_report():
     assert painter.surface.n_vertices == len(painter.surface.srgb) == len(painter.surface.amounts)
 
 
+def test_counts_go_on_through_dips_and_while_the_surface_grows():
+    painter, counts = Painter(surface(0.2)), []
+    capacity = painter.surface.paint_mesh.capacity
+    for start in (-15.0, -25.0, -5.0):
+        painter.dip("cinnabar" if counts else None)
+        painter.replay(stroke(LANDING, start=start))
+        counts.append(painter.report()["footprints"])
+    assert painter.surface.paint_mesh.capacity > capacity
+    assert counts[0] >= 7
+    assert counts[1] >= counts[0] + 7
+    assert counts[2] >= counts[1] + 7
+
+
 def test_only_painted_vertices_change_colour():
     painter = Painter(surface())
     bare = painter.surface.srgb[0].copy()
