@@ -11,6 +11,7 @@ from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, region_
 from paint3d.errors import InputError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.app.hands import line, paint, same_vertices, small_plane
+from tests.support.examples import examples
 
 UP = (0.0, 0.0, 1.0)
 
@@ -75,7 +76,7 @@ def test_paint_stays_where_the_surface_looks_the_right_way():
     close(document)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(5))
 @given(st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), min_size=1, max_size=3))
 def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends):
     document = small_plane(material="xuan")

@@ -19,11 +19,12 @@ from paint3d.painter.flat_input import DIP
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.examples import examples
 from tests.support.resampling import resample
 from tests.support.surface_cases import UPRIGHT, ball, flat, on_cylinder, poses, sheet
 
 LENGTH, FULL_PRESS = 35.0, 17.5  # of the brush "full"
-FEW = settings(deadline=None, max_examples=25)
+FEW = settings(deadline=None, max_examples=examples(4))
 
 
 def smooth(u, a: float, b: float):

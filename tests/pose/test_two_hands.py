@@ -26,6 +26,7 @@ from paint3d.pose.calibration import (
 from paint3d.pose.smoothing import SmoothingSettings, lag_s, smooth_pose
 from paint3d.pose.steering import ObjectPose, SteeringOptions
 from paint3d.pose.two_hands import TwoHands
+from tests.support.examples import examples
 
 QUICK = settings(deadline=None, max_examples=25)
 MS = 1_000_000
@@ -216,7 +217,7 @@ def test_a_lifted_pen_is_lifted_at_once() -> None:
 # -- time stamps ------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(8))
 @given(st.integers(0, 1000), st.floats(0.999, 1.001))
 def test_the_clock_undoes_late_reading(seed, drift) -> None:
     rng = np.random.default_rng(seed)
