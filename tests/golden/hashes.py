@@ -1,11 +1,12 @@
-"""What the cases gave when it was last meant to change: ``python -m tests.golden.hashes``.
+"""What the cases gave when it was last meant to change: ``python -m tests.golden.hashes --record``.
 
 Last bits depend on the machine: on the processor that kernels are compiled for, the compiler and
-the mathematical library. So hashes are kept by machine, and one that is not known learns them.
+the mathematical library. So hashes are kept by machine, and one that is not known learns them so.
 """
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import json
 import platform
@@ -47,16 +48,26 @@ def known() -> dict[str, dict[str, dict[str, str]]]:
     return json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
 
 
-def _record(names: list[str]) -> None:
+def main() -> int:
+    """Compare, and with --record keep what is given now; 1 if something differs and is not kept."""
+    parser = argparse.ArgumentParser(description="Has anything that is painted changed?")
+    parser.add_argument("names", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)}")
+    parser.add_argument("--record", action="store_true", help="the change is meant: keep it")
+    options = parser.parse_args()
     kept = known()
     here = kept.setdefault(machine(), {})
-    for name in names or CASES:
+    differs = False
+    for name in options.names or CASES:
         now = hashes_of(name)
         changed = [part for part in now if here.get(name, {}).get(part) != now[part]]
         print(f"{name}: {len(changed)} of {len(now)} changed {' '.join(changed)}")
+        differs = differs or bool(changed)
         here[name] = now
+    if not options.record:
+        return int(differs)
     FILE.write_text(json.dumps(kept, indent=1, sort_keys=True) + "\n", "utf-8")
+    return 0
 
 
 if __name__ == "__main__":
-    _record(sys.argv[1:])
+    sys.exit(main())

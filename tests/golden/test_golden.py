@@ -13,5 +13,5 @@ from tests.golden.hashes import hashes_of, known, machine
 def test_the_painting_is_what_it_was_to_the_bit(name):
     kept = known().get(machine())
     if kept is None:
-        pytest.skip("no hashes of this machine: python -m tests.golden.hashes")
+        pytest.skip("no hashes of this machine: python -m tests.golden.hashes --record")
     assert hashes_of(name) == kept[name]
