@@ -9,6 +9,7 @@ from paint3d.app.model.brush_size import scaled
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
+from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.brush.bristle_spec import BristleSpec
@@ -106,3 +107,18 @@ def test_a_hairy_brush_is_scaled_and_written_down():
     assert document.painter.brush == large
     with pytest.raises(BrushError, match="no brush"):
         document.set_brush({"name": "x"})
+
+
+def test_an_image_that_fails_leaves_the_hands_ink_to_the_hand():
+    document = small_plane()
+    image = ImagePainter(document.painter, np.diag([1.0, -1.0, 1.0, 1.0]))
+    load = document.surface.ink.load
+    load *= 0.5  # the hand has painted; the image's brush still holds all
+    held = load.copy()
+
+    def fail() -> None:
+        raise RuntimeError("no")
+
+    with pytest.raises(RuntimeError, match="no"):
+        image.lift(fail)
+    np.testing.assert_array_equal(document.surface.ink.load, held)

@@ -72,10 +72,12 @@ class ImagePainter:
         own = surface.ink.load.copy(), surface.ink.stations
         self._put(*self._fitting())
         loaded = self._twin.loaded
-        yield
-        self._held = surface.ink.load.copy(), surface.ink.stations
-        self._put(*own)
-        self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
+        try:
+            yield
+        finally:  # the hand's ink is never left with an image
+            self._held = surface.ink.load.copy(), surface.ink.stations
+            self._put(*own)
+            self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
 
     def _fitting(self) -> tuple[AnyArray, AnyArray]:
         """What this brush holds, of all pigments that are known by now."""
