@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import resource
 import shutil
@@ -436,8 +437,10 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
     program, tmp_path: Path, monkeypatch
 ) -> None:
     """Said in the status line; a stroke that the journal missed is in the next base."""
+    monkeypatch.setattr(easel, "_DEAR_S", math.inf)  # no base comes for another reason
     with opened(program, resolution=2.0) as window:
         sitting = window.stage.easel.sitting
+        window.stage.easel.keep_every(1e9)
 
         def full(*_: object) -> None:
             raise ExportError("a.p3dj: cannot write: No space left on device")
