@@ -27,7 +27,7 @@ from paint3d.files.sandbox.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import turn_mesh, turn_up
 from tests.mesh.test_upright import jug
-from tests.support.app.gestures import answer, drag, live, wait_for
+from tests.support.app.gestures import answer, drag, live, take_file, wait_for
 
 
 @pytest.fixture(scope="module")
@@ -104,16 +104,12 @@ def test_a_file_is_opened_and_stood_up(window, tmp_path: Path) -> None:
     path = lying_jug(tmp_path)
     window.workspace.keep(material="bisque", resolution_mm=2.0)
 
-    def choose(dialog: QtWidgets.QFileDialog) -> None:
-        dialog.selectFile(str(path))
-        dialog.accept()
-
     def agree(dialog: ObjectDialog) -> None:
         assert dialog.ways["y"].isChecked()
         assert dialog.material.currentData() == "bisque"
         dialog.accept()
 
-    files = foreseen(QtWidgets.QFileDialog, choose)
+    files = foreseen(QtWidgets.QFileDialog, take_file(path))
     asked = foreseen(ObjectDialog, agree)
     action = window.workspace.actions["open"]
     assert action.shortcut() == QtGui.QKeySequence("Ctrl+O")
@@ -183,13 +179,9 @@ def test_what_becomes_of_the_old_painting_is_asked_once_for_a_file(
         dialog.object.setCurrentIndex(dialog.object.findData(""))
         dialog.accept()
 
-    def choose(dialog: QtWidgets.QFileDialog) -> None:
-        dialog.selectFile(str(path))
-        dialog.accept()
-
     monkeypatch.setattr(window.saving, "may_leave", may_leave)
     foreseen(NewDialog, take_a_file)
-    files = foreseen(QtWidgets.QFileDialog, choose)
+    files = foreseen(QtWidgets.QFileDialog, take_file(path))
     objects = foreseen(ObjectDialog, lambda dialog: dialog.accept())
     window.workspace.actions["new"].trigger()
     assert files

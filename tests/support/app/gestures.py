@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -128,6 +129,19 @@ def answer(press, kind=QtWidgets.QDialog, but=QtWidgets.QProgressDialog) -> None
 def answer_bar(press) -> None:
     """Let `press` deal with the bar that opens next."""
     answer(press, QtWidgets.QProgressDialog, ())
+
+
+def take_file(path: str | Path):
+    """What deals with the dialog of files that opens next: types a path in it and accepts.
+
+    Picking one in the dialog's list would have to wait until the folder is listed.
+    """
+
+    def type_it(dialog: QtWidgets.QFileDialog) -> None:
+        dialog.findChild(QtWidgets.QLineEdit, "fileNameEdit").setText(str(path))
+        dialog.accept()
+
+    return type_it
 
 
 def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):
