@@ -13,7 +13,17 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.window.jobs.job import run_beside
 from paint3d.brush.presets import load_brush
-from tests.support.app.gestures import BUTTON, KIND, answer, drag, live, mouse, pen, wait_for
+from tests.support.app.gestures import (
+    BUTTON,
+    KIND,
+    answer,
+    drag,
+    live,
+    mouse,
+    pen,
+    type_key,
+    wait_for,
+)
 from tests.support.app.windows import opened, settled
 
 
@@ -91,15 +101,13 @@ def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -
     window.workspace.post("set_brush", load_brush("full"))
     settled(window)
     window.panels.docks["brushes"].raise_()
-    window.activateWindow()  # a box had the keys until now
-    assert QtTest.QTest.qWaitForWindowActive(window, 60_000)
     gate = threading.Event()
     window.stage.easel.post(lambda document: gate.wait(60))
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     view = window.panels.brushes.findChild(QtWidgets.QListWidget)
     try:
         if how == "key":
-            QtTest.QTest.keyClick(window.canvas, QtCore.Qt.Key.Key_4)
+            type_key(window.canvas, QtCore.Qt.Key.Key_4)
         else:
             place = view.visualItemRect(view.item(3)).center()
             QtTest.QTest.mouseClick(view.viewport(), BUTTON.LeftButton, pos=place)

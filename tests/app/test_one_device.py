@@ -7,10 +7,20 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtGui, QtTest, QtWidgets
+from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.navigation import picture_axes, roll_of
-from tests.support.app.gestures import BUTTON, KIND, NO_KEY, PEN, drag, live, mouse, wait_for
+from tests.support.app.gestures import (
+    BUTTON,
+    KIND,
+    NO_KEY,
+    PEN,
+    drag,
+    live,
+    mouse,
+    type_key,
+    wait_for,
+)
 from tests.support.app.pointers import Touching, pen_drag, tap
 from tests.support.app.windows import faults, opened, settled
 
@@ -98,6 +108,7 @@ class ByPen:
     def ink(self) -> None:
         self.raise_panel("inks")
         dishes = self.window.panels.inks.dishes
+        wait_for(dishes.isVisible)
         name = next(n for n in dishes.names[:4] if n != dishes.chosen)
         self.press(dishes, dishes.box(dishes.names.index(name)).center().toPoint())
 
@@ -154,7 +165,7 @@ class ByKeys:
     def press(self, key, held=HELD.NoModifier) -> None:
         wait_for(lambda: QtWidgets.QApplication.focusWidget() is not None)
         target = QtWidgets.QApplication.focusWidget()
-        QtTest.QTest.keyClick(target, key, held)
+        type_key(target, key, held)
         live(0.03)
 
     def turn(self) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtGui, QtTest, QtWidgets
+from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.held_ink import held_ink, ink_srgb
@@ -19,7 +19,7 @@ from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
 from paint3d.colour.pigments import WATER, load_pigment
 from paint3d.view.live_picture import LivePicture
-from tests.support.app.gestures import KIND, answer, live, mouse, wait_for
+from tests.support.app.gestures import KIND, answer, live, mouse, type_key, wait_for
 from tests.support.app.pointers import Touching
 from tests.support.app.windows import faults, opened, settled
 
@@ -74,7 +74,7 @@ def test_what_keys_change_is_shown_though_no_pointer_is_over_the_picture(fresh) 
         for key, share in ((QtCore.Qt.Key.Key_R, 0.0), (QtCore.Qt.Key.Key_D, 1.0)):
             live(0.5)
             wait_for(lambda: window.stage.is_drawn)
-            QtTest.QTest.keyClick(canvas, key)
+            type_key(canvas, key)
             settled(window)
             wait_for(lambda share=share: painted[-1:] == [pytest.approx(share)])
     finally:
@@ -285,7 +285,7 @@ def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
     assert inks.mixture() == {"gamboge": 1.0}
     inks.dishes.setFocus()
     for key in (QtCore.Qt.Key.Key_Plus, QtCore.Qt.Key.Key_Minus, QtCore.Qt.Key.Key_Minus):
-        QtTest.QTest.keyClick(inks.dishes, key)
+        type_key(inks.dishes, key)
     at = inks.dishes.marked
     assert at not in inks.mixture() or at == "gamboge"
     inks.empty()

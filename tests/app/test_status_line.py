@@ -8,9 +8,9 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtTest
+from PySide6 import QtCore
 
-from tests.support.app.gestures import drag, live, wait_for
+from tests.support.app.gestures import drag, live, type_key, wait_for
 from tests.support.app.windows import opened, settled
 
 HINT = "Paint with the left button"
@@ -46,17 +46,13 @@ def test_what_goes_on_is_said_beside_the_strokes(window) -> None:
 
 def test_that_strokes_are_recorded_is_said_until_they_are_not(window, monkeypatch) -> None:
     monkeypatch.setattr(window.recordings, "do_save_recording", lambda first=0: None)
-    QtTest.QTest.keyClick(
-        window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier
-    )
+    type_key(window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier)
     assert window.workspace.actions["record"].isChecked()
     said = window.status.told.text()
     assert HINT not in said
     stroke(window)
     assert window.status.told.text() == said
-    QtTest.QTest.keyClick(
-        window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier
-    )
+    type_key(window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier)
     assert HINT in window.status.told.text()
 
 

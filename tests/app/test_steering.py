@@ -14,7 +14,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.model.input.navigation import picture_axes, roll_of
-from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, wait_for
+from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, type_key, wait_for
 from tests.support.app.pointers import HAND, Touching, pen, pen_drag, tap
 from tests.support.app.windows import faults, opened, settled
 
@@ -88,7 +88,7 @@ def test_near_shows_one_and_a_half_tufts_all_round_and_never_less_near(window) -
     length = window.document.painter.brush.length_mm
     mouse(canvas, KIND.MouseMove, 0.45 * canvas.width(), 0.5 * canvas.height())
     place, first = window.hand.place(), distance(window)
-    QtTest.QTest.keyClick(canvas, KEY.Key_F)
+    type_key(canvas, KEY.Key_F)
     live(0.1)
     camera = window.hand.camera
     np.testing.assert_allclose(camera.focus, place, atol=1e-6)
@@ -98,7 +98,7 @@ def test_near_shows_one_and_a_half_tufts_all_round_and_never_less_near(window) -
     for _ in range(6):
         canvas.wheeled.emit(3.0, 0.5 * canvas.width(), 0.5 * canvas.height())
     near = distance(window)
-    QtTest.QTest.keyClick(canvas, KEY.Key_F)
+    type_key(canvas, KEY.Key_F)
     assert distance(window) <= near * (1 + 1e-9)
 
 
@@ -119,7 +119,7 @@ def test_near_shows_one_and_a_half_tufts_all_round_and_never_less_near(window) -
 def test_the_keypad_turns_the_view_and_leaves_the_brush(window, key, held, towards) -> None:
     brush, load = window.document.painter.brush, window.document.surface.ink.load.copy()
     with faults() as found:
-        QtTest.QTest.keyClick(window.canvas, key, held | HELD.KeypadModifier)
+        type_key(window.canvas, key, held | HELD.KeypadModifier)
         settled(window)
     assert found == []
     np.testing.assert_allclose(back(window), towards, atol=1e-9)
@@ -133,7 +133,7 @@ def test_the_digits_above_the_letters_still_take_brushes(window) -> None:
         (KEY.Key_1, HELD.NoModifier, "full"), (KEY.Key_0, HELD.NoModifier, "zhongbaiyun"),
         (KEY.Key_2, HELD.ControlModifier, "feibai"), (KEY.Key_7, HELD.NoModifier, "gongbi"),
     ):  # fmt: skip
-        QtTest.QTest.keyClick(window.canvas, key, held)
+        type_key(window.canvas, key, held)
         settled(window)
         assert window.document.painter.brush.name == name
     assert window.hand.camera is camera
@@ -180,7 +180,7 @@ def test_space_presses_a_button_that_has_the_focus(window) -> None:
     window.panels.docks["inks"].raise_()
     window.panels.inks.tip_only.setFocus()
     before = window.panels.inks.tip_only.isChecked()
-    QtTest.QTest.keyClick(window.panels.inks.tip_only, KEY.Key_Space)
+    type_key(window.panels.inks.tip_only, KEY.Key_Space)
     assert window.panels.inks.tip_only.isChecked() is not before
     window.panels.inks.tip_only.setChecked(before)
 
@@ -214,9 +214,9 @@ def test_grips_steer_whatever_takes_them(window, name, by) -> None:
 
 def test_a_tap_on_a_grip_holds_upright_or_shows_everything(window) -> None:
     canvas, first = window.canvas, window.hand.camera
-    QtTest.QTest.keyClick(canvas, KEY.Key_BracketLeft, HELD.ControlModifier)
+    type_key(canvas, KEY.Key_BracketLeft, HELD.ControlModifier)
     assert roll_of(window.hand.camera) > 0.1
-    QtTest.QTest.keyClick(canvas, KEY.Key_Plus)
+    type_key(canvas, KEY.Key_Plus)
     for name in ("roll", "dolly"):
         at = window.steering.grips.box(name, canvas.rect()).center()
         drag(canvas, *[(at.x() / canvas.width(), at.y() / canvas.height())] * 2, n=2)
@@ -417,7 +417,7 @@ def test_the_stroke_after_one_that_was_taken_back_is_whole(window, what) -> None
 )
 def test_keys_steer(window, key, held, what) -> None:
     before = window.hand.camera
-    QtTest.QTest.keyClick(window.canvas, key, held)
+    type_key(window.canvas, key, held)
     live(0.02)
     assert changes(window, before) == {what}
 
@@ -428,10 +428,10 @@ def test_arrows_and_tab_belong_to_the_panel_that_has_the_focus(window) -> None:
     brushes = window.panels.brushes.findChild(QtWidgets.QListWidget)
     brushes.setFocus()
     row = brushes.currentRow()
-    QtTest.QTest.keyClick(brushes, KEY.Key_Down if row == 0 else KEY.Key_Up)
+    type_key(brushes, KEY.Key_Down if row == 0 else KEY.Key_Up)
     assert brushes.currentRow() != row
     assert window.hand.camera is before
-    QtTest.QTest.keyClick(brushes, KEY.Key_Tab)
+    type_key(brushes, KEY.Key_Tab)
     assert window.panels.docks["brushes"].isVisible()
     assert QtWidgets.QApplication.focusWidget() is not brushes
     window.panels.brushes.show_brush(window.document.painter.brush)

@@ -17,7 +17,16 @@ from PySide6 import QtCore, QtTest
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.app.window.studio import StudioWindow
 from paint3d.files.project.session import load_session, save_session
-from tests.support.app.gestures import BUTTON, KIND, drag, live, mouse, pen_stroke, wait_for
+from tests.support.app.gestures import (
+    BUTTON,
+    KIND,
+    drag,
+    live,
+    mouse,
+    pen_stroke,
+    type_key,
+    wait_for,
+)
 
 ROWS = (0.42, 0.47, 0.52, 0.57)
 
@@ -80,10 +89,8 @@ def choose(window, name) -> None:
 
 def press(window, *keys) -> None:
     """Press keys, as a hand does."""
-    window.activateWindow()
     window.canvas.setFocus()
-    wait_for(window.isActiveWindow)
-    QtTest.QTest.keyClick(window.canvas, *keys)
+    type_key(window.canvas, *keys)
     settled(window)
 
 

@@ -26,7 +26,7 @@ from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
 from paint3d.errors import ExportError
-from tests.support.app.gestures import answer, answer_bar, drag, live, wait_for
+from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.windows import settled
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
@@ -360,7 +360,7 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
             action.trigger()
             assert not action.isChecked() or name not in CHECKABLE, name
     for key in "DRXIMKFWS":
-        QtTest.QTest.keyClick(empty.canvas, getattr(QtCore.Qt.Key, f"Key_{key}"))
+        type_key(empty.canvas, getattr(QtCore.Qt.Key, f"Key_{key}"))
     for name in ("smoothing", "brush", "panels", "dark"):
         empty.workspace.actions[name].trigger()
         empty.workspace.actions[name].trigger()

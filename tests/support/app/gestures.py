@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from PySide6 import QtCore, QtGui, QtWidgets
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.window.input.canvas import Canvas
 
@@ -142,6 +142,14 @@ def take_file(path: str | Path):
         dialog.accept()
 
     return type_it
+
+
+def type_key(widget, key, held=NO_KEY) -> None:
+    """Press and release a key in a window that has the keyboard; shortcuts are heard there only."""
+    window = widget.window()
+    window.activateWindow()
+    wait_for(window.isActiveWindow)
+    QtTest.QTest.keyClick(widget, key, held)
 
 
 def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):
