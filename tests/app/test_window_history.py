@@ -178,7 +178,8 @@ def test_replay_plays_all_strokes(window, painted, monkeypatch, speed):
     looks(window, states[-1])
 
 
-def test_painting_while_strokes_are_replayed_loses_none(window, painted):
+@pytest.mark.parametrize("samples", [8, 80])  # done before the next is shown, or not
+def test_painting_while_strokes_are_replayed_loses_none(window, painted, samples):
     path, states = painted
     assert window.opening.open_path(str(path), asked=True)
     settled(window)
@@ -188,10 +189,12 @@ def test_painting_while_strokes_are_replayed_loses_none(window, painted):
     panel.asked.connect(lambda upto, playing: shown.append(upto))
     QtTest.QTest.mouseClick(panel.play, QtCore.Qt.MouseButton.LeftButton)
     wait_for(lambda: shown and shown[-1] >= 1)
-    pen_stroke(window.canvas, (0.42, 0.62), (0.55, 0.62), [0.1, *[0.5] * 8, 0.0])
+    pen_stroke(window.canvas, (0.42, 0.62), (0.55, 0.62), [0.1, *[0.5] * samples, 0.0])
     settled(window)
-    wait_for(lambda: not panel.is_playing)
+    assert not panel.is_playing
+    assert "replay was stopped" in window.status.told.text()
     assert len(window.document.strokes) == 5
+    assert len(window.document.strokes[-1].samples) > samples
     press(window, Z, CTRL)
     looks(window, states[-1])
 

@@ -155,6 +155,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.keys.alt_taken.connect(lambda: workspace.tell(say("hint.alt_taken"), state="bad"))
         self.hand.began.connect(self.status.forget_passing)
         self.hand.began.connect(self.player.give_way)
+        self.hand.began.connect(self.panels.history.give_way)
         self.canvas.resized.connect(self._resized)
         self.canvas.dropped.connect(self.opening.open_path)
         self.canvas.untimed.connect(lambda: workspace.tell(say(_UNTIMED)))

@@ -207,6 +207,12 @@ class HistoryPanel(QtWidgets.QWidget):
         self._player.stop()
         self.play.setText(say("action.replay"))
 
+    def give_way(self) -> None:
+        """Stop for a stroke by hand, which the next that is shown would break off."""
+        if self._is_playing:
+            self.stop()
+            self.told.emit(say("The replay was stopped by your stroke"))
+
     def _wait(self, there: int) -> None:
         """Wait as long as the next stroke took."""
         expected = self._last is None or there == self._last + 1
