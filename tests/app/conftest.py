@@ -38,9 +38,9 @@ def few_lights() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(autouse=True, scope="module")
+@pytest.fixture(autouse=True)
 def windows_go() -> Iterator[None]:
-    """Delete the windows that a file has closed: every change of theme restyles all there are."""
+    """Delete the windows that a test has closed: each new one's theme restyles all there are."""
     yield
     if "PySide6.QtWidgets" in sys.modules:
         from PySide6 import QtCore, QtWidgets
