@@ -8,7 +8,6 @@ wavelengths, scaled so that a full coat hides 98 %: good for pigments that scatt
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from paint3d.colour.kernels.kubelka_munk import layer_bands
 from paint3d.colour.pigment import BANDS_NM
@@ -23,6 +22,8 @@ _CHART = 0.8
 
 def masstone_strengths(reflectance: AnyArray) -> tuple[AnyArray, AnyArray]:
     """K and S (31,) per full coat from the reflectance (31,) of an opaque layer, in (0, 1)."""
+    from scipy.optimize import brentq  # a third of a second, and the shipped tables have K and S
+
     k = (1.0 - reflectance) ** 2 / (2.0 * reflectance)
     s = np.ones_like(k)
     weights = _luminous_efficiency()
