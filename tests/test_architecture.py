@@ -7,9 +7,11 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import paint3d
+from paint3d.core.face import names_of
 from tests.support.imports import circles, import_graph, reached
 
 ROOT = Path(__file__).parents[1]
@@ -110,15 +112,42 @@ def test_the_command_line_loads_nothing_heavy_to_print_its_help() -> None:
     assert not HEAVY & set(loaded.split())
 
 
-def test_all_names_exactly_what_is_loaded_lazily() -> None:
-    assert sorted(paint3d.__all__) == sorted({*paint3d._HOME_OF, "__version__", "errors"})
-    assert set(paint3d.__all__) <= set(dir(paint3d))
-    for name in paint3d.__all__:
-        assert getattr(paint3d, name) is not None
+def packages_with_a_face() -> list[str]:
+    faces = sorted(PACKAGE.rglob("__init__.pyi"))
+    return [".".join(face.parent.relative_to(ROOT).parts) for face in faces]
+
+
+def test_every_room_has_a_face_of_few_names() -> None:
+    """Each of them is there, and type checkers know no others."""
+    rooms = {f"paint3d.{room.parent.name}" for room in PACKAGE.glob("*/__init__.py")}
+    assert set(packages_with_a_face()) == {"paint3d", *rooms}
+    for package in packages_with_a_face():
+        face = import_module(package)
+        names = names_of(package)
+        assert 1 <= len(names.keys() - {"errors"}) <= 12, package
+        assert face.__all__ == sorted(names)
+        assert set(face.__all__) <= set(dir(face))
+        for name, home in names.items():
+            value = getattr(import_module(home), name)
+            assert getattr(face, name) is value, f"{package}.{name}"
+            assert home == package or home.startswith(f"{package}."), "a room shows its own"
+
+
+def test_a_room_loads_nothing_of_itself_until_it_is_asked() -> None:
+    loaded = run_python(
+        "import sys\n"
+        "from importlib import import_module\n"
+        f"for package in {packages_with_a_face()}:\n"
+        "    import_module(package)\n"
+        "    print(*(name for name in sys.modules if name.startswith('paint3d.')))\n"
+    )
+    rooms = {*packages_with_a_face(), "paint3d.core.face"}
+    assert {name for name in loaded.split() if name not in rooms} == set()
 
 
 def test_unknown_name_is_an_attribute_error() -> None:
     assert not hasattr(paint3d, "Paintr")
+    assert not hasattr(import_module("paint3d.mesh"), "TriangleMess")
 
 
 def test_the_studios_model_knows_no_window() -> None:
@@ -175,7 +204,7 @@ def test_every_module_is_reached() -> None:
     graph = import_graph(PACKAGE)
     roots = {f"paint3d.{word}" for word in ("__main__", "cli.main")}
     roots |= {module for module in graph if module.startswith(BY_NAME)}
-    roots |= set(paint3d._HOME_OF.values())
+    roots |= set(names_of("paint3d").values())
     assert set(graph) - reached(graph, roots) == TO_BE_CONNECTED
 
 

@@ -1,1 +1,5 @@
 """The studio."""
+
+from paint3d.core.face import late_face
+
+__getattr__, __dir__ = late_face(__name__)

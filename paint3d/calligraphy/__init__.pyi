@@ -1,0 +1,12 @@
+from paint3d.calligraphy.glyph_sources import GlyphSource as GlyphSource
+from paint3d.calligraphy.glyph_sources import load_glyphs as load_glyphs
+from paint3d.calligraphy.glyph_sources import open_glyphs as open_glyphs
+from paint3d.calligraphy.glyphs import Glyph as Glyph
+from paint3d.calligraphy.hand_motion import HandMotion as HandMotion
+from paint3d.calligraphy.layout import Layout as Layout
+from paint3d.calligraphy.layout import layout_text as layout_text
+from paint3d.calligraphy.metrics import compare as compare
+from paint3d.calligraphy.planning import PlanSettings as PlanSettings
+from paint3d.calligraphy.writing import Pen as Pen
+from paint3d.calligraphy.writing import Written as Written
+from paint3d.calligraphy.writing import write_text as write_text

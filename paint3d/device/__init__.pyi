@@ -1,0 +1,12 @@
+from paint3d.device.device_log import DeviceLog as DeviceLog
+from paint3d.device.device_log import read_device_log as read_device_log
+from paint3d.device.force.force_port import ForcePort as ForcePort
+from paint3d.device.force.force_port import HidForcePort as HidForcePort
+from paint3d.device.hid_link import open_node as open_node
+from paint3d.device.hid_nodes import HidNode as HidNode
+from paint3d.device.hid_nodes import list_nodes as list_nodes
+from paint3d.device.hot_plug import PluggedDevices as PluggedDevices
+from paint3d.device.sample import DeviceSample as DeviceSample
+from paint3d.device.space_mouse import SpaceMouse as SpaceMouse
+from paint3d.device.stylus import Stylus as Stylus
+from paint3d.device.stylus_reading import StylusReading as StylusReading

@@ -1,0 +1,10 @@
+from paint3d.view.camera import Camera as Camera
+from paint3d.view.camera import find_view as find_view
+from paint3d.view.camera import fit_camera as fit_camera
+from paint3d.view.live_object import LiveObject as LiveObject
+from paint3d.view.live_picture import LivePicture as LivePicture
+from paint3d.view.live_scene import LiveScene as LiveScene
+from paint3d.view.picture import draw_picture as draw_picture
+from paint3d.view.picture import render_picture as render_picture
+from paint3d.view.preview import Preview as Preview
+from paint3d.view.studio import Gloss as Gloss
