@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.mesh.kernels.replay_refinement import BAD_LOG, NO_ROOM, repeat_splits
+from paint3d.mesh.kernels.refine import BAD_LOG, NO_ROOM, repeat_splits
 from paint3d.mesh.refined_mesh import PaintMesh
 
 __all__ = ["refinement_log", "repeat_refinement", "saved_ids"]

@@ -7,6 +7,7 @@ import numpy as np
 from paint3d.core.kernel import kernel
 from paint3d.mesh.kernels.facing_pairs import INFLATION
 from paint3d.mesh.kernels.grid import find_cell, find_pair, lookup, sheet_of
+from paint3d.mesh.kernels.topology import find_root
 
 __all__ = ["link_sheets", "locate_vertices", "measure_sheets", "split_sheets"]
 
@@ -28,14 +29,6 @@ def _segment_meets_box(points, a, b, x, y, z, half):
         enter = max(enter, min(s, t))
         leave = min(leave, max(s, t))
     return enter <= leave
-
-
-@kernel
-def _find(parent, i):
-    while parent[i] != i:
-        parent[i] = parent[parent[i]]
-        i = parent[i]
-    return i
 
 
 @kernel
@@ -74,8 +67,8 @@ def split_sheets(points, triangles, radial, cells):
                             b = triangles[t, (edge + 1) % 3]
                             met = 1 if _segment_meets_box(points, a, b, x, y, z, half) else 0
                         if met == 1:
-                            u = _find(parent, p)
-                            v = _find(parent, pair_of[g // 3])
+                            u = find_root(parent, p)
+                            v = find_root(parent, pair_of[g // 3])
                             if u < v:
                                 parent[v] = u
                             else:
@@ -83,7 +76,7 @@ def split_sheets(points, triangles, radial, cells):
                     g = radial[g]
         cells.cell_sheets[c] = n_sheets
         for p in range(cell_pairs[c], cell_pairs[c + 1]):
-            r = _find(parent, p)
+            r = find_root(parent, p)
             if r == p:
                 pair_sheet[p] = n_sheets
                 n_sheets += 1

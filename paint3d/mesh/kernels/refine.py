@@ -14,8 +14,18 @@ import numpy as np
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.grid import find_cell, find_pair
 
-__all__ = ["MOST_AROUND_EDGE", "activate_cell", "edge_key", "longest_edges", "mix"]
+__all__ = [
+    "BAD_LOG",
+    "MOST_AROUND_EDGE",
+    "NO_ROOM",
+    "activate_cell",
+    "edge_key",
+    "longest_edges",
+    "mix",
+    "repeat_splits",
+]
 
+NO_ROOM, BAD_LOG = -1, -2
 MOST_AROUND_EDGE = 256  # triangles on one edge
 _INFLATION = 1e-3  # of a cell's size
 _OPPOSED = np.float32(1e-3)  # length of the sum of two unit normals
@@ -303,4 +313,39 @@ def activate_cell(field, cell):
             stack[depth + 2] = field.child[t] + 1
             depth += 2
     field.done[cell] = 1
+    return 0
+
+
+@kernel
+def repeat_splits(field, log, at):
+    """Bisect the nodes of `log` (n,) int32 from place `at[0]` on, where they are not yet halved.
+
+    A log may come from a stranger, so each entry is checked before anything is changed: it must
+    name a node there is, whose longest edge is longest in all triangles on that edge.
+
+    Returns 0, NO_ROOM (reserve and call again), or BAD_LOG with the entry's place in `at`.
+    """
+    ring = np.empty(MOST_AROUND_EDGE, np.int64)
+    mids = np.empty(2 * MOST_AROUND_EDGE, np.int64)
+    while at[0] < log.shape[0]:
+        t = log[at[0]]
+        if t < 0 or t >= field.counts[1]:
+            return BAD_LOG
+        if field.child[t] >= 0:
+            at[0] += 1
+            continue
+        h0 = 3 * t + field.longest[t]
+        around = 1
+        h = field.radial[h0]
+        while h != h0:
+            if field.longest[h // 3] != h % 3 or around == MOST_AROUND_EDGE:
+                return BAD_LOG
+            around += 1
+            h = field.radial[h]
+        if field.counts[0] + around > field.px.shape[0]:
+            return NO_ROOM
+        if field.counts[1] + 2 * around > field.child.shape[0]:
+            return NO_ROOM
+        _split_edge(field, h0, ring, mids)
+        at[0] += 1
     return 0

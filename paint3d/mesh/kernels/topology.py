@@ -14,6 +14,7 @@ from paint3d.core.kernel import kernel
 __all__ = [
     "corner_normals",
     "count_around",
+    "find_root",
     "link_radial",
     "longest_sides",
     "measure_faces",
@@ -62,7 +63,8 @@ def link_radial(faces, n_vertices):
 
 
 @kernel
-def _find(parent, i):
+def find_root(parent, i):
+    """The set that i belongs to, by its root; `parent` is changed so that it is found sooner."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -71,8 +73,8 @@ def _find(parent, i):
 
 @kernel
 def _join(parent, a, b):
-    a = _find(parent, a)
-    b = _find(parent, b)
+    a = find_root(parent, a)
+    b = find_root(parent, b)
     if a < b:
         parent[b] = a
     else:
@@ -104,7 +106,7 @@ def smooth_corners(faces, face_normals, radial, least_cosine):
         _join(parent, h, 3 * s + (f + 1) % 3)
         _join(parent, 3 * t + (e + 1) % 3, g)
     for c in range(3 * n):
-        parent[c] = _find(parent, c)
+        parent[c] = find_root(parent, c)
     return parent
 
 

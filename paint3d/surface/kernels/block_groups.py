@@ -5,16 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import kernel
+from paint3d.mesh.kernels.topology import find_root
 
 __all__ = ["grade_paces", "group_blocks"]
-
-
-@kernel
-def _top(head, b):
-    while head[b] != b:
-        head[b] = head[head[b]]
-        b = head[b]
-    return b
 
 
 @kernel
@@ -44,13 +37,13 @@ def group_blocks(blocks, first, last, beside, head, group):
             c = beside[e]
             if head[c] < 0:
                 head[c] = c
-            one, other = _top(head, b), _top(head, c)
+            one, other = find_root(head, b), find_root(head, c)
             if one != other:
                 head[max(one, other)] = min(one, other)
     count = 0
     number = np.full(head.shape[0], -1, np.int32)
     for k in range(blocks.shape[0]):
-        top = _top(head, blocks[k])
+        top = find_root(head, blocks[k])
         if number[top] < 0:
             number[top] = count
             count += 1
