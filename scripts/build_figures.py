@@ -20,7 +20,6 @@ from paint3d.brush_engine.tuft import (
     OUTLINE_CAPACITY,
     SCRATCH_SIZE,
     bend_angles,
-    descent_of_force,
     enclose_tuft,
     trace_outline,
 )
@@ -38,7 +37,7 @@ FORCES = (1.0, 3.0, 5.0, 7.9)
 def outline(tuft, force: float, tilt: float) -> tuple[np.ndarray, np.ndarray]:
     """Reach and half width (mm) of the footprint under a force (N)."""
     reach, half = np.zeros(OUTLINE_CAPACITY), np.zeros(OUTLINE_CAPACITY)
-    descent = descent_of_force(tuft, force)
+    descent = force / tuft.spring
     pe = force / tuft.max_force
     n = trace_outline(tuft, descent, tilt, pe, np.zeros(SCRATCH_SIZE), reach, half)
     return reach[:n], half[:n]

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.ink_transfer import CAPACITY
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.core.kernel import kernel, uncounted
 
@@ -130,7 +129,7 @@ def drive(samples, i, t, pose, before, tuft, ink, curves):
         return tuft
     read_inputs(samples, i, t, pose, before, tuft, ink, curves.inputs)
     stiffness = _factor(curves, STIFFNESS)
-    ink.habit[CAPACITY] = tuft.load / _factor(curves, WETNESS)
+    ink.transfer[0].capacity = tuft.load / _factor(curves, WETNESS)
     return Tuft(
         tuft.segment_lengths,
         tuft.diameters,

@@ -4,9 +4,21 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["InkField"]
+__all__ = ["TRANSFER", "InkField"]
+
+TRANSFER = np.dtype(
+    [
+        ("pickup", "f8"),  # share of the wet ink under the brush that it takes up per mm, at pe = 1
+        ("grain", "f8"),  # of the surface's material, 0 to 1
+        ("capacity", "f8"),  # ink in a full brush, coats x mm2
+        ("reservoir_mm", "f8"),  # length of the tuft that one reservoir of its load stands for
+    ],
+    align=True,
+)
+"""What decides how ink passes between the brush and the surface."""
 
 
 class InkField(NamedTuple):
@@ -19,5 +31,5 @@ class InkField(NamedTuple):
     n_dirty: NDArray  # (1,) int64, how many
     load: NDArray  # (P,) float64, ink in the brush, coats x mm2
     off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
-    stations: NDArray  # (N, P) float64, the load along the tuft, tip first; N = 1: alike all over
-    habit: NDArray  # (4,) float64, see `brush_engine.ink_transfer`
+    reservoirs: NDArray  # (N, P) float64, the load along the tuft, tip first; N = 1: alike all over
+    transfer: NDArray  # (1,) of TRANSFER

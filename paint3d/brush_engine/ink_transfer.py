@@ -1,22 +1,28 @@
-"""What passes between the brush and wet paint, besides what it leaves: contact and pick-up."""
+"""What passes between the brush and the vertices that a footprint swept (Guo 2017, Eqs. 12-13)."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from paint3d.brush_engine.grain import grain_at
-from paint3d.brush_engine.stamp import outline_motion
+from paint3d.brush_engine.stamp import ink_way, outline_motion
 from paint3d.core.kernel import uncounted
 
-__all__ = ["CAPACITY", "GRAIN", "PICKUP", "REACH", "contact_level", "mean_pressure", "take_up_ink",
-           "thin_contact", "touched_share"]  # fmt: skip
+__all__ = [
+    "AREA_STEPS",
+    "contact_level",
+    "ink_released",
+    "landing_share",
+    "leave_ink",
+    "mean_pressure",
+    "note_covered",
+    "take_up_ink",
+    "thin_contact",
+    "touched_share",
+    "weighed_area",
+]
 
-# Places in InkField.habit.
-PICKUP = 0  # share of the wet ink under the brush that it takes up per mm at full pressure
-GRAIN = 1  # of the surface's material, 0 to 1
-CAPACITY = 2  # ink in a full brush, coats x mm2
-REACH = 3  # length of the tuft that one station of its load stands for, mm
-
+AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 _GRAIN_MM = 0.7  # bumps that a dry brush rides on
 _SOFT = 0.2  # of the grain's height, over which contact comes about
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
@@ -39,13 +45,14 @@ def contact_level(before, after, ink):
 
     A full brush floods the grain; one that runs dry touches only what stands out (feibai).
     """
-    if ink.habit[GRAIN] <= 0.0 or ink.habit[CAPACITY] <= 0.0:
+    transfer = ink.transfer[0]
+    if transfer.grain <= 0.0 or transfer.capacity <= 0.0:
         return 1.0
     total = 0.0
     for p in range(ink.load.shape[0]):
         total += ink.load[p]
-    begins = ink.habit[GRAIN] * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
-    return min(1.0, total / (ink.habit[CAPACITY] * begins))
+    begins = transfer.grain * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
+    return min(1.0, total / (transfer.capacity * begins))
 
 
 @uncounted(error_model="numpy")
@@ -84,7 +91,7 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
     given `released`.
     """
     ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
-    rate = ink.habit[PICKUP] * mean_pressure(before, after) * outline_motion(before, after)
+    rate = ink.transfer[0].pickup * mean_pressure(before, after) * outline_motion(before, after)
     n_pigments = ink.load.shape[0]
     held = 0.0
     for p in range(n_pigments):
@@ -100,7 +107,7 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
         within += part * here * areas[v] * unit
     if within <= 0.0:
         return
-    capacity_left = max(0.0, ink.habit[CAPACITY] - held + released)
+    capacity_left = max(0.0, ink.transfer[0].capacity - held + released)
     scale = min(1.0, capacity_left / within)
     for k in range(n):
         v = ids[k]
@@ -110,3 +117,80 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
             new = np.float32(old * (1.0 - part))
             ink.amounts[v, p] = new
             taken[p] += (np.float64(old) - np.float64(new)) * areas[v] * unit
+
+
+@uncounted(error_model="numpy")
+def ink_released(before, after, tuft, ink):
+    """Ink that leaves the brush on the way between two stamps: R (1 - exp(-eta' pe ds)).
+
+    docs/model.md, equation (8), the continuous form of Guo 2017, Eqs. 12-13, which one step of unit
+    length gives back; `ds` is the way that ink is given for (`stamp.ink_way`, mm).
+    """
+    pressure = 0.0
+    n = 0
+    for values in (before.values[0], after.values[0]):
+        if values.touches > 0.0:
+            pressure += values.pressure
+        n += 1
+    way = ink_way(before, after)
+    total = 0.0
+    for p in range(ink.load.shape[0]):
+        total += ink.load[p]
+    return total, total * (1.0 - np.exp(-tuft.transfer_per_mm * pressure / n * way))
+
+
+@uncounted(error_model="numpy")
+def landing_share(area, width, weighed_area, found):
+    """Share of the released ink that meets surface; the rest runs off its edge.
+
+    The vertices stand for the area only to within a seam of half their spacing; a shortfall no
+    larger than that is not a gap.
+    """
+    if found == 0:
+        return 0.0
+    slack = 0.1 + width / np.sqrt(area)
+    if slack >= 0.9:
+        return 1.0
+    return min(1.0, weighed_area / area / (1.0 - slack))
+
+
+@uncounted(error_model="numpy")
+def weighed_area(field, ids, share, n):
+    """Area that the found vertices stand for, weighed, mm2.
+
+    Summed in whole numbers, so that the order in which vertices are found, which depends on what
+    was refined before, cannot change a bit of it.
+    """
+    areas, unit = field.area_units, field.area_unit
+    total = np.int64(0)
+    for k in range(n):
+        total += np.int64(share[k] * areas[ids[k]] * unit * AREA_STEPS)
+    return total / AREA_STEPS
+
+
+@uncounted(error_model="numpy")
+def leave_ink(found, n, part, ink):
+    """Add every vertex's share of each pigment, `part` (P,) of it, and note what is covered."""
+    ids, share, amounts = found.ids, found.share, ink.amounts
+    for p in range(part.shape[0]):
+        column = np.float32(part[p])
+        if column != 0.0:
+            for k in range(n):
+                amounts[ids[k], p] += column * share[k]
+    note_covered(found, n, ink)
+
+
+@uncounted(error_model="numpy")
+def note_covered(found, n, ink):
+    """Note how much of each vertex's area is covered, and whose colour is out of date."""
+    ids, cover, coverage = found.ids, found.cover, ink.coverage
+    dirty, dirty_ids, count = ink.dirty, ink.dirty_ids, ink.n_dirty[0]
+    for k in range(n):
+        v = ids[k]
+        if cover[k] > coverage[v]:
+            coverage[v] = cover[k]
+        if dirty[v] == 0:
+            dirty[v] = 1
+            dirty_ids[count] = v
+            count += 1
+    ink.n_dirty[0] = count

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.brush_engine import stamp as st
-from paint3d.brush_engine.drag import drag_length, drag_step
+from paint3d.brush_engine.drag import drag_length, drag_step, release
 from paint3d.brush_engine.tuft import enclose_tuft, greatest_descent, trace_outline
 from paint3d.core.kernel import uncounted
 from paint3d.mesh.kernels.bvh import find_foot, find_meant
@@ -268,9 +268,7 @@ def _bend_along_drag(values, was_touching, tuft, scratch):
         ry = 0.2 * slack * values.bend[1]
         rz = 0.2 * slack * values.bend[2]
     elif not was_touching:
-        rx *= tuft.plasticity
-        ry *= tuft.plasticity
-        rz *= tuft.plasticity
+        rx, ry, rz = release(rx, ry, rz, tuft.plasticity)
     else:
         rx, ry, rz = drag_step(
             rx,
@@ -511,8 +509,9 @@ def _set_normal(values, vector):
 def _sum_normals(pack, patch, values, centre, radius, fade, least):
     """Sum the area-weighted normals of the sheets in a ball that face as the foot's surface does.
 
-    At its border they fade in over the way `fade`, mm. `least` is the cosine to the foot's normal,
-    times the sheet's area, that a sheet must exceed. `pack` is that of a `SurfaceField`.
+    The N of docs/model.md, equation (4), before it is normalised. At the ball's border they fade in
+    over the way `fade`, mm. `least` is the cosine to the foot's normal, times the sheet's area,
+    that a sheet must exceed. `pack` is that of a `SurfaceField`.
     """
     cx, cy, cz = centre[0], centre[1], centre[2]
     fx = values.foot_normal[0]

@@ -27,9 +27,7 @@ __all__ = [
     "SHARES",
     "Tuft",
     "bend_angles",
-    "descent_of_force",
     "enclose_tuft",
-    "force_of_descent",
     "greatest_descent",
     "trace_outline",
 ]
@@ -79,18 +77,6 @@ class Tuft(NamedTuple):
     transfer_per_mm: float  # eta' of the continuous Eq. 13, 1/mm
     drag_fraction: float  # c of the dragged mode
     plasticity: float  # rho: share of the bend kept when the pen lifts
-
-
-@uncounted
-def force_of_descent(tuft, descent):
-    """Spring force (N) at a descent (mm) of the root (Eq. 4)."""
-    return tuft.spring * descent
-
-
-@uncounted
-def descent_of_force(tuft, force):
-    """Descent (mm) of the root under a force (N); the inverse of Eq. 4."""
-    return force / tuft.spring
 
 
 @uncounted

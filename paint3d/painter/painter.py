@@ -24,10 +24,9 @@ from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine import intervals, placement
 from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
-from paint3d.brush_engine.brush_load import level_stations
+from paint3d.brush_engine.brush_load import level_reservoirs
 from paint3d.brush_engine.contact import Contact, find_contact
 from paint3d.brush_engine.deposit import PAINTED
-from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
 from paint3d.brush_engine.scratch import grow_scratch, make_scratch
 from paint3d.brush_engine.stamp import Stamp
 from paint3d.brush_engine.stroke_loop import paint_samples
@@ -50,7 +49,7 @@ __all__ = ["Painter"]
 
 _PART = 1 << 16  # samples of a recording that are made ready at once
 _CHUNK = 2000  # samples between two calls of `progress`
-_STATIONS = 12  # pieces of a tuft that is loaded differently along its length
+_RESERVOIRS = 12  # pieces of a tuft that is loaded differently along its length
 
 Ink = str | Pigment | Mapping[Any, float]
 """An ink, or the parts of several that are stirred, by themselves or by their names."""
@@ -121,7 +120,7 @@ class Painter:
         self._dip_down = False
         self._dipped: Ink = {}
         if pickup is not None:
-            surface.ink.habit[PICKUP] = as_number(pickup, "pickup (1/mm)", 0.0)
+            surface.ink.transfer["pickup"] = as_number(pickup, "pickup (1/mm)", 0.0)
         if ink is None:
             self._take_up()
         else:
@@ -191,8 +190,8 @@ class Painter:
         if self.hairs is not None:
             self.hairs.hold(ink.load * (1.0 - share))
             self._hold(self.hairs.held())
-        elif len(ink.stations) > 1:
-            self._hold_along(ink.stations * (1.0 - share))
+        elif len(ink.reservoirs) > 1:
+            self._hold_along(ink.reservoirs * (1.0 - share))
         else:
             self._hold(ink.load * (1.0 - share))
 
@@ -268,25 +267,25 @@ class Painter:
         surface = self.surface
         self.loaded += surface.lasting(load - surface.ink.load)
         surface.ink.load[:] = load
-        surface.ink.habit[CAPACITY] = self.tuft.load
-        surface.ink = surface.ink._replace(stations=np.zeros((1, len(load))))
+        surface.ink.transfer["capacity"] = self.tuft.load
+        surface.ink = surface.ink._replace(reservoirs=np.zeros((1, len(load))))
 
-    def _hold_along(self, stations: AnyArray) -> None:
-        """Let the brush hold `stations` (N, P) along the tuft, tip first."""
+    def _hold_along(self, reservoirs: AnyArray) -> None:
+        """Let the brush hold `reservoirs` (N, P) along the tuft, tip first."""
         surface = self.surface
-        stations = np.ascontiguousarray(stations)
-        level_stations(stations)
-        load = stations.sum(axis=0)
+        reservoirs = np.ascontiguousarray(reservoirs)
+        level_reservoirs(reservoirs)
+        load = reservoirs.sum(axis=0)
         self.loaded += surface.lasting(load - surface.ink.load)
         surface.ink.load[:] = load
-        surface.ink.habit[CAPACITY] = self.tuft.load
-        surface.ink.habit[REACH] = self.brush.length_mm / len(stations)
-        surface.ink = surface.ink._replace(stations=stations)
+        surface.ink.transfer["capacity"] = self.tuft.load
+        surface.ink.transfer["reservoir_mm"] = self.brush.length_mm / len(reservoirs)
+        surface.ink = surface.ink._replace(reservoirs=reservoirs)
 
     def _dip_tip(self, parts: AnyArray, reach: float) -> None:
-        held = self.surface.ink.stations
+        held = self.surface.ink.reservoirs
         if len(held) == 1:
-            held = np.repeat(self.surface.ink.load[None] / _STATIONS, _STATIONS, axis=0)
+            held = np.repeat(self.surface.ink.load[None] / _RESERVOIRS, _RESERVOIRS, axis=0)
         middle = (np.arange(len(held)) + 0.5) / len(held)
         dipped = middle < reach
         held = np.where(dipped[:, None], parts * self.tuft.load / len(held), held)
@@ -477,7 +476,7 @@ class Painter:
                 break
             surface.make_room()
             self._fit_scratch()
-        surface.ink.habit[CAPACITY] = self.tuft.load  # whatever curves made of it
+        surface.ink.transfer["capacity"] = self.tuft.load  # whatever curves made of it
         self.seconds["stroke"] += time.perf_counter() - started
 
     def _run_kernel(self, samples: intervals.Samples, last: int) -> int:
@@ -497,7 +496,10 @@ class Painter:
     # -- accounts ---------------------------------------------------------------------------
 
     def ledger(self) -> dict[str, float]:
-        """Where the ink is, coats x mm2: loaded = in_brush + wet + dry + off_surface."""
+        """Where the ink is, coats x mm2: loaded = in_brush + wet + dry + off_surface.
+
+        The terms of docs/model.md, equation (9).
+        """
         return {
             "loaded": self.loaded,
             "in_brush": self.in_brush(),

@@ -28,8 +28,8 @@ class BrushLoad:
 
     load: AnyArray
     off_surface: AnyArray
-    stations: AnyArray
-    habit: AnyArray
+    reservoirs: AnyArray
+    transfer: AnyArray
 
     @classmethod
     def of(cls, surface: PaintedSurface) -> BrushLoad:
@@ -42,9 +42,9 @@ class BrushLoad:
         ink, count = surface.ink, len(surface.pigments)
         for name in ("load", "off_surface"):
             getattr(ink, name)[:] = np.pad(getattr(self, name), (0, count - len(self.load)))
-        ink.habit[:] = self.habit
-        missing = count - self.stations.shape[1]
-        surface.ink = ink._replace(stations=np.pad(self.stations, ((0, 0), (0, missing))))
+        ink.transfer[:] = self.transfer
+        missing = count - self.reservoirs.shape[1]
+        surface.ink = ink._replace(reservoirs=np.pad(self.reservoirs, ((0, 0), (0, missing))))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.ink_field import InkField
+from paint3d.brush_engine.ink_field import TRANSFER, InkField
 from paint3d.colour.glazing import GlazeModel, make_ground
 from paint3d.colour.kernels.glazing import Ground
 from paint3d.colour.materials import Material
@@ -82,8 +82,8 @@ class InkStore:
             n_dirty=np.zeros(1, np.int64),
             load=np.zeros(n_pigments),
             off_surface=np.zeros(n_pigments),
-            stations=np.zeros((1, n_pigments)),
-            habit=np.array([0.0, self.material.grain, 0.0, 1.0]),
+            reservoirs=np.zeros((1, n_pigments)),
+            transfer=np.array([(0.0, self.material.grain, 0.0, 1.0)], TRANSFER),
         )
 
     @cached_property
@@ -128,7 +128,7 @@ class InkStore:
         new.dirty_ids[:count] = old.dirty_ids[:count]
         for name in ("n_dirty", "load", "off_surface"):
             getattr(new, name)[:] = getattr(old, name)
-        self.ink = new._replace(stations=old.stations, habit=old.habit)
+        self.ink = new._replace(reservoirs=old.reservoirs, transfer=old.transfer)
         self.dry_layers.fit(self.paint_mesh.capacity, len(self.pigments))
         if self._mesh_colours is not None:
             self._mesh_colours.fit(self.paint_mesh.capacity)
@@ -158,7 +158,7 @@ class InkStore:
             amounts=amounts,
             load=np.append(old.load, 0.0),
             off_surface=np.append(old.off_surface, 0.0),
-            stations=np.pad(old.stations, ((0, 0), (0, 1))),
+            reservoirs=np.pad(old.reservoirs, ((0, 0), (0, 1))),
         )
         self.dry_layers.fit(self.paint_mesh.capacity, count)
         self._colours = ColourModel(self.pigments, self.material.reflectance, path="live")

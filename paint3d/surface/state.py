@@ -14,7 +14,6 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.ink_transfer import CAPACITY, PICKUP, REACH
 from paint3d.colour.materials import Material, load_materials
 from paint3d.colour.pigments import WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS
@@ -26,10 +25,10 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
+    "BRUSH_TRANSFER",
     "FLOW_VERTICES",
-    "HABIT",
     "MOST_INK",
-    "MOST_STATIONS",
+    "MOST_RESERVOIRS",
     "STATE_VERSION",
     "UPGRADES",
     "checked_flow",
@@ -40,9 +39,9 @@ __all__ = [
 ]
 
 STATE_VERSION = 6
-HABIT = (PICKUP, CAPACITY, REACH)
-"""Which of `InkField.habit` are of the brush; the other is the material's."""
-MOST_STATIONS = 256
+BRUSH_TRANSFER = ["pickup", "capacity", "reservoir_mm"]
+"""Which of `InkField.transfer` are of the brush ("habit" of files); the other is the material's."""
+MOST_RESERVOIRS = 256
 _MOST_PIGMENTS = 256
 FLOW_VERTICES = ("vertices", "fresh")
 """Arrays of `PaintedSurface.keep_flow` that hold numbers of vertices."""
@@ -81,7 +80,7 @@ def surface_state(surface: PaintedSurface) -> State:
         dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and dried_amounts
         (D, P) and dried_share (D,) float32; load and off_surface (P,) float64; stations (N, P)
         float64, the load along the tuft, N = 1: alike all along; habit (3,) float64, pick-up
-        (1/mm), capacity (coats x mm2) and reach (mm) of `brush_engine.ink_transfer`.
+        (1/mm), capacity (coats x mm2) and length of a reservoir (mm) of `TRANSFER`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
         where there is any trace of it: flow_vertices (C,) int32, flow_water (C,) and flow_pigment
@@ -104,8 +103,8 @@ def surface_state(surface: PaintedSurface) -> State:
         "splits": refinement_log(surface.paint_mesh),
         "load": ink.load.copy(),
         "off_surface": ink.off_surface.copy(),
-        "stations": ink.stations.copy(),
-        "habit": ink.habit[list(HABIT)],
+        "stations": ink.reservoirs.copy(),
+        "habit": np.array(ink.transfer[BRUSH_TRANSFER].tolist()[0]),
         **layer_state(surface, ids),
         **_resting_layers(surface, ids),
     }
@@ -172,7 +171,7 @@ def _paced(state: State) -> State:
 
 def _alike(n_pigments: int) -> State:
     """A brush that holds its load alike all along, as every brush once did."""
-    return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(HABIT))}
+    return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(BRUSH_TRANSFER))}
 
 
 def _kept_flow(surface: PaintedSurface, ids: AnyArray) -> State:
@@ -332,13 +331,15 @@ def _put_brush(surface: PaintedSurface, state: State) -> None:
     """Let the brush hold along its tuft what it held."""
     ink = surface.ink
     n = len(np.atleast_1d(state["stations"]))
-    if not 1 <= n <= MOST_STATIONS:
-        raise SessionError(f"the brush has {n} stations; expected 1 to {MOST_STATIONS}")
+    if not 1 <= n <= MOST_RESERVOIRS:
+        raise SessionError(f"the brush has {n} stations; expected 1 to {MOST_RESERVOIRS}")
     stations = _amounts(state, "stations", (n, len(ink.load)), np.float64)
     if n > 1 and not np.allclose(stations.sum(axis=0), ink.load, rtol=1e-6, atol=1e-9):
         raise SessionError("stations and load differ in what the brush holds")
-    ink.habit[list(HABIT)] = _amounts(state, "habit", (len(HABIT),), np.float64)
-    surface.ink = ink._replace(stations=stations.copy())
+    habit = _amounts(state, "habit", (len(BRUSH_TRANSFER),), np.float64)
+    for name, value in zip(BRUSH_TRANSFER, habit, strict=True):
+        ink.transfer[name] = value
+    surface.ink = ink._replace(reservoirs=stations.copy())
 
 
 def checked_flow(

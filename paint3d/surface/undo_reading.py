@@ -23,7 +23,13 @@ from paint3d.surface.layer_stack import LayerStack, StackState
 from paint3d.surface.packed_delta import PackedDelta, PackedFlow, is_by_vertex
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.ragged import unpack_arrays
-from paint3d.surface.state import HABIT, MOST_INK, MOST_STATIONS, checked_flow, restore_layer
+from paint3d.surface.state import (
+    BRUSH_TRANSFER,
+    MOST_INK,
+    MOST_RESERVOIRS,
+    checked_flow,
+    restore_layer,
+)
 from paint3d.surface.undo import Painting, Step, UndoHistory
 from paint3d.surface.undo_state import OVER, UNDO_VERSION
 
@@ -159,12 +165,13 @@ def _deltas(surface: PaintedSurface, state: State, count: int) -> list[PackedDel
     _check_ink(state, ("coverage", "dry_share"), 1.0)
     load = as_array(state["load"], "load", (count, *p), np.float64, SessionError)
     off = as_array(state["off_surface"], "off_surface", (count, *p), np.float64, SessionError)
-    habits = np.empty((count, len(surface.ink.habit)))
-    habits[:] = surface.ink.habit  # the material's grain is no habit of the brush
-    own = as_array(state["habit"], "habit", (count, len(HABIT)), np.float64, SessionError)
-    habits[:, list(HABIT)] = own
+    shape = (count, len(BRUSH_TRANSFER))
+    own = as_array(state["habit"], "habit", shape, np.float64, SessionError)
+    transfers = np.repeat(surface.ink.transfer[None], count, axis=0)  # with the material's grain
+    for name, values in zip(BRUSH_TRANSFER, own.T, strict=True):
+        transfers[name][:, 0] = values
     brushes = [
-        BrushLoad(*own) for own in zip(load, off, column("stations", np.float64, p), habits,
+        BrushLoad(*held) for held in zip(load, off, column("stations", np.float64, p), transfers,
                                        strict=True)
     ]  # fmt: skip
     bands = (N_BANDS,)
@@ -238,8 +245,8 @@ def _check_delta(delta: PackedDelta, distinct: _Distinct) -> None:
     lengths = {len(array) for array in (*dry[1:6], *filled)}
     if len(lengths) > 1 or dry.count < 0:
         raise SessionError(f"rows of dry paint are {lengths} in one step")
-    if not 1 <= len(brush.stations) <= MOST_STATIONS:
-        raise SessionError(f"the brush has {len(brush.stations)} stations")
+    if not 1 <= len(brush.reservoirs) <= MOST_RESERVOIRS:
+        raise SessionError(f"the brush has {len(brush.reservoirs)} stations")
 
 
 def _flows(surface: PaintedSurface, state: State) -> list[PackedFlow]:

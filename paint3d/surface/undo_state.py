@@ -15,14 +15,12 @@ import numpy as np
 from paint3d.colour.spectra import N_BANDS
 from paint3d.core.types import AnyArray
 from paint3d.mesh.refinement_log import saved_ids
+from paint3d.surface.delta import BrushLoad
 from paint3d.surface.layer_stack import StackState
 from paint3d.surface.packed_delta import PackedDelta, PackedFlow
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.ragged import pack_arrays
-from paint3d.surface.state import (
-    HABIT,
-    layer_state,
-)
+from paint3d.surface.state import BRUSH_TRANSFER, layer_state
 from paint3d.surface.undo import Painting, Step, UndoHistory
 
 __all__ = ["OVER", "UNDO_VERSION", "SavedSteps", "undo_state"]
@@ -188,10 +186,10 @@ def _columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
         **pack_arrays("dry_spectra", [d.dry.spectra for d in deltas], np.uint16, (N_BANDS,)),
         **pack_arrays("dry_amounts", [_wide(d.dry.amounts, *p) for d in deltas], np.float32, p),
         **pack_arrays("dry_share", [d.dry.share for d in deltas], np.float32),
-        **pack_arrays("stations", [_wide(d.brush.stations, *p) for d in deltas], np.float64, p),
+        **pack_arrays("stations", [_wide(d.brush.reservoirs, *p) for d in deltas], np.float64, p),
         "load": _rows([_wide(d.brush.load[None], *p) for d in deltas], n_pigments),
         "off_surface": _rows([_wide(d.brush.off_surface[None], *p) for d in deltas], n_pigments),
-        "habit": _rows([d.brush.habit[None, list(HABIT)] for d in deltas], len(HABIT)),
+        "habit": _rows([_habit(d.brush) for d in deltas], len(BRUSH_TRANSFER)),
     }
     filters = all(d.dry.over[0].shape[1] for d in deltas)
     for k, name in enumerate(OVER if filters else ()):
@@ -226,6 +224,10 @@ def _flow_columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
 def _wide(array: AnyArray, n_pigments: int) -> AnyArray:
     """An array (..., p) with a column for every pigment that is known now."""
     return np.pad(array, ((0, 0), (0, n_pigments - array.shape[1])))
+
+
+def _habit(brush: BrushLoad) -> AnyArray:
+    return np.array(brush.transfer[BRUSH_TRANSFER].tolist())
 
 
 def _rows(arrays: Sequence[AnyArray], width: int) -> AnyArray:

@@ -80,7 +80,7 @@ def test_paint_stays_where_the_surface_looks_the_right_way():
 @given(st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), min_size=1, max_size=3))
 def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends):
     document = small_plane(material="xuan")
-    document.painter.surface.ink.habit[0] = 0.05  # a thirsty brush
+    document.painter.surface.ink.transfer["pickup"] = 0.05  # a thirsty brush
     paint(document, (-20, 0), (20, 0), n=10)
     document.let_time_pass(0.2)
     document.steps.seal()
@@ -109,7 +109,7 @@ def test_a_stencil_drinks_no_ink(tuft):
         document.dip("pine soot", 0.35)
     document.set_mask(COVERED)
     ink = document.surface.ink
-    before, stations = ink.load.copy(), ink.stations.copy()
+    before, reservoirs = ink.load.copy(), ink.reservoirs.copy()
     for k in range(3):
         paint(document, (-30, 5 * k), (30, 5 * k), t0=10_000_000_000 * (k + 1))
     np.testing.assert_allclose(document.surface.ink.load, before, rtol=1e-6)
@@ -117,7 +117,7 @@ def test_a_stencil_drinks_no_ink(tuft):
     assert close(document)["off_surface"] == pytest.approx(0.0, abs=1e-3 * before.sum())
     if tuft == "two inks":
         np.testing.assert_allclose(
-            document.surface.ink.stations.sum(axis=1), stations.sum(axis=1), rtol=1e-6
+            document.surface.ink.reservoirs.sum(axis=1), reservoirs.sum(axis=1), rtol=1e-6
         )
     document.set_mask(Mask())
     paint(document, (-30, 0), (30, 0), t0=90_000_000_000)
@@ -145,7 +145,7 @@ def test_how_samples_come_in_batches_makes_no_difference_under_a_mask(retention,
     for size in (1, 7, 40):
         document = Document.new(roof(), 2.0)
         mesh = document.surface.paint_mesh
-        document.surface.ink.habit[0] = retention
+        document.surface.ink.transfer["pickup"] = retention
         paint(document, (-30, -10), (30, -10))
         vertex = int(np.argmin(mesh.vertices[:, 0] + 100 * (mesh.vertices[:, 2] < -30)))
         document.set_mask(Mask(regions=(RegionPick(face_at(mesh, vertex)),)))

@@ -67,8 +67,8 @@ def everything(document):
         "codes": surface.srgb.copy(), "amounts": surface.amounts.copy(),
         "coverage": surface.coverage.copy(), "dried": dry.vertex_ids[order],
         "spectra": dry.spectra[order], "share": dry.share[order], "water": depth,
-        "load": ink.load.copy(), "off": ink.off_surface.copy(), "stations": ink.stations.copy(),
-        "habit": ink.habit.copy(), "hairs": hairs,
+        "load": ink.load.copy(), "off": ink.off_surface.copy(), "reservoirs": ink.reservoirs.copy(),
+        "transfer": ink.transfer.copy(), "hairs": hairs,
         "layers": np.array([layer.name for layer in document.layers]),
         "active": np.array(document.active_layer), "brush": np.array(painter.brush.name),
         "steps": np.array([len(document.steps.done), len(document.steps.undone)]),
@@ -94,7 +94,7 @@ def reopened(document, path):
 @given(before=COMMANDS, after=COMMANDS)
 def test_saving_and_opening_changes_nothing_of_what_comes(tmp_path_factory, before, after):
     document = small_plane(2.0, material="xuan")
-    document.painter.surface.ink.habit[0] = 0.03  # it picks wet ink up
+    document.painter.surface.ink.transfer["pickup"] = 0.03  # it picks wet ink up
     for ink in ("gamboge", "water", "cinnabar"):
         document.dip(ink)
     for action in before:

@@ -18,13 +18,13 @@ from paint3d.brush.effective_footprint import (
 )
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.brush_engine.tuft import SCRATCH_SIZE, bend_angles, descent_of_force, enclose_tuft
+from paint3d.brush_engine.tuft import SCRATCH_SIZE, bend_angles, enclose_tuft
 from paint3d.errors import BrushError
 
 
 def press(name, force, tilt=math.pi / 2, azimuth=0.0):
     tuft = build_tuft(load_brush(name))
-    return make_footprint(tuft, descent_of_force(tuft, force), tilt, azimuth)
+    return make_footprint(tuft, force / tuft.spring, tilt, azimuth)
 
 
 @pytest.mark.parametrize(

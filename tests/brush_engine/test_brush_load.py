@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from paint3d.brush_engine.brush_load import level_stations
+from paint3d.brush_engine.brush_load import level_reservoirs
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError
@@ -124,7 +124,7 @@ def test_tip_dark_belly_light():
     """A brush laid across its way paints dark where the tip is and light where the belly is."""
     painter = Painter(surface(), ink={"pine soot": 0.1, "water": 0.9})
     painter.dip("pine soot", reach=0.2)
-    assert painter.surface.ink.stations[0, 0] > 5 * painter.surface.ink.stations[-1, 0]
+    assert painter.surface.ink.reservoirs[0, 0] > 5 * painter.surface.ink.reservoirs[-1, 0]
     painter.replay(stroke(along=(0.0, 1.0, 0.0)))
     balanced(painter)
     points = painter.surface.paint_mesh.vertices
@@ -138,10 +138,10 @@ def test_tip_dark_belly_light():
     np.testing.assert_allclose(total, plain.surface.amounts[full, 0], rtol=2e-3)
 
 
-def test_stations_that_are_alike_paint_like_one():
+def test_reservoirs_that_are_alike_paint_like_one():
     plain, along = Painter(surface()), Painter(surface())
     along.dip("pine soot", reach=1.0)
-    assert len(along.surface.ink.stations) > 1
+    assert len(along.surface.ink.reservoirs) > 1
     plain.replay(stroke())
     along.replay(stroke())
     balanced(along)
@@ -154,12 +154,12 @@ def test_stations_that_are_alike_paint_like_one():
 def test_levelling_conserves_and_levels():
     rng = np.random.default_rng(3)
     for _ in range(50):
-        stations = rng.uniform(0, 1, (12, 3)) * (rng.uniform(size=(12, 1)) < 0.6)
-        before = stations.sum(axis=0)
-        level_stations(stations)
-        assert stations.min() >= 0.0
-        np.testing.assert_allclose(stations.sum(axis=0), before, rtol=1e-12)
-        np.testing.assert_allclose(stations.sum(axis=1), before.sum() / 12, rtol=1e-6)
+        reservoirs = rng.uniform(0, 1, (12, 3)) * (rng.uniform(size=(12, 1)) < 0.6)
+        before = reservoirs.sum(axis=0)
+        level_reservoirs(reservoirs)
+        assert reservoirs.min() >= 0.0
+        np.testing.assert_allclose(reservoirs.sum(axis=0), before, rtol=1e-12)
+        np.testing.assert_allclose(reservoirs.sum(axis=1), before.sum() / 12, rtol=1e-6)
 
 
 def test_wiping_keeps_the_mixture():

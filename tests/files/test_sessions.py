@@ -117,7 +117,7 @@ def test_the_brush_lies_there_as_it_was_left(tmp_path, habit):
     habit(first)
     save_session(Session(surface), tmp_path / "a.p3d")
     again = load_session(tmp_path / "a.p3d").surface
-    assert again.ink.habit.tolist() == surface.ink.habit.tolist()
+    assert again.ink.transfer.tolist() == surface.ink.transfer.tolist()
     second = Painter(again, "full", ink=None)
     accounts = second.ledger()
     assert accounts["loaded"] == pytest.approx(
@@ -126,7 +126,7 @@ def test_the_brush_lies_there_as_it_was_left(tmp_path, habit):
     for painter in (first, second):
         painter.replay(stroke(-20.0))
     same(surface, again)
-    assert again.ink.stations.tolist() == surface.ink.stations.tolist()
+    assert again.ink.reservoirs.tolist() == surface.ink.reservoirs.tolist()
 
 
 def test_a_brush_that_never_saw_ink_has_none_to_take_up():

@@ -17,7 +17,7 @@ from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.bristles.bend import BLOCK
 from paint3d.brush_engine.bristles.contact import FINDINGS, GIVES, HELD
-from paint3d.brush_engine.bristles.ink import settle_gifts, sum_hairs
+from paint3d.brush_engine.bristles.ink import settle_deposits, sum_hairs
 from paint3d.brush_engine.bristles.state import PARTED
 from paint3d.cli.options import parse_hairs
 from paint3d.colour.difference import delta_e, lab_from_srgb
@@ -251,7 +251,7 @@ def test_hairs_give_by_the_law_at_every_rate():
         hair_contacts = np.zeros((1, FINDINGS * BLOCK), np.float32)
         hair_contacts[0, GIVES : GIVES + BLOCK] = wishes
         hair_contacts[0, HELD : HELD + BLOCK] = 2.0
-        told = settle_gifts(BLOCK, float(BLOCK), rate, hair_contacts, np.zeros(BLOCK))
+        told = settle_deposits(BLOCK, float(BLOCK), rate, hair_contacts, np.zeros(BLOCK))
         gives = hair_contacts[0, GIVES : GIVES + BLOCK]
         np.testing.assert_allclose(gives, -np.expm1(-rate * wishes), rtol=2e-6)
         assert told == pytest.approx(2.0 * gives.sum(dtype=np.float64), rel=1e-12)

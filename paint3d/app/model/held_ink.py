@@ -47,11 +47,11 @@ class HeldInk:
 def held_ink(painter: Painter) -> HeldInk:
     """What the brush of a painter holds now; may be asked while it paints."""
     ink, pigments = painter.surface.ink, tuple(painter.surface.pigments)
-    load, stations = np.maximum(ink.load, 0.0), np.maximum(ink.stations, 0.0)
+    load, reservoirs = np.maximum(ink.load, 0.0), np.maximum(ink.reservoirs, 0.0)
     total = float(load.sum())
     if total <= 0.0 or len(load) > len(pigments):
         return HeldInk((), 0.0, ())
-    along = stations if len(stations) > 1 else load[None]
+    along = reservoirs if len(reservoirs) > 1 else load[None]
     shares = along / np.maximum(along.sum(axis=1, keepdims=True), 1e-30)
     bands = [ink_srgb(pigments, tuple(np.round(part, 3))) for part in shares]
     parts = sorted(zip(pigments, load / total, strict=False), key=lambda part: -part[1])

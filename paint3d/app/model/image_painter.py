@@ -40,7 +40,7 @@ class ImagePainter:
         del kept["hairs"]  # the twin has its own, in which the same is
         self._twin.restore({**kept, "loaded": 0.0})
         ink = self._surface.ink
-        self._held = ink.load.copy(), ink.stations.copy()
+        self._held = ink.load.copy(), ink.reservoirs.copy()
         painter.loaded += painter.in_brush()
 
     def advance(
@@ -69,24 +69,24 @@ class ImagePainter:
     def _as_twin(self) -> Iterator[None]:
         """Within, this brush's ink is there instead of the hand's."""
         surface = self._surface
-        own = surface.ink.load.copy(), surface.ink.stations
+        own = surface.ink.load.copy(), surface.ink.reservoirs
         self._put(*self._fitting())
         loaded = self._twin.loaded
         try:
             yield
         finally:  # the hand's ink is never left with an image
-            self._held = surface.ink.load.copy(), surface.ink.stations
+            self._held = surface.ink.load.copy(), surface.ink.reservoirs
             self._put(*own)
             self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
 
     def _fitting(self) -> tuple[AnyArray, AnyArray]:
         """What this brush holds, of all pigments that are known by now."""
-        load, stations = self._held
+        load, reservoirs = self._held
         missing = len(self._surface.pigments) - len(load)
-        return np.pad(load, (0, missing)), np.pad(stations, ((0, 0), (0, missing)))
+        return np.pad(load, (0, missing)), np.pad(reservoirs, ((0, 0), (0, missing)))
 
-    def _put(self, load: AnyArray, stations: AnyArray) -> None:
+    def _put(self, load: AnyArray, reservoirs: AnyArray) -> None:
         surface = self._surface
         missing = len(surface.pigments) - len(load)
         surface.ink.load[:] = np.pad(load, (0, missing))
-        surface.ink = surface.ink._replace(stations=np.pad(stations, ((0, 0), (0, missing))))
+        surface.ink = surface.ink._replace(reservoirs=np.pad(reservoirs, ((0, 0), (0, missing))))

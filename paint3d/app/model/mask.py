@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.brush_load import level_stations
+from paint3d.brush_engine.brush_load import level_reservoirs
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
@@ -276,10 +276,10 @@ class Stencil:
         given = held - ink.load
         shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
         empty = (ink.load <= 0.0) & (held > 0.0)
-        ink.stations[:] *= shares
-        if len(ink.stations) > 1:
-            ink.stations[:, empty] = held[empty] / len(ink.stations)
-            level_stations(ink.stations)
+        ink.reservoirs[:] *= shares
+        if len(ink.reservoirs) > 1:
+            ink.reservoirs[:, empty] = held[empty] / len(ink.reservoirs)
+            level_reservoirs(ink.reservoirs)
         ink.load[:] = held
         ink.off_surface[:] += caught - given
         result: AnyArray = given

@@ -7,14 +7,15 @@ import numpy as np
 from paint3d.brush_engine.bristles.ink import give_to_hairs, level_hairs, sum_hairs, take_from_hairs
 from paint3d.brush_engine.bristles.lookup import gather_under_hairs
 from paint3d.brush_engine.ink_transfer import (
-    CAPACITY,
-    PICKUP,
+    AREA_STEPS,
     contact_level,
+    landing_share,
+    note_covered,
     take_up_ink,
     touched_share,
+    weighed_area,
 )
 from paint3d.brush_engine.stamp import outline_motion
-from paint3d.brush_engine.transfer import AREA_STEPS, landing_share, note_covered, weighed_area
 from paint3d.core.kernel import uncounted
 
 __all__ = ["PAINTED", "sweep_hairs"]
@@ -57,10 +58,11 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     before, after : Stamp
         `after` touches.
     ready : float
-        What the hairs are ready to give on the way, coats x mm2: what `settle_gifts` found.
+        What the hairs are ready to give on the way, coats x mm2: what `settle_deposits` found.
     hairs, field, ink, scratch : as for `brush_engine.bristles.stroke_loop`
 
-    Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`.
+    Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`
+    (docs/model.md, equation (9)).
     """
     width, found = field.soft_edge, scratch.found
     n, within, weighed = gather_under_hairs(hairs.imprint, after, field, scratch, hairs.lanes)
@@ -76,7 +78,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         rest = weighed_area(field, found.ids, found.share, n)
         scale *= rest / whole if whole > 0.0 else 0.0
     scratch.taken[:] = 0.0
-    if ink.habit[PICKUP] > 0.0:
+    if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
     take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     for p in range(hairs.left.shape[0]):
@@ -85,9 +87,9 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     _leave(hairs.imprint.mix, hairs.left, found, n, hairs.lanes, field, scratch.part, ink)
     for p in range(hairs.left.shape[0]):  # what found no vertex
         ink.off_surface[p] += hairs.left[p]
-    if ink.habit[PICKUP] > 0.0:
+    if ink.transfer[0].pickup > 0.0:
         give_to_hairs(hairs.load, hairs.hair_contacts, scratch.taken)
-    _level(hairs, ink.habit[CAPACITY], outline_motion(before, after))
+    _level(hairs, ink.transfer[0].capacity, outline_motion(before, after))
     sum_hairs(hairs.load, ink.load)
     scratch.counters[PAINTED] += n
     return True

@@ -1,10 +1,10 @@
 """Ink in single hairs: what they give, what they share with their neighbours, what they take up.
 
-Guo 2017, Eqs. 12, 13 in their continuous form hold for the tuft: of the ink R in it, the way ds at
-the pressure pe takes R (1 - exp(-eta' pe ds)). Here each hair gives by that law, those that lie on
-the surface for all, some more readily than others; neighbours that are wet level out. A tuft that
-is equally wet everywhere thus gives what a solid one gives, and one that runs dry does so hair by
-hair.
+Guo 2017, Eqs. 12, 13 in their continuous form (docs/model.md, equation (8)) hold for the tuft: of
+the ink R in it, the way ds at the pressure pe takes R (1 - exp(-eta' pe ds)). Here each hair gives
+by that law, those that lie on the surface for all, some more readily than others; neighbours that
+are wet level out. A tuft that is equally wet everywhere thus gives what a solid one gives, and one
+that runs dry does so hair by hair.
 """
 
 from __future__ import annotations
@@ -25,8 +25,16 @@ from paint3d.brush_engine.bristles.contact import (
 )  # fmt: skip
 from paint3d.core.kernel import kernel
 
-__all__ = ["LEVEL_BINS", "ask_hairs", "give_to_hairs", "know_hairs", "level_hairs", "settle_gifts",
-           "sum_hairs", "take_from_hairs"]  # fmt: skip
+__all__ = [
+    "LEVEL_BINS",
+    "ask_hairs",
+    "give_to_hairs",
+    "know_hairs",
+    "level_hairs",
+    "settle_deposits",
+    "sum_hairs",
+    "take_from_hairs",
+]
 
 LEVEL_BINS = 64  # across the tuft, within which hairs share
 _MOST_PER_HAIR = 4.0  # times its own share that a hair gives for those that do not touch
@@ -180,7 +188,7 @@ def _give_by_law(rate, doublings, row):
 
 
 @kernel(error_model="numpy")
-def settle_gifts(count, wanted, rate, hair_contacts, sums):
+def settle_deposits(count, wanted, rate, hair_contacts, sums):
     """Turn wishes into the share of its ink that each hair gives over a way; returns the sum.
 
     Parameters
@@ -238,7 +246,7 @@ def take_from_hairs(load, hair_contacts, scale, sums, released):
     ----------
     load : (B, P) float64
     hair_contacts : (B / BLOCK, FINDINGS BLOCK) float32
-        From `settle_gifts`.
+        From `settle_deposits`.
     scale : float
     sums : (BLOCK,) float64
         Scratch.

@@ -7,9 +7,9 @@ import numpy as np
 from paint3d.brush_engine.bristles.imprint import LANES, STATIONS
 from paint3d.brush_engine.bristles.outline import CELLS, PER_CELL, TIP
 from paint3d.brush_engine.coverage import weigh_standing
+from paint3d.brush_engine.ink_transfer import weighed_area
 from paint3d.brush_engine.scratch import Found
 from paint3d.brush_engine.sweep import Sweep
-from paint3d.brush_engine.transfer import weighed_area
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
 from paint3d.core.kernel import kernel, uncounted
 

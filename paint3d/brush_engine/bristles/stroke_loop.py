@@ -30,11 +30,11 @@ from paint3d.brush_engine.bristles.imprint_cache import (
     may_keep,
     note_cache_key,
 )  # fmt: skip
-from paint3d.brush_engine.bristles.ink import ask_hairs, know_hairs, settle_gifts
+from paint3d.brush_engine.bristles.ink import ask_hairs, know_hairs, settle_deposits
 from paint3d.brush_engine.bristles.landing import find_landings
 from paint3d.brush_engine.bristles.state import TRACKED, TRACKED_POINTS
 from paint3d.brush_engine.dynamics import drive
-from paint3d.brush_engine.ink_transfer import CAPACITY, mean_pressure
+from paint3d.brush_engine.ink_transfer import mean_pressure
 from paint3d.brush_engine.intervals import (
     FINISHED,
     FOOTPRINTS,
@@ -67,7 +67,7 @@ def _wetness(ink):
     total = 0.0
     for p in range(ink.load.shape[0]):
         total += ink.load[p]
-    return total / ink.habit[CAPACITY] if ink.habit[CAPACITY] > 0.0 else 0.0
+    return total / ink.transfer[0].capacity if ink.transfer[0].capacity > 0.0 else 0.0
 
 
 @uncounted(error_model="numpy")
@@ -160,8 +160,9 @@ def _draw(stamp, touching, hairs, resolution, ink, scratch):
     count, bristles, kept = hairs.load.shape[0], hairs.bristles, hairs.kept[0]
     way = hairs.memory[0].way
     know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.hair_contacts)
+    full = ink.transfer[0].capacity / count  # of a hair
     wanted, wet, dot = ask_hairs(
-        bristles, hairs.load, ink.habit[CAPACITY] / count, way, SUB, hairs.hair_contacts, hairs.sums
+        bristles, hairs.load, full, way, SUB, hairs.hair_contacts, hairs.sums
     )
     if kept.drawn > 0.0:
         carry_outline(stamp, kept, hairs.kept_lines)
@@ -299,7 +300,7 @@ def _deposit(before, after, tuft, touching, hairs, canvas, scratch):
     rate = tuft.transfer_per_mm * mean_pressure(before, after)
     rate *= ink_way(before, after)
     count = hairs.load.shape[0]
-    ready = settle_gifts(count, wanted, rate, hairs.hair_contacts, hairs.whole_sums)
+    ready = settle_deposits(count, wanted, rate, hairs.hair_contacts, hairs.whole_sums)
     if not sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         return False
     scratch.counters[FOOTPRINTS] += 1
