@@ -59,6 +59,8 @@ TO_BE_CONNECTED = {
     "paint3d.device.force.inverse3_port",
     "paint3d.device.force.openhaptics",
 }
+NUMBERED = re.compile(r"^ {4,}\S.* {2}\((\d+)\)$", re.MULTILINE)
+CITED = re.compile(r"\bequations?\s+\((\d+)\)(?:\s+and\s+\((\d+)\))?")
 PRIVATE = re.compile("_[^_]")
 OF_NAMED_TUPLES = {"_asdict", "_fields", "_make", "_replace"}
 VAGUE = {"utils", "util", "helpers", "helper", "common", "manager", "misc"}
@@ -268,6 +270,18 @@ def test_every_room_says_what_it_is_for() -> None:
         if module.name == "__init__.py" and not ast.get_docstring(parse(module))
     ]
     assert silent == []
+
+
+def test_equations_of_our_own_are_named_where_they_are_computed() -> None:
+    """Their numbers in docs/model.md; those of papers stand in the code as Eq. n."""
+    numbered = NUMBERED.findall((ROOT / "docs" / "model.md").read_text(encoding="utf-8"))
+    cited: dict[str, list[str]] = {}
+    for module in modules():
+        for numbers in CITED.findall(module.read_text(encoding="utf-8")):
+            for number in filter(None, numbers):
+                cited.setdefault(number, []).append(str(module.relative_to(PACKAGE)))
+    assert numbered == [str(k + 1) for k in range(len(numbered))], "numbered as they come"
+    assert sorted(cited, key=int) == numbered, cited
 
 
 def test_module_names_say_something() -> None:

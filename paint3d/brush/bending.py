@@ -68,7 +68,7 @@ class BendingTable:
 
 
 def joint_stiffness(spec: BrushSpec) -> AnyArray:
-    """k_j (M,) of the joints P_1 to P_m, up to a common factor; see the top of this file."""
+    """k_j (M,) of the joints P_1 to P_m in docs/model.md, equation (1), up to a common factor."""
     lengths = spec.segment_lengths
     arcs = np.cumsum(lengths)
     rest = np.append(0.5 * (lengths[:-1] + lengths[1:]), lengths[-1])

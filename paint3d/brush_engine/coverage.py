@@ -284,6 +284,8 @@ def _sort(n, block, found, at):
 def weigh_block(n, sweep, block, found, at):
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
 
+    The share is w of docs/model.md, equation (7).
+
     Parameters
     ----------
     n : int

@@ -23,6 +23,8 @@ STEPS_PER_SLACK = 40  # the longest step that a chord may follow is l / 40
 def drag_step(rx, ry, rz, dx, dy, dz, slack):
     """r after the handle moved by d: the contact sticks, or follows at the distance `slack`.
 
+    Repeated along a straight way it gives docs/model.md, equation (2).
+
     Parameters
     ----------
     rx, ry, rz : float

@@ -74,6 +74,8 @@ def _turn(angles, first, scale, step):
 def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, angles):
     """Angles of least bending energy with the root at a height, from a guess.
 
+    The minimum of docs/model.md, equation (1), by the Newton iteration above.
+
     Parameters
     ----------
     segment_lengths, joint_stiffness : (M,) float64
