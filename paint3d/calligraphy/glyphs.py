@@ -9,13 +9,13 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.path_commands import split_path
 from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
@@ -25,8 +25,7 @@ __all__ = ["DESCENDER", "EM_UNITS", "Glyph", "GlyphStroke", "flatten_path", "loa
 EM_UNITS = 1024.0
 DESCENDER = 124.0
 
-_TOKEN = re.compile(r"\s*(?:,|([MLQCZ])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))")
-_PAIRS = {"M": 1, "L": 1, "Q": 2, "C": 3, "Z": 0}
+_NUMBERS = {"M": 2, "L": 2, "Q": 4, "C": 6, "Z": 0}
 _FLATNESS = 0.15  # units that a chord may stray from its curve
 
 
@@ -105,12 +104,12 @@ def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
     """
     points: list[NDArray[np.float64]] = []
     closed = False
-    for command, numbers in _commands(path, name):
+    for command, numbers in split_path(path, name, _NUMBERS):
         if closed or (command == "M") != (not points):
             raise InputError(f"{name}: {command} out of place; expected one closed curve from M")
         closed = command == "Z"
         pairs = np.array(numbers, np.float64).reshape(-1, 2)
-        per = _PAIRS[command]
+        per = _NUMBERS[command] // 2
         for first in range(0, len(pairs), per or 1):
             controls = pairs[first : first + per]
             points.extend(_curve(points[-1], controls) if per > 1 else controls)
@@ -120,31 +119,6 @@ def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
     if len(polygon) < 3:
         raise InputError(f"{name}: {len(polygon)} different points; expected 3 or more")
     return polygon
-
-
-def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
-    """Split a path into commands with their numbers, checking how many there are."""
-    if not isinstance(path, str):
-        raise InputError(f"{name} is {path!r}; expected an SVG path")
-    commands: list[tuple[str, list[float]]] = []
-    at = 0
-    text = path.strip()
-    while at < len(text):
-        match = _TOKEN.match(text, at)
-        if match is None or (match[2] and not commands):
-            raise InputError(
-                f"{name}: cannot read {text[at : at + 12].strip()!r}; expected M L Q C or Z"
-            )
-        if match[1]:
-            commands.append((match[1], []))
-        elif match[2]:
-            commands[-1][1].append(float(match[2]))
-        at = match.end()
-    for command, numbers in commands:
-        wanted = 2 * _PAIRS[command]
-        if (wanted == 0 and numbers) or (wanted and (not numbers or len(numbers) % wanted)):
-            raise InputError(f"{name}: {command} has {len(numbers)} numbers; expected {wanted}")
-    return commands
 
 
 def _curve(start: AnyArray, controls: AnyArray) -> NDArray[np.float64]:

@@ -6,7 +6,6 @@ its type: one of the stroke characters from U+31C0 on, sometimes with a letter.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -15,14 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS
+from paint3d.calligraphy.path_commands import split_path
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["LineStroke", "load_lines", "parse_lines"]
 
 _BOX = 109.0
-_TOKEN = re.compile(r"([MmCcSsLlZz])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|[\s,]+")
 _NUMBERS = {"M": 2, "L": 2, "C": 6, "S": 4, "Z": 0}
+_SIZES = {**_NUMBERS, **{command.lower(): size for command, size in _NUMBERS.items()}}
 _POINTS_PER_CURVE = 24
 
 
@@ -86,7 +86,7 @@ def _line(path: str, name: str) -> NDArray[np.float64]:
     """Points along a path, in glyph units."""
     points: list[AnyArray] = []
     control = None  # second control point of the curve before
-    for command, numbers in _commands(path, name):
+    for command, numbers in split_path(path, name, _SIZES):
         kind = command.upper()
         if (kind == "M") != (not points) or kind == "Z":
             raise InputError(f"{name}: {command} out of place; expected one open line")
@@ -106,25 +106,6 @@ def _line(path: str, name: str) -> NDArray[np.float64]:
         raise InputError(f"{name} has no length; expected a line")
     scale = EM_UNITS / _BOX
     return np.column_stack([line[:, 0] * scale, EM_UNITS - DESCENDER - line[:, 1] * scale])
-
-
-def _commands(path: str, name: str) -> list[tuple[str, list[float]]]:
-    commands: list[tuple[str, list[float]]] = []
-    at = 0
-    while at < len(path):
-        match = _TOKEN.match(path, at)
-        if match is None or (match[2] and not commands):
-            raise InputError(f"{name}: cannot read {path[at : at + 12]!r}; expected M L C or S")
-        if match[1]:
-            commands.append((match[1], []))
-        elif match[2]:
-            commands[-1][1].append(float(match[2]))
-        at = match.end()
-    for command, numbers in commands:
-        wanted = _NUMBERS[command.upper()]
-        if (wanted == 0 and numbers) or (wanted and (not numbers or len(numbers) % wanted)):
-            raise InputError(f"{name}: {command} has {len(numbers)} numbers; expected {wanted}")
-    return commands
 
 
 def _curve(a: AnyArray, b: AnyArray, c: AnyArray, d: AnyArray) -> list[AnyArray]:

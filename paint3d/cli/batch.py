@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.batches.emit import KINDS
-from paint3d.cli.options import add_quiet_option
+from paint3d.cli.options import add_quiet_option, parse_count
 from paint3d.cli.progress import ProgressBar
 from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument(
         "--processes",
         metavar="N",
-        type=_parse_count,
+        type=parse_count,
         help="how many rows to paint at once (default: one a core); the results are the same",
     )
     where.add_argument(
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument(
         "--row",
         metavar="N",
-        type=_parse_count,
+        type=parse_count,
         help="paint the row in line N of the table only, as the jobs of --emit do",
     )
     parser.add_argument(
@@ -66,13 +66,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--again", action="store_true", help="paint rows that are finished already, too"
     )
     add_quiet_option(parser)
-
-
-def _parse_count(text: str) -> int:
-    count = int(text) if text.isascii() and text.isdigit() else 0
-    if count < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a count; expected 1 or more")
-    return count
 
 
 def run(options: argparse.Namespace) -> None:

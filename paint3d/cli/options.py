@@ -12,6 +12,7 @@ from paint3d.errors import ExportError
 
 __all__ = [
     "add_force_option",
+    "add_on_and_out",
     "add_painting_options",
     "add_quiet_option",
     "add_surface_options",
@@ -20,6 +21,7 @@ __all__ = [
     "check_output_folder",
     "check_overwriting",
     "own_table",
+    "parse_count",
     "parse_hairs",
     "parse_length_mm",
     "parse_place",
@@ -68,6 +70,14 @@ def parse_resolution_mm(text: str) -> float:
     return resolution
 
 
+def parse_count(text: str) -> int:
+    """How many, 1 or more."""
+    count = int(text) if text.isascii() and text.isdigit() and len(text) < 10 else 0
+    if count < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a count; expected 1 or more")
+    return count
+
+
 def parse_hairs(text: str) -> int:
     """How many hairs a tuft has; 0 for a solid one."""
     count = int(text) if text.isdecimal() and len(text) < 9 else -1
@@ -106,6 +116,19 @@ def add_force_option(parser: argparse.ArgumentParser) -> None:
         "--force",
         action="store_true",
         help="write even over a file that is read from, or that the object's file refers to",
+    )
+
+
+def add_on_and_out(parser: argparse.ArgumentParser) -> None:
+    """Add what is painted on, and where the painting goes."""
+    parser.add_argument(
+        "--on",
+        metavar="MESH",
+        required=True,
+        help="a mesh file, or bowl, plate, vase, sphere, plane",
+    )
+    parser.add_argument(
+        "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
     )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
     add_force_option,
+    add_on_and_out,
     add_painting_options,
     add_quiet_option,
     check_output_file,
@@ -32,15 +33,7 @@ HELP = "paint a recording"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="a recording")
-    parser.add_argument(
-        "--on",
-        metavar="MESH",
-        required=True,
-        help="a mesh file, or bowl, plate, vase, sphere, plane",
-    )
-    parser.add_argument(
-        "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
-    )
+    add_on_and_out(parser)
     add_painting_options(parser)
     parser.add_argument(
         "--at",

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
     add_force_option,
+    add_on_and_out,
     add_painting_options,
     add_quiet_option,
     check_output_file,
     check_overwriting,
     own_table,
+    parse_count,
     parse_length_mm,
     parse_place,
 )
@@ -44,15 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "text", metavar="TEXT", help="what to write; a line break starts a new column or row"
     )
-    parser.add_argument(
-        "--on",
-        metavar="MESH",
-        required=True,
-        help="a mesh file, or bowl, plate, vase, sphere, plane",
-    )
-    parser.add_argument(
-        "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
-    )
+    add_on_and_out(parser)
     _add_writing_options(parser)
     add_painting_options(parser, brush="one that suits the size", ink=DEFAULT_INK)
     parser.add_argument(
@@ -64,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--processes",
         metavar="N",
-        type=_parse_count,
+        type=parse_count,
         help="how many to plan in at once (default: one a core); the result is the same",
     )
     add_force_option(parser)
@@ -110,16 +104,6 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--technique", choices=_TECHNIQUES, help="how the tip is held (default: as the shape asks)"
     )
-
-
-def _parse_count(text: str) -> int:
-    try:
-        count = int(text)
-    except ValueError:
-        count = 0
-    if count < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a count; expected 1 or more")
-    return count
 
 
 def run(options: argparse.Namespace) -> None:

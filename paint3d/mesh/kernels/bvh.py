@@ -91,7 +91,11 @@ def _centre_distance2(boxes, node, x, y, z):
 
 @uncounted
 def _closest_weights(points, a, b, c, place):
-    """Barycentric weights of the point of triangle abc nearest to a place (Ericson 2005)."""
+    """Barycentric weights of the point of triangle abc nearest to a place (Ericson 2005).
+
+    The triangle must have an inside, as `_faces` sees to. `closest_points.closest_on` takes others,
+    too, and is as fast; but its answer has other last bits, and what is painted would have.
+    """
     x, y, z = place
     ax = np.float64(points[a, 0])
     ay = np.float64(points[a, 1])
