@@ -38,7 +38,6 @@ from paint3d.device.report_clock import ReportClock, stamp
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
 from paint3d.device.space_mouse import SpaceMouse
 from paint3d.device.stylus_reading import StylusReading
-from paint3d.haptics.force_model import ForceModel
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
 from paint3d.mesh.solids import make_bowl
@@ -46,6 +45,7 @@ from paint3d.painter.painter import Painter
 from paint3d.pose.steering import ObjectPose, SteeringOptions
 from paint3d.pose.two_hands import TwoHands
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.force_model import ForceModel
 
 MS = 1_000_000
 MOUSE_PERIOD_MS = 8

@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 
 import paint3d
+from paint3d.bench.registry import BENCHMARKS
 from paint3d.core.face import names_of
 from tests.support.imports import circles, import_graph, reached
 
@@ -46,10 +47,9 @@ HOMES = {
 }
 # Tools and oracles, never part of the program:
 FORBIDDEN = {"colour", "trimesh", "matplotlib", "pandas", "torch"}
-# What is reached by name: readers of kinds of files, benchmarks, what processes begin with.
+# What is reached by name: readers of kinds of files, what processes begin with.
 BY_NAME = (
     "paint3d.files.readers.read_",
-    "paint3d.bench.",
     "paint3d.files.sandbox.child",
     "paint3d.cli.batches.warm",
 )
@@ -207,6 +207,7 @@ def test_every_module_is_reached() -> None:
     roots = {f"paint3d.{word}" for word in ("__main__", "cli.main")}
     roots |= {module for module in graph if module.startswith(BY_NAME)}
     roots |= set(names_of("paint3d").values())
+    roots |= {f"paint3d.bench.{where.split('.')[0]}" for where, _ in BENCHMARKS.values()}
     assert set(graph) - reached(graph, roots) == TO_BE_CONNECTED
 
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from paint3d.colour.kernels.glazing import Glaze, Ground, dry_vertices, glazed_colours
 from paint3d.colour.kernels.kubelka_munk import Shown, Wet
@@ -21,7 +21,7 @@ from paint3d.colour.spectra import N_BANDS, rgb_weights
 from paint3d.colour.vertex_colours import srgb_codes
 from paint3d.core.types import AnyArray
 
-__all__ = ["GlazeModel", "make_ground", "spectrum_from_linear_rgb", "srgb_primaries"]
+__all__ = ["GlazeModel", "make_ground", "srgb_primaries"]
 
 _TABLE = Path(__file__).parent / "data" / "srgb_spectra.csv"
 _NO_RGB = np.empty((0, 3), np.float32)
@@ -29,19 +29,15 @@ _NO_RGB = np.empty((0, 3), np.float32)
 
 @lru_cache(maxsize=1)
 def srgb_primaries() -> AnyArray:
-    """Return (31, 3) spectra of red, green and blue; see `spectrum_from_linear_rgb`."""
+    """Return (31, 3) spectra of red, green and blue.
+
+    Their sum weighted by a linear sRGB is a smooth reflectance in [0, 1] that has it (Mallett,
+    Yuksel: Spectral Primary Decomposition for Rendering with sRGB Reflectance, EGSR 2019), and what
+    lies between two colours has the spectrum between.
+    """
     primaries = np.loadtxt(_TABLE, delimiter=",", skiprows=1)[:, 1:]
     primaries.flags.writeable = False
     return primaries
-
-
-def spectrum_from_linear_rgb(linear_rgb: ArrayLike) -> AnyArray:
-    """Smooth reflectances (..., 31) in [0, 1] that have the linear sRGB (..., 3) in [0, 1].
-
-    Mallett, Yuksel: Spectral Primary Decomposition for Rendering with sRGB Reflectance, EGSR
-    2019: a sum of three spectra, so that what lies between two colours has the spectrum between.
-    """
-    return np.asarray(linear_rgb, dtype=np.float64) @ srgb_primaries().T
 
 
 def make_ground(material: AnyArray) -> Ground:

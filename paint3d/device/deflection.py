@@ -17,7 +17,7 @@ from paint3d.core.arrays import as_array, as_number
 from paint3d.device.catalogue import MouseQuirks
 from paint3d.errors import DeviceError
 
-__all__ = ["SILENCE_NS", "DeflectionSettings", "calibrate_rest", "deflection", "is_silent"]
+__all__ = ["SILENCE_NS", "DeflectionSettings", "calibrate_rest", "deflection"]
 
 SILENCE_NS = 150_000_000
 """After so long without a report the deflection is zero, ns."""
@@ -72,11 +72,6 @@ def deflection(
         np.sign(share) * beyond**settings.curve * np.asarray(quirks.axes_signs, np.float64)
     )
     return result
-
-
-def is_silent(now_ns: int, last_report_ns: int) -> bool:
-    """Whether the device has been silent for so long that its cap must be at rest."""
-    return now_ns - last_report_ns > SILENCE_NS
 
 
 def calibrate_rest(

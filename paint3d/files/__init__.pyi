@@ -5,6 +5,7 @@ from paint3d.files.load import load_mesh as load_mesh
 from paint3d.files.load import read_mesh as read_mesh
 from paint3d.files.project.journal import Journal as Journal
 from paint3d.files.project.journal import read_journal as read_journal
+from paint3d.files.project.records import read_records as read_records
 from paint3d.files.project.session import Session as Session
 from paint3d.files.project.session import load_session as load_session
 from paint3d.files.project.session import save_session as save_session

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
 from paint3d.device.force.force_port import ForcePort, HidForcePort
 from paint3d.device.force.haptic_stylus import encode_force
 from paint3d.device.hid_link import open_node
@@ -162,12 +161,6 @@ class ForceFeedback:
             StylusReading(int(t), row[1:4].copy(), row[4:8].copy(), None, int(row[8]))
             for t, row in zip(times, rows, strict=True)
         ]
-
-    def take_forces(self) -> AnyArray:
-        """As `take`, but (N, 5): force x, y, z in N, descent in mm, flags; for displays."""
-        rows, lost = self._board.take()
-        self._lost += lost
-        return rows[:, 9:14].copy()
 
     def status(self) -> ServoStatus:
         """How the servo does."""

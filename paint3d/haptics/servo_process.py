@@ -12,13 +12,13 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.core.machine import ENDING
 from paint3d.device.force.force_port import ForcePort
 from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.errors import DeviceError
 from paint3d.haptics import shared_state as board_of
-from paint3d.haptics.force_model import new_state
 from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.kernels.step import servo_step
 from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, keep_in_memory
@@ -27,7 +27,7 @@ from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.single_turns import multiply, turn
 
-__all__ = ["ServoTask", "run_servo"]
+__all__ = ["ServoTask", "new_state", "run_servo"]
 
 _LATE_NS = 2_000_000
 _LONGEST_DT_S, _SHORTEST_DT_S = 0.005, 0.0001
@@ -166,6 +166,14 @@ class _Servo:
         softening = min(wanted, now + 0.02) if wanted > now else wanted
         self._state["softening"] = softening
         self.board.counters[board_of.SOFTENING_PPM] = int(1e6 * softening)
+
+
+def new_state() -> NDArray[np.void]:
+    """The servo's state before its first step, (1,) STATE."""
+    state = np.zeros(1, hs.STATE)
+    state["softening"] = 1.0
+    state["object_turn"][:, 0] = 1.0
+    return state
 
 
 def run_servo(task: ServoTask) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -114,10 +113,6 @@ class HapticSettings:
         """
         spring = brush.spring * min(1.0, limits.max_force / brush.max_force)
         return cls(brush.length_mm, spring, brush.friction, limits, **more)
-
-    def with_user_limit(self, newtons: float) -> HapticSettings:
-        """The same with another limit of the user's."""
-        return dataclasses.replace(self, user_limit=newtons)
 
     @property
     def limit(self) -> float:

@@ -129,12 +129,6 @@ class TriangleMesh:
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]).astype(np.float64)
 
     @cached_property
-    def max_edge(self) -> float:
-        """Length of the longest edge, mm."""
-        corners = self.vertices[self.faces].astype(np.float64)
-        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
-
-    @cached_property
     def is_solid(self) -> bool:
         """Whether it is the skin of bodies, so that no face is seen from behind from outside.
 

@@ -8,40 +8,18 @@ than 100 ms is straight, and while the pen is up at both of its ends an interval
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.frames import slerp
 from paint3d.core.types import AnyArray
 from paint3d.pose.brush_pose import BrushPath
 
-__all__ = ["MAX_CURVED_GAP_S", "DensePath", "densify", "evaluate", "joined_samples", "velocities"]
+__all__ = ["MAX_CURVED_GAP_S", "joined_samples", "velocities"]
 
 MAX_CURVED_GAP_S = 0.1
 """Longer intervals than this are bridged by a straight line (two periods of a 20 Hz device)."""
 _STEEPEST = 3.0
 """Tangents of at most three chord speeds cannot overshoot (Fritsch and Carlson 1980)."""
-
-
-@dataclass(frozen=True, eq=False)
-class DensePath:
-    """A path made ready for `evaluate`.
-
-    Attributes
-    ----------
-    path : BrushPath
-        The N samples.
-    joined : (N,) bool
-        See `joined_samples`.
-    velocity : (N, 3) float64
-        See `velocities`.
-    """
-
-    path: BrushPath
-    joined: NDArray[np.bool_]
-    velocity: NDArray[np.float64]
 
 
 def joined_samples(path: BrushPath) -> AnyArray:
@@ -130,48 +108,3 @@ def _cut(velocity: AnyArray, chords: AnyArray, joined: AnyArray) -> AnyArray:
     length = np.linalg.norm(velocity, axis=1)
     over = length > _STEEPEST * slowest
     return np.where(over, _STEEPEST * slowest, 1.0) / np.where(over, length, 1.0)
-
-
-def densify(path: BrushPath) -> DensePath:
-    """Make a path ready for `evaluate`."""
-    joined = joined_samples(path)
-    return DensePath(path, joined, velocities(path, joined))
-
-
-def evaluate(
-    dense: DensePath, sample_index: AnyArray, fraction: NDArray[np.float64]
-) -> tuple[AnyArray, AnyArray, AnyArray | None]:
-    """The pose a fraction of the way from sample i to sample i + 1.
-
-    Intervals that are not joined are crossed on a straight line.
-
-    Parameters
-    ----------
-    dense : DensePath
-    sample_index : (M,) int
-        0 to N - 2.
-    fraction : (M,) float64
-        0 to 1 in time.
-
-    Returns
-    -------
-    position : (M, 3) float64
-        mm.
-    orientation : (M, 4) float64
-    pressure : (M,) float64 or None
-    """
-    path, i, t = dense.path, np.asarray(sample_index), np.asarray(fraction, dtype=np.float64)
-    h = (path.time_s[i + 1] - path.time_s[i])[:, None]
-    s = t[:, None]
-    start, end = path.position[i], path.position[i + 1]
-    rise = s * s * (3.0 - 2.0 * s)
-    cubic = (
-        start
-        + rise * (end - start)
-        + s * (1.0 - s) * h * ((1.0 - s) * dense.velocity[i] - s * dense.velocity[i + 1])
-    )
-    position = np.where(dense.joined[i + 1][:, None], cubic, start + s * (end - start))
-    orientation = slerp(path.orientation[i], path.orientation[i + 1], t)
-    if path.pressure is None:
-        return position, orientation, None
-    return position, orientation, (1.0 - t) * path.pressure[i] + t * path.pressure[i + 1]

@@ -38,7 +38,6 @@ _ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}
 _TIMES = {"ms": 1_000_000, "s": 1_000_000_000, "us": 1000, "ns": 1}
 _DEFAULT_STEP_NS = 10_000_000
 _PEN_UP_NS = 100_000_000
-_MAX_VALUES = 20_000_000
 _MAX_DEPTH = 64
 _NUMBER = re.compile(r"\s*(['\"!]?)\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|\s*(\S)")
 _NOTE = "paint3d-header"

@@ -16,7 +16,6 @@ TWO = np.array([[0, 1, 2], [0, 2, 3]])
 def test_measures_of_a_rectangle():
     mesh = TriangleMesh(SQUARE, TWO)
     assert mesh.area == pytest.approx(12.0)
-    assert mesh.max_edge == pytest.approx(5.0)
     assert mesh.bounds.tolist() == [[0, 0, 0], [3, 4, 0]]
     assert (mesh.n_vertices, mesh.n_faces) == (4, 2)
     np.testing.assert_array_equal(mesh.face_normals, [[0, 0, 1], [0, 0, 1]])

@@ -7,7 +7,7 @@ import pytest
 
 import paint3d
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.colour.glazing import spectrum_from_linear_rgb, srgb_primaries
+from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.layers import layer_reflectance, stack_reflectance
 from paint3d.colour.pigments import Pigment, load_drawdown_paints, load_pigment
 from paint3d.colour.spectra import decode_srgb, rgb_weights, srgb_from_reflectance
@@ -172,7 +172,7 @@ def test_any_srgb_colour_is_a_reflectance():
     np.testing.assert_allclose(primaries.sum(axis=1), 1.0, atol=1e-10)
     np.testing.assert_allclose(primaries.T @ rgb_weights(), np.eye(3), atol=1e-9)
     codes = np.random.default_rng(1).integers(0, 256, (500, 3)).astype(np.uint8)
-    spectra = spectrum_from_linear_rgb(decode_srgb(codes))
+    spectra = decode_srgb(codes) @ srgb_primaries().T
     assert spectra.min() >= 0.0
     assert spectra.max() <= 1.0 + 1e-9
     assert (srgb_from_reflectance(spectra) == codes).all()
@@ -193,7 +193,7 @@ def test_a_meshs_own_colours_are_the_ground():
     assert (target.srgb == before).all()
     lay(target, "gamboge", 0.1, ids=[7])
     gamboge = load_pigment("gamboge")
-    below = spectrum_from_linear_rgb(decode_srgb(before[7]))
+    below = decode_srgb(before[7]) @ srgb_primaries().T
     wanted = srgb_from_reflectance(layer_reflectance(gamboge.K, gamboge.S, 0.1, below))
     assert np.abs(target.srgb[7].astype(int) - wanted).max() <= 1
     target.dry()

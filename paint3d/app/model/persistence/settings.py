@@ -150,11 +150,6 @@ class Settings:
         others = tuple(other for other in self.recent if other != own)
         return dataclasses.replace(self, recent=(own, *others)[:_MOST_RECENT])
 
-    def without_recent(self, path: str | None = None) -> Settings:
-        """Without one of the recent files, or without all."""
-        kept = () if path is None else tuple(other for other in self.recent if other != path)
-        return dataclasses.replace(self, recent=kept)
-
 
 def _check_words(name: str, words: object) -> None:
     if not isinstance(words, tuple) or not all(isinstance(word, str) and word for word in words):

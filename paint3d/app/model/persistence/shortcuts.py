@@ -7,12 +7,9 @@ Space held for a drag as in Krita (for where the window manager takes Alt), fing
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
-from paint3d.errors import InputError
-
-__all__ = ["GESTURES", "GROUPS", "SHORTCUTS", "Shortcut", "check_shortcuts", "find_shortcuts"]
+__all__ = ["GESTURES", "GROUPS", "SHORTCUTS", "Shortcut", "find_shortcuts"]
 
 GESTURES = ("press", "hold", "drag", "tap")
 """Pressed; held for as long as it counts; held, or pressed down, while the pointer moves; fingers
@@ -198,26 +195,6 @@ SHORTCUTS: tuple[Shortcut, ...] = (
 )  # fmt: skip
 
 
-def find_shortcuts(action: str, shortcuts: Iterable[Shortcut] = SHORTCUTS) -> list[Shortcut]:
+def find_shortcuts(action: str) -> list[Shortcut]:
     """All ways to ask for an action."""
-    return [shortcut for shortcut in shortcuts if shortcut.action == action]
-
-
-def check_shortcuts(shortcuts: Iterable[Shortcut]) -> None:
-    """Refuse a key map in which one gesture asks for two things.
-
-    A key that is held or dragged with may also be pressed: it is pressed if it is let go at once.
-
-    Raises
-    ------
-    InputError
-        For the first pair, or a group or gesture that is not known.
-    """
-    taken: dict[tuple[str, str], str] = {}
-    for one in shortcuts:
-        if one.group not in GROUPS or one.gesture not in GESTURES:
-            raise InputError(f"shortcut {one.keys}: {one.group!r}, {one.gesture!r} is not known")
-        place = one.keys.lower(), "press" if one.gesture in ("press", "tap") else "hold"
-        if place in taken:
-            raise InputError(f"{one.keys} asks for {taken[place]!r} and for {one.action!r}")
-        taken[place] = one.action
+    return [shortcut for shortcut in SHORTCUTS if shortcut.action == action]

@@ -1,5 +1,5 @@
 """The force on the hand as a pure step in simulated time: what the servo runs a thousand times a
-second, for Python callers, tests and simulations."""
+second."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from paint3d.core.arrays import as_array
 from paint3d.errors import DeviceError
 from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.kernels.step import servo_step
+from paint3d.haptics.servo_process import new_state
 from paint3d.haptics.settings import HapticSettings
 from paint3d.mesh.kernels.bvh import ContactTree
 
-__all__ = ["FLAGS", "ForceModel", "ForceStep", "flag_names", "new_state"]
+__all__ = ["ForceModel", "ForceStep", "flag_names"]
 
 FLAGS = {
     "not finite": hs.NOT_FINITE,
@@ -56,14 +57,6 @@ class ForceStep:
     wanted: float
     descent: float
     proxy: NDArray[np.float64]
-
-
-def new_state() -> NDArray[np.void]:
-    """The servo's state before its first step, (1,) STATE."""
-    state = np.zeros(1, hs.STATE)
-    state["softening"] = 1.0
-    state["object_turn"][:, 0] = 1.0
-    return state
 
 
 def flag_names(flags: int) -> list[str]:

@@ -23,8 +23,6 @@ from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.hand_motion import HandMotion, root_stretch, to_hand_motion
 from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.metrics import (
-    MARGIN,
-    PIXELS,
     Likeness,
     compare,
     copybook_mask,
@@ -33,7 +31,6 @@ from paint3d.calligraphy.metrics import (
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.device.recorded import Recording
-from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import SurfaceChart, make_chart
 from paint3d.mesh.closest_points import ClosestPoints
@@ -44,12 +41,11 @@ from paint3d.painter.brush_choice import choose_brush
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Copy", "Desk", "copy_character", "draw_sample", "picture"]
+__all__ = ["Copy", "Desk", "copy_character"]
 
 _WIDEST = 0.2  # ems: the last footprint of the table
 _NODES_PER_EM = 24.0  # finer, and the chart would follow the mesh's facets
 _REACH = 0.15  # ems that the chart goes beyond the em square: there the handle may stand
-_MISSING, _BEYOND, _SHARED = (0, 60, 255), (255, 0, 0), (200, 200, 200)
 
 
 @dataclass(frozen=True)
@@ -115,31 +111,6 @@ class Copy:
     wanted: NDArray[np.bool_]
 
 
-def draw_sample(glyphs: Path | str, n: int, seed: int, also: str = "") -> list[str]:
-    """Draw n different characters of a glyph folder at random, the same for the same seed.
-
-    Parameters
-    ----------
-    glyphs : path
-        An unpacked `hanzi-writer-data`.
-    n, seed : int
-    also : str
-        Characters added at the end, where they were not drawn.
-
-    Raises
-    ------
-    InputError
-        If the folder has fewer characters.
-    """
-    names = (file.stem for file in Path(glyphs).glob("*.json"))
-    known = sorted(name for name in names if len(name) == 1)
-    if not 0 <= n <= len(known):
-        raise InputError(f"{glyphs} has {len(known)} characters; expected at least {n}")
-    order = np.random.default_rng(seed).permutation(len(known))[:n]
-    drawn = [known[i] for i in order]
-    return drawn + [text for text in dict.fromkeys(also) if text not in drawn]
-
-
 def copy_character(desk: Desk, text: str) -> Copy:
     """Write one character, from the plan to the paint, and compare it with its outlines.
 
@@ -163,30 +134,6 @@ def copy_character(desk: Desk, text: str) -> Copy:
     painted, wanted = _painted(surface, chart, desk.em_mm), _wanted(glyph, desk.em_mm)
     likeness = compare(painted, wanted)
     return Copy(text, len(glyph.strokes), likeness, seconds, _fastest(recording), painted, wanted)
-
-
-def picture(copies: list[Copy], columns: int = 5) -> NDArray[np.uint8]:
-    """Copies side by side (H, W, 3), row by row: grey is right, blue missing, red beyond.
-
-    Raises
-    ------
-    InputError
-        If there are none.
-    """
-    if not copies:
-        raise InputError("there are no copies to show; expected at least one")
-    side = PIXELS + 2 * MARGIN
-    rows = -(-len(copies) // columns)
-    canvas = np.full((rows * side, min(columns, len(copies)) * side, 3), 255, np.uint8)
-    for k, copy in enumerate(copies):
-        tile = np.full((side, side, 3), 255, np.uint8)
-        tile[copy.painted & copy.wanted] = _SHARED
-        tile[copy.wanted & ~copy.painted] = _MISSING
-        tile[copy.painted & ~copy.wanted] = _BEYOND
-        row, column = divmod(k, columns)
-        top, left = row * side, column * side
-        canvas[top : top + side, left : left + side] = tile[::-1]
-    return canvas
 
 
 def _wanted(glyph: Glyph, em_mm: float) -> NDArray[np.bool_]:
