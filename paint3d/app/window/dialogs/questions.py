@@ -14,9 +14,59 @@ from paint3d.app.window.wording import say
 from paint3d.colour.materials import material_names
 from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
 
-__all__ = ["KeysDialog", "NewDialog", "PreferencesDialog"]
+__all__ = ["Answer", "KeysDialog", "NewDialog", "PreferencesDialog", "ask"]
 
 _KEY_COLUMNS = 3
+
+Answer = QtWidgets.QMessageBox.ButtonRole
+"""What `ask` returns: AcceptRole, DestructiveRole or RejectRole."""
+
+
+def ask(
+    parent: QtWidgets.QWidget,
+    text: str,
+    *,
+    accept: str = "",
+    destroy: str = "",
+    leave: str = "button.cancel",
+    warns: bool = False,
+) -> Answer:
+    """Ask before something is lost. Escape and closing the box leave everything as it is.
+
+    Parameters
+    ----------
+    parent : QWidget
+    text : str
+        In the language that is spoken.
+    accept : str, optional
+        What the button says that loses nothing, or its key; Enter presses it.
+    destroy : str, optional
+        What the button says that loses something, or its key.
+    leave : str
+        What the button says that does neither, or its key. Enter presses it where nothing is there
+        to be accepted.
+    warns : bool
+        Whether the box bears the sign of a warning.
+
+    Returns
+    -------
+    Answer
+        The role of the button that was pressed.
+    """
+    box = QtWidgets.QMessageBox(parent)
+    box.setWindowTitle("paint3d")
+    box.setTextFormat(QtCore.Qt.TextFormat.PlainText)  # names of files are no marks
+    box.setText(text)
+    if warns:
+        box.setIcon(QtWidgets.QMessageBox.Icon.Warning)
+    roles = {Answer.AcceptRole: accept, Answer.DestructiveRole: destroy, Answer.RejectRole: leave}
+    buttons = [box.addButton(say(words), role) for role, words in roles.items() if words]
+    box.setDefaultButton(buttons[0 if accept else -1])
+    box.setEscapeButton(buttons[-1])
+    box.exec()
+    pressed = box.clickedButton()
+    box.deleteLater()
+    return Answer.RejectRole if pressed is None else box.buttonRole(pressed)
 
 
 class NewDialog(FormDialog):

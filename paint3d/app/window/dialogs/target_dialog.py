@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from PySide6 import QtWidgets
 
+from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.wording import say
 
 __all__ = ["Kind", "TargetDialog", "ask_target"]
@@ -123,17 +124,8 @@ def _without(name: str, kinds: Sequence[Kind]) -> str:
 def _may_replace(parent: QtWidgets.QWidget, path: Path) -> bool:
     """Ask whether a file is to be replaced; of a link, also where it leads."""
     name = f"{path.name} → {os.path.realpath(path)}" if path.is_symlink() else path.name
-    box = QtWidgets.QMessageBox(parent)
-    box.setIcon(QtWidgets.QMessageBox.Icon.Warning)
-    box.setWindowTitle("paint3d")
-    box.setText(say("ask.replace", name=name))
-    role = QtWidgets.QMessageBox.ButtonRole
-    replace = box.addButton(say("Replace"), role.DestructiveRole)
-    keep = box.addButton(say("button.cancel"), role.RejectRole)
-    box.setDefaultButton(keep)
-    box.setEscapeButton(keep)
-    box.exec()
-    return box.clickedButton() is replace
+    answer = ask(parent, say("ask.replace", name=name), destroy="Replace", warns=True)
+    return answer is Answer.DestructiveRole
 
 
 def ask_target(

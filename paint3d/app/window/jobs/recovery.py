@@ -7,6 +7,7 @@ from collections.abc import Callable
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.persistence.sitting import Unfinished, recoverable
+from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import open_with_progress
 from paint3d.app.window.named import named
@@ -48,18 +49,16 @@ class Recovery:
 
     def _is_wanted(self, one: Unfinished) -> bool:
         """Whether to go on with it; if not, it is deleted or stays for later."""
-        box = QtWidgets.QMessageBox(self._workspace.window)
-        box.setWindowTitle("paint3d")
-        box.setText(say("ask.recover", name=_name_of(one), time=_time_of(one)))
-        role = QtWidgets.QMessageBox.ButtonRole
-        back = box.addButton(say("button.recover"), role.AcceptRole)
-        away = box.addButton(say("button.delete"), role.DestructiveRole)
-        box.addButton(say("button.later"), role.RejectRole)
-        box.setDefaultButton(back)
-        box.exec()
-        if box.clickedButton() is away:
+        answer = ask(
+            self._workspace.window,
+            say("ask.recover", name=_name_of(one), time=_time_of(one)),
+            accept="button.recover",
+            destroy="button.delete",
+            leave="button.later",
+        )
+        if answer is Answer.DestructiveRole:
             one.discard()
-        return box.clickedButton() is back
+        return answer is Answer.AcceptRole
 
     def tell_unsaved(self) -> None:
         """Say where what was put off can be found, if there is any."""

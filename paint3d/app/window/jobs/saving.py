@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6 import QtWidgets
-
+from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.jobs.job import Progress, result_of
 from paint3d.app.window.jobs.recent_files import RecentFiles
 from paint3d.app.window.jobs.targets import Targets
@@ -32,18 +31,12 @@ class Saving:
         if not (easel.is_behind or document.modified):  # what is still to be done will change it
             return True
         name = document.path.name if document.path else named(document.surface.source.name)
-        box = QtWidgets.QMessageBox(self._workspace.window)
-        box.setWindowTitle("paint3d")
-        box.setText(say("ask.save_changes", name=name))
-        role = QtWidgets.QMessageBox.ButtonRole
-        save = box.addButton(say("button.save"), role.AcceptRole)
-        discard = box.addButton(say("button.discard"), role.DestructiveRole)
-        box.setEscapeButton(box.addButton(say("button.cancel"), role.RejectRole))
-        box.setDefaultButton(save)
-        box.exec()
-        if box.clickedButton() is save:
+        words = say("ask.save_changes", name=name)
+        window = self._workspace.window
+        answer = ask(window, words, accept="button.save", destroy="button.discard")
+        if answer is Answer.AcceptRole:
             return self.do_save()
-        return box.clickedButton() is discard
+        return answer is Answer.DestructiveRole
 
     def do_save(self) -> bool:
         """Save where it was saved before, or ask where; say whether that went well."""
@@ -56,20 +49,17 @@ class Saving:
 
     def _save_beside_others(self, path: Path) -> bool:
         """Ask before what somebody else has saved in the same file is replaced."""
-        box = QtWidgets.QMessageBox(self._workspace.window)
-        box.setIcon(QtWidgets.QMessageBox.Icon.Warning)
-        box.setWindowTitle("paint3d")
         words = "{name} was saved by another window or program since it was opened here."
-        box.setText(say(words, name=path.name))
-        role = QtWidgets.QMessageBox.ButtonRole
-        other = box.addButton(say("action.save_as"), role.AcceptRole)
-        replace = box.addButton(say("Replace"), role.DestructiveRole)
-        box.setEscapeButton(box.addButton(say("button.cancel"), role.RejectRole))
-        box.setDefaultButton(other)
-        box.exec()
-        if box.clickedButton() is other:
+        answer = ask(
+            self._workspace.window,
+            say(words, name=path.name),
+            accept="action.save_as",
+            destroy="Replace",
+            warns=True,
+        )
+        if answer is Answer.AcceptRole:
             return self.do_save_as()
-        return box.clickedButton() is replace and self.save_to(path)
+        return answer is Answer.DestructiveRole and self.save_to(path)
 
     def do_save_as(self) -> bool:
         """Ask where to save; say whether that went well."""

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.own_object import ObjectChoice, first_choice, is_implausible, longest_side
 from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
+from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.wording import say
@@ -133,16 +133,9 @@ class Standing:
             workspace.show(done.result())
 
     def _may_begin_anew(self) -> bool:
-        box = QtWidgets.QMessageBox(self._workspace.window)
-        box.setWindowTitle("paint3d")
-        box.setText(
-            say(
-                "There is paint on it. Turned, it is begun anew without the paint; what is open "
-                "can be saved first."
-            )
+        words = (
+            "There is paint on it. Turned, it is begun anew without the paint; what is open "
+            "can be saved first."
         )
-        role = QtWidgets.QMessageBox.ButtonRole
-        anew = box.addButton(say("Begin anew"), role.AcceptRole)
-        box.setEscapeButton(box.addButton(say("button.cancel"), role.RejectRole))
-        box.exec()
-        return box.clickedButton() is anew
+        answer = ask(self._workspace.window, say(words), accept="Begin anew")
+        return answer is Answer.AcceptRole
