@@ -154,7 +154,7 @@ class Easel:
         self._hovering: DeviceSample | None = None
         self._fed: deque[DeviceSample] = deque(maxlen=LOOKAHEAD)  # last of this stroke, if wet
         self.newest: DeviceSample | None = None
-        self._stopping = self._working = self._nudged = False
+        self._stopping = self._halted = self._working = self._nudged = False
         self._stale = True
         self._lag = 0.0
         self.ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
@@ -305,17 +305,37 @@ class Easel:
             self.base_every_s = seconds
             self._wake.notify()
 
-    def stop(self, keep: bool = False) -> None:
-        """Do what was asked for and end the thread; a second time does nothing.
+    def halt(self) -> None:
+        """Begin no other step until `go_on`; what is asked for meanwhile waits."""
+        with self._wake:
+            self._halted = True
+
+    def has_halted(self, seconds: float) -> bool:
+        """Whether the step that was going on when it was halted has ended, or does so in time."""
+        with self._wake:
+            return self._wake.wait_for(lambda: not self._working, seconds)
+
+    def go_on(self) -> None:
+        """Do what was asked for, after `halt`."""
+        with self._wake:
+            self._halted = False
+            self._wake.notify_all()
+
+    def stop(self, keep: bool = False, *, finish: bool = True) -> None:
+        """End the thread; a second time does nothing.
 
         Parameters
         ----------
         keep : bool
             Leave the sitting to be recovered.
+        finish : bool
+            Do what was asked for before; if not, only the step that is going on is waited for.
         """
         with self._wake:
+            if not finish:
+                self._leave_out(list(self._jobs))
             self._stopping = True
-            self._wake.notify()
+            self._wake.notify_all()
         self._thread.join()
         if self._scribe is not None:
             self._scribe.close(keep)
@@ -351,12 +371,23 @@ class Easel:
         if self._scribe is not None:
             self._scribe.put(job)
 
+    def _leave_out(self, jobs: Sequence[_Job]) -> None:
+        """Do none of these jobs that wait; holds the lock."""
+        left = {id(job) for job in jobs}
+        self._jobs = deque(job for job in self._jobs if id(job) not in left)
+        self._n_asked -= sum(job.command != _FOLLOW for job in jobs)
+        for job in jobs:
+            if job.result is not None and job.result.cancel():
+                job.result.set_running_or_notify_cancel()  # who waits for it is told
+
     def _run(self) -> None:
         while True:
             with self._wake:
                 self._wake.wait_for(self._has_work, self._patience())
                 if self._stopping and not self._jobs:
                     return
+                if self._halted and not self._stopping:
+                    continue
                 yielding = self._wanting > 0
                 self._working, self._nudged = True, False
             if yielding:
@@ -365,8 +396,11 @@ class Easel:
                 self._work()
             with self._wake:
                 self._working = False
+                self._wake.notify_all()
 
     def _has_work(self) -> bool:
+        if self._halted and not self._stopping:
+            return False
         asked = bool(self._jobs) or self._stopping or self._nudged
         return asked or (self._stale and self._slot is None)
 
@@ -381,8 +415,9 @@ class Easel:
 
     def _work(self) -> None:
         before = time.thread_time()
-        if self._jobs:
-            job = self._jobs.popleft()
+        with self._wake:
+            job = self._jobs.popleft() if self._jobs else None
+        if job is not None:
             self._do(job)
             self._n_done += job.command != _FOLLOW
         elif self._wet:
@@ -549,6 +584,7 @@ class _Scribe:
         self._document = document  # read only while the painting thread waits
         self.n_put = 0
         self.has_gap = self.had_gap = False
+        self._leaving = False  # what is written would be deleted
         self._tell = tell
         self._queue: SimpleQueue[_Job | Future[Any] | None] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="paint3d-scribe", daemon=True)
@@ -568,7 +604,8 @@ class _Scribe:
         return turned
 
     def close(self, keep: bool) -> None:
-        """Write what waits, and end the sitting."""
+        """Write what waits, if it is to be kept, and end the sitting."""
+        self._leaving = not keep
         self._queue.put(None)
         self._thread.join()
         self.sitting.close(keep)
@@ -576,6 +613,8 @@ class _Scribe:
     def _run(self) -> None:
         broken = False
         while (item := self._queue.get()) is not None:
+            if self._leaving:
+                continue
             try:
                 self._write(item)
                 broken = False

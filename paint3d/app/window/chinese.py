@@ -61,6 +61,7 @@ CHINESE = {
     "The replay was stopped by your stroke": "您已落笔，重放停止",
     "The language changes with the next start": "下次启动时换用此语言",
     "Please wait": "请稍候", "Writing {name}…": "正在写出 {name}…",
+    "Finishing the step that is going on…": "正在完成当前这一步…",
     "Drawing the film…": "正在绘制影片…", "Refining the surface…": "正在细分表面…",
     "Regions that take paint: {n}": "着墨的区域：{n} 个", "Paint is taken everywhere": "处处着墨",
     "Object": "器物", "A mesh file…": "网格文件…", "Begin": "开始",

@@ -91,7 +91,7 @@ class Stage:
         sitting: Sitting | None = None,
         base_every_s: float = 120.0,
     ) -> None:
-        """Put another document on stage; the one before is finished first.
+        """Put another document on stage, and let go of the one before.
 
         Parameters
         ----------
@@ -115,9 +115,9 @@ class Stage:
         self.touch()
 
     def close_document(self) -> None:
-        """Finish what is being painted, and leave the stage empty."""
+        """Leave the stage empty; what still waits to be painted is not painted any more."""
         if self.easel is not None:
-            self.easel.stop()
+            self.easel.stop(finish=False)
         if self._brush is not None:
             self._brush.remove()
         for name in list(self._lines):

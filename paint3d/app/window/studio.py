@@ -174,7 +174,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         return self.workspace.document
 
     def _show_document(self, opened: Opened) -> None:
-        """Paint on this from now on; what was painted on before is let go of."""
+        """Paint on this from now on, and let go of what was painted on before."""
         document, settings = opened.document, self.workspace.settings
         self.player.stop()
         self.status.forget_good()
@@ -299,7 +299,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:
         """Ask about what is unsaved, then let go of everything."""
-        if not self.saving.may_leave():
+        if not (self.saving.may_leave() and self.workspace.may_let_go()):
             event.ignore()
             return
         self._timer.stop()

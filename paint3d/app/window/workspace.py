@@ -25,6 +25,8 @@ from paint3d.view.live_scene import DARK, LIGHT
 
 __all__ = ["Workspace"]
 
+_LOOK_S = 0.04  # between two looks whether work is still wanted
+
 
 class Workspace(QtCore.QObject):
     """Shared by the parts of one window; it knows none of them, and tells them by signals.
@@ -103,9 +105,39 @@ class Workspace(QtCore.QObject):
         """What is being painted; only for reading, and what is posted changes it."""
         return self.easel.document
 
-    def show(self, opened: Opened) -> None:
-        """Paint on this from now on; what was painted on before is let go of."""
+    def show(self, opened: Opened) -> bool:
+        """Paint on this from now on; False if it was stopped: see `may_let_go`."""
+        if not self.may_let_go():
+            return False
         self.opened.emit(opened)
+        return True
+
+    def may_let_go(self) -> bool:
+        """Wait for the step of the painting that is going on, after which it begins no other.
+
+        What waits is not done any more: whoever lets go of a painting has saved it or does without.
+
+        Returns
+        -------
+        bool
+            False if the waiting was stopped: then the painting goes on, with all that waits.
+        """
+        easel = self.stage.easel
+        if easel is None:
+            return True
+        easel.halt()
+        if easel.has_halted(0.0):
+            return True
+
+        def wait(progress: Progress) -> None:
+            progress.expect(0.0, 0.98, 1.0)
+            while not easel.has_halted(_LOOK_S):
+                progress.check()
+
+        if self.went_well(self.run(say("Finishing the step that is going on…"), wait)):
+            return True
+        easel.go_on()
+        return False
 
     def post(self, command: str, *arguments: object) -> None:
         """Have the easel do something; what goes wrong is told. Nothing, while nothing is open."""

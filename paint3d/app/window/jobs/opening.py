@@ -112,7 +112,8 @@ class Opening:
             done = self._open_mesh(path, title, resolution, material)
         if done is None or not self._workspace.went_well(done):
             return False
-        self._workspace.show(done.result())
+        if not self._workspace.show(done.result()):
+            return False
         self._standing.tell()
         if path not in BUILT_IN_OBJECTS:
             self._recent.add(path)

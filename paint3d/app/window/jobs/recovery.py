@@ -90,7 +90,8 @@ class Recovery:
         done = workspace.run(say("status.opening", name=_name_of(one)), work)
         if not workspace.went_well(done):
             return False
-        workspace.show(done.result())
+        if not workspace.show(done.result()):
+            return False
         if workspace.easel.sitting is None:  # it is said, and this is all that a crash leaves
             return True
         one.discard()
