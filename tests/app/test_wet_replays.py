@@ -22,6 +22,7 @@ from paint3d.recording.recording import save_recording as save_recording_file
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.test_wet_marks import Wall, play
 from tests.support.app.event_player import EventRecording, open_for, settle
+from tests.support.app.gestures import wait_for
 from tests.support.app.hands import same_vertices
 from tests.support.app.trials import blind_window
 
@@ -113,7 +114,7 @@ def test_the_window_replays_it_to_the_bit_too(window, wall, monkeypatch, tmp_pat
     wall.ms += 13  # the hand's clock stands anywhere
     monkeypatch.setattr(players, "time", easels.time)
     assert window.recordings.replay_file(str(file))
-    settle(window)
+    wait_for(lambda: not window.player.is_playing)
     same_ink(window.document.surface, replayed(file, 0.0))
 
 
@@ -133,7 +134,7 @@ def test_a_recording_of_another_day_lets_no_more_time_pass_first(
     )
     monkeypatch.setattr(players, "time", easels.time)
     assert window.recordings.replay_file(str(file))
-    settle(window)
+    wait_for(lambda: not window.player.is_playing)
     assert 0 < len(pieces) < 2.0 * recording.duration_s / PIECE_S + 10
 
 

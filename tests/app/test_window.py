@@ -238,8 +238,7 @@ def test_a_recording_is_replayed_at_the_speed_that_is_asked_for(painted_once) ->
     again = window.document.strokes[there]
     assert 0 < len(again.samples) < n
     window.player.play(stroke.samples, None)
-    assert not window.player.is_playing
-    settled(window)
+    wait_for(lambda: not window.player.is_playing)
     assert len(window.document.strokes[there + 1].samples) == n
     choose(window, "undo")
     choose(window, "undo")

@@ -14,6 +14,7 @@ machine itself cannot follow, pieces are left out, so that painting is never lat
 from __future__ import annotations
 
 import math
+import sys
 import threading
 import time
 from collections import deque
@@ -42,7 +43,7 @@ _MOST_WORK_S = 0.13  # for the time that passes at once
 _MOST_BEHIND_S = 0.15  # that painting is where time still passes, if it takes long to follow
 _SHORTEST_S = 1e-4  # that a piece of time is thought to take
 _NEWS = 0.15  # share of the last piece of time in what one is thought to take
-_FOLLOW = "follow_time"
+_FOLLOW, _LIFT = "follow_time", "lift"
 _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
 _BASE_EVERY_S = 120.0
@@ -126,6 +127,8 @@ class Easel:
     ink_clock : InkClock
         Counts the time that passes for the ink, if it is wet.
     base_every_s : float
+    n_painted : int
+        Samples that have been painted.
     """
 
     def __init__(
@@ -142,6 +145,7 @@ class Easel:
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
         self._work_s = 0.0  # since the last base
+        self.n_painted = 0
         self._jobs: deque[_Job] = deque()
         self._brushes: deque[BrushSpec] = deque()  # asked for and not yet in hand
         self._wake = threading.Condition()
@@ -199,15 +203,42 @@ class Easel:
         except IndexError:
             return self.document.painter.brush
 
-    def feed(self, samples: Sequence[DeviceSample]) -> None:
-        """Paint samples of both hands, of the stroke that was begun by `post("begin_stroke")`."""
+    def feed(self, samples: Sequence[DeviceSample], *, all_time: bool = False) -> None:
+        """Paint samples of both hands, of the stroke that was begun by `post("begin_stroke")`.
+
+        Parameters
+        ----------
+        samples : sequence of DeviceSample
+        all_time : bool
+            Let all the time pass between them for the ink, however late that makes the painting:
+            no hand waits for it.
+        """
         if samples:
             with self._wake:
                 self._refuse_stopped()
-                for job in self._with_time(samples):
+                for job in self._with_time(samples, all_time):
                     self._enqueue(job)
                 self._wake.notify()
             self.newest = samples[-1]
+
+    def leave_out_samples(self, began: Future[Any], ended: Future[Any] | None) -> None:
+        """Paint no more of the samples that were fed between two commands; commands stay.
+
+        Parameters
+        ----------
+        began, ended : Future
+            Of the commands, from `post`; None where the second has not been posted.
+        """
+        with self._wake:
+            waiting = list(self._jobs)
+            commands = [job.result if job.command else self for job in waiting]
+            first = commands.index(began) if began in commands else 0
+            last = commands.index(ended) if ended in commands else len(waiting)
+            if ended is not None and ended not in commands:
+                last = first  # they are painted
+            fed = [job for job in waiting[first:last] if job.command in (None, _LIFT, _FOLLOW)]
+            self._leave_out(fed)
+            self._base_due = True  # the journal says that they were painted
 
     def hover(self, sample: DeviceSample) -> None:
         """Show the brush here, without painting."""
@@ -347,18 +378,19 @@ class Easel:
         if self._stopping:
             raise RuntimeError("the easel was stopped")
 
-    def _with_time(self, samples: Sequence[DeviceSample]) -> Iterator[_Job]:
+    def _with_time(self, samples: Sequence[DeviceSample], all_time: bool) -> Iterator[_Job]:
         """Samples that come now, and the time that passes between them; holds the lock."""
         now = time.perf_counter()
         behind = now - self._jobs[0].came if self._jobs else 0.0
         first = 0
         for k, sample in enumerate(samples if self._wet else ()):
-            pieces = self.ink_clock.hear(sample.time_ns, round(1e9 * now), self._pace.most(behind))
+            most = sys.maxsize if all_time else self._pace.most(behind)
+            pieces = self.ink_clock.hear(sample.time_ns, round(1e9 * now), most)
             if pieces and first < k:
                 yield _Job(now, tuple(samples[first:k]))
                 first = k
             if pieces and is_lifted([*self._fed, sample]):
-                yield _asked(now, "lift")
+                yield _asked(now, _LIFT)
             for _ in range(pieces):
                 yield _piece(now)
             self._fed.append(sample)
@@ -467,6 +499,7 @@ class Easel:
                 self._n_asked += 1
         self._hovering = chunk[-1]
         self.document.feed(chunk)
+        self.n_painted += len(chunk)
         self._lag = time.perf_counter() - job.came
 
     def _wait_for_the_hand(self) -> None:
@@ -510,7 +543,8 @@ class Easel:
             if self._jobs:
                 return
             turned = self._scribe.turn_page()  # what comes from now on is in the next journal
-        self._base_due, self._base_time, self._work_s = False, time.monotonic(), 0.0
+            self._base_due = False
+        self._base_time, self._work_s = time.monotonic(), 0.0
         self._base_step = self.document.steps.newest
         turned.result()
         gap = self._scribe.had_gap

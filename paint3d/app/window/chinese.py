@@ -59,6 +59,8 @@ CHINESE = {
     "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画", "has caught up": "已跟上",
     "{fps:.0f} pictures/s": "每秒 {fps:.0f} 帧", "Stopped": "已停止",
     "The replay was stopped by your stroke": "您已落笔，重放停止",
+    "The replay was stopped; undo takes back what it painted": "重放已停止；撤销可去掉所画的部分",
+    "Replaying; Esc stops it": "正在重放；按 Esc 停止",
     "The language changes with the next start": "下次启动时换用此语言",
     "Please wait": "请稍候", "Writing {name}…": "正在写出 {name}…",
     "Finishing the step that is going on…": "正在完成当前这一步…",

@@ -9,6 +9,7 @@ from paint3d.app.model.input.navigation import picture_axes
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
 from paint3d.app.window.jobs.job import Progress, result_of
+from paint3d.app.window.jobs.player import Player
 from paint3d.app.window.jobs.recalling import Recalling
 from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say
@@ -29,8 +30,11 @@ _PATIENCE_S = 0.3  # that the window waits for a step of the painting
 class PaintActions:
     """For one window; ``do_<action>`` for each."""
 
-    def __init__(self, workspace: Workspace, panels: Panels, recalling: Recalling) -> None:
-        self._workspace, self._panels, self._recalling = workspace, panels, recalling
+    def __init__(
+        self, workspace: Workspace, panels: Panels, recalling: Recalling, player: Player
+    ) -> None:
+        self._workspace, self._panels = workspace, panels
+        self._recalling, self._player = recalling, player
         self._turns, self._mask_degrees = _TURNS, _MASK_DEGREES
 
     def _post(self, command: str, *arguments: object) -> None:
@@ -43,7 +47,8 @@ class PaintActions:
     # -- edit -------------------------------------------------------------------------------
 
     def do_undo(self) -> None:
-        """Take the last step back."""
+        """Take the last step back; that of a recording that is replayed, as far as it came."""
+        self._player.stop()
         self._recalling.undo()
 
     def do_redo(self) -> None:
@@ -51,8 +56,10 @@ class PaintActions:
         self._post("redo")
 
     def do_cancel_stroke(self) -> None:
-        """Take the stroke that is going on back; the keys are the picture's again."""
+        """Take the stroke that is going on back, or stop a replay; the keys are the picture's."""
         self._workspace.hand.cancel()
+        self._player.do_stop()
+        self._panels.history.stop()
         self._workspace.canvas.setFocus()
 
     # -- brush ------------------------------------------------------------------------------

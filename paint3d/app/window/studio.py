@@ -36,6 +36,7 @@ from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.named import described
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels.side_panels import Panels
+from paint3d.app.window.replay_bar import ReplayBar
 from paint3d.app.window.status_line import StatusLine
 from paint3d.app.window.theme import DARK_THEME
 from paint3d.app.window.view_actions import ViewActions
@@ -95,6 +96,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)
         self.hud, self.status = Hud(workspace), StatusLine(workspace)
+        self.replay_bar = ReplayBar(workspace, self.player)
         self.begin_page = BeginPage(workspace, self.opening, self.recovery, self.recent)
         self._show_open(False)
         self._take_settings()
@@ -123,7 +125,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.recalling = Recalling(workspace, history.refuse)
 
     def _bind_actions(self) -> None:
-        self.painting = PaintActions(self.workspace, self.panels, self.recalling)
+        self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
@@ -156,6 +158,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.hand.began.connect(self.status.forget_passing)
         self.hand.began.connect(self.player.give_way)
         self.hand.began.connect(self.panels.history.give_way)
+        self.player.moved.connect(self._allow_undo)
         self.canvas.resized.connect(self._resized)
         self.canvas.dropped.connect(self.opening.open_path)
         self.canvas.untimed.connect(lambda: workspace.tell(say(_UNTIMED)))
@@ -261,7 +264,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _show_state(self, frame: Frame) -> None:
         workspace = self.workspace
-        workspace.actions["undo"].setEnabled(frame.can_undo)
+        workspace.actions["undo"].setEnabled(frame.can_undo or self.player.is_playing)
         workspace.actions["redo"].setEnabled(frame.can_redo)
         if self.isWindowModified() != self.document.modified:
             self.setWindowModified(self.document.modified)
@@ -269,6 +272,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         if self.stage.picture_s > 0.0:  # something has been drawn
             picture_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)
         self.status.show(frame, picture_s)
+
+    def _allow_undo(self, share: float) -> None:
+        """Let a replay that goes on be taken back."""
+        if share >= 0.0:
+            self.workspace.actions["undo"].setEnabled(True)
 
     def _tell_fault(self, message: str) -> None:
         self.workspace.tell(say("problem.internal", message=message), state="bad")

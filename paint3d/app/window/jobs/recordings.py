@@ -12,6 +12,8 @@ from paint3d.app.window.jobs.player import Player
 from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
+from paint3d.device.sample import DeviceSample
+from paint3d.files.progress import part_of
 from paint3d.recording.recording import Recording, load_recording, save_recording
 
 __all__ = ["FORMATS", "Recordings"]
@@ -22,6 +24,8 @@ FORMATS = {
     ".jsonl.gz": "Recording, JSON Lines, packed",
     ".inkml": "Recording, InkML",
 }
+_READ = 0.6  # of the time that a recording takes to be made ready
+_AT_ONCE = 1000  # samples between two looks at whether it is still wanted
 
 
 class Recordings:
@@ -97,11 +101,21 @@ class Recordings:
         """
         workspace = self._workspace
         title = say("status.opening", name=Path(path).name)
-        loaded = workspace.run(title, lambda _: load_recording(path))
+        loaded = workspace.run(title, lambda progress: _samples(path, progress))
         if not workspace.went_well(loaded):
             return False
-        self._player.play(list(loaded.result().samples()), speed)
+        self._player.play(loaded.result(), speed)
         return True
+
+
+def _samples(path: str, progress: Progress) -> list[DeviceSample]:
+    recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
+    samples = []
+    for k, sample in enumerate(recording.samples()):
+        samples.append(sample)
+        if k % _AT_ONCE == 0:
+            progress(_READ + (0.99 - _READ) * k / len(recording))
+    return samples
 
 
 def _write(recording: Recording, path: Path, progress: Progress) -> None:

@@ -1,0 +1,180 @@
+"""A recording that is replayed in the window: how far it is, and how it is stopped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest
+
+from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.device.recorded import Recording
+from paint3d.recording.recording import save_recording
+from tests.support.app.gestures import BUTTON, answer, drag, live, take_file, wait_for
+from tests.support.app.windows import opened, settled
+
+TIMES = 300  # to and fro
+REST_NS = 600_000_000_000
+CHUNKS = 3 * 64  # samples that may be painted after a replay was stopped
+
+
+@pytest.fixture
+def window(program):
+    with opened(program, "plane", 2.0, "porcelain") as window:
+        window.panels.history.pace.setCurrentText("max")
+        yield window
+
+
+def long_file(window, folder: Path, rest_ns: int = 0, times: int = TIMES) -> Path:
+    """A line that goes to and fro, and rests in the middle of it."""
+    drag(window.canvas, (0.42, 0.5), (0.58, 0.5), n=20)
+    settled(window)
+    line = window.document.strokes[0].samples
+    window.workspace.actions["undo"].trigger()
+    settled(window)
+    samples, at_ns = [], 0
+    for k in range(times):
+        for sample in line if k % 2 == 0 else line[::-1]:
+            at_ns += 8_000_000 + (rest_ns if len(samples) == times * len(line) // 2 else 0)
+            samples.append(replace(sample, time_ns=at_ns))
+    file = folder / "long.jsonl"
+    save_recording(joined(samples), file)
+    return file
+
+
+def joined(samples) -> Recording:
+    return Recording(
+        [s.time_ns for s in samples],
+        [s.position for s in samples],
+        [s.orientation for s in samples],
+        [s.pressure for s in samples],
+        contact=[s.contact for s in samples],
+    )
+
+
+def replay(window, file: Path) -> int:
+    """By the menu; how many samples there are."""
+    answer(take_file(file))
+    window.workspace.actions["replay"].trigger()
+    assert window.player.is_playing
+    return TIMES * 20
+
+
+def by_button(window) -> None:
+    QtTest.QTest.mouseClick(window.replay_bar.button, BUTTON.LeftButton)
+
+
+def press(window, key: QtCore.Qt.Key, *held: QtCore.Qt.KeyboardModifier) -> None:
+    window.activateWindow()  # a dialog had the keys until now
+    assert QtTest.QTest.qWaitForWindowActive(window, 60_000)
+    window.canvas.setFocus()
+    QtTest.QTest.keyClick(window.canvas, key, *held)
+
+
+def by_key(window) -> None:
+    press(window, QtCore.Qt.Key.Key_Escape)
+
+
+def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tmp_path) -> None:
+    file = long_file(window, tmp_path)
+    shares: list[int] = []
+    replay(window, file)
+    while window.player.is_playing:
+        assert "Ready" not in window.status.told.text()
+        assert window.replay_bar.isVisible()
+        shares.append(window.replay_bar.bar.value())
+        live(0.0)
+    assert len(window.document.strokes) == 1
+    assert not window.document.in_stroke
+    assert "Ready" in window.status.told.text()
+    assert not window.replay_bar.isVisible()
+    assert shares == sorted(shares)
+    assert len({share for share in shares if 0 < share < 1000}) > 3
+
+
+@pytest.mark.parametrize("stop", [by_button, by_key])
+def test_it_is_stopped_at_once_and_undone_as_a_whole(window, tmp_path, stop) -> None:
+    file = long_file(window, tmp_path)
+    n, easel = replay(window, file), window.stage.easel
+    before = easel.n_painted
+    wait_for(lambda: easel.n_painted > before + 200)
+    stop(window)
+    at = easel.n_painted
+    assert not window.player.is_playing
+    assert not window.replay_bar.isVisible()
+    assert "stopped" in window.status.told.text()
+    settled(window)
+    assert easel.n_painted <= at + CHUNKS
+    (stroke,) = window.document.strokes
+    assert len(stroke.samples) == easel.n_painted - before < n
+    assert window.document.surface.painted.any()
+    window.workspace.actions["undo"].trigger()
+    settled(window)
+    assert not window.document.strokes
+    assert not window.document.surface.painted.any()
+    drag(window.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
+    settled(window)
+    assert len(window.document.strokes) == 1
+
+
+def test_undo_stops_it_and_takes_all_of_it_back(window, tmp_path) -> None:
+    file = long_file(window, tmp_path)
+    replay(window, file)
+    wait_for(lambda: window.document.surface.painted.any())
+    press(window, QtCore.Qt.Key.Key_Z, QtCore.Qt.KeyboardModifier.ControlModifier)
+    settled(window)
+    assert not window.player.is_playing
+    assert not window.document.strokes
+    assert not window.document.surface.painted.any()
+    assert "expected" not in window.status.told.text()
+
+
+def test_the_rest_of_a_wet_recording_is_not_waited_for(window, tmp_path) -> None:
+    """Ten minutes that pass for the ink are 12,000 pieces of time."""
+    file = long_file(window, tmp_path, REST_NS)
+    window.workspace.actions["wet"].trigger()
+    replay(window, file)
+    easel = window.stage.easel
+    wait_for(lambda: easel.queue_length > 1000)
+    by_key(window)
+    assert easel.queue_length < 10
+    settled(window)
+    window.workspace.actions["wet"].trigger()
+    window.workspace.actions["undo"].trigger()
+    settled(window)
+    assert not window.document.strokes
+
+
+def test_what_was_not_painted_does_not_come_back_after_a_crash(window, tmp_path) -> None:
+    file = long_file(window, tmp_path)
+    replay(window, file)
+    easel = window.stage.easel
+    wait_for(lambda: window.document.surface.painted.any())
+    by_key(window)
+    settled(window)
+    (stroke,) = window.document.strokes
+    easel.stop(keep=True)
+    back = recoverable()[0].recover().document
+    assert [len(s.samples) for s in back.strokes] == [len(stroke.samples)]
+    recoverable()[0].discard()
+
+
+def test_a_stroke_by_hand_that_waits_behind_it_is_kept(window, tmp_path) -> None:
+    """All is handed on and the rest waits: what is stopped is the replay alone."""
+    file, easel = long_file(window, tmp_path, times=100), window.stage.easel
+    with easel.paused() as document:
+        assert document is not None
+        replay(window, file)
+        waiting = -1
+        while easel.queue_length > waiting:  # until no more of it is handed on
+            waiting = easel.queue_length
+            live(0.1)
+        drag(window.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
+        by_button(window)
+    settled(window)
+    (own,) = window.document.strokes  # nothing of the recording had been painted
+    assert 100 * 20 > len(own.samples) >= 6
