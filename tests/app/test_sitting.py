@@ -18,10 +18,10 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model.persistence.sitting import Sitting, recoverable, refusal
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
-from paint3d.errors import ExportError, SessionError
+from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project.journal import Journal, read_events
 from tests.support.app.hands import line, same_vertices, small_plane
 
@@ -83,7 +83,7 @@ def test_everything_comes_back_to_the_bit(tmp_path, new_base):
     assert sorted(f.name for f in unfinished.folder.glob("base*")) == [f"base-{1 + new_base}.p3d"]
     recovered = unfinished.recover()
     assert not recovered.loss
-    assert len(recovered.refused) == 1 - new_base
+    assert recovered.refused == ()  # what was refused then is no news
     again = recovered.document
     same_vertices(again.surface, document.surface)
     assert again.layers == document.layers
@@ -272,6 +272,46 @@ def test_a_cut_journal_gives_all_up_to_the_cut(tmp_path, cut):
     recovered = recoverable(tmp_path)[0].recover()
     assert recovered.loss
     assert len(recovered.document.strokes[0].samples) == {1: 20, 40: 16, 500: 16}[cut]
+
+
+@pytest.mark.parametrize("damage", ["cut", "header"])
+def test_what_lies_behind_a_damage_is_counted(tmp_path, damage):
+    """Of journals that come after it, too: what they say does not fit any more."""
+    document = small_plane()
+    sitting = Sitting(document, tmp_path)
+    sitting.note({"do": "begin_stroke"})
+    sitting.append(line((-20, 0), (20, 0)))
+    sitting.turn_page(document)  # the base that was to follow did not come
+    sitting.append(line((-20, 0), (20, 0)))
+    sitting.close(keep=True)
+    first = sitting.folder / "journal-1.p3dj"
+    if damage == "cut":
+        first.write_bytes(first.read_bytes()[:-40])
+    else:
+        first.write_bytes(b"")
+    recovered = recoverable(tmp_path)[0].recover()
+    assert len(recovered.document.strokes) == 0
+    left = first.stat().st_size if damage == "cut" else 0
+    later = sum(path.stat().st_size for path in sitting.folder.glob("journal-[23].*"))
+    assert later <= recovered.loss.n_bytes <= left + later
+    assert recovered.n_lost >= len(line((-20, 0), (20, 0)))
+
+
+def test_what_is_refused_only_when_it_is_done_again_is_told(tmp_path):
+    document = small_plane()
+    sitting = Sitting(document, tmp_path)
+    sitting.note({"do": "remove_layer", "with": [7]})
+    sitting.note({"do": "remove_layer", "with": [8]})
+    sitting.note(refusal(InputError(_reason(document, 8))))
+    sitting.close(keep=True)
+    recovered = recoverable(tmp_path)[0].recover()
+    assert recovered.refused == (_reason(document, 7),)
+
+
+def _reason(document, layer: int) -> str:
+    with pytest.raises(InputError) as refused:
+        document.remove_layer(layer)
+    return str(refused.value)
 
 
 def test_what_is_no_sitting_is_passed_over(tmp_path):

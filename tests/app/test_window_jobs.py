@@ -25,8 +25,10 @@ from paint3d.app.window.jobs import job as jobs
 from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
+from paint3d.app.window.wording import choose_language
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
+from tests.support.app.hands import line
 from tests.support.app.windows import settled
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
@@ -299,6 +301,71 @@ def test_what_is_brought_back_and_cannot_be_kept_anew_stays(
     assert "the disk is full" in empty.status.told.text()
     (left,) = recoverable()
     left.discard()
+
+
+@pytest.mark.parametrize("tongue", ["en", "zh"])
+def test_what_a_damaged_journal_lost_is_told(empty, tongue: str) -> None:
+    sitting = Sitting(Document.new("plane", 4.0))
+    sitting.note({"do": "add_layer"})
+    sitting.note({"do": "remove_layer", "with": [7]})  # there is none, and nobody was told then
+    sitting.note({"do": "begin_stroke"})
+    sitting.append(line((-20, 0), (20, 0)))
+    sitting.close(keep=True)
+    (journal,) = sitting.folder.glob("journal-1.*")
+    journal.write_bytes(journal.read_bytes()[:-200])
+    n_lost = recoverable()[0].recover().n_lost
+    assert n_lost >= 10
+    choose_language(tongue)
+    try:
+        assert empty.recovery.recover(recoverable()[0])
+    finally:
+        choose_language("en")
+    words = {"en": ("Brought back", f"about {n_lost} samples", "1 steps", "layer 7")}
+    words["zh"] = ("已找回", f"约有 {n_lost} 个", "有 1 步", "7")
+    assert all(part in empty.status.told.text() for part in words[tongue])
+    drag(empty.canvas, (0.4, 0.5), (0.55, 0.5), n=6)
+    assert words[tongue][1] in empty.status.told.text()  # it stays
+
+
+def test_nothing_is_said_of_what_was_refused_before_the_crash(window) -> None:
+    window.workspace.post("remove_layer", 7)
+    settled(window)
+    drag(window.canvas, (0.4, 0.5), (0.55, 0.5), n=6)
+    settled(window)
+    window.stage.easel.stop(keep=True)
+    (left,) = recoverable()
+    recovered = left.recover()
+    assert recovered.refused == ()
+    assert len(recovered.document.strokes) == 1
+    left.discard()
+
+
+@pytest.mark.parametrize("by_others", [False, True])
+def test_saving_what_was_brought_back_asks_if_others_saved_there(
+    empty, tmp_path: Path, by_others: bool
+) -> None:
+    """Since the lost window knew the file last, not since it was brought back."""
+    path = tmp_path / "mine.p3d"
+    document = Document.new("plane", 4.0)
+    sitting = Sitting(document)
+    document.save(path)
+    sitting.name_file(document)
+    sitting.note({"do": "add_layer"})
+    sitting.close(keep=True)
+    if by_others:
+        Document.open(path).save()
+    before, asked = path.read_bytes(), []
+    assert empty.recovery.recover(recoverable()[0])
+
+    def stay(box: QtWidgets.QMessageBox) -> None:
+        asked.append(box.text())
+        box.escapeButton().click()
+
+    if by_others:
+        answer(stay, QtWidgets.QMessageBox)
+    empty.workspace.actions["save"].trigger()
+    assert len(asked) == by_others
+    assert (path.read_bytes() == before) == by_others
 
 
 def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:

@@ -46,7 +46,10 @@ from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
 from paint3d.surface.vertex_sets import union
 
-__all__ = ["Document"]
+__all__ = ["Document", "FileState"]
+
+FileState = tuple[int, int, int]
+"""What becomes another one when somebody writes a file: its number, time (ns) and bytes."""
 
 
 class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
@@ -236,9 +239,22 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self._gather()
         save_session(self._session(), path, progress)
 
-    def belong_to(self, path: Path | None) -> None:
-        """Have this as the session's file, as it lies on the disk now."""
-        self.path, self._written = path, _written(path)
+    def belong_to(self, path: Path | None, as_known: FileState | None = None) -> None:
+        """Have this as the session's file.
+
+        Parameters
+        ----------
+        path : Path or None
+        as_known : FileState, optional
+            What `file_state` was when it was written or read last; by default, as it lies on the
+            disk now.
+        """
+        self.path, self._written = path, as_known or _written(path)
+
+    @property
+    def file_state(self) -> FileState | None:
+        """What the session's file was when it was opened or saved here; None: it has none."""
+        return self._written
 
     @property
     def is_written_by_others(self) -> bool:
@@ -325,8 +341,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
             self._pending.append(vertex_ids)
 
 
-def _written(path: str | os.PathLike[str] | None) -> tuple[int, int, int] | None:
-    """What becomes another number when somebody writes a file; None where there is none."""
+def _written(path: str | os.PathLike[str] | None) -> FileState | None:
+    """As the file lies there now; None where there is none."""
     try:
         found = os.stat(path) if path is not None else None
     except OSError:

@@ -30,7 +30,7 @@ from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, view_brush
 from paint3d.app.model.ink_clock import InkClock
-from paint3d.app.model.persistence.sitting import Sitting
+from paint3d.app.model.persistence.sitting import Sitting, refusal
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
@@ -464,7 +464,11 @@ class Easel:
     def _do(self, job: _Job) -> None:
         self._stale = True
         if job.command is None:
-            self._guarded("painting", lambda: self._paint(job))
+            try:
+                self._paint(job)
+            except Exception as error:
+                self.tell("painting", error)
+                self._keep_refusal(error)
             return
         command, result = job.command, job.result
         assert result is not None, "a command has one"
@@ -486,6 +490,7 @@ class Easel:
             result.set_exception(stopped)
         except Exception as error:
             self.tell(name, error)
+            self._keep_refusal(error)
             result.set_exception(error)
         if name == _FOLLOW:
             self._pace.took(time.perf_counter() - before)
@@ -517,6 +522,11 @@ class Easel:
         return time.perf_counter_ns() if self._seen_ns is None else self._seen_ns[0]
 
     # -- keeping ----------------------------------------------------------------------------
+
+    def _keep_refusal(self, error: Exception) -> None:
+        """Write down that something could not be done: doing it again will not do it either."""
+        if self._scribe is not None and isinstance(error, Paint3DError):
+            self._scribe.note(refusal(error))
 
     def _watch_steps(self, name: str) -> None:
         """Notice before an undo or redo that it leads past the base, which must then follow.
@@ -599,6 +609,9 @@ def _asked(came: float, command: str, *arguments: object) -> _Job:
     return _Job(came, (), command, arguments, {}, Future())
 
 
+_Item = _Job | Future[Any] | Mapping[str, object]  # for the scribe
+
+
 class _Scribe:
     """Writes what is asked for into a sitting, in a thread, so that nobody waits for the disk.
 
@@ -620,7 +633,7 @@ class _Scribe:
         self.has_gap = self.had_gap = False
         self._leaving = False  # what is written would be deleted
         self._tell = tell
-        self._queue: SimpleQueue[_Job | Future[Any] | None] = SimpleQueue()
+        self._queue: SimpleQueue[_Item | None] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="paint3d-scribe", daemon=True)
         self._thread.start()
 
@@ -629,6 +642,10 @@ class _Scribe:
         if job.command is None or job.command in COMMANDS:
             self.n_put += 1
             self._queue.put(job)
+
+    def note(self, words: Mapping[str, object]) -> None:
+        """Write something down about what was put before; see `Sitting.note`."""
+        self._queue.put(words)
 
     def turn_page(self) -> Future[Any]:
         """Start a new journal for what is put from now on."""
@@ -659,8 +676,10 @@ class _Scribe:
                 if isinstance(item, Future):
                     item.set_exception(error)
 
-    def _write(self, item: _Job | Future[Any]) -> None:
-        if isinstance(item, Future):
+    def _write(self, item: _Item) -> None:
+        if isinstance(item, Mapping):
+            self.sitting.note(item)
+        elif isinstance(item, Future):
             self.sitting.turn_page(self._document)
             self.had_gap, self.has_gap = self.has_gap, False
             item.set_result(None)

@@ -16,7 +16,7 @@ CHINESE = {
     "It would stand like this. Is that right?": "它会这样放着，对吗？",
     "Which way is up? The file does not say": "哪边朝上？文件没有注明",
     "One unit of the file": "文件的一个单位", "Longest side": "最长边",
-    "Left out: {what}": "未采用：{what}", ", ": "、",
+    "Left out: {what}": "未采用：{what}", ", ": "、", "; ": "；",
     "There is paint on it. Turned, it is begun anew without the paint; what is open can be "
     "saved first.":
         "上面已有墨迹。转动后将重新开始，不带墨迹；可先保存现有作品。",

@@ -12,21 +12,22 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from paint3d.app.model.commands import do_again, encode_command
-from paint3d.app.model.document import Document
+from paint3d.app.model.document import Document, FileState
 from paint3d.app.model.persistence.places import recovery_folder
 from paint3d.core.machine import is_locked, lock
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, Paint3DError, SessionError
-from paint3d.files.project.journal import Journal, Loss, read_events
+from paint3d.files.project.journal import SAMPLE, Journal, Loss, read_events
 
-__all__ = ["Recovered", "Sitting", "Unfinished", "is_open_elsewhere", "recoverable"]
+__all__ = ["Recovered", "Sitting", "Unfinished", "is_open_elsewhere", "recoverable", "refusal"]
 
 _ABOUT, _LOCK = "about.json", "lock"
 _OPENED = 0.2  # of recovering is opening the base
@@ -34,6 +35,8 @@ _AT_ONCE = 256  # samples between two reports of progress
 _COSTS = {"follow_time": 50.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
 """Of commands, in samples painted."""
 
+_REFUSED = "refused"  # of a note in a journal
+_Event = Recording | dict[str, object]
 _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
 
@@ -133,6 +136,7 @@ class Sitting:
         self._about = {
             "object": document.surface.source.name,
             "path": _path_of(document),
+            "file": document.file_state,
             "time_s": time.time(),
             "modified": document.modified,
             "opening_bytes": self._journal_bytes(),
@@ -141,7 +145,7 @@ class Sitting:
 
     def name_file(self, document: Document) -> None:
         """Say to which file the painting belongs now; nothing else changes."""
-        self._about["path"] = _path_of(document)
+        self._about |= {"path": _path_of(document), "file": document.file_state}
         with suppress(OSError):  # the next base will say it
             self._write_about()
 
@@ -175,15 +179,20 @@ class Recovered:
     n_events : int
         Batches of samples and commands that were done again.
     loss : Loss
-        What of the journal could not be read.
+        What of the journals could not be read; all that came after it counts, too.
     refused : tuple of str
-        What could not be done again, and why.
+        Why something could not be done again that could be done when it was asked for first.
     """
 
     document: Document
     n_events: int
     loss: Loss
     refused: tuple[str, ...]
+
+    @property
+    def n_lost(self) -> int:
+        """How many samples what could not be read has room for."""
+        return -(-self.loss.n_bytes // SAMPLE.itemsize)
 
 
 @dataclass(frozen=True)
@@ -198,12 +207,15 @@ class Unfinished:
         The session's file, if it had one.
     time_s : float
         When something was written last, s since 1970.
+    file : FileState or None
+        What the session's file was when the sitting knew it last; None: not known.
     """
 
     folder: Path
     object_name: str
     path: Path | None
     time_s: float
+    file: FileState | None = None
 
     def recover(self, progress: Callable[[float], None] | None = None) -> Recovered:
         """Open the last base and do again what came after it.
@@ -226,12 +238,11 @@ class Unfinished:
             raise SessionError(f"{self.folder}: it holds no painting; expected base-K.p3d")
         first, base = bases[0]
         document = Document.open(base)
-        pieces, loss, n_events = [], Loss(), 0
-        for number, journal in sorted(_numbered(self.folder, "journal-")):
-            if number >= first and not loss.n_bytes:
-                _, more, loss = read_events(journal)
-                pieces += [piece for event in more for piece in _pieces(event)]
-                n_events += len(more)
+        journals = sorted(_numbered(self.folder, "journal-"))
+        events, loss = _events([path for number, path in journals if number >= first])
+        known = Counter(str(e[_REFUSED]) for e in events if isinstance(e, dict) and _REFUSED in e)
+        events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
+        pieces = [piece for event in events for piece in _pieces(event)]
         tell(_OPENED)
         costs = [_cost(piece) for piece in pieces]
         done, whole, refused = 0.0, sum(costs), []
@@ -240,9 +251,10 @@ class Unfinished:
             done += cost
             tell(_OPENED + (1.0 - _OPENED) * done / whole)
         document.end_stroke()
-        document.belong_to(self.path)
+        document.belong_to(self.path, self.file)
         document.differ_from_saved()
-        return Recovered(document, n_events, loss, tuple(refused))
+        unknown = Counter(refused) - known
+        return Recovered(document, len(events), loss, tuple(unknown.elements()))
 
     def discard(self) -> None:
         """Delete it for good."""
@@ -286,6 +298,32 @@ def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) 
     return False
 
 
+def refusal(error: Paint3DError) -> dict[str, object]:
+    """What a journal says of something that could not be done."""
+    return {_REFUSED: str(error)}
+
+
+def _events(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
+    """What was asked for, in order, up to the first damage, and what is lost from there on."""
+    events: list[_Event] = []
+    for k, journal in enumerate(journals):
+        later = sum(_bytes_of(path) for path in journals[k + 1 :])
+        try:
+            _, more, loss = read_events(journal)
+        except SessionError as error:  # nothing in it can be read
+            return events, Loss(_bytes_of(journal) + later, 0, str(error))
+        events += more
+        if loss.n_bytes:
+            return events, replace(loss, n_bytes=loss.n_bytes + later)
+    return events, Loss()
+
+
+def _bytes_of(path: Path) -> int:
+    with suppress(OSError):
+        return path.stat().st_size
+    return 0
+
+
 def _path_of(document: Document) -> str | None:
     return None if document.path is None else str(document.path.resolve())
 
@@ -299,8 +337,10 @@ def _unfinished(folder: Path) -> list[Unfinished]:
             return []
         path = None if about["path"] is None else Path(about["path"])
         written = max(file.stat().st_mtime for file in folder.iterdir())
-        return [Unfinished(folder, str(about["object"]), path, written)]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        known = about.get("file")
+        file = None if known is None else (int(known[0]), int(known[1]), int(known[2]))
+        return [Unfinished(folder, str(about["object"]), path, written, file)]
+    except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return []
 
 

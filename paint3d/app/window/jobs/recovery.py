@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.persistence.sitting import Unfinished, recoverable
+from paint3d.app.model.persistence.sitting import Recovered, Unfinished, recoverable
 from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import open_with_progress
 from paint3d.app.window.named import named
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.files.progress import part_of
 
@@ -84,19 +84,34 @@ class Recovery:
         workspace.error = None
 
         def work(progress: Progress) -> object:
-            document = one.recover(part_of(progress, 0.0, 0.9)).document
-            return open_with_progress(document, progress, 0.9)
+            recovered = one.recover(part_of(progress, 0.0, 0.9))
+            return recovered, open_with_progress(recovered.document, progress, 0.9)
 
         done = workspace.run(say("status.opening", name=_name_of(one)), work)
         if not workspace.went_well(done):
             return False
-        if not workspace.show(done.result()):
+        recovered, opened = done.result()
+        if not workspace.show(opened):
             return False
-        if workspace.easel.sitting is None:  # it is said, and this is all that a crash leaves
-            return True
-        one.discard()
-        workspace.tell(say("Brought back; save it to keep it"), state="good")
+        is_kept = workspace.easel.sitting is not None
+        if is_kept:
+            one.discard()
+        lost = _lost_of(recovered)
+        if lost or is_kept:  # if not, it is said, and what the crash left is all that there is
+            told = say("; ").join([say("Brought back; save it to keep it"), *lost])
+            workspace.tell(told, state="bad" if lost else "good", stays=bool(lost))
         return True
+
+
+def _lost_of(recovered: Recovered) -> list[str]:
+    """What did not come back, in words."""
+    said = []
+    if recovered.n_lost:
+        said.append(say("problem.lost", count=recovered.n_lost))
+    if recovered.refused:
+        told = say("problem.refused", count=len(recovered.refused))
+        said.append(f"{told} ({say_error(recovered.refused[0])})")
+    return said
 
 
 def _name_of(one: Unfinished) -> str:
