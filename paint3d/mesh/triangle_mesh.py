@@ -123,10 +123,13 @@ class TriangleMesh:
         """Area of all faces, mm^2."""
         return 0.5 * float(self.double_areas.sum())
 
-    @property
+    @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """Lowest and highest corner of the axis-aligned box: (2, 3), mm."""
-        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]).astype(np.float64)
+        along = self.vertices.T  # axis by axis: rows of three are ten times as slow
+        box = np.array([[x.min() for x in along], [x.max() for x in along]], np.float64)
+        box.setflags(write=False)
+        return box
 
     @cached_property
     def is_solid(self) -> bool:

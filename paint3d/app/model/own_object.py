@@ -62,7 +62,7 @@ class ObjectChoice(NamedTuple):
 
 def longest_side(mesh: TriangleMesh) -> float:
     """Longest side of the box around a mesh, mm."""
-    return float(np.ptp(mesh.vertices, axis=0).max())
+    return float(np.ptp(mesh.bounds, axis=0).max())
 
 
 def is_implausible(size_mm: float) -> bool:

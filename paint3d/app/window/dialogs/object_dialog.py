@@ -77,10 +77,8 @@ class ObjectDialog(QtWidgets.QDialog):
         self._guess = reading.likely_up
         start = first_choice(reading, self._guess, material, resolution)
         self._turn, self._scale = start.turn, start.scale
-        self._previews = {
-            on: Preview(reading.mesh, _PICTURE, on)
-            for on in ((True, False) if reading.mesh.colours is not None else (False,))
-        }
+        self._seen = Preview(reading.mesh, _PICTURE)
+        self._plain = self._seen.plain()
         self.unit = QtWidgets.QComboBox()
         self.length = QtWidgets.QDoubleSpinBox()
         self.material = QtWidgets.QComboBox()
@@ -151,7 +149,7 @@ class ObjectDialog(QtWidgets.QDialog):
         """A button with a picture for each axis that may point up."""
         grid = QtWidgets.QGridLayout()
         grid.setSpacing(6)
-        preview = Preview(self._mesh, _SMALL)
+        preview = self._seen.smaller(_SMALL)
         self.ways: dict[str, QtWidgets.QToolButton] = {}
         for k, up in enumerate(UP_AXES):
             button = QtWidgets.QToolButton()
@@ -245,7 +243,7 @@ class ObjectDialog(QtWidgets.QDialog):
             self._show()
 
     def _preview(self) -> Preview:
-        return self._previews[self.colours.isChecked() and True in self._previews]
+        return self._seen if self.colours.isChecked() else self._plain
 
     def _show(self, *_: object) -> None:
         """Show what is chosen."""

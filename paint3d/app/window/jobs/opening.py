@@ -148,7 +148,8 @@ class Opening:
 
         def read(progress: Progress) -> Reading:
             found = read_mesh(path, texture=True, up=self.up, progress=_before_one(progress))
-            _ = found.likely_up  # found here, not in the window's thread
+            _ = found.likely_up, found.mesh.face_normals, found.mesh.bounds  # found here, not in
+            # the window's thread
             return found
 
         loaded = self._workspace.run(title, read)
