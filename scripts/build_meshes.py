@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Write the built-in objects, meshes/*.ply, and their table, meshes/README.md.
 
-The files are a function of paint3d/mesh/solids.py alone; run this after changing it.
+The files are a function of scripts/solids.py alone; run this after changing it.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ import hashlib
 from pathlib import Path
 
 from paint3d.files.writers.write_ply import write_ply
-from paint3d.mesh.solids import make_bowl, make_plane, make_plate, make_sphere, make_vase
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from scripts.solids import make_bowl, make_plane, make_plate, make_sphere, make_vase
 
 FOLDER = Path(__file__).resolve().parents[1] / "meshes"
 HEADER = """# Built-in objects
 
-Written by `scripts/build_meshes.py` from the formulas in `paint3d/mesh/solids.py`; do not edit by
+Written by `python -m scripts.build_meshes` from the formulas in `scripts/solids.py`; do not edit by
 hand. Ours, MIT licence like the rest of the project. Millimetres, z up; vessels stand on z = 0
 with z as their axis. Binary little-endian PLY with the exact normals of the shape.
 

@@ -27,8 +27,8 @@ from paint3d.colour.pigments import load_pigment
 from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError
 from paint3d.files.project.session import Session, load_session, save_session
-from paint3d.mesh.solids import make_plane
 from paint3d.surface.painted_surface import PaintedSurface
+from scripts.solids import make_plane
 
 __all__ = ["cut_everywhere", "make_session", "survives_full_disk", "traces"]
 

@@ -40,11 +40,11 @@ from paint3d.device.space_mouse import SpaceMouse
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
-from paint3d.mesh.solids import make_bowl
 from paint3d.painter.painter import Painter
 from paint3d.pose.steering import ObjectPose, SteeringOptions
 from paint3d.pose.two_hands import TwoHands
 from paint3d.surface.painted_surface import PaintedSurface
+from scripts.solids import make_bowl
 from tests.support.force_model import ForceModel
 
 MS = 1_000_000

@@ -6,7 +6,6 @@ timed against an echo first, which is what the cable, two wake-ups and the stylu
 
 from __future__ import annotations
 
-import math
 import multiprocessing
 import select
 import socket
@@ -16,6 +15,7 @@ from multiprocessing.synchronize import Event
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
 from paint3d.brush.presets import load_brush
 from paint3d.core.types import AnyArray
@@ -23,19 +23,17 @@ from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_numbers, encode_force
 from paint3d.device.force.virtual_stylus import Felt, VirtualStylus
 from paint3d.errors import Paint3DError
+from paint3d.files.load import load_mesh
 from paint3d.haptics.realtime import ask_for_speed
 from paint3d.haptics.servo import ForceFeedback, ServoStatus
 from paint3d.haptics.settings import HapticSettings
-from paint3d.mesh.profiles import sample_profile, vessel_profile
-from paint3d.mesh.solids import revolve
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["measure"]
 
 _SECONDS = 30.0
-_EDGE_MM = 0.39  # a million triangles
-_WALL = [((34.0, 8.5), (63.0, 8.5), (65.0, 43.0), (73.5, 66.5))]
+_VERTICES = 500_000  # and twice as many triangles
 _PRIORITY = 50  # of the device's process: a real device waits for nobody
 _ECHO_SHARE = 0.2
 _MOST_PERIOD_US, _MOST_LATE, _MOST_TRIP_US = 1200.0, 0.002, 300.0
@@ -50,7 +48,7 @@ def measure(share: float = 1.0) -> Result:
     Paint3DError
         If the servo fails.
     """
-    mesh = _bowl(_EDGE_MM / math.sqrt(share))
+    mesh = _bowl(max(100, int(_VERTICES * share)))
     surface = PaintedSurface(mesh, resolution=None)
     poses = _slide(max(1.0, _SECONDS * share))
     echo = _time_echo(poses[: max(500, int(len(poses) * _ECHO_SHARE))])
@@ -89,10 +87,10 @@ def measure(share: float = 1.0) -> Result:
     )
 
 
-def _bowl(edge: float) -> TriangleMesh:
-    points, normals = sample_profile(vessel_profile(_WALL, 3.0, 30.5, 7.0), edge * 0.866)
-    points[[0, -1], 0] = 0.0
-    return revolve(points, normals, edge, "bowl")
+def _bowl(n_vertices: int) -> TriangleMesh:
+    fine = refined_surface(load_mesh("bowl"), n_vertices)
+    vertices, faces, normals, _ = fine.export_arrays(None)
+    return TriangleMesh(vertices, faces, normals=normals)
 
 
 def _slide(seconds: float) -> NDArray[np.float64]:

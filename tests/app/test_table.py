@@ -13,8 +13,8 @@ from paint3d.device.hid_nodes import HidNode
 from paint3d.device.space_mouse import MouseEvent
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import InputError
-from paint3d.mesh.solids import make_plane
 from paint3d.pose.two_hands import TwoHands
+from scripts.solids import make_plane
 from tests.support.app.hands import UPRIGHT, line, sample
 
 MS = 1_000_000

@@ -7,10 +7,10 @@ import pytest
 
 import paint3d.brush_engine.scratch
 from paint3d.device.recorded import Recording
-from paint3d.mesh.solids import make_sphere
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from scripts.solids import make_sphere
 
 
 def turning_stroke() -> Recording:

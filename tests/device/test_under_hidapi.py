@@ -286,7 +286,7 @@ from paint3d.device.force.force_port import HidForcePort
 from paint3d.device.hid_nodes import list_nodes
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
-from paint3d.mesh.solids import make_plane
+from scripts.solids import make_plane
 from paint3d.surface.painted_surface import PaintedSurface
 
 def main():

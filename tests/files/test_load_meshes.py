@@ -28,7 +28,7 @@ from paint3d.files.sandbox.handover import receive, send
 from paint3d.files.sandbox.reading import Wanted, read_surface
 from paint3d.files.writers.write_glb import write_glb
 from paint3d.files.writers.write_ply import write_ply
-from paint3d.mesh.solids import make_plane
+from scripts.solids import make_plane
 
 BOX = trimesh.creation.box((10.0, 20.0, 30.0))
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"

@@ -16,8 +16,8 @@ from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits, HapticSettings
 from paint3d.mesh.kernels.bounded_bvh import find_foot_within, mean_normal, nearest_within
 from paint3d.mesh.kernels.bvh import closest_point, find_foot
-from paint3d.mesh.solids import make_bowl, make_plane, make_sphere
 from paint3d.surface.painted_surface import PaintedSurface
+from scripts.solids import make_bowl, make_plane, make_sphere
 from tests.support.force_model import ForceModel, flag_names
 
 QUICK = settings(deadline=None, max_examples=25)

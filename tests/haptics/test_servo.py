@@ -32,9 +32,9 @@ from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
 from paint3d.haptics.shared_state import RING_COLUMNS, ServoBoard, TreeBlock, percentile_us
-from paint3d.mesh.solids import make_plane
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.surface.painted_surface import PaintedSurface
+from scripts.solids import make_plane
 
 ROOT = Path(__file__).parents[2]
 BRUSH = load_brush("full")

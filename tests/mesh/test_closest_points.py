@@ -12,8 +12,8 @@ from paint3d.errors import InputError
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.kernels.closest_points import _enters
 from paint3d.mesh.kernels.median_split import order_by_halving
-from paint3d.mesh.solids import make_bowl, make_plane
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from scripts.solids import make_bowl, make_plane
 
 UP = np.array([0.0, 0.0, 1.0])
 seeds = st.integers(0, 2**32 - 1)

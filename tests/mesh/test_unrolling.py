@@ -4,8 +4,8 @@ import pytest
 from paint3d.errors import InputError
 from paint3d.mesh.chart import frame_at, make_chart
 from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.solids import make_plane, make_sphere
 from paint3d.mesh.unrolling import unroll
+from scripts.solids import make_plane, make_sphere
 
 
 def chart(mesh, point, half=12.0):

@@ -21,10 +21,10 @@ from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.core.frames import quaternions_from_matrices
 from paint3d.device.recorded import Recording
-from paint3d.mesh.solids import revolve
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from scripts.solids import revolve
 
 UPRIGHT = 0.5 * np.pi
 WALL = 2.0  # mm, of the bowl

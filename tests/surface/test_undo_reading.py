@@ -3,11 +3,11 @@ from __future__ import annotations
 import pytest
 
 from paint3d.errors import SessionError
-from paint3d.mesh.solids import make_plane
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
 from paint3d.surface.undo_reading import restore_undo
 from paint3d.surface.undo_state import undo_state
+from scripts.solids import make_plane
 
 
 def layered() -> PaintedSurface:

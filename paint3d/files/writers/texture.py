@@ -7,7 +7,7 @@ that filtering and mipmaps never mix in what was not painted.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,28 +15,20 @@ from numpy.typing import NDArray
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 
-__all__ = ["Detail", "Detailed", "TexturedMesh", "bake_detail", "bake_texture"]
+__all__ = ["Detail", "TexturedMesh", "bake_detail"]
 
 Detail = tuple[AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray]
-"""What `Detailed.detail_arrays` returns."""
+"""The object and what is painted on it.
+
+Own vertices (B, 3), faces (R, 3) and normals (B, 3); all vertices (V, 3), faces (F, 3), the own
+face that each lies in (F,), and sRGB codes (V, 3).
+"""
 
 PADDING = 4  # texels between charts
 FILLED = 0.6  # share of a texture that xatlas covers, nearly
 SIZES = (256, 4096)  # pixels that are chosen between by themselves
 FEW_FACES = 10_000  # more are cut into many charts, since large ones take xatlas minutes
 SMALL_CHART = 0.002  # of the area
-
-
-class Detailed(Protocol):
-    """A surface that knows which of its triangles lie in which of the object's own."""
-
-    def detail_arrays(self) -> Detail:
-        """Return the object and what is painted on it.
-
-        Own vertices (B, 3), faces (R, 3) and normals (B, 3); all vertices (V, 3), faces (F, 3),
-        the own face that each lies in (F,), and sRGB codes (V, 3).
-        """
-        ...
 
 
 class TexturedMesh(NamedTuple):
@@ -49,29 +41,20 @@ class TexturedMesh(NamedTuple):
     image: NDArray[np.uint8]
 
 
-def bake_texture(surface: Detailed, size: int | None = None) -> TexturedMesh:
+def bake_detail(detail: Detail, size: int | None = None) -> TexturedMesh:
     """Bake a painting.
 
     Parameters
     ----------
-    surface : Detailed
+    detail : Detail
     size : int, optional
         Pixels of the texture's longer side; by default two for each of the smallest edges.
-
-    Returns
-    -------
-    TexturedMesh
 
     Raises
     ------
     ExportError
         If xatlas is not installed, or cannot lay out the mesh.
     """
-    return bake_detail(surface.detail_arrays(), size)
-
-
-def bake_detail(detail: Detail, size: int | None = None) -> TexturedMesh:
-    """Bake what a surface's `detail_arrays` returned; see `bake_texture`."""
     vertices, faces, normals, points, triangles, owners, srgb = detail
     areas = _double_areas(vertices, faces) / 2.0
     if size is None:

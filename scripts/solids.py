@@ -1,6 +1,6 @@
 """Objects made from formulas: solids of revolution, the sphere and the plane.
 
-The built-in objects in ``meshes/`` are written with these by ``scripts/build_meshes.py``. Each
+The built-in objects in ``meshes/`` are written with these by ``scripts.build_meshes``. Each
 comes with the exact normals of the shape it samples.
 """
 
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
-from paint3d.mesh.profiles import Point, sample_profile, vessel_profile
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from scripts.profiles import Point, sample_profile, vessel_profile
 
 __all__ = [
     "make_bowl",
