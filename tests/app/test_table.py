@@ -147,6 +147,10 @@ class Servo:
 
     last_force = np.array([0.0, 3.0, 4.0])
     told = None
+    runs = True
+
+    def is_running(self):
+        return self.runs
 
     def take(self):
         return [StylusReading(MS, np.array([1.0, 2.0, 3.0]), UPRIGHT, None)]
@@ -168,6 +172,20 @@ def test_a_haptic_stylus_paints_and_its_force_is_shown():
     np.testing.assert_allclose(servo.told, [0, 0, 0, 1, 0, 0, 0])
     desk.stop()
     assert servo.told == "stopped"
+
+
+def test_a_servo_that_was_killed_is_let_go_of_and_said_so(caplog):
+    servo = Servo()
+    desk = DeviceHub(Stand(), clock=lambda: 20 * MS, hands=TwoHands(), feedback=servo)
+    desk.take()
+    servo.runs = False
+    assert len(desk.take().samples) == 1  # what it had said until then
+    assert servo.told == "stopped"
+    assert desk.force_n == 0.0
+    assert desk.take().samples == []
+    assert [record.getMessage() for record in caplog.records] == [
+        "force feedback has ended: its process stopped"
+    ]
 
 
 def test_a_stream_is_cut_into_strokes():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
@@ -30,6 +31,8 @@ DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "r
 _SETTLE_NS = 10_000_000  # how long a device may be late before its readings are merged
 _REMEMBERED = 400  # readings of which the rate is told
 _LEFT = ("mouse",)
+
+log = logging.getLogger("paint3d")
 
 
 class Plugged(Protocol):
@@ -66,6 +69,9 @@ class Feedback(Protocol):
 
     def publish(self, object_pose: AnyArray | None = None) -> None:
         """Tell where the object is, (7,), and that the program is alive."""
+
+    def is_running(self) -> bool:
+        """Whether the servo runs; the device of one that was killed is told to rest."""
 
     def stop(self) -> None:
         """Stop the servo."""
@@ -125,7 +131,7 @@ class DeviceHub:
         Returns ns of the clock that readings are stamped by.
     feedback : ForceFeedback, optional
         Of a haptic stylus: its readings count, and it is told where the object is. It is stopped
-        by `stop`.
+        by `stop`, and let go of when its process has ended.
 
     Attributes
     ----------
@@ -163,6 +169,7 @@ class DeviceHub:
         events, readings = self._plugged.take_mouse(), self._plugged.take_stylus()
         if self._feedback is not None:
             readings = sorted([*readings, *self._feedback.take()], key=lambda one: one.time_ns)
+            self._let_go_of_what_ended(self._feedback)
         commands: list[str] = []
         samples: list[DeviceSample] = []
         self.hands.add_stylus(readings)
@@ -177,6 +184,13 @@ class DeviceHub:
         self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
         return Taken(samples, commands, self.hands.object_pose)
+
+    def _let_go_of_what_ended(self, feedback: Feedback) -> None:
+        """Have a device rest whose servo was killed: it would push on with its last force."""
+        if not feedback.is_running():
+            log.warning("force feedback has ended: its process stopped")
+            feedback.stop()
+            self._feedback, self._force = None, 0.0
 
     def _feel(self, readings: list[StylusReading]) -> None:
         """Note the force, and tell the servo where the object is."""
