@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.mesh.base_surface import BaseSurface, make_base_surface
@@ -176,12 +177,12 @@ class PaintMesh:
         vertices = n + extra + MOST_AROUND_EDGE
         # a vertex on an edge halves two triangles: four nodes
         capacity = nodes + 4 * extra + 4 * MOST_AROUND_EDGE
-        grown: dict[str, Any]
-        grown = {name: _grow(getattr(field, name), n, vertices) for name in _PER_VERTEX}
+        larger: dict[str, Any]
+        larger = {name: grown(getattr(field, name), n, vertices) for name in _PER_VERTEX}
         for name in ("node_vertices", "node_root", "child", "longest", "node_area"):
-            grown[name] = _grow(getattr(field, name), nodes, capacity)
-        grown["radial"] = _grow(field.radial, 3 * nodes, 3 * capacity)
-        self.arrays = field._replace(**grown)
+            larger[name] = grown(getattr(field, name), nodes, capacity)
+        larger["radial"] = grown(field.radial, 3 * nodes, 3 * capacity)
+        self.arrays = field._replace(**larger)
 
     def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
         """Refine every cell: what lazy refinement must agree with wherever it went.
@@ -290,12 +291,6 @@ def _check_precision(points: AnyArray, resolution: float) -> None:
             f"expected steps of at most {resolution / _STEPS_PER_EDGE:g} mm at this resolution: "
             f"move the object to the origin"
         )
-
-
-def _grow(array: AnyArray, used: int, capacity: int) -> AnyArray:
-    grown = np.empty((capacity, *array.shape[1:]), array.dtype)
-    grown[:used] = array[:used]
-    return grown
 
 
 def _position_keys(points: AnyArray) -> AnyArray:

@@ -11,13 +11,12 @@ from __future__ import annotations
 import gzip
 import io
 import os
-import tempfile
 import zlib
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError, RecordingError
 from paint3d.recording.flat_recording import MM_PER_PIXEL
@@ -155,25 +154,8 @@ def save_recording(
     suffix = (target.with_suffix("") if zipped else target).suffix.lower()
     if suffix not in _WRITERS:
         raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(_WRITERS)} [.gz]")
-    target = Path(os.path.realpath(target)) if target.is_symlink() else target  # the link stays
-    try:
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:40]}.")
-    except OSError as cause:
-        raise ExportError(f"{target}: cannot write here: {cause.strerror or cause}") from None
-    try:
-        with os.fdopen(handle, "wb") as raw:
-            _write_lines(_WRITERS[suffix](recording), raw, zipped)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
-        if progress is not None:
-            progress(1.0)
-        os.replace(temporary, target)
-    except OSError as cause:
-        raise ExportError(f"{target}: cannot write: {cause.strerror or cause}") from None
-    finally:
-        with suppress(OSError):
-            os.unlink(temporary)
+    with write_atomically(target, progress) as part, open(part, "wb") as raw:
+        _write_lines(_WRITERS[suffix](recording), raw, zipped)
 
 
 def _write_lines(lines: Iterable[str], raw: BinaryIO, zipped: bool) -> None:

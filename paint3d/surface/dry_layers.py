@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from paint3d.colour.kernels.glazing import Ground
 from paint3d.colour.kernels.layering import GROUNDS
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
 
 __all__ = ["DryLayers", "DryRows"]
@@ -101,7 +102,7 @@ class DryLayers:
     def add_filters(self, over: tuple[AnyArray, ...]) -> None:
         """From now on rows say what they show over grey grounds; `over` is that of those here."""
         room = len(self._ids)
-        self._over = tuple(_grown(array, self.count, room) for array in over)
+        self._over = tuple(grown(array, self.count, room) for array in over)
 
     def rows_of(self, vertex_ids: AnyArray) -> NDArray[np.int32]:
         """(N,) int32 rows of vertices (N,), -1 for those that nothing has dried on."""
@@ -223,11 +224,11 @@ class DryLayers:
     def _reserve(self, wanted: int) -> None:
         if wanted > len(self._ids):
             room = max(_FIRST_ROWS, wanted + wanted // 2)
-            self._ids = _grown(self._ids, self.count, room)
-            self._spectra = _grown(self._spectra, self.count, room)
-            self._amounts = _grown(self._amounts, self.count, room)
-            self._share = _grown(self._share, self.count, room)
-            self._over = tuple(_grown(array, self.count, room) for array in self._over)
+            self._ids = grown(self._ids, self.count, room)
+            self._spectra = grown(self._spectra, self.count, room)
+            self._amounts = grown(self._amounts, self.count, room)
+            self._share = grown(self._share, self.count, room)
+            self._over = tuple(grown(array, self.count, room) for array in self._over)
 
     def restore(
         self,
@@ -249,12 +250,6 @@ class DryLayers:
         if over is None:
             over = tuple(np.empty((len(vertex_ids), 0)) for _ in GROUNDS)
         self._over = tuple(np.array(array, np.uint16) for array in over)
-
-
-def _grown(array: AnyArray, used: int, room: int) -> AnyArray:
-    grown = np.zeros((room, *array.shape[1:]), array.dtype)
-    grown[:used] = array[:used]
-    return grown
 
 
 def _padded(slots: AnyArray, capacity: int) -> AnyArray:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.kernels.glazing import Ground, add_between
 from paint3d.colour.spectra import decode_srgb
+from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
 
 __all__ = ["MeshColours"]
@@ -32,8 +33,8 @@ class MeshColours:
     def fit(self, capacity: int) -> None:
         """Make room for so many vertices."""
         if len(self._encoded) < capacity:
-            self._encoded = _grown(self._encoded, self._known, capacity)
-            self._linear = _grown(self._linear, self._known, capacity)
+            self._encoded = grown(self._encoded, self._known, capacity)
+            self._linear = grown(self._linear, self._known, capacity)
 
     def know(self, parents: AnyArray, n_vertices: int, srgb: AnyArray) -> None:
         """Give colours to vertices that have appeared, also as codes in `srgb` (cap, 3)."""
@@ -49,9 +50,3 @@ class MeshColours:
     def ground_of(self, ground: Ground) -> Ground:
         """The ground with these colours in the place of the material."""
         return ground._replace(linear_rgb=self._linear)
-
-
-def _grown(array: AnyArray, used: int, room: int) -> AnyArray:
-    grown = np.empty((room, *array.shape[1:]), array.dtype)
-    grown[:used] = array[:used]
-    return grown

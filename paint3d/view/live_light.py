@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import find_view, studio_axes
@@ -95,9 +96,7 @@ class LiveLight:
         if self._known == n:
             return
         if len(self._light) < n:
-            grown = np.empty((self._mesh.capacity, 3), np.float32)
-            grown[: self._known] = self._light[: self._known]
-            self._light = grown
+            self._light = grown(self._light, self._known, self._mesh.capacity)
         light_of_added(self._mesh.arrays.parents, self._known, n, self._light)
         self._known = n
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.kernels.chunks import Entries, add_faces, mark_holders, mark_split, place_faces
@@ -120,7 +121,7 @@ class LivePatches:
         if n == before:
             return {}
         field = self.mesh.arrays
-        self._face_patch = _grown(self._face_patch, before, n)
+        self._face_patch = _with_room(self._face_patch, before, n)
         place_faces(field, faces, before, self._sheet_patch, self._face_patch)
         marks = np.zeros(self.n_patches, np.uint8)
         fresh = np.arange(before, n, dtype=np.int32)
@@ -177,7 +178,7 @@ class LivePatches:
         patch, place, following = old.patch, old.place, old.following
         if len(old.patch) < count + extra:
             patch, place, following = (
-                _grown(column, count, count + extra) for column in (patch, place, following)
+                _with_room(column, count, count + extra) for column in (patch, place, following)
             )
         self._entries = Entries(head, patch, place, following, old.count)
 
@@ -216,10 +217,6 @@ def _compact_groups(places: AnyArray, areas: AnyArray, target: float) -> list[An
     return groups
 
 
-def _grown(array: AnyArray, used: int, room: int) -> AnyArray:
+def _with_room(array: AnyArray, used: int, room: int) -> AnyArray:
     """An array with space for `room`, and more, whose first `used` entries are kept."""
-    if len(array) >= room:
-        return array
-    grown = np.empty(int(room * _GROWTH) + 64, array.dtype)
-    grown[:used] = array[:used]
-    return grown
+    return array if len(array) >= room else grown(array, used, int(room * _GROWTH) + 64)

@@ -8,9 +8,6 @@ shows it and adds what the surface and its glaze mirror.
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from paint3d.core.arrays import as_array
+from paint3d.core.atomic import write_atomically
 from paint3d.core.types import AnyArray
-from paint3d.errors import ExportError, InputError, MeshError
+from paint3d.errors import InputError, MeshError
 from paint3d.view.camera import View, find_view, fit_camera, studio_axes, vertex_areas
 from paint3d.view.daylight import Occluder, light_ground, light_points
 from paint3d.view.scene import Scene, draw_scene
@@ -69,7 +67,7 @@ def render_picture(
     """
     path, size = Path(path), _checked_size(size)
     arrays = _checked_arrays(vertices, faces, normals, srgb)
-    with _replacing(path) as temporary:
+    with write_atomically(path) as temporary:
         pixels = draw_picture(*arrays, size=size, view=view, gloss=gloss)
         Image.fromarray(pixels).save(temporary, format="PNG")
 
@@ -208,30 +206,3 @@ def _checked_arrays(
     if np.ptp(vertices, axis=0).max() <= 0:
         raise MeshError("all vertices lie in one point; expected an object to draw")
     return vertices, faces, normals, srgb
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary file beside `path` that takes its place if all goes well."""
-    path = Path(os.path.realpath(path)) if path.is_symlink() else path
-    if path.is_dir():
-        raise ExportError(f"{path}: is a folder; expected a file to write")
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        os.close(handle)
-    except OSError as cause:
-        raise ExportError(f"{path}: cannot be written: {cause.strerror}") from None
-    try:
-        yield Path(name)
-        os.chmod(name, 0o666 & ~_umask())
-        os.replace(name, path)
-    except OSError as cause:
-        raise ExportError(f"{path}: cannot be written: {cause.strerror}") from None
-    finally:
-        Path(name).unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
