@@ -35,6 +35,7 @@ __all__ = [
     "limit_process",
     "lock",
     "make_memory_file",
+    "reserve_space",
     "usable_cores",
     "user_number",
 ]
@@ -215,6 +216,18 @@ def is_locked(path: Path) -> bool:
 def flush_file(descriptor: int) -> None:
     """Bring what was written to the disk."""
     (os.fdatasync if hasattr(os, "fdatasync") else os.fsync)(descriptor)
+
+
+def reserve_space(file: BinaryIO, n_bytes: int) -> None:
+    """Make sure that a file has room on the disk for so many bytes; nothing, where none can.
+
+    Raises
+    ------
+    OSError
+        If the disk is too full, or the file may not become so large.
+    """
+    if n_bytes > 0 and hasattr(os, "posix_fallocate"):
+        os.posix_fallocate(file.fileno(), 0, n_bytes)
 
 
 def flush_folder(folder: Path) -> None:

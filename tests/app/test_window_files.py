@@ -372,6 +372,37 @@ def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(window, tmp_p
     assert window.saving.save_to(tmp_path / "b.p3d")
 
 
+@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+def test_a_film_for_which_there_is_no_room_is_given_up_at_once(
+    window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    drawn: list[int] = []
+    whole = window.stage.picture_by_parts
+
+    def counted(**how):
+        drawn.append(1)
+        return whole(**how)
+
+    monkeypatch.setattr(window.stage, "picture_by_parts", counted)
+    film = Film(6.0, 10.0, (160, 120))
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))  # as a disk that is full
+    try:
+        assert not window.pictures.turntable_to(tmp_path / f"a{suffix}", film)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert isinstance(window.workspace.error, ExportError)
+    assert "cannot write" in str(window.workspace.error)
+    assert os.listdir(tmp_path) == []
+    assert len(drawn) < 0.5 * film.n_pictures  # two, and those that were drawn meanwhile
+    assert window.pictures.turntable_to(tmp_path / f"b{suffix}", Film(1.0, 8.0, (160, 120)))
+    data = (tmp_path / f"b{suffix}").read_bytes()  # of what was kept free nothing is left
+    if suffix == ".gif":
+        assert data.endswith(b"\x00;")
+    else:
+        assert len(data) == 8 + int.from_bytes(data[4:8], "little")
+
+
 def answered(words: str, found: list[str]) -> None:
     """Press the button with these words in the question that comes; what it says is kept."""
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Future
+from io import BytesIO
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from PIL import Image
@@ -17,6 +19,7 @@ from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.atomic import write_atomically
+from paint3d.core.machine import reserve_space
 from paint3d.errors import ExportError
 
 __all__ = ["FILMS", "write_turntable"]
@@ -31,6 +34,9 @@ _LOOK_S = 0.05
 
 def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]:
     """Draw a film picture by picture, with a bar, and write it; nothing if it was stopped.
+
+    What it will take of the disk is kept free for it when two pictures are there: where there is no
+    room for it, no more are drawn.
 
     Raises
     ------
@@ -57,16 +63,11 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
 
     def work(progress: Progress) -> None:
         pictures = _taken(drawn, n, progress)
-        first = next(pictures)
-        with write_atomically(path, progress) as part:
-            first.save(
-                part,
-                format=form,
-                save_all=True,
-                append_images=pictures,
-                duration=round(1e3 / film.rate),
-                loop=0,
-            )
+        with write_atomically(path, progress) as part, open(part, "r+b") as file:
+            first, second = next(pictures), next(pictures)
+            reserve_space(file, _bytes_of(first, second, n, form))
+            _write(file, first, chain([second], pictures), form, film.rate)
+            file.truncate()
 
     workspace.hold()
     workspace.stage.hide_brush()
@@ -77,6 +78,23 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
         workspace.stage.set_size(workspace.canvas.pixel_size)
         workspace.stage.set_camera(camera)
         workspace.go_on()
+
+
+def _write(
+    file: BinaryIO, first: Image.Image, others: Iterable[Image.Image], form: str, rate: float
+) -> None:
+    """Write a film; its pictures are asked for one after the other."""
+    duration = round(1e3 / rate)
+    first.save(file, form, save_all=True, append_images=others, duration=duration, loop=0)
+
+
+def _bytes_of(first: Image.Image, second: Image.Image, n: int, form: str) -> int:
+    """About what a film of n pictures takes that begins with these two."""
+    sizes = []
+    for others in ([], [second]):
+        _write(short := BytesIO(), first, others, form, 1.0)
+        sizes.append(len(short.getvalue()))
+    return sizes[0] + (n - 1) * max(0, sizes[1] - sizes[0])
 
 
 def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image | None]:
