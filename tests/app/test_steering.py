@@ -445,6 +445,20 @@ def test_alt_that_moves_the_window_is_told(window) -> None:
     assert "Space" in window.status.told.text()
 
 
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_alt_that_has_moved_the_window_is_told_after_it_was_let_go(window, elsewhere: bool) -> None:
+    """Who is quick has let go of it before the screen says where the window is."""
+    drag(window.canvas, (0.05, 0.5), (0.06, 0.5), n=2)
+    window.workspace.tell("")
+    QtTest.QTest.keyPress(window.canvas, KEY.Key_Alt, ALT)
+    QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
+    if elsewhere:  # what Alt was pressed for came to the window: it is moved by its frame
+        drag(window.canvas, (0.05, 0.5), (0.06, 0.5), n=2)
+    window.move(window.x() + 7, window.y() + 5)
+    live(0.1)
+    assert ("Space" in window.status.told.text()) != elsewhere
+
+
 def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
     window, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -6,6 +6,7 @@ Qt would take its digits for those above the letters.
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -21,6 +22,8 @@ _PAD = QtCore.Qt.KeyboardModifier.KeypadModifier
 _OTHERS = (  # that count together with a key of the keypad
     QtCore.Qt.KeyboardModifier.ControlModifier | QtCore.Qt.KeyboardModifier.AltModifier
 )
+_PRESSES = (_KIND.MouseButtonPress, _KIND.TabletPress, _KIND.TouchBegin)
+_WHILE_S = 5.0  # in which the screen tells that the window was moved, however busy all are
 _DIGITS = {
     _KEY.Key_Insert: _KEY.Key_0, _KEY.Key_End: _KEY.Key_1, _KEY.Key_Down: _KEY.Key_2,
     _KEY.Key_PageDown: _KEY.Key_3, _KEY.Key_Left: _KEY.Key_4, _KEY.Key_Clear: _KEY.Key_5,
@@ -52,6 +55,7 @@ class HeldKeys(QtCore.QObject):
         super().__init__(window)
         self._window, self._canvas, self._hand = window, canvas, hand
         self._alt = False
+        self._alt_at: float | None = None  # when it was pressed, if nothing else has been since
         self._keys: dict[int, tuple[str, str]] = {}
         held = {one.keys: one.action for one in SHORTCUTS if one.gesture in ("hold", "drag")}
         self._taps = {one.keys: one.action for one in SHORTCUTS if one.gesture == "press"}
@@ -74,12 +78,17 @@ class HeldKeys(QtCore.QObject):
         kind = event.type()
         if watched is self._window:
             self._watch_window(kind)
+        if kind in _PRESSES:
+            self._alt_at = None  # what it was pressed for has come to the window
         if kind not in (_KIND.KeyPress, _KIND.KeyRelease, _KIND.ShortcutOverride):
             return False
         if not isinstance(event, QtGui.QKeyEvent) or not self._window.isActiveWindow():
             return False
         if event.key() == _KEY.Key_Alt:
             self._alt = kind != _KIND.KeyRelease
+            self._alt_at = time.monotonic() if self._alt else self._alt_at
+        elif kind == _KIND.KeyPress:
+            self._alt_at = None
         if kind != _KIND.KeyRelease and QtWidgets.QApplication.activePopupWidget() is not None:
             return _leave_to_the_menu(kind, event)
         if isinstance(QtWidgets.QApplication.focusWidget(), WRITING):
@@ -101,8 +110,13 @@ class HeldKeys(QtCore.QObject):
             self._alt = False
             self._keys.clear()
             self._hand.held.clear()
-        elif kind == _KIND.Move and (self._alt or _is_alt_down()):
+        elif kind == _KIND.Move and (self._alt or self._was_alt_alone() or _is_alt_down()):
+            self._alt_at = None
             self.alt_taken.emit()
+
+    def _was_alt_alone(self) -> bool:
+        """Whether Alt was pressed a while ago and nothing since: who is quick has let it go."""
+        return self._alt_at is not None and time.monotonic() - self._alt_at < _WHILE_S
 
     def _is_over_canvas(self) -> bool:
         """Whether a key is meant for the picture, and not for a button that has the focus."""
