@@ -104,47 +104,52 @@ def same_character(glyph: Glyph, lines: list) -> bool:
 
 
 def measure(stroke: GlyphStroke, kind: str, n_strokes: int) -> dict | None:
-    """Half width, extents and sections of one stroke's legs; None where it is not as its type."""
+    """Half width, extents and sections of a stroke's segments; None where it is not as its type."""
     polygon = Polygon(stroke.outline).buffer(0.0)
     prepare(polygon)
     n_corners = corners_of(kind)
-    legs = cut_line(stroke.median, n_corners, HOOK if is_hooked(kind) else 0.0)
-    if len(legs) != n_corners + 1:
+    segments = cut_line(stroke.median, n_corners, HOOK if is_hooked(kind) else 0.0)
+    if len(segments) != n_corners + 1:
         return None
-    half = body_half_width(polygon, legs)
+    half = body_half_width(polygon, segments)
     if half is None:
         return None
     rows = []
-    for leg in legs:
-        before, after = (extent(polygon, leg, half, end) for end in (False, True))
-        lo, hi = sections(polygon, leg, leg.stations(half, before, after), half)
+    for segment in segments:
+        before, after = (extent(polygon, segment, half, end) for end in (False, True))
+        lo, hi = sections(polygon, segment, segment.stations(half, before, after), half)
         rows.append({"before": before / half, "after": after / half, "lo": lo, "hi": hi})
-    row = {"half": half, "length": sum(leg.length for leg in legs), "legs": rows, "n": n_strokes}
+    row = {
+        "half": half,
+        "length": sum(segment.length for segment in segments),
+        "legs": rows,
+        "n": n_strokes,
+    }
     if n_corners:
-        row["last"] = legs[-1].length, turn(legs[-2].points, legs[-1].points)
+        row["last"] = segments[-1].length, turn(segments[-2].points, segments[-1].points)
     return row
 
 
-def body_half_width(polygon: Polygon, legs: list) -> float | None:
-    """Half the median width (units) of the legs' middle parts."""
+def body_half_width(polygon: Polygon, segments: list) -> float | None:
+    """Half the median width (units) of the segments' middle parts."""
     widths = []
-    for leg in legs:
-        lo, hi = sections(polygon, leg, np.linspace(0.25, 0.75, 9) * leg.length, 60.0)
+    for segment in segments:
+        lo, hi = sections(polygon, segment, np.linspace(0.25, 0.75, 9) * segment.length, 60.0)
         widths.extend((hi - lo)[np.isfinite(hi - lo)] * 60.0)
     return 0.5 * float(np.median(widths)) if len(widths) > 4 else None
 
 
-def extent(polygon: Polygon, leg, half: float, end: bool) -> float:
-    """How far (units) the shape goes on beyond a leg's end."""
+def extent(polygon: Polygon, segment, half: float, end: bool) -> float:
+    """How far (units) the shape goes on beyond a segment's end."""
     steps = np.linspace(0.0, REACH * half, 25)
-    lo, _ = sections(polygon, leg, leg.length + steps if end else -steps, half)
+    lo, _ = sections(polygon, segment, segment.length + steps if end else -steps, half)
     gone = np.flatnonzero(~np.isfinite(lo))
     return float(steps[max(gone[0] - 1, 0)] if len(gone) else steps[-1])
 
 
-def sections(polygon: Polygon, leg, distances: NDArray, half: float) -> tuple[NDArray, NDArray]:
-    """Where sections across a leg leave the shape to the right (lo) and left (hi), half widths."""
-    points, lefts = leg.at(distances)
+def sections(polygon: Polygon, segment, distances: NDArray, half: float) -> tuple[NDArray, NDArray]:
+    """Where sections across one leave the shape to the right (lo) and left (hi), half widths."""
+    points, lefts = segment.at(distances)
     lo, hi = np.full(len(points), np.nan), np.full(len(points), np.nan)
     aside = REACH * half * lefts
     cuts = intersection(polygon, linestrings(np.stack([points - aside, points + aside], axis=1)))
@@ -159,7 +164,7 @@ def sections(polygon: Polygon, leg, distances: NDArray, half: float) -> tuple[ND
 
 
 def turn(before: NDArray, after: NDArray) -> float:
-    """Angle (rad) by which the last leg's chord turns from the end of the one before."""
+    """Angle (rad) by which the last segment's chord turns from the end of the one before."""
     a, b = before[-1] - before[-30], after[-1] - after[0]
     return math.atan2(a[0] * b[1] - a[1] * b[0], a @ b)
 
@@ -168,15 +173,15 @@ def summarize(rows: list[dict]) -> dict:
     """Medians over the strokes of a type, and the half width's law."""
     facts = np.array([[1.0, math.log(r["n"]), math.log(r["length"])] for r in rows])
     law = np.linalg.lstsq(facts, np.log([r["half"] for r in rows]), rcond=None)[0]
-    legs = []
+    segments = []
     for k in range(len(rows[0]["legs"])):
         each = [r["legs"][k] for r in rows]
         ends = ("before", "after")
-        leg = {key: round(float(np.median([e[key] for e in each])), 3) for key in ends}
+        segment = {key: round(float(np.median([e[key] for e in each])), 3) for key in ends}
         for key in ("lo", "hi"):
             values = np.array([e[key] for e in each])
             middle = np.nanmedian(values, axis=0)
-            leg[key] = (
+            segment[key] = (
                 np.interp(
                     np.arange(2 * ZONE + BODY),
                     np.flatnonzero(np.isfinite(middle)),
@@ -185,8 +190,8 @@ def summarize(rows: list[dict]) -> dict:
                 .round(3)
                 .tolist()
             )
-        legs.append(leg)
-    shape = {"strokes": len(rows), "law": law.round(4).tolist(), "legs": legs}
+        segments.append(segment)
+    shape = {"strokes": len(rows), "law": law.round(4).tolist(), "legs": segments}
     if "last" in rows[0]:
         lengths, turns = np.median([r["last"] for r in rows], axis=0)
         shape["last"] = [round(float(lengths), 1), round(float(turns), 3)]

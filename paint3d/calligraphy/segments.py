@@ -1,7 +1,8 @@
-"""Strokes as legs: a stroke's line is cut at its sharp corners, and each leg has stations.
+"""Strokes as segments: a stroke's line is cut at its sharp corners, each piece has stations.
 
-What a brush does at the beginning and the end of a leg depends on the width, what it does between
-on the length. A leg therefore has a zone at each end, as long as the half width asks, and a body.
+What a brush does at the beginning and the end of a segment depends on the width, what it does
+between on the length. A segment therefore has a zone at each end, as long as the half width asks,
+and a body.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from paint3d.core.types import AnyArray
 
-__all__ = ["BODY", "ZONE", "Leg", "corners_of", "cut_line", "is_hooked"]
+__all__ = ["BODY", "ZONE", "StrokeSegment", "corners_of", "cut_line", "is_hooked"]
 
 ZONE, BODY = 11, 7
 """Stations in each end zone and between the two."""
@@ -28,7 +29,7 @@ _CORNERS = {
 _HOOKED = "㇆㇚㇂㇁㇟㇈㇉㇃㇡"
 _SAMPLES = 96
 _WINDOW = 0.12  # of the length: how far to both sides a corner is looked at
-_LEAST_LEG = 0.05  # of the length
+_LEAST_SEGMENT = 0.05  # of the length
 _ZONE_WIDTHS, _ZONE_SHARE = 4.0, 0.4
 
 
@@ -43,7 +44,7 @@ def is_hooked(kind: str) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
+class StrokeSegment:
     """A piece of a stroke without sharp corners.
 
     Attributes
@@ -60,7 +61,7 @@ class Leg:
         return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
 
     def stations(self, half_width: float, before: float, after: float) -> NDArray[np.float64]:
-        """Distances (2 ZONE + BODY,) along the leg; it goes on straight before and after."""
+        """Distances (2 ZONE + BODY,) along the segment; it goes on straight before and after."""
         zone = min(_ZONE_WIDTHS * half_width, _ZONE_SHARE * self.length)
         rest = self.length - zone
         return np.concatenate(
@@ -72,7 +73,7 @@ class Leg:
         )
 
     def at(self, distances: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Points and unit vectors to the left, (N, 2) each, at distances along the leg."""
+        """Points and unit vectors to the left, (N, 2) each, at distances along the segment."""
         way = np.linspace(0.0, self.length, len(self.points))
         inside = np.clip(distances, 0.0, self.length)
         tangents = np.gradient(self.points, axis=0)
@@ -87,23 +88,23 @@ class Leg:
         return point, np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
 
 
-def cut_line(line: AnyArray, n_corners: int, hook: float = 0.0) -> list[Leg]:
-    """Cut a line (N, 2) at its sharpest corners into legs.
+def cut_line(line: AnyArray, n_corners: int, hook: float = 0.0) -> list[StrokeSegment]:
+    """Cut a line (N, 2) at its sharpest corners into segments.
 
     One of the corners of a line that ends in a hook lies within the share `hook` of its end.
     """
     points = _resampled(line, _SAMPLES)
     cuts = [0, *sorted(_sharpest(points, n_corners, hook)), _SAMPLES - 1]
-    legs = []
+    segments = []
     for first, last in pairwise(cuts):
-        legs.append(Leg(_calmed(_resampled(points[first : last + 1], _SAMPLES))))
-    return legs
+        segments.append(StrokeSegment(_calmed(_resampled(points[first : last + 1], _SAMPLES))))
+    return segments
 
 
 def _sharpest(points: AnyArray, n: int, hook: float) -> list[int]:
-    """Indices of the n sharpest corners, a leg apart from each other and from the ends."""
+    """Indices of the n sharpest corners, a segment apart from each other and from the ends."""
     window = int(_WINDOW * _SAMPLES)
-    margin = max(2, int(_LEAST_LEG * _SAMPLES))
+    margin = max(2, int(_LEAST_SEGMENT * _SAMPLES))
     turning = np.zeros(_SAMPLES)
     for k in range(margin, _SAMPLES - margin):
         reach = min(window, k, _SAMPLES - 1 - k)
@@ -129,7 +130,7 @@ def _resampled(line: AnyArray, n: int) -> NDArray[np.float64]:
 
 
 def _calmed(points: AnyArray) -> NDArray[np.float64]:
-    """Smooth a leg; its ends stay."""
+    """Smooth a segment; its ends stay."""
     sigma = 0.05 * len(points)
     chord = np.linspace(points[0], points[-1], len(points))
     reach = len(points) - 1

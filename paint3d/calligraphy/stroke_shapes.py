@@ -1,8 +1,9 @@
 """Outlines for strokes that are only centre lines: what a brush makes of each type of stroke.
 
 For every type the table says how wide a stroke is, given its length and how crowded the character
-is, and where sections across each of its legs end, to the left and to the right: cut entries, flat
-feet and the shoulders of folds are in these. The legs of a stroke are laid on its line and joined.
+is, and where sections across each of its segments end, to the left and to the right: cut entries,
+flat feet and the shoulders of folds are in these. The segments of a stroke are laid on its line and
+joined.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from scipy.interpolate import PchipInterpolator
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
-from paint3d.calligraphy.segments import ZONE, Leg, cut_line, is_hooked
+from paint3d.calligraphy.segments import ZONE, StrokeSegment, cut_line, is_hooked
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
@@ -30,9 +31,12 @@ SOURCE_OF_SHAPES = "widths learned from hanzi-writer-data (Arphic Public License
 
 _LIKE = {"㇅": "㇈", "㇊": "㇈", "㇌": "㇋", "㇡": "㇉", "一": "㇐", "㇞": "㇉"}
 _HOOK = 0.16  # of the length: hooks of centre lines are small
-_FINE = 160  # sections along a leg
+_FINE = 160  # sections along a segment
 _ROUNDING = 1.5  # units: the radius that corners of an outline are rounded with
-_STEADY, _STRAYS = 0.8, math.radians(14.0)  # where a leg's last heading is read; a bend from there
+_STEADY, _STRAYS = (
+    0.8,
+    math.radians(14.0),
+)  # where its last heading is read; a bend from there
 _LEAST_HALF, _MOST_HALF = 6.0, 60.0  # units
 
 
@@ -63,19 +67,19 @@ def shape_strokes(lines: Sequence[LineStroke], name: str = "glyph") -> list[Glyp
 
 def _shaped(stroke: LineStroke, n_strokes: int, name: str) -> GlyphStroke:
     kind, shape = _shape_of(stroke)
-    legs = cut_line(stroke.line, len(shape["legs"]) - 1, _HOOK if is_hooked(kind) else 0.0)
-    if len(legs) != len(shape["legs"]):
+    segments = cut_line(stroke.line, len(shape["legs"]) - 1, _HOOK if is_hooked(kind) else 0.0)
+    if len(segments) != len(shape["legs"]):
         kind, shape = _plain(stroke.line)
-        legs = cut_line(stroke.line, 0)
-    if is_hooked(kind) and len(legs) > 1:
-        legs[-2] = _unrounded(legs[-2])
-        legs[-1] = _hook(legs[-2], legs[-1], shape["last"])
-    length = sum(leg.length for leg in legs)
+        segments = cut_line(stroke.line, 0)
+    if is_hooked(kind) and len(segments) > 1:
+        segments[-2] = _unrounded(segments[-2])
+        segments[-1] = _hook(segments[-2], segments[-1], shape["last"])
+    length = sum(segment.length for segment in segments)
     law = shape["law"]
     half = math.exp(law[0] + law[1] * math.log(n_strokes) + law[2] * math.log(max(length, 1.0)))
     half = min(max(half, _LEAST_HALF), _MOST_HALF)
-    outline = _joined(_leg_outlines(legs, shape["legs"], half), name)
-    median = np.concatenate([leg.points[k > 0 :] for k, leg in enumerate(legs)])
+    outline = _joined(_segment_outlines(segments, shape["legs"], half), name)
+    median = np.concatenate([segment.points[k > 0 :] for k, segment in enumerate(segments)])
     return GlyphStroke(outline, median[:: max(1, len(median) // 60)])
 
 
@@ -100,49 +104,49 @@ def _plain(line: AnyArray) -> tuple[str, dict[str, Any]]:
     return kind, _shapes()[kind]
 
 
-def _unrounded(leg: Leg) -> Leg:
-    """A leg without the bend at its end with which it leads into a hook."""
-    way = np.diff(leg.points, axis=0)
+def _unrounded(segment: StrokeSegment) -> StrokeSegment:
+    """A segment without the bend at its end with which it leads into a hook."""
+    way = np.diff(segment.points, axis=0)
     heading = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
     n = len(heading)
     first = int(_STEADY * n)
     straying = np.abs(heading[first:] - heading[first]) > _STRAYS
     last = first + int(np.argmax(straying)) if straying.any() else n
-    kept = leg.points[: last + 1]
-    beyond = float((leg.points[-1] - kept[-1]) @ way[last - 1])
+    kept = segment.points[: last + 1]
+    beyond = float((segment.points[-1] - kept[-1]) @ way[last - 1])
     missing = max(0.0, beyond / float(np.linalg.norm(way[0])))
     end = kept[-1] + missing * way[last - 1] / max(np.linalg.norm(way[last - 1]), 1e-9)
     line = np.vstack([kept, end]) if missing > 0.0 else kept
     return cut_line(line, 0)[0]
 
 
-def _hook(before: Leg, hook: Leg, last: Sequence[float]) -> Leg:
+def _hook(before: StrokeSegment, hook: StrokeSegment, last: Sequence[float]) -> StrokeSegment:
     """A straight hook, as long and as sharply turned as a brush makes it."""
     length, turn = last
     way = before.points[-1] - before.points[-30]
     angle = math.atan2(way[1], way[0]) + turn
     end = before.points[-1] + length * np.array([math.cos(angle), math.sin(angle)])
-    return Leg(np.linspace(before.points[-1], end, len(hook.points)))
+    return StrokeSegment(np.linspace(before.points[-1], end, len(hook.points)))
 
 
-def _leg_outlines(
-    legs: Sequence[Leg], shapes: Sequence[dict[str, Any]], half: float
+def _segment_outlines(
+    segments: Sequence[StrokeSegment], shapes: Sequence[dict[str, Any]], half: float
 ) -> list[AnyArray]:
-    """Polygons of all legs; on the inner side of a fold a leg is no wider than before it."""
+    """Polygons of all segments; on the inner side of a fold one is no wider than before it."""
     outlines = []
-    for k, (leg, facts) in enumerate(zip(legs, shapes, strict=True)):
+    for k, (segment, facts) in enumerate(zip(segments, shapes, strict=True)):
         sides = {side: np.array(facts[side]) for side in ("lo", "hi")}
         if k > 0:
-            inner = _inner_side(legs[k - 1], leg)
+            inner = _inner_side(segments[k - 1], segment)
             sides[inner][:ZONE] = _no_wider(sides[inner][:ZONE], sides[inner][ZONE])
-        if k + 1 < len(legs):
-            inner = _inner_side(leg, legs[k + 1])
+        if k + 1 < len(segments):
+            inner = _inner_side(segment, segments[k + 1])
             sides[inner][-ZONE:] = _no_wider(sides[inner][-ZONE:], sides[inner][-ZONE - 1])
-        outlines.append(_leg_outline(leg, {**facts, **sides}, half))
+        outlines.append(_segment_outline(segment, {**facts, **sides}, half))
     return outlines
 
 
-def _inner_side(one: Leg, two: Leg) -> str:
+def _inner_side(one: StrokeSegment, two: StrokeSegment) -> str:
     a, b = one.points[-1] - one.points[-30], two.points[30] - two.points[0]
     return "hi" if a[0] * b[1] - a[1] * b[0] > 0.0 else "lo"
 
@@ -151,19 +155,21 @@ def _no_wider(offsets: AnyArray, limit: float) -> AnyArray:
     return np.minimum(offsets, limit) if limit > 0.0 else np.maximum(offsets, limit)
 
 
-def _leg_outline(leg: Leg, facts: dict[str, Any], half: float) -> NDArray[np.float64]:
-    """Closed polygon (N, 2) around one leg."""
-    stations = leg.stations(half, half * facts["before"], half * facts["after"])
+def _segment_outline(
+    segment: StrokeSegment, facts: dict[str, Any], half: float
+) -> NDArray[np.float64]:
+    """Closed polygon (N, 2) around one segment."""
+    stations = segment.stations(half, half * facts["before"], half * facts["after"])
     keep = np.r_[True, np.diff(stations) > 1e-6 * half]
     at = np.linspace(stations[0], stations[-1], _FINE)
     lo, hi = (PchipInterpolator(stations[keep], facts[side][keep])(at) for side in ("lo", "hi"))
-    points, lefts = leg.at(at)
+    points, lefts = segment.at(at)
     left, right = points + half * hi[:, None] * lefts, points + half * lo[:, None] * lefts
     return np.concatenate([left, right[::-1]])
 
 
 def _joined(outlines: Sequence[AnyArray], name: str) -> NDArray[np.float64]:
-    """The outline (N, 2) of all legs together, with its corners a little rounded."""
+    """The outline (N, 2) of all segments together, with its corners a little rounded."""
     from shapely import Polygon, unary_union
 
     whole = unary_union([Polygon(outline).buffer(0.0) for outline in outlines])

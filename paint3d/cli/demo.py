@@ -62,9 +62,9 @@ def run(options: argparse.Namespace) -> None:
     ):
         recording = load_recording(path, progress=progress)
         mesh = load_mesh("bowl")
-    wishes = PaintOptions(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs)
+    wanted = PaintOptions(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs)
     seconds: dict[str, float] = {}
-    painting = paint(prepare(mesh, wishes, seconds), recording, wishes, seconds)
+    painting = paint(prepare(mesh, wanted, seconds), recording, wanted, seconds)
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):
         for file in written:

@@ -171,7 +171,7 @@ def _check(options: argparse.Namespace) -> None:
             devices.take_mouse(), devices.take_stylus()
         for node in devices.nodes():
             heard.setdefault(node.path, (node, []))
-        lines = [_beat_of(*found) for _, found in sorted(heard.items())]
+        lines = [_rate_of(*found) for _, found in sorted(heard.items())]
         lines += [line for stylus in devices.styli() for line in _health_of(stylus)]
         lines += [line for mouse in devices.mice() for line in _health_of(mouse)]
     finally:
@@ -179,18 +179,18 @@ def _check(options: argparse.Namespace) -> None:
     sys.stdout.write("\n".join(lines) + "\n")
 
 
-def _beat_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:
+def _rate_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:
     import numpy as np
 
-    from paint3d.device.beat import find_beat, lateness_ms
+    from paint3d.device.report_rate import find_report_rate, lateness_ms
 
-    beat = find_beat([time_ns for time_ns, _ in reports])
-    if not beat.rate_hz:
-        return f"{node.name}: {beat.n} reports; move it while it is checked"
+    rate = find_report_rate([time_ns for time_ns, _ in reports])
+    if not rate.rate_hz:
+        return f"{node.name}: {rate.n} reports; move it while it is checked"
     line = (
-        f"{node.name}: {beat.n} reports, {beat.rate_hz:.1f} Hz, interval "
-        f"{beat.interval_p50_ms:.2f} ms, p99 {beat.interval_p99_ms:.2f}, "
-        f"longest {beat.longest_ms:.2f}, pauses {beat.pauses}"
+        f"{node.name}: {rate.n} reports, {rate.rate_hz:.1f} Hz, interval "
+        f"{rate.interval_p50_ms:.2f} ms, p99 {rate.interval_p99_ms:.2f}, "
+        f"longest {rate.longest_ms:.2f}, pauses {rate.pauses}"
     )
     numbered = [(t, r) for t, r in reports if node.kind == "stylus" and len(r) >= 25]
     if len(numbered) > 2:

@@ -105,7 +105,7 @@ def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
     seconds[step] = seconds.get(step, 0.0) + time.perf_counter() - started
 
 
-def prepare(mesh: TriangleMesh, wishes: PaintOptions, seconds: dict[str, float]) -> PaintedSurface:
+def prepare(mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float]) -> PaintedSurface:
     """Make a mesh ready for painting, adding the time that takes to `seconds`.
 
     Raises
@@ -116,16 +116,16 @@ def prepare(mesh: TriangleMesh, wishes: PaintOptions, seconds: dict[str, float])
     from paint3d.colour.materials import load_material
     from paint3d.surface.painted_surface import PaintedSurface
 
-    material = load_material(wishes.material)
-    say_if_compiling(quiet=wishes.quiet)
-    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wishes.quiet):
-        return PaintedSurface(mesh, resolution=wishes.resolution_mm, material=material)
+    material = load_material(wanted.material)
+    say_if_compiling(quiet=wanted.quiet)
+    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
+        return PaintedSurface(mesh, resolution=wanted.resolution_mm, material=material)
 
 
 def paint(
     surface: PaintedSurface,
     recording: Recording | LaidPad,
-    wishes: PaintOptions,
+    wanted: PaintOptions,
     seconds: dict[str, float],
 ) -> Painting:
     """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
@@ -138,16 +138,16 @@ def paint(
     from paint3d.brush.presets import load_brush
     from paint3d.painter.painter import Painter
 
-    brush = load_brush(wishes.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
-    ink = _ink(recording, wishes.ink)
-    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wishes.quiet):
+    brush = load_brush(wanted.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
+    ink = _ink(recording, wanted.ink)
+    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
         azimuth = recording.header["azimuth"]
-        painter = Painter(surface, brush, ink, azimuth, hairs=wishes.hairs)
+        painter = Painter(surface, brush, ink, azimuth, hairs=wanted.hairs)
     with (
         timed(seconds, "paint"),
-        ProgressBar("painting", enabled=not wishes.quiet) as progress,
+        ProgressBar("painting", enabled=not wanted.quiet) as progress,
     ):
-        rest_s = wishes.spread_s
+        rest_s = wanted.spread_s
         painter.replay(recording, progress, wet=rest_s is not None, rest_s=rest_s or 0.0)
         counts = painter.report()
     settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}

@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> None:
         (options.recording, options.on, own_table(options.ink)),
         force=options.force,
     )
-    wishes = PaintOptions(
+    wanted = PaintOptions(
         brush=options.brush,
         ink=options.ink,
         material=options.material,
@@ -87,15 +87,15 @@ def run(options: argparse.Namespace) -> None:
         quiet=options.quiet,
         spread_s=options.spread,
     )
-    wishes.check()
+    wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)
     mesh = load_object(options)
     seconds: dict[str, float] = {}
-    surface = prepare(mesh, wishes, seconds)
+    surface = prepare(mesh, wanted, seconds)
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, recording, options.at, options.size)
-    painting = paint(surface, laid, wishes, seconds)
+    painting = paint(surface, laid, wanted, seconds)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):

@@ -126,7 +126,7 @@ def run(options: argparse.Namespace) -> None:
         (options.on, own_table(options.ink)),
         force=options.force,
     )
-    wishes = PaintOptions(
+    wanted = PaintOptions(
         brush=None,
         ink=options.ink,
         material=options.material,
@@ -134,7 +134,7 @@ def run(options: argparse.Namespace) -> None:
         hairs=options.hairs,
         quiet=options.quiet,
     )
-    wishes.check()
+    wanted.check()
     source, pen = open_glyphs(options.glyphs), _pen(options)
     check_glyphs(source, options.text)
     as_outlines = options.out.name.lower().endswith(".svg")
@@ -144,10 +144,10 @@ def run(options: argparse.Namespace) -> None:
     if as_outlines:
         check_is_plane(mesh)
     seconds: dict[str, float] = {}
-    surface = prepare(mesh, wishes, seconds)
+    surface = prepare(mesh, wanted, seconds)
     with timed(seconds, "plan"):
         written = _plan(options, mesh, source, pen)
-    painting = paint(surface, written.recording, wishes, seconds)
+    painting = paint(surface, written.recording, wanted, seconds)
     painting.counts["glyphs"] = written.recording.header["glyphs"]
     painting.counts["characters"] = written.characters
     with timed(painting.seconds, "export"):

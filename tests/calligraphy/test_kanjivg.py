@@ -1,4 +1,4 @@
-"""Centre lines from SVG, their legs, and the outlines that a brush gives them."""
+"""Centre lines from SVG, their segments, and the outlines that a brush gives them."""
 
 import numpy as np
 import pytest
@@ -67,21 +67,21 @@ def test_broken_files_are_refused(text, words):
 def test_a_fold_is_cut_at_its_corner(turn, first, second, heading):
     a = first * np.array([np.cos(heading), np.sin(heading)])
     b = a + second * np.array([np.cos(heading - turn), np.sin(heading - turn)])
-    legs = cut_line(np.array([[0.0, 0.0], a, b]), 1)
-    assert len(legs) == 2
+    segments = cut_line(np.array([[0.0, 0.0], a, b]), 1)
+    assert len(segments) == 2
     step = (first + second) / 95.0
-    assert legs[0].points[-1] == pytest.approx(a, abs=step)
-    assert legs[0].length == pytest.approx(first, abs=2.5 * step)
-    assert legs[1].length == pytest.approx(second, abs=2.5 * step)
+    assert segments[0].points[-1] == pytest.approx(a, abs=step)
+    assert segments[0].length == pytest.approx(first, abs=2.5 * step)
+    assert segments[1].length == pytest.approx(second, abs=2.5 * step)
 
 
 def test_stations_rise_and_reach_both_ends():
-    (leg,) = cut_line(LEVEL, 0)
-    at = leg.stations(20.0, 10.0, 15.0)
+    (segment,) = cut_line(LEVEL, 0)
+    at = segment.stations(20.0, 10.0, 15.0)
     assert len(at) == 2 * ZONE + BODY
     assert (np.diff(at) > 0.0).all()
-    assert (at[0], at[-1]) == pytest.approx((-10.0, leg.length + 15.0))
-    points, lefts = leg.at(at)
+    assert (at[0], at[-1]) == pytest.approx((-10.0, segment.length + 15.0))
+    points, lefts = segment.at(at)
     assert points[0][0] < 100.0 < 900.0 < points[-1][0]
     assert np.linalg.norm(lefts, axis=1) == pytest.approx(1.0)
 

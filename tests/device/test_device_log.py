@@ -10,7 +10,6 @@ import time
 import numpy as np
 import pytest
 
-from paint3d.device.beat import find_beat, lateness_ms
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.device_log import DeviceLog, PlaybackLink, read_device_log
 from paint3d.device.device_loop import DeviceLoop
@@ -18,6 +17,7 @@ from paint3d.device.force import haptic_stylus
 from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode, kind_of
 from paint3d.device.hot_plug import PluggedDevices, compare_nodes
+from paint3d.device.report_rate import find_report_rate, lateness_ms
 from paint3d.device.space_mouse import SpaceMouse
 from paint3d.errors import DeviceError
 from tests.support.descriptors import SPACENAVIGATOR, buttons, collection, field, pen
@@ -206,15 +206,15 @@ def test_what_a_descriptor_is_good_for() -> None:
     assert found == ["mouse", "stylus", "pen", "other", "other"]
 
 
-# -- beats ------------------------------------------------------------------------------------
+# -- rates ------------------------------------------------------------------------------------
 
 
-def test_the_beat_of_a_device() -> None:
+def test_the_rate_of_a_device() -> None:
     times = np.concatenate([np.arange(100) * 8 * MS, 10**10 + np.arange(100) * 8 * MS])
-    beat = find_beat(times)
-    assert beat.rate_hz == pytest.approx(125.0)
-    assert (beat.n, beat.pauses) == (200, 1)
-    assert find_beat([5]).rate_hz == 0.0
+    rate = find_report_rate(times)
+    assert rate.rate_hz == pytest.approx(125.0)
+    assert (rate.n, rate.pauses) == (200, 1)
+    assert find_report_rate([5]).rate_hz == 0.0
 
 
 def test_lateness_is_that_of_the_reader() -> None:

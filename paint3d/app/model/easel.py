@@ -141,7 +141,7 @@ class Easel:
         self.document = document
         self._wet = wet
         self.base_every_s = base_every_s
-        self._scribe = None if sitting is None else _Scribe(sitting, document, self.tell)
+        self._writer = None if sitting is None else _JournalWriter(sitting, document, self.tell)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
         self._work_s = 0.0  # since the last base
@@ -328,7 +328,7 @@ class Easel:
     @property
     def sitting(self) -> Sitting | None:
         """Where what is painted is kept."""
-        return None if self._scribe is None else self._scribe.sitting
+        return None if self._writer is None else self._writer.sitting
 
     def keep_every(self, seconds: float) -> None:
         """Let the sitting have its bases no oftener than that, from now on."""
@@ -368,9 +368,9 @@ class Easel:
             self._stopping = True
             self._wake.notify_all()
         self._thread.join()
-        if self._scribe is not None:
-            self._scribe.close(keep)
-            self._scribe = None
+        if self._writer is not None:
+            self._writer.close(keep)
+            self._writer = None
 
     # -- in the thread ----------------------------------------------------------------------
 
@@ -400,8 +400,8 @@ class Easel:
         """Put a job into the queue and into the sitting, in one order; holds the lock."""
         self._jobs.append(job)
         self._n_asked += job.command != _FOLLOW
-        if self._scribe is not None:
-            self._scribe.put(job)
+        if self._writer is not None:
+            self._writer.put(job)
 
     def _leave_out(self, jobs: Sequence[_Job]) -> None:
         """Do none of these jobs that wait; holds the lock."""
@@ -441,9 +441,9 @@ class Easel:
         if self._wet:
             patience = self.ink_clock.patience(self._handed_over_ns())
             return patience if self._seen_ns is None else max(patience, _LIVE_S)
-        if self._scribe is None:
+        if self._writer is None:
             return None
-        return min(_AGAIN_S, self.base_every_s) if self._scribe.has_gap else self.base_every_s
+        return min(_AGAIN_S, self.base_every_s) if self._writer.has_gap else self.base_every_s
 
     def _work(self) -> None:
         before = time.thread_time()
@@ -482,8 +482,8 @@ class Easel:
                 done = getattr(self.document, name)(*job.arguments, **job.options)
             else:
                 done = command(self.document, *job.arguments, **job.options)
-            if name == "save" and self._scribe is not None:
-                self._scribe.sitting.name_file(self.document)
+            if name == "save" and self._writer is not None:
+                self._writer.sitting.name_file(self.document)
             result.set_result(done)
         except CancelledError as stopped:  # as who asked for it wished
             self._base_due = True  # the journal says that it was done
@@ -525,8 +525,8 @@ class Easel:
 
     def _keep_refusal(self, error: Exception) -> None:
         """Write down that something could not be done: doing it again will not do it either."""
-        if self._scribe is not None and isinstance(error, Paint3DError):
-            self._scribe.note(refusal(error))
+        if self._writer is not None and isinstance(error, Paint3DError):
+            self._writer.note(refusal(error))
 
     def _watch_steps(self, name: str) -> None:
         """Notice before an undo or redo that it leads past the base, which must then follow.
@@ -542,26 +542,26 @@ class Easel:
 
     def _keep_base(self) -> None:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
-        if self._scribe is None or self.document.in_stroke:
+        if self._writer is None or self.document.in_stroke:
             return
         passed_s = time.monotonic() - self._base_time
         late = passed_s > self.base_every_s or self._work_s > _DEAR_S
-        gap = self._scribe.has_gap and passed_s > _AGAIN_S
-        if not (self._base_due or gap or (late and self._scribe.n_put)):
+        gap = self._writer.has_gap and passed_s > _AGAIN_S
+        if not (self._base_due or gap or (late and self._writer.n_put)):
             return
         with self._wake:
             if self._jobs:
                 return
-            turned = self._scribe.turn_page()  # what comes from now on is in the next journal
+            turned = self._writer.turn_page()  # what comes from now on is in the next journal
             self._base_due = False
         self._base_time, self._work_s = time.monotonic(), 0.0
         self._base_step = self.document.steps.newest
         turned.result()
-        gap = self._scribe.had_gap
+        gap = self._writer.had_gap
         try:
-            self._scribe.sitting.save_base(self.document)
+            self._writer.sitting.save_base(self.document)
         except Exception:
-            self._scribe.has_gap = gap or self._scribe.has_gap
+            self._writer.has_gap = gap or self._writer.has_gap
             raise
         if gap:
             self._events.append(Event("kept", "keeping", "all that is painted is kept again", None))
@@ -609,10 +609,10 @@ def _asked(came: float, command: str, *arguments: object) -> _Job:
     return _Job(came, (), command, arguments, {}, Future())
 
 
-_Item = _Job | Future[Any] | Mapping[str, object]  # for the scribe
+_Item = _Job | Future[Any] | Mapping[str, object]  # for the journal writer
 
 
-class _Scribe:
+class _JournalWriter:
     """Writes what is asked for into a sitting, in a thread, so that nobody waits for the disk.
 
     Attributes
@@ -634,7 +634,7 @@ class _Scribe:
         self._leaving = False  # what is written would be deleted
         self._tell = tell
         self._queue: SimpleQueue[_Item | None] = SimpleQueue()
-        self._thread = threading.Thread(target=self._run, name="paint3d-scribe", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="paint3d-journal", daemon=True)
         self._thread.start()
 
     def put(self, job: _Job) -> None:

@@ -12,10 +12,10 @@ from typing import Protocol
 import numpy as np
 
 from paint3d.core.types import AnyArray
-from paint3d.device.beat import find_beat
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find_actions
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.recorded import MAX_FORCE_N
+from paint3d.device.report_rate import find_report_rate
 from paint3d.device.sample import DeviceSample
 from paint3d.device.space_mouse import MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
@@ -221,12 +221,12 @@ class DeviceHub:
 
     def rate_hz(self, hand: str) -> float:
         """How often a hand's device reports, Hz; 0 where it does not."""
-        return find_beat(np.array(self._heard[hand], np.int64)).rate_hz
+        return find_report_rate(np.array(self._heard[hand], np.int64)).rate_hz
 
     def lateness_ms(self, hand: str) -> float:
         """By how much one report in a hundred comes later than most, ms; 0 where there are few."""
-        beat = find_beat(np.array(self._heard[hand], np.int64))
-        late = beat.interval_p99_ms - beat.interval_p50_ms
+        rate = find_report_rate(np.array(self._heard[hand], np.int64))
+        late = rate.interval_p99_ms - rate.interval_p50_ms
         return float(late) if np.isfinite(late) else 0.0
 
     def lost(self) -> int:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Beat", "find_beat", "lateness_ms"]
+__all__ = ["ReportRate", "find_report_rate", "lateness_ms"]
 
 _PAUSE_NS = 100_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Beat:
+class ReportRate:
     """Rate and regularity of a stream of reports.
 
     Attributes
@@ -35,21 +35,23 @@ class Beat:
     pauses: int
 
 
-def find_beat(times_ns: ArrayLike) -> Beat:
-    """The beat of reports read at these times (N,), ns."""
+def find_report_rate(times_ns: ArrayLike) -> ReportRate:
+    """The rate of reports read at these times (N,), ns."""
     times = np.asarray(times_ns, dtype=np.int64)
     gaps = np.diff(times)
     within = gaps[gaps < _PAUSE_NS] * 1e-6
     if len(within) == 0:
-        return Beat(len(times), 0.0, np.nan, np.nan, np.nan, len(gaps))
+        return ReportRate(len(times), 0.0, np.nan, np.nan, np.nan, len(gaps))
     mean = float(within.mean())
     p50, p99 = (float(p) for p in np.percentile(within, (50, 99)))
     longest = float(within.max())
-    return Beat(len(times), 1e3 / max(mean, 1e-6), p50, p99, longest, int(len(gaps) - len(within)))
+    return ReportRate(
+        len(times), 1e3 / max(mean, 1e-6), p50, p99, longest, int(len(gaps) - len(within))
+    )
 
 
 def lateness_ms(times_ns: ArrayLike, sequence: ArrayLike) -> NDArray[np.float64]:
-    """How much later than the steady beat each report was read, (N,) ms.
+    """How much later than the steady rate each report was read, (N,) ms.
 
     Parameters
     ----------
