@@ -17,6 +17,7 @@ __all__ = ["FootprintTable", "tabulate_footprints"]
 
 _SIDE = 15  # boundary points on each side, between tip and heel
 _SUPPORT_DIRECTIONS = 72
+_LEVELS = 64  # rows of the table, even in the footprint's size
 _FINE = 600  # descents tried to find where contact begins and where it is wide enough
 
 
@@ -57,7 +58,7 @@ class FootprintTable:
         return np.interp(level, np.arange(len(self.descents)), self.slack)
 
 
-def tabulate_footprints(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> FootprintTable:
+def tabulate_footprints(tuft: Tuft, widest_mm: float) -> FootprintTable:
     """Tabulate the footprints of a brush from the first touch to a width.
 
     Parameters
@@ -65,8 +66,6 @@ def tabulate_footprints(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> Foo
     tuft : Tuft
     widest_mm : float
         Width of the last row; less where the brush ends before.
-    n_levels : int
-        Rungs, even in the footprint's width.
 
     Raises
     ------
@@ -84,21 +83,21 @@ def tabulate_footprints(tuft: Tuft, widest_mm: float, n_levels: int = 64) -> Foo
     last = max(int(np.searchsorted(np.maximum.accumulate(widths), widest_mm)), first + 1)
     last = min(last, _FINE - 1)
     size = np.sqrt(np.array([_area(o) for o in outlines[first : last + 1]]))
-    wanted = np.linspace(size[0], size[-1], n_levels)
+    wanted = np.linspace(size[0], size[-1], _LEVELS)
     at = np.interp(wanted, size, descents[first : last + 1])
     return _tabulate(tuft, at)
 
 
 def _tabulate(tuft: Tuft, descents: AnyArray) -> FootprintTable:
-    rungs, centroids = [], []
+    rows, centroids = [], []
     for descent in descents:
         outline = _outline(tuft, float(descent))
         assert outline is not None, "those with a footprint were chosen"
         reach, half_width = outline
         middle = _centroid(reach, half_width)
         centroids.append(middle)
-        rungs.append(_boundary(reach - middle, half_width))
-    points = np.array(rungs)
+        rows.append(_boundary(reach - middle, half_width))
+    points = np.array(rows)
     angle = 2.0 * math.pi * np.arange(_SUPPORT_DIRECTIONS) / _SUPPORT_DIRECTIONS
     rays = np.stack([np.cos(angle), np.sin(angle)])
     support = (points @ rays).max(axis=1)

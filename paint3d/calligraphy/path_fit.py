@@ -23,6 +23,7 @@ from paint3d.core.types import AnyArray
 
 __all__ = ["PathFitter", "StrokePath"]
 
+_CALM = 3  # samples to either side that levels are smoothed over
 _SPAN = 0.12  # of the width: how far a course steps aside to lie in the middle
 
 
@@ -148,10 +149,10 @@ def _smooth_course(
     return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
 
 
-def _calm(level: AnyArray, half_window: int = 3) -> NDArray[np.float64]:
+def _calm(level: AnyArray) -> NDArray[np.float64]:
     """Smooth the levels from below: never above what fits."""
-    low = minimum_filter1d(level, 2 * half_window + 1, mode="nearest")
-    calm = gaussian_filter1d(low, 0.5 * half_window, truncate=2.0, mode="nearest")
+    low = minimum_filter1d(level, 2 * _CALM + 1, mode="nearest")
+    calm = gaussian_filter1d(low, 0.5 * _CALM, truncate=2.0, mode="nearest")
     result: NDArray[np.float64] = np.minimum(calm, level)
     return result
 

@@ -38,10 +38,9 @@ def upwards(normal: AnyArray) -> NDArray[np.float64]:
 def place(
     surface: ClosestPoints,
     at: ArrayLike | Sequence[float],
-    up: ArrayLike | None = None,
     side: str | None = None,
 ) -> SurfaceFrame:
-    """A frame on an object.
+    """A frame on an object: up is +z, or +y where its surface is nearly horizontal.
 
     Parameters
     ----------
@@ -52,8 +51,6 @@ def place(
         axis, counter-clockwise seen from above, with 0.5 at the front (-y), and v the height from
         bottom to top. Three numbers are a direction from the object's middle: the outermost point
         that way, or on the inside the first.
-    up : (3,) array_like, optional
-        What shall be upwards; by default +z, or +y where the surface is nearly horizontal.
     side : {"outside", "inside", "top", "bottom"}, optional
         From where one looks; by default the top of a flat object and the outside of others.
 
@@ -80,7 +77,7 @@ def place(
     normal = surface.find(point[None]).normals[0]
     if normal @ ray >= 0.0:
         raise MeshError(f"{surface.mesh.name}: {where} the surface shows its back; try another")
-    return frame_at(surface, point, upwards(normal) if up is None else up)
+    return frame_at(surface, point, upwards(normal))
 
 
 def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, AnyArray]:

@@ -35,10 +35,8 @@ class TwoHands:
     steering : SteeringOptions
     smoothing : SmoothingSettings or None
         None passes readings as they are.
-    pose : ObjectPose
-        Where the object is at the start.
     time_ns : int
-        When that is.
+        When it begins.
     """
 
     def __init__(
@@ -46,13 +44,12 @@ class TwoHands:
         calibration: DeviceCalibration | None = None,
         steering: SteeringOptions | None = None,
         smoothing: SmoothingSettings | None = None,
-        pose: ObjectPose | None = None,
         time_ns: int = 0,
     ) -> None:
         self.calibration = calibration or DeviceCalibration()
         self.steering = steering or SteeringOptions()
         self._smoothing = smoothing
-        self._state = SteeringState(time_ns, pose or ObjectPose())
+        self._state = SteeringState(time_ns, ObjectPose())
         self._smoothed: SmoothedPose | None = None
         self._waiting: list[tuple[int, int, StylusReading | ArrayLike]] = []
         self._count = itertools.count()

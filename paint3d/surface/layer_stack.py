@@ -92,13 +92,11 @@ class LayerStack:
         What is on it already is the first layer.
     water : Water
         That of the layer which is painted on.
-    name : str
-        Of the first layer.
     """
 
-    def __init__(self, store: InkStore, water: Water, name: str = "1") -> None:
+    def __init__(self, store: InkStore, water: Water) -> None:
         self._store, self._water = store, water
-        self._about = {0: Layer(_checked_name(name))}
+        self._about = {0: Layer("1")}
         self._contents: dict[int, _Content] = {}
         self._keys, self._active = [0], 0
         _know_filters(store)

@@ -37,11 +37,9 @@ class Preview:
     mesh : TriangleMesh
     size : int
         Pixels along a side.
-    coloured : bool
-        Whether to show its colours.
     """
 
-    def __init__(self, mesh: TriangleMesh, size: int = 200, coloured: bool = True) -> None:
+    def __init__(self, mesh: TriangleMesh, size: int = 200) -> None:
         self.size = size
         n = _points_for(size)
         ends = np.cumsum(mesh.double_areas)
@@ -58,7 +56,7 @@ class Preview:
         self._points = np.einsum("nc,nci->ni", weights, places)
         self._normals = mesh.face_normals[face].astype(_F)
         self._own = np.broadcast_to(_CLAY, (n, 3))
-        if coloured and mesh.colours is not None:
+        if mesh.colours is not None:
             self._own = np.einsum("nc,nci->ni", weights, mesh.colours[corners].astype(_F))
 
     def smaller(self, size: int) -> Preview:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.stroke_log import Stroke
-from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs, open_glyphs
+from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
@@ -174,10 +174,6 @@ class Copybook:
     em_mm : float
         Side of the characters' squares, 2 to 1000 mm.
     layout : Layout, optional
-    source : GlyphSource, optional
-        By default the lines of the installed `kanjivg`.
-    surface : ClosestPoints, optional
-        Of the mesh, where it is there already.
 
     Raises
     ------
@@ -193,13 +189,10 @@ class Copybook:
         text: str,
         em_mm: float = 30.0,
         layout: Layout | None = None,
-        source: GlyphSource | None = None,
-        surface: ClosestPoints | None = None,
     ) -> None:
         em_mm = as_number(em_mm, "size (mm)", _LEAST_EM_MM, _MOST_EM_MM)
-        source = source or open_glyphs(None)
-        glyphs = load_glyphs(source, "".join(text.split()))
-        surface = surface or ClosestPoints(mesh)
+        glyphs = load_glyphs(open_glyphs(None), "".join(text.split()))
+        surface = ClosestPoints(mesh)
         placed = layout_text(surface, text, em_mm, layout)
         self.ghosts = tuple(Ghost(glyphs[one.text], one.square, surface) for one in placed)
 

@@ -60,13 +60,11 @@ class VirtualStylus:
     ----------
     poses : (N, 7) array_like
         Root in mm and unit quaternion, one a report.
-    hz : float
-        Reports a second.
     priority : int
         SCHED_FIFO priority of its process where that is permitted; 0 asks for none.
     """
 
-    def __init__(self, poses: ArrayLike, hz: float = 1000.0, priority: int = 0) -> None:
+    def __init__(self, poses: ArrayLike, priority: int = 0) -> None:
         path = as_array(poses, "poses", (None, 7), error=DeviceError)
         self._n = len(path)
         ours, self.plug = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -79,7 +77,7 @@ class VirtualStylus:
         self._go = context.Event()
         self._process = context.Process(
             target=_play,
-            args=(ours, self._memory.name, reports, hz, priority, self._go),
+            args=(ours, self._memory.name, reports, priority, self._go),
             name="virtual stylus",
             daemon=True,
         )
@@ -119,9 +117,7 @@ class VirtualStylus:
             self._memory.unlink()
 
 
-def _play(
-    cable: socket.socket, name: str, reports: list[bytes], hz: float, priority: int, go: Event
-) -> None:
+def _play(cable: socket.socket, name: str, reports: list[bytes], priority: int, go: Event) -> None:
     memory = shared_memory.SharedMemory(name=name)
     table = np.ndarray((len(reports), _COLUMNS), np.float64, memory.buf)
     if priority:
@@ -129,7 +125,7 @@ def _play(
     cable.setblocking(False)
     if go.wait(_PATIENCE_S):
         with suppress(BrokenPipeError, ConnectionResetError):  # the servo has hung up
-            _send_all(cable, table, reports, hz)
+            _send_all(cable, table, reports)
     del table
     memory.close()
 
@@ -144,8 +140,8 @@ def _hurry(priority: int) -> None:
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
 
 
-def _send_all(cable: socket.socket, table: AnyArray, reports: list[bytes], hz: float) -> None:
-    period = 1.0 / hz
+def _send_all(cable: socket.socket, table: AnyArray, reports: list[bytes]) -> None:
+    period = 1e-3  # s, as of a device
     start = time.monotonic() + 0.05
     for i, report in enumerate(reports):
         due = start + i * period
