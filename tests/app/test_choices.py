@@ -203,7 +203,7 @@ def test_errors_that_are_raised_are_among_the_patterns(tmp_path):
         lambda: document.save(tmp_path / "no" / "a.p3d"),
         lambda: document.export(tmp_path / "a.xyz"),
         lambda: document.export(tmp_path / "no" / "a.ply"),
-        lambda: document.replayed(7),
+        lambda: document.replay_history(7),
         lambda: Document.new(tmp_path / "none.ply"),
         lambda: Document.new(noise),
         lambda: Document.open(tmp_path / "none.p3d"),

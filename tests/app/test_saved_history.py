@@ -17,6 +17,7 @@ from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.errors import InputError
 from paint3d.files.project.session import load_session, save_session
 from tests.support.app.hands import paint, same_vertices, small_plane
+from tests.support.app.repeating import repeated
 from tests.support.examples import examples
 
 ACTIONS = st.sampled_from(
@@ -163,7 +164,7 @@ def test_strokes_without_steps_are_painted_again_underneath(tmp_path):
         opened.undo()
         assert len(opened.strokes) == upto
         if upto < 3:
-            wanted = opened.replayed(upto)
+            wanted = repeated(opened, upto)
             same_paint(opened.surface, wanted.surface)
             assert [layer.name for layer in opened.layers] == ["1", "over"][: max(1, upto)]
         close(opened)

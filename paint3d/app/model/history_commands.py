@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Self
+from collections.abc import Callable
 
 from paint3d.app.model.recall_commands import RecallCommands
 from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
-from paint3d.brush.spec import BrushSpec
-from paint3d.colour.pigments import Pigment
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
-from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
@@ -33,16 +29,7 @@ class HistoryCommands(RecallCommands):
     _log: StrokeLog
     _undo: UndoHistory
     _note: Callable[[AnyArray], None]
-    new: Callable[..., Self]  # this, and what follows, the document's other commands bring along
-    break_off: Callable[[], None]
-    rename_layer: Callable[[int, str], None]
-    add_layer: Callable[[str, int], None]
-    select_layer: Callable[[int], None]
-    set_brush: Callable[[BrushSpec], None]
-    dip: Callable[[Mapping[Any, float]], None]
-    begin_stroke: Callable[[], None]
-    feed: Callable[[Sequence[DeviceSample]], None]
-    end_stroke: Callable[[], None]
+    break_off: Callable[[], None]  # the document's other commands bring it along
 
     @property
     def steps(self) -> UndoHistory:
@@ -153,58 +140,6 @@ class HistoryCommands(RecallCommands):
         """Whether what can be done again next is drying, or a change of the layers."""
         undone = self._undo.undone
         return bool(undone) and not isinstance(undone[-1], Stroke)
-
-    def replayed(self, upto: int | None = None) -> Self:
-        """The first strokes painted once more on the bare object, as another document.
-
-        This leads back before the painting was opened, where undo cannot. Layers are those of the
-        strokes' names in the order in which they come; what was dried, moved, or let run meanwhile
-        is not repeated.
-
-        Parameters
-        ----------
-        upto : int, optional
-            How many; by default all.
-
-        Raises
-        ------
-        InputError
-            If there are not so many.
-        """
-        upto = len(self.strokes) if upto is None else upto
-        if not 0 <= upto <= len(self.strokes):
-            raise InputError(f"stroke {upto} of the history; expected 0 to {len(self.strokes)}")
-        surface = self.surface
-        again = type(self).new(surface.source, surface.resolution, surface.material)
-        known = {pigment.name: pigment for pigment in surface.pigments}
-        for stroke in self.strokes[:upto]:
-            again.repeat(stroke, known)
-        result: Self = again
-        return result
-
-    def repeat(self, stroke: Stroke, inks: Mapping[str, Pigment] | None = None) -> None:
-        """Paint a stroke again, with its brush and on the layer of its name, which is made.
-
-        Parameters
-        ----------
-        stroke : Stroke
-        inks : mapping, optional
-            Inks that the palette does not know, by name.
-        """
-        names = [layer.name for layer in self.layers]
-        if not self.strokes and stroke.layer not in names:
-            self.rename_layer(0, stroke.layer)
-        elif stroke.layer not in names:
-            self.add_layer(stroke.layer, len(names))
-        else:
-            self.select_layer(names.index(stroke.layer))
-        if stroke.brush != self.painter.brush:
-            self.set_brush(stroke.brush)
-        if stroke.dipped:
-            self.dip({(inks or {}).get(name, name): part for name, part in stroke.ink.items()})
-        self.begin_stroke()
-        self.feed(stroke.samples)
-        self.end_stroke()
 
     def recording(self, first: int = 0) -> Recording | None:
         """The strokes from number `first` on as one recording in the object's frame, with dips.
