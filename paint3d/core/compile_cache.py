@@ -34,7 +34,7 @@ from numba.core.dispatcher import Dispatcher
 
 from paint3d.core.own_folders import can_write, find_home, private_folder
 
-__all__ = ["compiled_folder", "drop_stale", "is_compiled"]
+__all__ = ["compiled_folder", "drop_stale", "is_kept"]
 
 _FOLDERS = (  # of the package: where kernels are, and tuples that they take
     "core",
@@ -99,7 +99,7 @@ def _kept_by(kernel: Any) -> Path:
     return Path(kernel.stats.cache_path)
 
 
-def is_compiled(kernel: Dispatcher) -> bool:
+def is_kept(kernel: Dispatcher) -> bool:
     """Whether code of a kernel is kept for this version of Python."""
     name = f"{kernel.py_func.__module__.rpartition('.')[2]}.{kernel.py_func.__qualname__}"
     version = f"py{sys.version_info.major}{sys.version_info.minor}"

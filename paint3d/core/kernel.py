@@ -1,17 +1,17 @@
-"""The decorators of every hot loop: compiled by numba, run without the interpreter's lock."""
+"""The decorators of every hot loop: compiled, and run without the interpreter's lock.
+
+Kernels are written in numba's subset of Python. Those that Python calls were compiled when the
+package was built; numba compiles what is not there, or has changed since: see `compiled`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit
-
-from paint3d.core.compile_cache import drop_stale
+from paint3d.core.compiled import compiled
 
 __all__ = ["kernel", "uncounted"]
-
-drop_stale()  # before the first is loaded
 
 
 def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
@@ -25,7 +25,7 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
         Of numba's `njit`: ``error_model="numpy"`` (dividing by zero gives inf), ``inline``,
         ``fastmath``.
     """
-    return _compiled(function, {"_nrt": True, **options})
+    return _decorate(function, {"_nrt": True, **options})
 
 
 def uncounted(function: Callable[..., Any] | None = None, **options: Any) -> Any:
@@ -42,9 +42,10 @@ def uncounted(function: Callable[..., Any] | None = None, **options: Any) -> Any
     a hundred arrays, each with its shape and strides, takes half a microsecond. But whatever calls
     it is as much larger, and compiled as much longer.
     """
-    return _compiled(function, {"_nrt": False, **options})
+    return _decorate(function, {"_nrt": False, **options})
 
 
-def _compiled(function: Callable[..., Any] | None, options: dict[str, Any]) -> Any:
-    decorate = njit(**{"cache": True, "nogil": True, **options})
-    return decorate if function is None else decorate(function)
+def _decorate(function: Callable[..., Any] | None, options: dict[str, Any]) -> Any:
+    if function is not None:
+        return compiled(function, options)
+    return lambda function: compiled(function, options)

@@ -17,7 +17,7 @@ from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
 from paint3d.colour.materials import material_names
-from paint3d.core import compile_cache
+from paint3d.core import compiled as compiled_kernels
 from paint3d.errors import ExportError, MeshError
 
 SUFFIXES = (".ply", ".p3d.txt")
@@ -197,7 +197,7 @@ def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:
 def test_it_is_said_that_loops_are_compiled_where_they_are_not(
     compiled: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(compile_cache, "is_compiled", lambda kernel: compiled)
+    monkeypatch.setattr(compiled_kernels, "is_compiled", lambda kernel: compiled)
     first_run.say_if_compiling(quiet=True)
     assert capsys.readouterr().err == ""
     first_run.say_if_compiling(quiet=False)

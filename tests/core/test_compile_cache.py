@@ -2,7 +2,6 @@
 
 import json
 import os
-import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -10,12 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.core import compile_cache
-from paint3d.core.compile_cache import compiled_folder, drop_stale, is_compiled
-from paint3d.painter.painter import Painter
-from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.surface_cases import flat, poses, sheet
+from paint3d.core.compile_cache import compiled_folder, drop_stale, is_kept
+from paint3d.core.quaternion import turn
+from tools.kernels.table import read_table, resolve
 
 SOURCES = {
     "mesh/kernels/leaf": "import numpy as np\n",
@@ -202,32 +199,20 @@ def test_code_is_compiled_anew_where_a_tuple_of_another_folder_has_changed(tmp_p
 
 
 def test_every_kernel_and_every_tuple_that_one_takes_is_looked_at() -> None:
-    """Told from what is compiled: all that ever ran here, at least a stroke."""
-    points = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
-    stroke = poses(points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.array([0.2, 0.2]))
-    Painter(PaintedSurface(sheet(flat, (9.0, 9.0), 5.0), 1.0)).replay(stroke)
+    turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0)
     record = compiled_folder(PACKAGE / "core") / "sources.json"
     looked_at = json.loads(record.read_text())
     for path in PACKAGE.rglob("*.py"):
         if "@kernel" in path.read_text():
             assert path.relative_to(PACKAGE).with_suffix("").as_posix() in looked_at
-    seen = set()
-    for folder in {name.rpartition("/")[0] for name in looked_at}:
-        for path in compiled_folder(PACKAGE / folder).glob("*.nbi"):
-            with open(path, "rb") as file:
-                pickle.load(file)  # numba's version
-                _, compiled = pickle.loads(file.read())
-            for signature, *_ in compiled:
-                seen |= {one.instance_class for one in signature if hasattr(one, "instance_class")}
-    assert {"Scratch", "InkField", "SurfaceField"} <= {one.__name__ for one in seen}
-    for one in seen:
-        name = one.__module__.removeprefix("paint3d.").replace(".", "/")
-        assert looked_at[name][2][one.__name__] == list(one._fields)
+    taken = {of for entry in read_table() for of in entry.named_tuples}
+    assert {"brush_engine.scratch.Scratch", "mesh.kernels.mesh_arrays.SurfaceField"} <= taken
+    for of in taken:
+        module, _, name = of.rpartition(".")
+        assert looked_at[module.replace(".", "/")][2][name] == list(resolve(of)._fields)
 
 
 def test_numba_keeps_kernels_where_they_are_looked_for() -> None:
-    points = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
-    stroke = poses(points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.array([0.2, 0.2]))
-    Painter(PaintedSurface(sheet(flat, (9.0, 9.0), 5.0), 1.0)).replay(stroke)
-    assert is_compiled(paint_samples)
-    assert list(compiled_folder(PACKAGE / "brush_engine").glob("stroke_loop.paint_samples-*.nbi"))
+    turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0)
+    assert is_kept(turn)
+    assert list(compiled_folder(PACKAGE / "core").glob("quaternion.turn-*.nbi"))

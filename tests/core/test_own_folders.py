@@ -17,6 +17,7 @@ import paint3d
 from paint3d.app.model.persistence.places import config_folder, recovery_folder, stand_in
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.core import own_folders
+from paint3d.core.numba_kernels import ONLY
 from paint3d.core.own_folders import private_folder
 from paint3d.errors import ExportError
 
@@ -61,7 +62,7 @@ def installed(tmp_path: Path) -> Path:
 def run(code: str, site: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONPATH": str(site), **environment},
+        env={**os.environ, "PYTHONPATH": str(site), ONLY: "numba", **environment},
         capture_output=True, text=True, check=False, cwd=site,
     )  # fmt: skip
 
@@ -87,7 +88,7 @@ def test_kernels_are_kept_without_a_home(home: dict, temporary: Path, installed:
 
 def test_processes_that_are_started_say_nothing_again(temporary: Path, installed: Path) -> None:
     start = f"subprocess.run([sys.executable, '-c', {KEPT!r}])"
-    done = run(f"import subprocess, sys, paint3d.core.kernel; {start}", installed)
+    done = run(f"import subprocess, sys, paint3d.core.quaternion; {start}", installed)
     kept = Path(done.stdout.split()[0])
     assert kept.parent == temporary / f"paint3d-{os.geteuid()}" / "numba"
     assert done.stderr.count("\n") == 1

@@ -10,7 +10,7 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.brush_engine.stroke_loop import paint_samples
-from paint3d.core.compile_cache import is_compiled
+from paint3d.core.compiled import is_compiled
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.brush_shape import BrushStand, tuft_rings

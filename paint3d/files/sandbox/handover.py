@@ -22,12 +22,14 @@ __all__ = ["receive", "send"]
 MAX_LINE = 1 << 20
 TYPES = {"vertices": "<f4", "faces": "<i4", "normals": "<f4", "colours": "|u1"}
 NUMBERS_A_ROW = 3
+_ALIGNED = 8  # where numbers begin: kernels take no others
 
 
 def send(descriptor: int, arrays: Mapping[str, AnyArray], facts: Mapping[str, Any]) -> None:
     """Write arrays of the types in `TYPES`, (N, 3) each, and what JSON can hold besides."""
     rows = {name: len(array) for name, array in arrays.items()}
     line = json.dumps({"rows": rows, "facts": facts}).encode("ascii")
+    line += b" " * (-(4 + len(line)) % _ALIGNED)
     with open(descriptor, "wb", closefd=False) as file:
         file.write(len(line).to_bytes(4, "little") + line)
         for name, array in arrays.items():

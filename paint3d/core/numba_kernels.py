@@ -1,0 +1,107 @@
+"""Kernels that numba compiles when they are first called, and keeps."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+from collections.abc import Callable
+from functools import cache, update_wrapper
+from typing import Any
+
+__all__ = ["ONLY", "DeferredKernel", "can_compile", "compile_with_numba", "level_of"]
+
+ONLY = "PAINT3D_KERNELS"  # "numba" or "library": take kernels from there or not at all
+_LEVEL_3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}  # of x86-64
+_LEVEL_2 = {"cx16", "popcnt", "sse4.1", "sse4.2", "ssse3"}
+
+
+def can_compile() -> bool:
+    """Whether what is not compiled can be."""
+    return os.environ.get(ONLY) != "library" and importlib.util.find_spec("numba") is not None
+
+
+def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """Decorate a function with numba's `njit`: it is compiled when it is first called."""
+    if not can_compile():
+        name = f"{function.__module__}.{function.__qualname__}"
+        raise RuntimeError(
+            f"{name} is not among the compiled kernels, and "
+            + (f"{ONLY}=library" if os.environ.get(ONLY) == "library" else "numba is not installed")
+        )
+    _prepare()
+    from numba import njit
+
+    return njit(**{"cache": True, "nogil": True, **options})(function)
+
+
+@cache
+def _prepare() -> None:
+    """Have numba compile for a level of processors, as the library is, and drop what is stale.
+
+    Some of the last bits of single hairs rest on which instruction estimates 1/sqrt(x). Code for
+    the very processor would take another one where there is AVX-512; so all processors of a level
+    paint the same, with the library and without.
+    """
+    import numba
+    from llvmlite import binding
+
+    config: Any = numba.config  # its own, unknown to types
+    if platform.machine() in ("x86_64", "AMD64") and config.CPU_NAME is None:
+        level = level_of({name for name, on in binding.get_host_cpu_features().items() if on})
+        if level:
+            config.CPU_NAME, config.CPU_FEATURES = f"x86-64-v{level}", ""  # those of the level
+            os.environ["NUMBA_CPU_NAME"] = config.CPU_NAME  # numba reads it again, at times
+            os.environ["NUMBA_CPU_FEATURES"] = config.CPU_FEATURES
+    from paint3d.core.compile_cache import drop_stale
+
+    drop_stale()  # before the first is loaded
+
+
+def level_of(features: set[str]) -> int:
+    """The highest level of x86-64 that code is made for, by what a processor has; 0 for none."""
+    if not features >= _LEVEL_2:
+        return 0
+    return 3 if features >= _LEVEL_3 else 2
+
+
+class DeferredKernel:
+    """A kernel for which numba is not imported before it is called or looked into."""
+
+    __wrapped__: Callable[..., Any]
+    options: dict[str, Any]
+    _jit: Any = None
+
+    @classmethod
+    def of(cls, function: Callable[..., Any], options: dict[str, Any]) -> DeferredKernel:
+        """The kernel of a function."""
+        kernel = cls()
+        update_wrapper(kernel, function)
+        kernel.options = options
+        return kernel
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Compile and call it."""
+        return self.jit(*args, **kwargs)
+
+    @property
+    def jit(self) -> Any:
+        """The same as numba's dispatcher."""
+        if self._jit is None:
+            self._jit = compile_with_numba(self.__wrapped__, self.options)
+        return self._jit
+
+    @property
+    def py_func(self) -> Callable[..., Any]:
+        """The function as it is written."""
+        return self.__wrapped__
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What it is to a kernel that calls it and is compiled by numba."""
+        return self.jit._numba_type_
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.jit, name)

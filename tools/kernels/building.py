@@ -1,0 +1,277 @@
+"""Build the library: parts of the entries, each compiled by a process of its own, and linked.
+
+Of every part is known what it was made from, so that after an edit only the parts that it reaches
+are made again, and a second run makes nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from tools.kernels.sources import ROOT, digest, sources_of
+from tools.kernels.table import Entry, read_table
+
+__all__ = [
+    "FOLDER",
+    "LEVELS",
+    "BuildError",
+    "Part",
+    "build",
+    "is_built",
+    "own_level",
+    "parts",
+]
+
+FOLDER = ROOT / "paint3d" / "core" / "machine_code"
+LEVELS = (2, 3)  # of x86-64
+_FORMAT = 1  # as `paint3d.core.kernel_library` reads it
+_INDEX = "index.json"
+_HERE = Path(__file__).parent
+_COMPILERS = ("lowering", "optimising", "part")
+_VERSIONS = ("numba", "llvmlite", "numpy")
+# What is lowered by one process, the longest first: the groups of its entries, which are optimised
+# beside one another, by the rooms they are in.
+_PARTS = {
+    "brush": [("brush_engine.bristles",), ("brush_engine",)],
+    "rooms": [("",)],
+}
+
+
+class BuildError(Exception):
+    """The library cannot be built here; the message says why."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Entries that are compiled by one process."""
+
+    name: str
+    groups: list[dict[str, Entry]]  # by the names of their functions of C
+
+    def stamp(self) -> str:
+        """The hash of all that it is made from."""
+        sources = {source for group in self.groups for e in group.values() for source in _of(e)}
+        made_from = [
+            repr(self.groups),
+            *((path, digest(path)) for path in sorted(sources)),
+            *((name, digest(f"tools/kernels/{name}.py")) for name in _COMPILERS),
+            *((name, version(name)) for name in _VERSIONS),
+            ("Python", sys.version_info[:2]),
+        ]
+        return hashlib.sha256(json.dumps(made_from).encode()).hexdigest()[:16]
+
+
+def _of(entry: Entry) -> list[str]:
+    return sources_of(entry.modules, entry.tuples)
+
+
+def parts() -> list[Part]:
+    """All entries of the table in their parts."""
+    waiting = {}
+    for entry in read_table():
+        symbol = f"paint3d_{entry.module.replace('.', '_')}_{entry.name}"
+        count = sum(name.startswith(symbol) for name in waiting)
+        waiting[f"{symbol}_{count}"] = entry
+    found = []
+    for name, rooms in _PARTS.items():
+        groups = []
+        for begins in rooms:
+            group = {s: e for s, e in waiting.items() if e.module.startswith(begins)}
+            waiting = {s: e for s, e in waiting.items() if s not in group}
+            groups.append(group)
+        found.append(Part(name, groups))
+    return found
+
+
+def own_level() -> int:
+    """The highest level of this machine that code is built for.
+
+    Raises
+    ------
+    BuildError
+        There is none.
+    """
+    from llvmlite import binding
+
+    from paint3d.core.numba_kernels import level_of
+
+    has = {name for name, on in binding.get_host_cpu_features().items() if on}
+    if sys.platform != "linux" or not level_of(has):
+        raise BuildError(f"kernels are compiled ahead for Linux on x86-64 only, not {sys.platform}")
+    return level_of(has)
+
+
+def _stamps(levels: list[int]) -> dict[str, Any]:
+    c = [digest(path.relative_to(ROOT).as_posix()) for path in sorted(_HERE.glob("*.c"))]
+    return {
+        "parts": {part.name: part.stamp() for part in parts()},
+        "levels": levels,
+        "c": [*c, sys.version_info[:2]],
+    }
+
+
+def is_built(levels: list[int], folder: Path = FOLDER) -> bool:
+    """Whether the library is there, made from all as it is now."""
+    try:
+        index = json.loads((folder / _INDEX).read_text("utf-8"))
+        names = [index["caller"], *index["code"].values()]
+    except (OSError, ValueError, LookupError):
+        return False
+    is_whole = all((folder / name).is_file() for name in names)
+    return is_whole and index["made_from"] == json.loads(json.dumps(_stamps(levels)))
+
+
+def build(
+    levels: list[int],
+    folder: Path = FOLDER,
+    say: Callable[[int, int], None] = lambda done, of: None,
+) -> None:
+    """Build what is not there or stale.
+
+    Parameters
+    ----------
+    levels : list of int
+        Of x86-64: 2 (2009) or 3 (2013, AVX2).
+    folder : Path
+        Beside the package's decorators, where they look for it.
+    say : callable
+        Told how many steps are done, and of how many.
+
+    Raises
+    ------
+    BuildError
+        gcc or Python's headers are missing, or a kernel cannot be compiled.
+    """
+    if is_built(levels, folder):
+        return
+    stamps = _stamps(levels)
+    folder.mkdir(parents=True, exist_ok=True)
+    kept = folder / "parts"
+    with tempfile.TemporaryDirectory(dir=folder, prefix="building-") as work:
+        caller = Path(work) / f"caller-{_short(stamps['c'])}.abi3.so"
+        _compile_caller(caller)  # says first of all what is missing
+        wanted = parts()
+        places = {part.name: kept / _part_folder(part, levels) for part in wanted}
+        waiting = [part for part in wanted if not places[part.name].is_dir()]
+        steps = len(wanted) + 1
+        say(steps - 1 - len(waiting), steps)
+        with ThreadPoolExecutor(max(1, len(waiting))) as pool:
+            made = [pool.submit(_compile, part, levels, places[part.name]) for part in waiting]
+            for k, one in enumerate(made):
+                one.result()
+                say(steps - len(waiting) + k, steps)
+        code = {str(level): _link(level, list(places.values()), Path(work)) for level in levels}
+        index = _index(places, stamps, caller.name, code)
+        for path in (caller, *(Path(work) / name for name in code.values())):
+            path.replace(folder / path.name)
+        text = Path(work) / _INDEX
+        text.write_text(json.dumps(index), "utf-8")
+        text.replace(folder / _INDEX)
+    _drop_old(folder, {_INDEX, "parts", caller.name, *code.values()})
+    _drop_old(kept, {place.name for place in places.values()})
+    say(steps, steps)
+
+
+def _short(thing: Any) -> str:
+    return hashlib.sha256(json.dumps(thing).encode()).hexdigest()[:12]
+
+
+def _part_folder(part: Part, levels: list[int]) -> str:
+    return f"{part.name}-v{'v'.join(map(str, levels))}-{part.stamp()}"
+
+
+def _compile(part: Part, levels: list[int], place: Path) -> None:
+    """Compile a part in a process of its own."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=place.parent, prefix=f"{part.name}-") as work:
+        words = ["--part", part.name, "--into", work, "--levels", *map(str, levels)]
+        run = subprocess.run(
+            [sys.executable, "-m", "tools.kernels", *words],
+            cwd=ROOT,
+            env={**os.environ, "PYTHONPATH": os.fspath(ROOT)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if run.returncode:
+            raise BuildError(f"kernels of {part.name} cannot be compiled:\n{run.stderr[-2000:]}")
+        if not place.is_dir():  # another may have made it meanwhile
+            Path(work).rename(place)
+            Path(work).mkdir()  # for the folder's own end
+
+
+def _link(level: int, places: list[Path], work: Path) -> str:
+    """Make the shared library for a level; its name."""
+    objects = [path for place in places for path in sorted(place.glob(f"*-v{level}.o"))]
+    exports = work / "exports"
+    exports.write_text("{ global: paint3d_*; local: *; };\n")
+    target = work / "kernels.so"
+    _gcc("-shared", "-s", f"-Wl,--version-script={exports}", "-Wl,-z,defs", "-Wl,--gc-sections",
+         *objects, _HERE / "runtime.c", "-lm", "-o", target)  # fmt: skip
+    name = f"x86-64-v{level}-{hashlib.sha256(target.read_bytes()).hexdigest()[:12]}.so"
+    target.rename(work / name)
+    return name
+
+
+def _compile_caller(target: Path) -> None:
+    import numpy as np
+
+    headers = [sysconfig.get_path("include"), np.get_include()]
+    if not (Path(headers[0]) / "Python.h").is_file():
+        raise BuildError(f"Python's headers are missing from {headers[0]}: install python3-dev")
+    _gcc("-shared", "-s", *(f"-I{path}" for path in headers), _HERE / "caller.c", "-o", target)
+
+
+def _gcc(*words: str | Path) -> None:
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    if compiler is None:
+        raise BuildError("gcc is missing")
+    flags = ["-O2", "-fPIC", "-fvisibility=hidden"]
+    run = subprocess.run(
+        [compiler, *flags, *map(str, words)], capture_output=True, text=True, check=False
+    )
+    if run.returncode:
+        raise BuildError(f"gcc: {run.stderr[-2000:]}")
+
+
+def _index(
+    places: dict[str, Path], stamps: dict[str, Any], caller: str, code: dict[str, str]
+) -> dict[str, Any]:
+    """What `paint3d.core.kernel_library` reads."""
+    sources: dict[str, int] = {}
+    kernels: dict[str, Any] = {}
+    for part in parts():
+        described = json.loads((places[part.name] / "entries.json").read_text("utf-8"))
+        for group in part.groups:
+            for symbol, entry in group.items():
+                made_from = [sources.setdefault(path, len(sources)) for path in _of(entry)]
+                kernel = kernels.setdefault(entry.kernel, {"sources": made_from, "codes": []})
+                kernel["codes"].append(described[symbol])
+    return {
+        "format": _FORMAT,
+        "made_from": stamps,
+        "caller": caller,
+        "code": code,
+        "sources": [[path, digest(path)] for path in sources],
+        "kernels": kernels,
+    }
+
+
+def _drop_old(folder: Path, keep: set[str]) -> None:
+    """Delete what earlier runs have left; programs that run keep what they have loaded."""
+    for path in folder.iterdir():
+        if path.name not in keep and not path.name.startswith("building-"):
+            shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)

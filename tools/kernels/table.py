@@ -1,0 +1,160 @@
+"""The table of the kernels that Python calls, with the types of what they take: entries.txt."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+__all__ = ["Array", "Entry", "Number", "Row", "TableError", "read_table", "resolve"]
+
+TABLE = Path(__file__).with_name("entries.txt")
+_NUMBERS = {"float": "f8", "int": "i8", "bool": "b1", "f4": "f4"}
+_DTYPES = {"f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1"}
+_PART = re.compile(r"\s*(\w+) ((?:\([^)]*\)|\[[^]]*\]|[^,(\[])+)(?:,|$)")
+_ARRAY = re.compile(r"([\w.]+)\[(:(?:,:)*)\]")
+
+
+class TableError(ValueError):
+    """A line of the table that says nothing, or not what the source says."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number: f8, f4, i8 or b1."""
+
+    code: str
+
+
+@dataclass(frozen=True)
+class Array:
+    """A C-contiguous array."""
+
+    dtype: str  # NumPy's short name, or module.CONSTANT of records
+    axes: int
+
+
+@dataclass(frozen=True)
+class Row:
+    """A tuple; `of` is the named tuple's module and name, "" for a plain one."""
+
+    of: str
+    parts: tuple[Number | Array | Row, ...]
+    names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A kernel that Python calls, with what it takes by name."""
+
+    module: str  # after paint3d.
+    name: str
+    takes: dict[str, Number | Array | Row] = field(hash=False)
+
+    @property
+    def kernel(self) -> str:
+        """Its full name."""
+        return f"paint3d.{self.module}.{self.name}"
+
+    @property
+    def modules(self) -> set[str]:
+        """Full names of the modules that it, and records that it takes, are made in."""
+        named = {of for part in self.takes.values() for of, is_record in _named(part) if is_record}
+        return {f"paint3d.{name.rpartition('.')[0]}" for name in {f"{self.module}.", *named}}
+
+    @property
+    def tuples(self) -> set[str]:
+        """Full names of the modules that say which fields the tuples have that it takes."""
+        return {f"paint3d.{of.rpartition('.')[0]}" for of in self.named_tuples}
+
+    @property
+    def named_tuples(self) -> set[str]:
+        """Dotted names of all tuples that it takes, after paint3d."""
+        return {
+            of for part in self.takes.values() for of, is_record in _named(part) if not is_record
+        }
+
+
+def read_table(path: Path = TABLE) -> list[Entry]:
+    """Read all entries, in their order.
+
+    Raises
+    ------
+    TableError
+        With the line.
+    """
+    tuples: dict[str, Row] = {}
+    entries: list[Entry] = []
+    for line in _lines(path.read_text("utf-8")):
+        head, colon, rest = line.partition(": ")
+        if not colon:
+            raise TableError(f"{path.name}: expected 'module.kernel: name type, ...', got {line!r}")
+        try:
+            parts = {name: _type_of(text.strip(), tuples) for name, text in _parts(rest)}
+        except KeyError as error:
+            raise TableError(f"{path.name}: {head}: unknown type {error}") from None
+        if head.startswith("tuple "):
+            of = head.removeprefix("tuple ")
+            row = Row(of, tuple(parts.values()), tuple(parts))
+            tuples[of.rpartition(".")[2]] = row
+        else:
+            module, _, name = head.rpartition(".")
+            entries.append(Entry(module, name, parts))
+    return entries
+
+
+def resolve(of: str) -> Any:
+    """The class, function or constant that a dotted name after ``paint3d.`` stands for."""
+    module, _, name = of.rpartition(".")
+    return getattr(importlib.import_module(f"paint3d.{module}"), name)
+
+
+def dtype_of(array: Array) -> np.dtype:
+    """The type of an array's elements."""
+    return np.dtype(array.dtype) if array.dtype in _DTYPES else resolve(array.dtype)
+
+
+def _named(part: Number | Array | Row) -> Iterator[tuple[str, bool]]:
+    """The dotted names of named tuples and records in a type, and whether it is a record."""
+    if isinstance(part, Row):
+        if part.of:
+            yield part.of, False
+        for inner in part.parts:
+            yield from _named(inner)
+    elif isinstance(part, Array) and part.dtype not in _DTYPES:
+        yield part.dtype, True
+
+
+def _lines(text: str) -> Iterator[str]:
+    """Lines without remarks, those that go on joined."""
+    whole = re.sub(r"\n[ \t]+", " ", re.sub(r"#.*", "", text))
+    return (line for line in whole.splitlines() if line.strip())
+
+
+def _parts(text: str) -> Iterator[tuple[str, str]]:
+    at = 0
+    while at < len(text):
+        found = _PART.match(text, at)
+        if not found:
+            raise TableError(f"{TABLE.name}: expected 'name type, ...', got {text[at:]!r}")
+        yield found[1], found[2]
+        at = found.end()
+
+
+def _type_of(text: str, tuples: dict[str, Row]) -> Number | Array | Row:
+    if text in _NUMBERS:
+        return Number(_NUMBERS[text])
+    array = _ARRAY.fullmatch(text)
+    if array:
+        if array[1] not in _DTYPES and "." not in array[1]:
+            raise KeyError(text)
+        return Array(array[1], array[2].count(":"))
+    if text.startswith("("):
+        parts = (part.strip() for part in text[1:-1].split(","))
+        return Row("", tuple(_type_of(part, tuples) for part in parts))
+    return tuples[text]
