@@ -233,7 +233,7 @@ def test_the_surface_is_told_in_numbers_that_look_like_nothing_else(window) -> N
     assert {"100 %", "50 %", "0 %"} <= set(numbers)
 
 
-@pytest.mark.parametrize("size", [(1280, 800), (1280, 720), (1100, 620)])
+@pytest.mark.parametrize("size", [(1280, 800), (1280, 720), (1100, 620), (960, 600)])
 def test_no_tool_is_lost_in_a_low_window(window, size) -> None:
     before = window.size()
     window.resize(*size)

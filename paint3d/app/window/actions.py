@@ -24,7 +24,7 @@ from paint3d.app.window.workspace import Workspace
 __all__ = ["Actions"]
 
 _LARGE, _SMALL = QtCore.QSize(19, 19), QtCore.QSize(16, 16)
-_AROUND = 60  # pixels of the window's height that menus and status line take
+_TIGHTEST = 2  # how close together tools are drawn: from 0 to this
 
 
 class Actions:
@@ -59,7 +59,7 @@ class Actions:
                     self.recent = menu.addMenu(say("menu.recent"))
                     self.unsaved = menu.addMenu(say("Bring back what was not saved"))
         self.tools = self._make_tools()
-        self._tools_height: int | None = None
+        self._heights: dict[int, int] = {}  # of the tools, by how close together they are
         workspace.theme_changed.connect(self._set_theme)
 
     def _make(self, name: str) -> QtGui.QAction:
@@ -119,11 +119,21 @@ class Actions:
 
     def fit(self, height: int) -> None:
         """Draw the tools closer together where the window is low, so that none is lost."""
+        window = self._workspace.window
+        around = [bar for bar in (window.menuBar(), window.statusBar()) if not bar.isHidden()]
+        room = height - sum(bar.sizeHint().height() for bar in around)
+        for tight in range(1 + _TIGHTEST):
+            if tight not in self._heights:
+                self._draw_tools(tight)
+                self._heights[tight] = self._tools_layout().sizeHint().height()
+            if self._heights[tight] <= room:
+                break
+        self._draw_tools(tight)
+
+    def _draw_tools(self, tight: int) -> None:
+        """Draw them closer together, or not."""
         tools = self.tools
-        if self._tools_height is None:
-            self._tools_height = self._tools_layout().sizeHint().height()
-        tight = self._tools_height > height - _AROUND
-        if tight is tools.property("tight"):
+        if tools.property("tight") == tight:
             return
         tools.setProperty("tight", tight)
         tools.setIconSize(_SMALL if tight else _LARGE)

@@ -104,9 +104,12 @@ QToolBar {{ background: {panel}; border: none; border-right: 1px solid {line}; p
     spacing: 3px; }}
 QToolBar::separator {{ background: {line}; height: 1px; margin: 5px 6px; }}
 QToolButton {{ border: 1px solid transparent; border-radius: 6px; padding: 5px; }}
-QToolBar[tight="true"] {{ padding: 2px 4px; spacing: 0px; }}
-QToolBar[tight="true"]::separator {{ margin: 2px 6px; }}
-QToolBar[tight="true"] QToolButton {{ padding: 3px; }}
+QToolBar[tight="1"] {{ padding: 2px 4px; spacing: 0px; }}
+QToolBar[tight="1"]::separator {{ margin: 2px 6px; }}
+QToolBar[tight="1"] QToolButton {{ padding: 3px; }}
+QToolBar[tight="2"] {{ padding: 0px 4px; spacing: 0px; }}
+QToolBar[tight="2"]::separator {{ margin: 0px 6px; }}
+QToolBar[tight="2"] QToolButton {{ padding: 2px 3px; }}
 QToolButton#qt_toolbar_ext_button {{ background: {raised}; border: 1px solid {line};
     min-height: 14px; padding: 1px; }}
 QToolButton:focus, QPushButton:focus {{ border-color: {accent}; }}
