@@ -477,6 +477,22 @@ def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
 
 
 @pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is not installed")
+def test_every_step_of_a_real_mouse_is_heard_however_busy_the_window_is(window) -> None:
+    """The screen sends them while nobody listens; none is left out for the one after it."""
+    middle = window.canvas.mapToGlobal(window.canvas.rect().center())
+    steps = [(middle.x() + 4 * k, middle.y() + 2 * (k % 2)) for k in range(30)]
+    ratio = window.devicePixelRatio()
+    words = [f"mousemove {ratio * x:.0f} {ratio * y:.0f}".split() for x, y in steps]
+    heard: list[tuple[int, int]] = []
+    live(0.1)
+    window.canvas.touched.connect(lambda touch: heard.append((round(touch.x), round(touch.y))))
+    subprocess.run(["xdotool", *(word for step in words for word in step)], check=True)
+    wanted = [window.canvas.mapFromGlobal(QtCore.QPoint(*step)).toTuple() for step in steps]
+    wait_for(lambda: heard[-1:] == wanted[-1:], 60.0)
+    assert set(wanted) <= set(heard)
+
+
+@pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is not installed")
 @pytest.mark.parametrize("num_lock", [False, True])
 def test_real_key_codes_of_the_keypad_turn_the_view(window, num_lock) -> None:
     def press(*keys: str) -> None:

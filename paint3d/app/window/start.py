@@ -51,13 +51,15 @@ def make_program() -> QtWidgets.QApplication:
     QtGui.QGuiApplication.setHighDpiScaleFactorRoundingPolicy(
         QtCore.Qt.HighDpiScaleFactorRoundingPolicy.PassThrough
     )
-    # every event of a hand counts; how many are joined would depend on how fast pictures are drawn
-    QtCore.QCoreApplication.setAttribute(
-        QtCore.Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents, False
-    )
     QtCore.QCoreApplication.setOrganizationName("paint3d")
     QtCore.QCoreApplication.setApplicationName("paint3d")
-    return QtWidgets.QApplication(["paint3d"])
+    program = QtWidgets.QApplication(["paint3d"])
+    # every event of a hand counts; how many are joined would depend on how fast pictures are drawn.
+    # Said once there is a program: on X11 Qt joins them from its start, whatever was said before
+    for kind in ("AA_CompressHighFrequencyEvents", "AA_CompressTabletEvents"):
+        attribute = QtCore.Qt.ApplicationAttribute[kind]
+        QtCore.QCoreApplication.setAttribute(attribute, False)
+    return program
 
 
 def run_studio(
