@@ -48,7 +48,7 @@ class PaintActions:
 
     def do_undo(self) -> None:
         """Take the last step back; that of a recording that is replayed, as far as it came."""
-        self._player.stop()
+        self._player.take_back()
         self._recalling.undo()
 
     def do_redo(self) -> None:

@@ -57,6 +57,10 @@ class _Replay:
     ended: Future[Any] | None = None
     refused: bool = False
 
+    def count_from(self, n_painted: int) -> None:
+        """Know how many samples had been painted when the stroke began."""
+        self.before = n_painted
+
     def due(self, now: float) -> int:
         """Number of the first sample whose time has not come."""
         if self.speed is None:
@@ -98,8 +102,12 @@ class Player(QtCore.QObject):
         # by the hand's clock, and by whole pieces of the ink's time: as it was painted
         since = time.perf_counter_ns() - samples[0].time_ns
         later_ns = since // PIECE_NS * PIECE_NS
-        began = self._workspace.easel.post("begin_stroke")
-        self._replay = _Replay(samples, speed, began, later_ns, time.perf_counter())
+        easel = self._workspace.easel
+        began = easel.post("begin_stroke")
+        started, painted = time.perf_counter(), easel.n_painted
+        replay = _Replay(samples, speed, began, later_ns, started, before=painted)
+        began.add_done_callback(lambda _: replay.count_from(easel.n_painted))
+        self._replay = replay
         self._workspace.tell(say("Replaying; Esc stops it"))
         self.moved.emit(0.0)
         self.tick()
@@ -114,8 +122,6 @@ class Player(QtCore.QObject):
                 self.stop()  # it is told why
                 return
             self.moved.emit((easel.n_painted - replay.before) / len(replay.samples))
-        else:
-            replay.before = easel.n_painted
         if replay.ended is None:
             self._hand_on(replay)
         elif replay.ended.done():
@@ -149,6 +155,12 @@ class Player(QtCore.QObject):
         if self.is_playing:
             self.stop()
             self._workspace.tell(say("The replay was stopped; undo takes back what it painted"))
+
+    def take_back(self) -> None:
+        """Stop because what was painted is about to be undone, and say so."""
+        if self.is_playing:
+            self.stop()
+            self._workspace.tell(say("The replay was stopped and taken back"))
 
     def give_way(self) -> None:
         """Stop for a stroke by hand, which would be one with that of the recording."""
