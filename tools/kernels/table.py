@@ -99,9 +99,9 @@ def read_table(path: Path = TABLE) -> list[Entry]:
         except KeyError as error:
             raise TableError(f"{path.name}: {head}: unknown type {error}") from None
         if head.startswith("tuple "):
-            of = head.removeprefix("tuple ")
+            of, _, name = head.removeprefix("tuple ").partition(" as ")
             row = Row(of, tuple(parts.values()), tuple(parts))
-            tuples[of.rpartition(".")[2]] = row
+            tuples[name or of.rpartition(".")[2]] = row
         else:
             module, _, name = head.rpartition(".")
             entries.append(Entry(module, name, parts))
