@@ -476,6 +476,28 @@ def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
     assert "Space" in window.status.told.text()
 
 
+@pytest.mark.parametrize("had", [True, False])
+def test_keys_that_went_to_nobody_when_a_dialog_closed_are_asked_for(
+    window, monkeypatch: pytest.MonkeyPatch, had: bool
+) -> None:
+    """If they were this program's: nobody's keys are taken from another."""
+    focus, asked = [window.windowHandle() if had else None], []
+    current = staticmethod(lambda: focus[-1])
+    monkeypatch.setattr(QtGui.QGuiApplication, "focusWindow", current)
+    monkeypatch.setattr(window, "activateWindow", lambda: asked.append(True))
+    dialog = QtWidgets.QDialog(window)
+    dialog.setWindowModality(QtCore.Qt.WindowModality.WindowModal)
+    dialog.show()
+    live(0.1)
+    dialog.close()
+    focus.append(None)
+    if had:
+        wait_for(lambda: asked)
+    live(0.5)
+    assert len(asked) == had
+    dialog.deleteLater()
+
+
 @pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is not installed")
 def test_every_step_of_a_real_mouse_is_heard_however_busy_the_window_is(window) -> None:
     """The screen sends them while nobody listens; none is left out for the one after it."""

@@ -23,6 +23,7 @@ _OTHERS = (  # that count together with a key of the keypad
     QtCore.Qt.KeyboardModifier.ControlModifier | QtCore.Qt.KeyboardModifier.AltModifier
 )
 _PRESSES = (_KIND.MouseButtonPress, _KIND.TabletPress, _KIND.TouchBegin)
+_SETTLED_MS = 300  # after which it is known who has the keys
 _WHILE_S = 5.0  # in which the screen tells that the window was moved, however busy all are
 _DIGITS = {
     _KEY.Key_Insert: _KEY.Key_0, _KEY.Key_End: _KEY.Key_1, _KEY.Key_Down: _KEY.Key_2,
@@ -110,9 +111,19 @@ class HeldKeys(QtCore.QObject):
             self._alt = False
             self._keys.clear()
             self._hand.held.clear()
+        elif kind == _KIND.WindowUnblocked and QtGui.QGuiApplication.focusWindow() is not None:
+            QtCore.QTimer.singleShot(_SETTLED_MS, self, self._take_back_keys)
         elif kind == _KIND.Move and (self._alt or self._was_alt_alone() or _is_alt_down()):
             self._alt_at = None
             self.alt_taken.emit()
+
+    def _take_back_keys(self) -> None:
+        """Ask for the keys after a dialog that had them, where they went to nobody.
+
+        On X11 they are handed to a dialog that closes just then, and nobody hears of them after it.
+        """
+        if QtGui.QGuiApplication.focusWindow() is None and self._window.isVisible():
+            self._window.activateWindow()
 
     def _was_alt_alone(self) -> bool:
         """Whether Alt was pressed a while ago and nothing since: who is quick has let it go."""
