@@ -15,13 +15,12 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from paint3d.app.window.input import canvas as canvases
 from paint3d.app.window.studio import StudioWindow
 from paint3d.cli.pads import lay_on
-from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.painter.painter import Painter
-from paint3d.recording.flat_recording import orientations_from_angles
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.event_player import DeviceEvent, EventRecording, open_for, settle, surface_of
+from tests.support.app.hands import pad_stroke
 from tests.support.app.marks import Way, ink_per_mm, take_mark
 from tests.support.app.random_strokes import random_strokes
 from tests.support.app.trials import (
@@ -230,18 +229,6 @@ def test_a_mouse_paints_under_its_point(window, name: str, side: str) -> None:
         for trial in try_strokes(window, stroke.changed(device="mouse", tilt=(0.0, 0.0))):
             told += faults(trial)
     assert told == []
-
-
-def pad_stroke(line: ArrayLike, pressure: float, altitude: float) -> Recording:
-    """A stroke on a pad along a line (N, 2), mm, by a pen that leans down and to the right."""
-    points = np.asarray(line, float)
-    n = len(points)
-    force = np.full(n, pressure)
-    force[[0, -1]] = 0.0
-    leaning = orientations_from_angles(np.full(n, -0.25 * np.pi), np.full(n, altitude))
-    places = np.column_stack([points, np.zeros(n)])
-    times = np.arange(n, dtype=np.int64) * 5_000_000
-    return Recording(times, places, leaning, force, np.zeros(n, np.int32), header={"space": "pad"})
 
 
 PAD_LINES = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
@@ -13,8 +14,10 @@ from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.persistence.sitting import recoverable
 from paint3d.device.recorded import Recording
+from paint3d.errors import Paint3DError
 from paint3d.recording.recording import save_recording
 from tests.support.app.gestures import BUTTON, answer, drag, live, take_file, wait_for
+from tests.support.app.hands import pad_stroke
 from tests.support.app.windows import opened, settled
 
 TIMES = 300  # to and fro
@@ -104,8 +107,8 @@ def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tm
 @pytest.mark.parametrize("stop", [by_button, by_key])
 def test_it_is_stopped_at_once_and_undone_as_a_whole(window, tmp_path, stop) -> None:
     file = long_file(window, tmp_path)
-    n, easel = replay(window, file), window.stage.easel
-    before = easel.n_painted
+    easel = window.stage.easel
+    before, n = easel.n_painted, replay(window, file)
     wait_for(lambda: easel.n_painted > before + 200)
     stop(window)
     at = easel.n_painted
@@ -166,6 +169,40 @@ def test_what_was_not_painted_does_not_come_back_after_a_crash(window, tmp_path)
     back = recoverable()[0].recover().document
     assert [len(s.samples) for s in back.strokes] == [len(stroke.samples)]
     recoverable()[0].discard()
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_pads_recording_is_laid_where_the_picture_is_looked_at(
+    program, tmp_path, beside: bool
+) -> None:
+    """It was painted as if it knew where the object is: in the middle of the ball, say."""
+    line = np.linspace((100.0, 50.0), (130.0, 50.0), 40)  # anywhere on the pad
+    file = tmp_path / "pad.jsonl"
+    save_recording(pad_stroke(line, 0.3, np.radians(60.0)), file)
+    with opened(program, "sphere", 1.0, "porcelain") as window:
+        window.workspace.actions["look_left"].trigger()
+        for _ in range(20 * beside):
+            window.workspace.actions["pan_left"].trigger()
+        assert window.recordings.replay_file(str(file))
+        wait_for(lambda: not window.player.is_playing)
+        (stroke,) = window.document.strokes
+        places = np.array([sample.contact for sample in stroke.samples])
+        assert np.linalg.norm(np.diff(places, axis=0), axis=1).sum() == pytest.approx(30.0, rel=0.1)
+        points = window.document.surface.source.vertices
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        side = (places.mean(axis=0) - middle) / np.linalg.norm(places.mean(axis=0) - middle)
+        towards = (0.0, -1.0, 0.0) if beside else (-1.0, 0.0, 0.0)  # its front, or what is seen
+        assert side @ towards > 0.95
+        assert window.document.surface.painted.any()
+        assert "Ready" in window.status.told.text()
+
+
+def test_a_pads_recording_that_does_not_fit_is_refused_in_words(window, tmp_path) -> None:
+    file = tmp_path / "pad.jsonl"
+    save_recording(pad_stroke([(0.0, 0.0), (4000.0, 0.0)], 0.3, 1.0), file)
+    assert not window.recordings.replay_file(str(file))
+    assert isinstance(window.workspace.error, Paint3DError)
+    assert not window.document.strokes
 
 
 def test_a_stroke_by_hand_that_waits_behind_it_is_kept(window, tmp_path) -> None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from paint3d.app.model.document import Document
+from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
+from paint3d.recording.flat_recording import orientations_from_angles
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
@@ -46,3 +49,15 @@ def same_vertices(one, two):
         lambda s: s.paint_mesh.vertices,
     ):
         np.testing.assert_array_equal(get(one)[orders[0]], get(two)[orders[1]])
+
+
+def pad_stroke(line: ArrayLike, pressure: float, altitude: float) -> Recording:
+    """A stroke on a pad along a line (N, 2), mm, by a pen that leans down and to the right."""
+    points = np.asarray(line, float)
+    n = len(points)
+    force = np.full(n, pressure)
+    force[[0, -1]] = 0.0
+    leaning = orientations_from_angles(np.full(n, -0.25 * np.pi), np.full(n, altitude))
+    places = np.column_stack([points, np.zeros(n)])
+    times = np.arange(n, dtype=np.int64) * 5_000_000
+    return Recording(times, places, leaning, force, np.zeros(n, np.int32), header={"space": "pad"})

@@ -71,6 +71,12 @@ class CanvasHand(QtCore.QObject):
         return self.camera
 
     @property
+    def surface(self) -> ClosestPoints:
+        """The object's, while something is open."""
+        assert self._surface is not None, "something is open"
+        return self._surface
+
+    @property
     def _open_hand(self) -> Hand:
         assert self.hand is not None, "something is open"
         return self.hand

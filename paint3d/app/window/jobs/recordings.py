@@ -7,6 +7,7 @@ from pathlib import Path
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.pad_in_view import lay_in_view
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.player import Player
 from paint3d.app.window.jobs.targets import Targets
@@ -93,6 +94,8 @@ class Recordings:
     def replay_file(self, path: str, speed: float | None = None) -> bool:
         """Paint a recording on what is here, as if by hand; say whether that began.
 
+        A pad's, which knows nothing of the object, is laid on it as it is seen; see `lay_in_view`.
+
         Parameters
         ----------
         path : str
@@ -101,15 +104,22 @@ class Recordings:
         """
         workspace = self._workspace
         title = say("status.opening", name=Path(path).name)
-        loaded = workspace.run(title, lambda progress: _samples(path, progress))
+        surface, camera = workspace.hand.surface, workspace.hand.open_camera
+
+        def read(progress: Progress) -> list[DeviceSample]:
+            recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
+            if recording.is_pad:
+                recording = lay_in_view(recording, surface, camera)
+            return _samples(recording, progress)
+
+        loaded = workspace.run(title, read)
         if not workspace.went_well(loaded):
             return False
         self._player.play(loaded.result(), speed)
         return True
 
 
-def _samples(path: str, progress: Progress) -> list[DeviceSample]:
-    recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
+def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
     samples = []
     for k, sample in enumerate(recording.samples()):
         samples.append(sample)
