@@ -12,12 +12,12 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.dynamics import InputCurves, check_curves
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import BrushError
 
-__all__ = ["HAIRS", "MAX_FORCE", "REFERENCE_LENGTH", "BrushSpec"]
+__all__ = ["HAIRS", "REFERENCE_LENGTH", "BrushSpec"]
 
 HAIRS = ("goat", "weasel", "mixed")
-MAX_FORCE = 7.9  # N, what the papers' device can push back with; pe = force / MAX_FORCE
 REFERENCE_LENGTH = 35.0  # mm, the tuft of Guo 2017, Table 2, to which its ranges belong
 
 # The ranges of Guo 2017, section 5; le_1 scales with the tuft's length.
@@ -105,7 +105,7 @@ class BrushSpec:
     transfer_per_mm: float
     drag_fraction: float
     plasticity: float
-    max_force: float = MAX_FORCE
+    max_force: float = MAX_FORCE_N
     bristles: BristleSpec | None = None
     inputs: InputCurves = ()
 

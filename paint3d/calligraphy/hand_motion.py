@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.calligraphy.timing import Motion, Tempo
+from paint3d.calligraphy.timing import Motion, Tempo, least_jerk
 from paint3d.core.frames import quaternions_from_matrices, rotate, slerp
 from paint3d.core.types import AnyArray
 from paint3d.mesh.chart import SurfaceChart
@@ -125,7 +125,7 @@ def travel(
     t = np.arange(1, n) / n
     return HandMotion(
         _arc(first, last, arc * outward, t),
-        slerp(*_ends(start, end, n - 1), _least_jerk(t)),
+        slerp(*_ends(start, end, n - 1), least_jerk(t)),
         np.zeros(n - 1),
         np.zeros(n - 1, np.int32),
     )
@@ -148,12 +148,8 @@ def _seconds(span: float, arc: float, start: HandMotion, end: HandMotion, tempo:
 
 def _arc(first: AnyArray, last: AnyArray, rise: AnyArray, t: AnyArray) -> AnyArray:
     bump = 64.0 * (t * (1.0 - t)) ** 3
-    result: AnyArray = first + _least_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
+    result: AnyArray = first + least_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
     return result
-
-
-def _least_jerk(t: AnyArray) -> AnyArray:
-    return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
 
 def _ends(start: HandMotion, end: HandMotion, n: int) -> tuple[AnyArray, AnyArray]:
@@ -163,7 +159,7 @@ def _ends(start: HandMotion, end: HandMotion, n: int) -> tuple[AnyArray, AnyArra
 def _turned(
     start: HandMotion, end: HandMotion, t: AnyArray, axis: tuple[float, float, float]
 ) -> AnyArray:
-    return rotate(slerp(*_ends(start, end, len(t)), _least_jerk(t)), np.array(axis))
+    return rotate(slerp(*_ends(start, end, len(t)), least_jerk(t)), np.array(axis))
 
 
 def _clear(surface: ClosestPoints, tips: AnyArray, roots: AnyArray, least: float) -> bool:

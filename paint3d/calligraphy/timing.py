@@ -19,10 +19,10 @@ from paint3d.calligraphy.planning import StrokePath
 from paint3d.calligraphy.speed_profile import Limits, travel
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
+from paint3d.device.stylus_reading import DIP
 from paint3d.errors import InputError
-from paint3d.painter.flat_input import DIP
 
-__all__ = ["Motion", "Tempo", "time_courses"]
+__all__ = ["Motion", "Tempo", "least_jerk", "time_courses"]
 
 _LIFT_POSES = 301
 _NO_HAND = {
@@ -185,7 +185,8 @@ def _poses(course: StrokePath) -> NDArray[np.float64]:
     return np.column_stack([course.handle, -course.descent, course.azimuth])
 
 
-def _least_jerk(t: AnyArray) -> AnyArray:
+def least_jerk(t: AnyArray) -> AnyArray:
+    """How far a movement from rest to rest of the least jerk has come at times t, both 0 to 1."""
     return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
 
@@ -196,7 +197,7 @@ def _lift(start: AnyArray, end: AnyArray, tempo: Tempo) -> tuple[AnyArray, AnyAr
     if end[2] > 0.0 or start[2] > 0.0:
         arc = 0.0
     t = np.linspace(0.0, 1.0, _LIFT_POSES)
-    poses = start + _least_jerk(t)[:, None] * (end - start)
+    poses = start + least_jerk(t)[:, None] * (end - start)
     poses[:, 2] += arc * 64.0 * (t * (1.0 - t)) ** 3
     return _unhurried(poses, tempo.lift_s, tempo)
 
@@ -224,7 +225,7 @@ def _dip(start: AnyArray, end: AnyArray, tempo: Tempo, group: int) -> list[_Part
     if start[2] <= 0.0:
         parts.append(_Part(*_lift(start, up, tempo), False, group - 1))
     t = np.linspace(0.0, 1.0, _LIFT_POSES)
-    there = up + _least_jerk(t)[:, None] * (over - up)
+    there = up + least_jerk(t)[:, None] * (over - up)
     parts.append(_Part(*_unhurried(there, tempo.dip_s, tempo), True, group))
     parts.append(_Part(*_lift(over, end, tempo), False, group))
     return parts

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import as_number
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError
 from paint3d.haptics.kernels import state as hs
 
@@ -35,7 +36,7 @@ class DeviceLimits:
         as_number(self.max_stiffness, "max_stiffness", 0.01, 20.0, DeviceError)
 
 
-PHANTOM_DESKTOP = DeviceLimits(7.9, 1.0)
+PHANTOM_DESKTOP = DeviceLimits(MAX_FORCE_N, 1.0)
 """The papers' device, and the one that paint3d's own stylus is modelled on."""
 TOUCH = DeviceLimits(3.3, 0.4)
 
@@ -75,7 +76,7 @@ class HapticSettings:
     spring: float
     friction: float
     limits: DeviceLimits = PHANTOM_DESKTOP
-    user_limit: float = 7.9
+    user_limit: float = MAX_FORCE_N
     ramp_s: float = 0.015
     slew: float = 500.0
     max_pose_age_s: float = 0.005

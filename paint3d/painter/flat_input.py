@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
+from paint3d.device.stylus_reading import DIP
 from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.chart import SurfaceChart
 
-__all__ = ["DIP", "LaidPad", "dipped", "lay", "size_of"]
-
-DIP = 2  # button bit: the brush is dipped, on a lifted sample
+__all__ = ["LaidPad", "dipped", "lay", "size_of"]
 
 
 def lay(recording: Recording, chart: SurfaceChart) -> Recording:

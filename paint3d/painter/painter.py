@@ -35,10 +35,11 @@ from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
+from paint3d.device.stylus_reading import DIP
 from paint3d.errors import InputError
 from paint3d.painter.ahead import ahead
 from paint3d.painter.bristle_state import HairTuft
-from paint3d.painter.flat_input import DIP, LaidPad
+from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.pose.interpolation import joined_samples, velocities

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.spectra import decode_srgb
 from paint3d.core.types import AnyArray
 
 __all__ = ["linear_to_srgb", "srgb_to_linear"]
 
-_CODES = np.arange(256) / 255
-_LINEAR = np.where(_CODES <= 0.04045, _CODES / 12.92, ((_CODES + 0.055) / 1.055) ** 2.4)
+_LINEAR = decode_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
 
 
 def srgb_to_linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Return linear light in [0, 1] for sRGB bytes of any shape."""
-    return _LINEAR.astype(np.float32)[srgb]
+    return _LINEAR[srgb]
 
 
 def linear_to_srgb(linear: AnyArray) -> AnyArray:

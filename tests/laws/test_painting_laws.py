@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
+from paint3d.device.stylus_reading import DIP
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.painter.flat_input import DIP
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface

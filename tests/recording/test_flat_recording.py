@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from paint3d.core.frames import matrices_from_quaternions
+from paint3d.device.stylus_reading import DIP
 from paint3d.errors import RecordingError
-from paint3d.painter.flat_input import DIP, dipped
+from paint3d.painter.flat_input import dipped
 from paint3d.recording.flat_recording import MM_PER_PIXEL, orientations_from_angles, spread_ties
 from paint3d.recording.recording import Recording, load_recording, save_recording
 

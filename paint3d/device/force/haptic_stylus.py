@@ -15,12 +15,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import DeviceError
 
 __all__ = [
     "DESCRIPTOR",
-    "MAX_FORCE_N",
     "PRODUCT_ID",
     "VENDOR_ID",
     "PoseNumbers",
@@ -39,7 +39,6 @@ DESCRIPTOR = bytes.fromhex(
     "8502 0903 1500 26ff00 7508 9508 9102"  # report 2, 8 bytes out
     "c0"
 )
-MAX_FORCE_N = 7.9  # as the papers' device; no smaller number fits the reports' range
 _POSE = struct.Struct("<BiiihhhhBBH")
 _FORCE = struct.Struct("<BhhhH")
 _POSE_ID, _FORCE_ID = 1, 2

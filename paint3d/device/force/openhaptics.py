@@ -18,7 +18,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from paint3d.device.force.force_port import ForceLoop
-from paint3d.device.force.haptic_stylus import MAX_FORCE_N, PoseNumbers
+from paint3d.device.force.haptic_stylus import PoseNumbers
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError
 
 __all__ = ["WORLD_FROM_OPENHAPTICS", "OpenHapticsPort"]

@@ -17,6 +17,7 @@ from paint3d.colour.materials import Material
 from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import ExportError, InputError, Paint3DError
 from paint3d.files.readers.odd_names import json_text
 
@@ -39,7 +40,7 @@ _RANGES = {
     "resolution_mm": (0.005, 100.0),
     "autosave_s": (10.0, 3600.0),
     "undo_megabytes": (1.0, 1e6),
-    "force_n": (0.0, 7.9),
+    "force_n": (0.0, MAX_FORCE_N),
     "brush_mm": (1.0, 1000.0),
 }
 _MAYBE = ("brush_mm",)  # may also be None
