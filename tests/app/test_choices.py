@@ -1,12 +1,15 @@
 """What the studio says, its keys, and what a user has chosen."""
 
+import ast
 import dataclasses
 import json
 import re
 import string
+from pathlib import Path
 
 import pytest
 
+import paint3d
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.document import Document
 from paint3d.app.model.error_texts import in_chinese
@@ -41,7 +44,7 @@ def test_every_text_is_there_in_every_language_and_names_the_same_values():
 
 def test_chinese_is_chinese():
     same = {key for key, texts in load_texts().items() if texts["en"] == texts["zh"]}
-    assert same == {"app.name", "app.title", "language.en", "language.zh"}
+    assert same == {"language.en", "language.zh"}
 
 
 def test_every_action_group_object_and_material_has_its_text():
@@ -55,11 +58,31 @@ def test_every_action_group_object_and_material_has_its_text():
     assert {k.removeprefix("action.") for k in texts if k.startswith("action.")} == used
 
 
+def asked_for(tree):
+    """Patterns of keys in a source: strings, f-strings, and beginnings that the rest is put to."""
+    formatted = [node for node in ast.walk(tree) if isinstance(node, ast.JoinedStr)]
+    inner = {id(part) for node in formatted for part in node.values}
+    for node in formatted:
+        parts = (getattr(part, "value", None) for part in node.values)
+        yield "".join(re.escape(p) if isinstance(p, str) else ".+" for p in parts)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in inner:
+            begun = re.fullmatch(r"[a-z]+\.([a-z_]*_)?", node.value)
+            yield re.escape(node.value) + (".+" if begun else "")
+
+
+def test_every_text_is_asked_for():
+    files = (Path(paint3d.__file__).parent / "app").rglob("*.py")
+    asked = {one for file in files for one in asked_for(ast.parse(file.read_text("utf-8")))}
+    asked = {one for one in asked if re.match(r"[a-z]+\\\.", one)}
+    assert [key for key in load_texts() if not any(re.fullmatch(a, key) for a in asked)] == []
+
+
 def test_texts_are_asked_for_by_key():
-    assert Texts("en")("history.strokes", count=3) == "3 strokes"
-    assert Texts("zh")("history.strokes", count=3) == "共 3 笔"
-    with pytest.raises(UnknownNameError, match=r"history\.stroke"):
-        Texts("en")("history.strike")
+    assert Texts("en")("device.lost", count=3) == "3 lost"
+    assert Texts("zh")("device.lost", count=3) == "丢失 3"
+    with pytest.raises(UnknownNameError, match=r"device\.lost"):
+        Texts("en")("device.last")
     with pytest.raises(UnknownNameError, match="language"):
         Texts("de")
 

@@ -47,8 +47,8 @@ class Texts:
 
     Examples
     --------
-    >>> Texts("en")("history.strokes", count=3)
-    '3 strokes'
+    >>> Texts("en")("device.lost", count=3)
+    '3 lost'
     """
 
     def __init__(self, language: str = "system") -> None:
