@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import RectBivariateSpline
 
 from paint3d.core.types import AnyArray
 from paint3d.mesh.kernels.tensor_spline import evaluate_splines
@@ -27,6 +26,8 @@ class SplineMap:
     def __init__(
         self, xs: NDArray[np.float64], ys: NDArray[np.float64], values: NDArray[np.float64]
     ) -> None:
+        from scipy.interpolate import RectBivariateSpline  # half a second, and only pads need it
+
         shape = (len(xs), len(ys))
         coefficients = np.empty((*shape, values.shape[2]))
         for f in range(values.shape[2]):

@@ -12,10 +12,10 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from html import escape
 from typing import Any
 from xml.etree import ElementTree
 from xml.parsers import expat
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -311,7 +311,7 @@ def write_inkml(recording: Recording) -> Iterator[str]:
     down = np.ones(len(recording), bool) if recording.pressure is None else recording.pressure > 0
     if not down.any():
         raise RecordingError("the pen never touches; expected a pressure above 0")
-    header = escape(json.dumps(dict(recording.header), allow_nan=False))
+    header = escape(json.dumps(dict(recording.header), allow_nan=False), quote=False)
     yield f'<?xml version="1.0" encoding="UTF-8"?>\n<ink xmlns="{_NAMESPACE}">\n'
     yield f'<annotation type="{_NOTE}">{header}</annotation>\n<traceFormat>\n'
     for key, rest in (
