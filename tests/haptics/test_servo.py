@@ -390,7 +390,7 @@ def test_an_unplugged_virtual_stylus(tree) -> None:
 def _write_snapshots(name: str, stop) -> None:
     board = ServoBoard(name)
     i = 0
-    while not stop.is_set():
+    while not stop.is_set() and multiprocessing.parent_process().is_alive():
         board.publish(i, np.full(7, i), np.full(16, i))
         i += 1
     board.close()
