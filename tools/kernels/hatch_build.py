@@ -15,6 +15,11 @@ _TARGET = "paint3d/core/machine_code"
 _TAG = "cp311-abi3-linux_x86_64"
 
 
+def _path(root: str) -> str:
+    """Where modules are found: here too, beside what the build was given."""
+    return os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
+
+
 class KernelsHook(BuildHookInterface):
     """Adds the library; where it cannot be built, the wheel is pure and numba compiles."""
 
@@ -27,7 +32,7 @@ class KernelsHook(BuildHookInterface):
         run = subprocess.run(
             [sys.executable, "-m", "tools.kernels", *words],
             cwd=self.root,
-            env={**os.environ, "PYTHONPATH": self.root},
+            env={**os.environ, "PYTHONPATH": _path(self.root)},
             check=False,
         )
         if run.returncode:
