@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import inspect
 from pathlib import Path
 
@@ -39,8 +40,8 @@ def _is_kernel(node: ast.AST, names: set[str]) -> bool:
 def called_by_python() -> set[str]:
     """Full names of all kernels that are named outside of kernels."""
     trees = {
-        ".".join(path.relative_to(ROOT).with_suffix("").parts): ast.parse(path.read_text("utf-8"))
-        for path in PACKAGE.rglob("*.py")
+        ".".join(path.relative_to(ROOT).with_suffix("").parts): ast.parse(text)
+        for path, text in _texts().items()
     }
     kernels = {
         f"{module}.{node.name}"
@@ -77,10 +78,15 @@ def test_every_kernel_that_python_calls_is_compiled_ahead() -> None:
     assert {entry.kernel for entry in read_table()} >= called
 
 
+@functools.cache
+def _texts() -> dict[Path, str]:
+    return {path: path.read_text("utf-8") for path in PACKAGE.rglob("*.py")}
+
+
 def _only_measured(kernel: str) -> bool:
     """Whether benchmarks alone call it."""
     name = kernel.rpartition(".")[2]
-    callers = {path for path in PACKAGE.rglob("*.py") if name in path.read_text("utf-8")}
+    callers = {path for path, text in _texts().items() if name in text}
     return all(
         "bench" in path.parts or _in(kernel, ".".join(path.relative_to(ROOT).with_suffix("").parts))
         for path in callers
