@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+from PySide6 import QtWidgets
+
+from paint3d.app.model.document import Document
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app import event_player
 from tests.support.app.event_player import EventRecording, look, open_for, settle
+from tests.support.app.gestures import answer
 from tests.support.app.hands import same_vertices
 from tests.support.app.marks import (
     begins_and_goes_on,
@@ -160,13 +165,14 @@ def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: st
     same_vertices(surfaces[0], window.document.surface)
 
 
-def test_a_stroke_is_painted_whole_though_another_object_is_opened_at_once(
-    window, monkeypatch: pytest.MonkeyPatch
+def test_a_stroke_is_saved_whole_though_another_object_is_opened_at_once(
+    window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    band = EventRecording.load("band")
+    band, file = EventRecording.load("band"), tmp_path / "band.p3d"
     left = []
     for held in (False, True):
         open_for(window, band.header, 1.0)
+        assert window.saving.save_to(file)
         document, gate = window.document, threading.Event()
         if held:  # the painting stands still until the other object is being opened
             window.stage.easel.post(lambda document, gate=gate: gate.wait(300))
@@ -174,9 +180,12 @@ def test_a_stroke_is_painted_whole_though_another_object_is_opened_at_once(
             threading.Timer(2.0, gate.set).start()
         player_of(window).play(band, "at once")
         assert held == (len(document.strokes) == 0)
-        assert window.opening.open_path("sphere", 4.0, "porcelain", asked=True)
+        window.workspace.quiet = False
+        answer(lambda box: box.defaultButton().click(), QtWidgets.QMessageBox)  # Save
+        assert window.opening.open_path("sphere", 4.0, "porcelain")
+        window.workspace.quiet = True
         assert window.document is not document
-        left.append(document)
+        left.append(Document.open(file))
     assert len(left[1].strokes) == len(left[0].strokes) > 0
     same_vertices(left[0].surface, left[1].surface)
 
