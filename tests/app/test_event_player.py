@@ -24,6 +24,7 @@ from tests.support.app.event_player import (
     pen_ways,
     without_slips,
 )
+from tests.support.app.windows import close_unasked
 
 NAMES = sorted(path.stem for path in FOLDER.glob("*.jsonl"))
 MAKER = Path(__file__).parents[2] / "scripts" / "make_event_recordings.py"
@@ -57,9 +58,7 @@ def window(program):
     window.show()
     open_for(window, EventRecording.load("zigzag").header, 2.0)
     yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
+    close_unasked(window)
 
 
 def test_the_recordings_are_those_that_the_script_makes(tmp_path: Path) -> None:

@@ -29,6 +29,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import turn_mesh, turn_up
 from tests.mesh.test_upright import jug
 from tests.support.app.gestures import answer, drag, live, take_file, wait_for
+from tests.support.app.windows import close_unasked
 
 
 @pytest.fixture(scope="module")
@@ -39,9 +40,7 @@ def window(program):
     assert window.opening.open_path("plane", 2.0, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)
     yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
+    close_unasked(window)
 
 
 def foreseen(kind: type[QtWidgets.QWidget], press) -> list:

@@ -27,6 +27,7 @@ from tests.support.app.gestures import (
     type_key,
     wait_for,
 )
+from tests.support.app.windows import close_unasked
 
 ROWS = (0.42, 0.47, 0.52, 0.57)
 
@@ -37,9 +38,7 @@ def window(program):
     window.show()
     window.workspace.quiet = True
     yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
+    close_unasked(window)
 
 
 @pytest.fixture(scope="module")

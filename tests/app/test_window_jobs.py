@@ -29,7 +29,7 @@ from paint3d.app.window.wording import choose_language
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
-from tests.support.app.windows import settled
+from tests.support.app.windows import close_unasked, settled
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
 
@@ -50,10 +50,7 @@ def empty(program):
     window.show()
     window.workspace.quiet = True
     yield window
-    if window.stage.easel is not None:
-        with window.stage.easel.paused() as document:
-            document.modified = False
-    window.close()
+    close_unasked(window)
 
 
 def leave_a_sitting() -> None:

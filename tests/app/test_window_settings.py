@@ -14,7 +14,7 @@ from paint3d.app.window.dialogs.questions import PreferencesDialog
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_unit, say_length
 from tests.support.app.gestures import answer, live
-from tests.support.app.windows import settled
+from tests.support.app.windows import close_unasked, settled
 
 
 @pytest.fixture(autouse=True)
@@ -36,10 +36,7 @@ def start(program):
     def end() -> None:
         while windows:
             window = windows.pop()
-            if window.stage.easel is not None:
-                with window.stage.easel.paused() as document:
-                    document.modified = False
-            window.close()
+            close_unasked(window)
 
     def begin(target: str = "plane", **options: object) -> StudioWindow:
         end()

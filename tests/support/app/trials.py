@@ -21,6 +21,7 @@ from tests.support.app.marks import (
     stations,
     take_mark,
 )
+from tests.support.app.windows import close_unasked
 
 __all__ = [
     "HALF_FOOTPRINT",
@@ -88,9 +89,7 @@ def blind_window(program: QtWidgets.QApplication) -> Iterator[StudioWindow]:
     window.show()
     with blind(window):
         yield window
-    with window.stage.easel.paused() as document:
-        document.modified = False
-    window.close()
+    close_unasked(window)
 
 
 def mark_now(window: StudioWindow) -> Mark:
