@@ -45,7 +45,10 @@ _VERSIONS = ("numba", "llvmlite", "numpy")
 # What is lowered by one process, the longest first: the groups of its entries, which are optimised
 # beside one another, by the rooms they are in.
 _PARTS = {
-    "brush": [("brush_engine.bristles",), ("brush_engine", "bench")],
+    "brush": [
+        ("brush_engine.bristles", "bench.kernels.standing_bristles"),
+        ("brush_engine", "bench"),
+    ],
     "rooms": [("",)],
 }
 
