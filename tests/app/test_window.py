@@ -249,9 +249,9 @@ def test_a_stroke_by_hand_ends_a_replay_and_is_one_of_its_own(painted_once, by: 
     """It would be painted into the stroke of the recording, and the rest of that be refused."""
     window = painted_once
     stroke = window.document.strokes[0]
-    there = len(window.document.strokes)
+    there, before = len(window.document.strokes), window.stage.easel.n_painted
     window.player.play(stroke.samples, 0.1)
-    wait_for(lambda: window.document.in_stroke)
+    wait_for(lambda: window.stage.easel.n_painted > before + 2)
     if by == "mouse":
         drag(window.canvas, (0.4, 0.6), (0.6, 0.6), n=6)
     else:
