@@ -10,7 +10,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.window.wording import choose_language, say_error
 from paint3d.errors import InputError
 from tests.support.app.gestures import drag, live, wait_for
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import faults, opened, settled
 
 
 def test_a_layer_is_refused_in_the_language_that_is_spoken() -> None:
@@ -53,4 +53,22 @@ def test_a_layer_that_takes_no_paint_says_why_and_nothing_else(window, state) ->
     assert len(window.document.strokes) == 1
     assert state not in window.status.told.text()  # it is no longer true
     window.workspace.post("undo")
+    settled(window)
+
+
+def test_layers_can_be_moved_right_after_the_colours_have_changed(window) -> None:
+    """What the panel shows is drawn anew with the next picture, and a hand may be quicker."""
+    window.workspace.post("add_layer")
+    settled(window)
+    names = [layer.name for layer in window.document.layers]
+    wait_for(window.panels.layers.buttons["down"].isEnabled)
+    with faults() as found:
+        window.workspace.actions["dark"].trigger()
+        window.panels.layers.buttons["down"].click()
+    settled(window)
+    assert found == []
+    assert [layer.name for layer in window.document.layers] == names[::-1]
+    window.workspace.actions["dark"].trigger()
+    for _ in range(2):
+        window.workspace.post("undo")
     settled(window)

@@ -71,7 +71,10 @@ class CopybookGuide:
 
         def note(document: Document) -> object:
             copybook.follow(document.strokes)
-            return copybook.note(document.strokes[-1], document.surface)
+            newest = document.strokes[-1:]  # none, or one of before, where the stroke was refused
+            if not newest or copybook.knows(newest[0]):
+                return None
+            return copybook.note(newest[0], document.surface)
 
         self._panel.expect(self._workspace.easel.post(note))
 

@@ -32,6 +32,7 @@ class LayerPanel(QtWidgets.QWidget):
         super().__init__()
         self._theme = theme
         self._shown: tuple[Any, ...] = ()
+        self._active = 0
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("layers")
         self.list.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -68,7 +69,7 @@ class LayerPanel(QtWidgets.QWidget):
         told = (tuple((x.name, x.visible, x.locked) for x in layers), active)
         if told == self._shown:
             return
-        self._shown = told
+        self._shown, self._active = told, active
         self.list.clear()
         for place in reversed(range(len(layers))):
             item = QtWidgets.QListWidgetItem()
@@ -144,15 +145,11 @@ class LayerPanel(QtWidgets.QWidget):
         name.setFocus()
         name.selectAll()
 
-    def _active(self) -> int:
-        result: int = self._shown[1]
-        return result
-
     def _select(self, item: QtWidgets.QListWidgetItem) -> None:
         self.asked.emit("select_layer", item.data(QtCore.Qt.ItemDataRole.UserRole), None)
 
     def _remove(self) -> None:
-        self.asked.emit("remove_layer", self._active(), None)
+        self.asked.emit("remove_layer", self._active, None)
 
     def _move(self, by: int) -> None:
-        self.asked.emit("move_layer", self._active(), self._active() + by)
+        self.asked.emit("move_layer", self._active, self._active + by)
