@@ -72,3 +72,31 @@ def test_layers_can_be_moved_right_after_the_colours_have_changed(window) -> Non
     for _ in range(2):
         window.workspace.post("undo")
     settled(window)
+
+
+@pytest.mark.parametrize("before", [0, 1])
+def test_a_copybook_counts_no_stroke_that_a_layer_refused(window, before: int) -> None:
+    """Neither the one of before once more, nor does it fail where there is none."""
+    assert window.copying.layout_text("一", 60.0, True)
+    ghost = window.panels.copybook.copybook.ghosts[0]
+    window.workspace.actions["look_top"].trigger()
+    ends = [places(window, ghost.medians[0][k]) for k in (0, -1)]
+    for _ in range(before):
+        drag(window.canvas, *ends)
+        wait_for(lambda: len(ghost.strokes) == 1)
+    window.workspace.post("set_locked", 0)
+    drag(window.canvas, *ends)
+    settled(window)
+    assert "locked" in window.status.told.text()
+    assert len(ghost.strokes) == before
+    window.workspace.post("set_locked", 0, False)
+    for _ in range(before):
+        window.workspace.post("undo")
+    window.copying.hide()
+    settled(window)
+
+
+def places(window, point) -> tuple[float, float]:
+    """Where a point is on the canvas, as shares of its size."""
+    box, (width, height) = window.stage.scene.screen_box(point[None]), window.stage.scene.size
+    return (box[0] + box[2]) / 2 / width, 1 - (box[1] + box[3]) / 2 / height

@@ -209,17 +209,6 @@ def test_history_goes_back_and_forth(window) -> None:
     assert painted(window) == n
 
 
-def refused_stroke_is_not_counted(window, ghost, ends) -> None:
-    """Paint over a character on a locked layer: nothing is counted, nor anything else said."""
-    counted = len(window.document.strokes)
-    window.workspace.post("set_locked", 0)
-    drag(window.canvas, *ends)
-    settled(window)
-    assert "locked" in window.status.told.text()
-    assert len(ghost.strokes) == counted
-    window.workspace.post("set_locked", 0, False)
-
-
 def test_a_copybook_is_painted_over_and_judged(window) -> None:
     assert window.copying.layout_text("一", 60.0, True)
     ghost = window.panels.copybook.copybook.ghosts[0]
@@ -232,10 +221,6 @@ def test_a_copybook_is_painted_over_and_judged(window) -> None:
     settled(window)
     wait_for(lambda: window.panels.copybook.percent(0) is not None)
     assert 5.0 < window.panels.copybook.percent(0) <= 100.0
-    refused_stroke_is_not_counted(window, ghost, ends)
-    while window.document.can_undo:
-        choose(window, "undo")
-    refused_stroke_is_not_counted(window, ghost, ends)
     window.copying.hide()
     assert window.panels.copybook.list.count() == 0
     window.hand.look(back)
