@@ -74,23 +74,29 @@ def test_layers_can_be_moved_right_after_the_colours_have_changed(window) -> Non
     settled(window)
 
 
-@pytest.mark.parametrize("before", [0, 1])
-def test_a_copybook_counts_no_stroke_that_a_layer_refused(window, before: int) -> None:
-    """Neither the one of before once more, nor does it fail where there is none."""
+@pytest.mark.parametrize(("earlier", "counted"), [(0, 0), (0, 1), (1, 0)])
+def test_a_copybook_counts_no_stroke_that_a_layer_refused(window, earlier, counted) -> None:
+    """Nor, in its stead, one that was painted before; nor does it fail where there is none."""
+    window.workspace.actions["look_top"].trigger()
     assert window.copying.layout_text("一", 60.0, True)
     ghost = window.panels.copybook.copybook.ghosts[0]
-    window.workspace.actions["look_top"].trigger()
     ends = [places(window, ghost.medians[0][k]) for k in (0, -1)]
-    for _ in range(before):
+    window.copying.hide()
+    for _ in range(earlier):
+        drag(window.canvas, *ends)
+        settled(window)
+    assert window.copying.layout_text("一", 60.0, True)
+    ghost = window.panels.copybook.copybook.ghosts[0]
+    for _ in range(counted):
         drag(window.canvas, *ends)
         wait_for(lambda: len(ghost.strokes) == 1)
     window.workspace.post("set_locked", 0)
     drag(window.canvas, *ends)
     settled(window)
     assert "locked" in window.status.told.text()
-    assert len(ghost.strokes) == before
+    assert len(ghost.strokes) == counted
     window.workspace.post("set_locked", 0, False)
-    for _ in range(before):
+    for _ in range(earlier + counted):
         window.workspace.post("undo")
     window.copying.hide()
     settled(window)

@@ -223,10 +223,6 @@ class Copybook:
         likeness = ghost.compare(surface) if ghost.is_written else None
         return Score(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
 
-    def knows(self, stroke: Stroke) -> bool:
-        """Whether a stroke was counted for a character."""
-        return any(one is stroke for ghost in self.ghosts for one in ghost.strokes)
-
     def follow(self, strokes: Sequence[Stroke]) -> None:
         """Forget strokes that were undone."""
         kept = {id(stroke) for stroke in strokes}

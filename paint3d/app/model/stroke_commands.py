@@ -100,11 +100,17 @@ class StrokeCommands:
             for image in self._images:
                 image.lift(self._wipe_stencil)
 
-    def end_stroke(self) -> None:
-        """Paint what still waits, and lift the brush."""
+    def end_stroke(self) -> Stroke | None:
+        """Paint what still waits, and lift the brush.
+
+        Returns
+        -------
+        Stroke or None
+            None where it was refused, has ended already, or had no sample.
+        """
         self._refused = False
         if not self.in_stroke:
-            return
+            return None
         self.painter.finish()
         self._wipe_stencil()
         self._lift_images()
@@ -112,6 +118,7 @@ class StrokeCommands:
         if stroke is None:
             self._note(self._undo.revert())
             self.compare_with_saved()
+        return stroke
 
     def break_off(self) -> None:
         """End the stroke that is going on now; what its hand still sends is passed over."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future
+
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
+from paint3d.app.model.stroke_log import Stroke
 from paint3d.app.window.panels.copybook_panel import CopybookPanel
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -64,17 +67,15 @@ class CopybookGuide:
         following = copybook.next
         return (len(copybook.ghosts) if following is None else following) - 1
 
-    def _judge(self) -> None:
+    def _judge(self, ended: Future[Stroke | None]) -> None:
         copybook = self._panel.copybook
         if copybook is None:
             return
 
         def note(document: Document) -> object:
             copybook.follow(document.strokes)
-            newest = document.strokes[-1:]  # none, or one of before, where the stroke was refused
-            if not newest or copybook.knows(newest[0]):
-                return None
-            return copybook.note(newest[0], document.surface)
+            stroke = ended.result()  # it was done before; None where a layer refused it
+            return None if stroke is None else copybook.note(stroke, document.surface)
 
         self._panel.expect(self._workspace.easel.post(note))
 

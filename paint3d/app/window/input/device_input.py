@@ -117,9 +117,9 @@ class DeviceInput:
             if isinstance(part, str):
                 if part == "begin_stroke":
                     self._workspace.hand.began.emit()
-                easel.post(part)
+                done = easel.post(part)
                 if part == "end_stroke":
-                    self._workspace.hand.ended.emit()
+                    self._workspace.hand.ended.emit(done)
             else:
                 easel.feed(part)
         if taken.samples and not self._cutter.is_down:

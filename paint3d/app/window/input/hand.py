@@ -36,13 +36,15 @@ class CanvasHand(QtCore.QObject):
     -------
     sized : float
         The brush is to be so many times as large.
-    began, ended : ()
-        Of a stroke; before the easel hears of it, and after.
+    began : ()
+        Of a stroke, before the easel hears of it.
+    ended : Future
+        Of `end_stroke`, by which the easel ends it.
     """
 
     sized = QtCore.Signal(float)
     began = QtCore.Signal()
-    ended = QtCore.Signal()
+    ended = QtCore.Signal(object)
 
     def __init__(self, canvas: Canvas, stage: Stage) -> None:
         super().__init__(canvas)
@@ -236,8 +238,7 @@ class CanvasHand(QtCore.QObject):
         self.in_stroke = False
         easel = self._stage.open_easel
         easel.feed(self._end_in_hand(event))
-        easel.post("end_stroke")
-        self.ended.emit()
+        self.ended.emit(easel.post("end_stroke"))
 
     def _end_in_hand(self, event: PointerInput | None = None) -> list[DeviceSample]:
         """Let the hand end the stroke where the pointer was last; what is still to be painted."""
@@ -256,7 +257,6 @@ class CanvasHand(QtCore.QObject):
             self.in_stroke, self._spent = False, True
             self._end_in_hand()
             self._stage.open_easel.post("cancel_stroke")
-            self.ended.emit()
 
     def _take_back(self) -> None:
         """Take back what a finger began that now does something else: the next paints again."""
