@@ -66,6 +66,16 @@ def paint_dish(
     painter.drawEllipse(shine)
 
 
+def _paint_plus(painter: QtGui.QPainter, middle: QtCore.QPointF, theme: Theme) -> None:
+    """Say that a dish has been pressed long enough to stir."""
+    painter.setPen(QtCore.Qt.PenStyle.NoPen)
+    painter.setBrush(QtGui.QColor(theme.accent))
+    painter.drawEllipse(middle, 9.0, 9.0)
+    painter.setPen(QtGui.QPen(QtGui.QColor(theme.chosen), 2.0))
+    for arm in (QtCore.QPointF(5.0, 0.0), QtCore.QPointF(0.0, 5.0)):
+        painter.drawLine(middle - arm, middle + arm)
+
+
 class DishGrid(QtWidgets.QWidget):
     """Dishes in rows, one for each ink.
 
@@ -91,9 +101,11 @@ class DishGrid(QtWidgets.QWidget):
         self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
         self.setAccessibleName(say("panel.inks"))
         self._at = -1
-        self._pressed = -1
-        self._long = QtCore.QTimer(self, singleShot=True, interval=_LONG_MS)
-        self._long.timeout.connect(self._pressed_long)
+        self._pressed, self._pressed_ms = -1, 0
+        # The plus shows that it is long enough: never before the events say so.
+        self._long = QtCore.QTimer(self, singleShot=True, interval=_LONG_MS + 1)
+        self._long.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
+        self._long.timeout.connect(self.update)
         policy = self.sizePolicy()
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
@@ -148,6 +160,8 @@ class DishGrid(QtWidgets.QWidget):
                 painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
                 painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
             paint_dish(painter, box, {name: 1.0} if name != WATER.name else {}, self.theme)
+            if k == self._pressed and not self._long.isActive():
+                _paint_plus(painter, box.center(), self.theme)
             painter.setPen(QtGui.QColor(self.theme.text))
             label = QtCore.QRectF(box.left() - 8, box.bottom() + 1, box.width() + 16, _LABEL)
             text = painter.fontMetrics().elidedText(
@@ -176,7 +190,7 @@ class DishGrid(QtWidgets.QWidget):
         self.update()
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Stir with the other button or Ctrl; else wait whether it is pressed long."""
+        """Stir with the other button or Ctrl; else see how long it is pressed."""
         at = self._index(event.position())
         if at < 0:
             return
@@ -186,21 +200,20 @@ class DishGrid(QtWidgets.QWidget):
         if stirs:
             self.stirred.emit(self.names[at])
         else:
-            self._pressed = at
+            self._pressed, self._pressed_ms = at, event.timestamp()
             self._long.start()
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Dip where it was pressed."""
+        """Dip where it was pressed, or stir if that was long.
+
+        How long, the events' own times tell: a busy window hears late that a short press is over.
+        """
         pressed, self._pressed = self._pressed, -1
         self._long.stop()
+        self.update()
         if pressed >= 0 and self._index(event.position()) == pressed:
-            self.taken.emit(self.names[pressed])
-
-    def _pressed_long(self) -> None:
-        """Stir: a pen and a finger have no other button."""
-        pressed, self._pressed = self._pressed, -1
-        if pressed >= 0:
-            self.stirred.emit(self.names[pressed])
+            is_long = event.timestamp() - self._pressed_ms >= _LONG_MS
+            (self.stirred if is_long else self.taken).emit(self.names[pressed])
 
     def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         """Mark the dish that keys mean."""
