@@ -11,7 +11,8 @@
     |   `-- UnknownNameError     a name that is not among the known ones
     |-- DeviceError              a device, its reports or its driver
     |   `-- PermissionNeededError   it is plugged in and may not be opened: which node, and the rule
-    `-- ExportError              a result that could not be written
+    |-- ExportError              a result that could not be written
+    `-- KernelError              a hot loop that is not compiled, and cannot be
 
 The command line turns each of them into one line on stderr and exit status 2.
 """
@@ -26,6 +27,7 @@ __all__ = [
     "DeviceError",
     "ExportError",
     "InputError",
+    "KernelError",
     "LayerError",
     "MeshError",
     "Paint3DError",
@@ -93,3 +95,7 @@ class PermissionNeededError(DeviceError):
 
 class ExportError(Paint3DError):
     """A result that could not be written; nothing half-written is left behind."""
+
+
+class KernelError(Paint3DError, RuntimeError):
+    """A hot loop that was not compiled ahead for this machine, where numba is not installed."""

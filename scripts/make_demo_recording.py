@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.presets import load_brush
+from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.writing import Pen, write_text
-from paint3d.core.frames import (
+from paint3d.core.quaternion import (
     multiply_quaternions,
     quaternions_from_matrices,
     rotate,
@@ -36,8 +36,7 @@ from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import SurfaceFrame
 from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.painter.brush_choice import choose_brush
-from paint3d.recording.read_jsonl import write_jsonl
+from paint3d.recording.recording import write_jsonl
 
 TEXT = "漫步人生"
 OBJECT, INK = "bowl", "pine soot"

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.presets import load_brush
-from paint3d.core.frames import rotate
+from paint3d.core.quaternion import rotate
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.deflection import DeflectionSettings, deflection
 from paint3d.device.descriptor import parse_descriptor
@@ -34,10 +34,10 @@ from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_pose, encode_pose
 from paint3d.device.force.virtual_stylus import VirtualStylus
 from paint3d.device.hid_nodes import HidNode
-from paint3d.device.report_clock import ReportClock, stamp
+from paint3d.device.sample import StylusReading
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
 from paint3d.device.space_mouse import SpaceMouse
-from paint3d.device.stylus_reading import StylusReading
+from paint3d.device.stylus import ReportClock, stamp
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
 from paint3d.painter.painter import Painter

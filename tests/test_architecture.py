@@ -10,10 +10,21 @@ from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 import paint3d
 from paint3d.bench.registry import BENCHMARKS
+from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
+from paint3d.brush_engine.stroke_loop import paint_samples
+from paint3d.colour.kernels.kubelka_munk import single_colours
 from paint3d.core.face import names_of
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import load_recording, save_recording
+from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.imports import circles, import_graph, reached
+from tests.support.surface_cases import flat, poses, sheet
+from tests.support.visits import called_by, modules_called
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "paint3d"
@@ -52,6 +63,7 @@ BY_NAME = (
     "paint3d.files.readers.read_",
     "paint3d.files.sandbox.child",
     "paint3d.cli.batches.warm",
+    "paint3d.app.window.first_stroke",
 )
 # Devices that no command offers yet:
 TO_BE_CONNECTED = {
@@ -170,6 +182,18 @@ def test_heavy_packages_stay_at_home() -> None:
     assert strays == []
 
 
+def test_scipy_is_imported_where_it_is_called() -> None:
+    """It takes half a second, and most of what is done needs none of it."""
+    at_once = [
+        str(module.relative_to(PACKAGE))
+        for module in modules()
+        for node in parse(module).body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        and "scipy" in imported_packages(ast.Module([node], []))
+    ]
+    assert at_once == ["bench/plain.py"], "the competitor that is made of it"
+
+
 def test_everything_public_has_a_docstring() -> None:
     bare = []
     for module in modules():
@@ -262,6 +286,26 @@ def test_no_room_is_a_drawer() -> None:
     folders = {module.parent for module in modules()}
     crowded = {f: n for f in folders if (n := len([*f.glob("*.py")]) - 1) > 26}
     assert crowded == {}
+
+
+@pytest.mark.parametrize(("hairs", "most"), [(0, 21), (50, 28)])
+def test_a_sample_visits_few_files(hairs: int, most: int, tmp_path: Path) -> None:
+    """From being read to its vertices' colours: files of functions that run, without `core`."""
+    surface = PaintedSurface(sheet(flat, (20.0, 20.0), 2.0))
+    painter = Painter(surface, hairs=hairs)
+    points = np.stack([np.linspace(-3.0, 3.0, 20), np.zeros(20), np.zeros(20)], axis=1)
+    stroke = poses(points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.full(20, 0.4))
+    save_recording(stroke, tmp_path / "a.jsonl")
+    painter.replay(stroke)  # what is made once, is made
+    surface.refresh()
+    with modules_called() as visited:
+        painter.replay(load_recording(tmp_path / "a.jsonl"))
+        surface.refresh()
+    assert surface.painted.any()
+    visited |= called_by(paint_with_hairs if hairs else paint_samples) | called_by(single_colours)
+    assert {"paint3d.recording.recording", "paint3d.colour.vertex_colours"} < visited
+    visited = {module for module in visited if not module.startswith("paint3d.core.")}
+    assert len(visited) <= most, sorted(visited)
 
 
 def test_every_room_says_what_it_is_for() -> None:

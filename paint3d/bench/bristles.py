@@ -23,7 +23,7 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.bristles import bend as bt
-from paint3d.brush_engine.stamp import make_stamp
+from paint3d.brush_engine.footprint import make_stamp
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter

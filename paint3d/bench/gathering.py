@@ -14,7 +14,7 @@ from paint3d.bench.standing import StandingStamps
 from paint3d.bench.stopwatch import alternate, best_of
 from paint3d.bench.strokes import Dab, figure_for, make_dab, make_grid, record_dabs
 from paint3d.brush.bending import build_tuft
-from paint3d.brush_engine.deposit import PAINTED
+from paint3d.brush_engine.ink_transfer import PAINTED
 from paint3d.brush_engine.tuft import SCRATCH_SIZE, enclose_tuft
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.core.types import AnyArray

@@ -20,6 +20,7 @@ BENCHMARKS: dict[str, tuple[str, str]] = {
     "kernel": ("gathering.measure", "gather, project, deposit against SciPy and NumPy"),
     "memory": ("processes.measure_memory", "memory of a painting on 4 million vertices"),
     "import": ("processes.measure_import", "starting, in a new process"),
+    "start": ("start.measure", "how long one waits: commands and the studio, first and again"),
     "haptics": ("haptics.measure", "the force servo's beat and round trip beside a busy program"),
     "bristles": ("bristles.measure", "bending 1 to 10,000 hairs, on a plane and on a curved patch"),
     "colours": ("colouring.measure", "vertex colours a second"),

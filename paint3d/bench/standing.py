@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.bench.kernels.standing import deposit_standing, place_standing
-from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.footprint import Stamp, make_stamp
 from paint3d.brush_engine.scratch import make_scratch
 from paint3d.painter.painter import Painter
 
@@ -32,9 +32,9 @@ class StandingStamps:
         n = len(poses)
         self._painter = painter
         self._scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
-        self._before, self._after = st.make_stamp(), st.make_stamp()
-        rows = [np.zeros((n, *array.shape), array.dtype) for array in st.make_stamp()]
-        self._stamps = st.Stamp(*rows)
+        self._before, self._after = make_stamp(), make_stamp()
+        rows = [np.zeros((n, *array.shape), array.dtype) for array in make_stamp()]
+        self._stamps = Stamp(*rows)
         self.counters = self._scratch.counters
         field = surface.paint_mesh.arrays
         place_standing(

@@ -5,5 +5,6 @@ from paint3d.brush.dynamics import build_curves as build_curves
 from paint3d.brush.footprint import Footprint as Footprint
 from paint3d.brush.footprint import make_footprint as make_footprint
 from paint3d.brush.presets import brush_names as brush_names
+from paint3d.brush.presets import choose_brush as choose_brush
 from paint3d.brush.presets import load_brush as load_brush
 from paint3d.brush.spec import BrushSpec as BrushSpec

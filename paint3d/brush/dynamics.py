@@ -1,4 +1,4 @@
-"""Curves that let the hand drive a brush's settings; see `paint3d.brush_engine.dynamics`."""
+"""Curves that let the hand drive a brush's settings; see `paint3d.brush_engine.stroke_loop`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.brush_engine.dynamics import MOST_POINTS, Curves, no_curves
+from paint3d.brush_engine.tuft import MOST_POINTS, Curves, no_curves
 from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError
 

@@ -2,11 +2,11 @@ from paint3d.brush_engine.bristles.bend import Bristles as Bristles
 from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs as paint_with_hairs
 from paint3d.brush_engine.contact import Contact as Contact
 from paint3d.brush_engine.contact import find_contact as find_contact
+from paint3d.brush_engine.footprint import Stamp as Stamp
 from paint3d.brush_engine.ink_field import InkField as InkField
-from paint3d.brush_engine.intervals import Canvas as Canvas
-from paint3d.brush_engine.intervals import HeldBrush as HeldBrush
-from paint3d.brush_engine.intervals import Samples as Samples
 from paint3d.brush_engine.scratch import make_scratch as make_scratch
-from paint3d.brush_engine.stamp import Stamp as Stamp
+from paint3d.brush_engine.stroke_loop import Canvas as Canvas
+from paint3d.brush_engine.stroke_loop import HeldBrush as HeldBrush
+from paint3d.brush_engine.stroke_loop import Samples as Samples
 from paint3d.brush_engine.stroke_loop import paint_samples as paint_samples
 from paint3d.brush_engine.tuft import Tuft as Tuft

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.footprint import make_stamp
 from paint3d.brush_engine.placement import REACH, place_stamp
 from paint3d.brush_engine.scratch import make_scratch
 from paint3d.brush_engine.tuft import Tuft
@@ -97,7 +97,7 @@ def find_contact(
         a place is given without it.
     """
     pose = _pose(position, orientation, pressure, place)
-    stamp, scratch = st.make_stamp(), make_scratch(mesh, 0)
+    stamp, scratch = make_stamp(), make_scratch(mesh, 0)
     place_stamp(pose, False, stamp, stamp, tuft, tree, mesh.arrays, scratch)
     v = stamp.values[0]
     if v["triangle"] < 0:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
+from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.core.kernel import uncounted
 
 __all__ = ["ROWS", "WORK_ROWS", "weigh_block", "weigh_standing"]
@@ -22,7 +22,7 @@ __all__ = ["ROWS", "WORK_ROWS", "weigh_block", "weigh_standing"]
 ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
 # distances at the stamp before and at the stamp after, to the near side and to the far side
 WORK_ROWS = 8  # of the same, that `weigh_block` works in: the last two are share and cover
-_LAST_PLACE = st.PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
+_LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
 _NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
@@ -67,7 +67,7 @@ def _place_block(n, rows, stand, spots):
     ox, oy = np.float32(turn_x), np.float32(turn_y)
     c, s = np.float32(cosine), np.float32(sine)
     first, last = np.float32(heel), np.float32(tip)
-    per_step = np.float32(st.PROFILE_CELLS / (tip - heel))
+    per_step = np.float32(PROFILE_CELLS / (tip - heel))
     top = np.float32(_LAST_PLACE)
     for k in range(n):
         u = xs[k] - ox
@@ -236,7 +236,7 @@ def _judge(n, sweep, block):
     curved = sweep.parts > 1.0
     least = np.float32(-0.5 - sweep.rise)
     least_at_end = np.float32(-0.5 - sweep.end_rise)
-    end = np.float32(st.PROFILE_CELLS - sweep.end)
+    end = np.float32(PROFILE_CELLS - sweep.end)
     for k in range(n):
         low, high = min(a[k], b[k]), max(a[k], b[k])
         reached = (high > least) | ((places[k] > end) & (high > least_at_end))

@@ -1,23 +1,50 @@
-"""What passes between the brush and the vertices that a footprint swept (Guo 2017, Eqs. 12-13)."""
+"""What passes between the brush and the vertices that a footprint swept (Guo 2017, Eqs. 12-13).
+
+One sweep gathers the vertices that it covers, and leaves ink on them: on all alike, on the heights
+of the grain where the brush runs dry, and from where on the tuft they are touched if it is loaded
+differently along its length.
+
+The grain of a surface is smooth noise in space, the same whatever the vertices: value noise (random
+numbers on a lattice, blended between) of a hash of the place alone: no seed, no state, so a
+painting is repeatable, and two meshings of one object have the same grain.
+
+The classic loading, tip dark and belly light: the load lies in reservoirs from the tip to the root,
+all filled alike: when the part that touches gives ink, the rest flows down to it, as in a wet tuft
+the capillaries see to. The tuft lies along its footprint, so a vertex at a distance s behind the
+tip is painted by what is s up the tuft.
+"""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from paint3d.brush_engine.grain import grain_at
-from paint3d.brush_engine.stamp import ink_way, outline_motion
-from paint3d.core.kernel import uncounted
+from paint3d.brush_engine.coverage import weigh_block
+from paint3d.brush_engine.footprint import Sweep, ink_way, outline_motion
+from paint3d.brush_engine.vertex_query import (
+    INSIDE,
+    VISITED,
+    find_candidates,
+    next_block,
+    take_run,
+    vertices_of,
+)
+from paint3d.core.kernel import kernel, uncounted
+from paint3d.mesh.kernels.refine import mix
 
 __all__ = [
     "AREA_STEPS",
+    "PAINTED",
     "contact_level",
-    "ink_released",
+    "fill_grain",
+    "held_ink",
     "landing_share",
-    "leave_ink",
+    "level_reservoirs",
     "mean_pressure",
     "note_covered",
+    "sweep_deposit",
     "take_up_ink",
-    "thin_contact",
     "touched_share",
     "weighed_area",
 ]
@@ -27,6 +54,9 @@ _GRAIN_MM = 0.7  # bumps that a dry brush rides on
 _SOFT = 0.2  # of the grain's height, over which contact comes about
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
+_MOST_PASSES = 1000
+_SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
+PAINTED = 3  # counter: vertices that ink was left on
 
 
 @uncounted(error_model="numpy")
@@ -40,6 +70,15 @@ def mean_pressure(before, after):
 
 
 @uncounted(error_model="numpy")
+def held_ink(ink):
+    """Ink in the brush, coats x mm2."""
+    total = 0.0
+    for p in range(ink.load.shape[0]):
+        total += ink.load[p]
+    return total
+
+
+@uncounted(error_model="numpy")
 def contact_level(before, after, ink):
     """How deep into the grain the wet tuft reaches: 1 everywhere, 0 nowhere.
 
@@ -48,27 +87,24 @@ def contact_level(before, after, ink):
     transfer = ink.transfer[0]
     if transfer.grain <= 0.0 or transfer.capacity <= 0.0:
         return 1.0
-    total = 0.0
-    for p in range(ink.load.shape[0]):
-        total += ink.load[p]
     begins = transfer.grain * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
-    return min(1.0, total / (transfer.capacity * begins))
+    return min(1.0, held_ink(ink) / (transfer.capacity * begins))
 
 
 @uncounted(error_model="numpy")
 def touched_share(level, field, v):
     """Share of a vertex's area that a tuft touches at a contact level; 0 in the grain's hollows.
 
-    The grain is a function of the place alone (`brush_engine.grain`), whatever the vertices.
+    The grain (`_grain_at`) is a function of the place alone, whatever the vertices.
     """
-    height = grain_at(
+    height = _grain_at(
         np.float64(field.px[v]), np.float64(field.py[v]), np.float64(field.pz[v]), _GRAIN_MM
     )
     return min(1.0, (height + _SOFT - (1.0 - level) * (1.0 + _SOFT)) / _SOFT)
 
 
 @uncounted(error_model="numpy")
-def thin_contact(level, found, n, field):
+def _thin_contact(level, found, n, field):
     """Take vertices in the hollows of the grain out of contact, smoothly; return how many stay."""
     kept = 0
     for k in range(n):
@@ -93,9 +129,8 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
     ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
     rate = ink.transfer[0].pickup * mean_pressure(before, after) * outline_motion(before, after)
     n_pigments = ink.load.shape[0]
-    held = 0.0
+    held = held_ink(ink)
     for p in range(n_pigments):
-        held += ink.load[p]
         taken[p] = 0.0
     within = 0.0
     for k in range(n):
@@ -120,11 +155,11 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
 
 
 @uncounted(error_model="numpy")
-def ink_released(before, after, tuft, ink):
+def _ink_released(before, after, tuft, ink):
     """Ink that leaves the brush on the way between two stamps: R (1 - exp(-eta' pe ds)).
 
     docs/model.md, equation (8), the continuous form of Guo 2017, Eqs. 12-13, which one step of unit
-    length gives back; `ds` is the way that ink is given for (`stamp.ink_way`, mm).
+    length gives back; `ds` is the way that ink is given for (`ink_way`, mm).
     """
     pressure = 0.0
     n = 0
@@ -133,9 +168,7 @@ def ink_released(before, after, tuft, ink):
             pressure += values.pressure
         n += 1
     way = ink_way(before, after)
-    total = 0.0
-    for p in range(ink.load.shape[0]):
-        total += ink.load[p]
+    total = held_ink(ink)
     return total, total * (1.0 - np.exp(-tuft.transfer_per_mm * pressure / n * way))
 
 
@@ -169,7 +202,7 @@ def weighed_area(field, ids, share, n):
 
 
 @uncounted(error_model="numpy")
-def leave_ink(found, n, part, ink):
+def _leave_ink(found, n, part, ink):
     """Add every vertex's share of each pigment, `part` (P,) of it, and note what is covered."""
     ids, share, amounts = found.ids, found.share, ink.amounts
     for p in range(part.shape[0]):
@@ -194,3 +227,233 @@ def note_covered(found, n, ink):
             dirty_ids[count] = v
             count += 1
     ink.n_dirty[0] = count
+
+
+@uncounted
+def _corner(i, j, k):
+    """A number in [0, 1) for a lattice point."""
+    code = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15)
+    code ^= mix(np.uint64(j) + np.uint64(0xD1B54A32D192ED03))
+    code ^= mix(mix(np.uint64(k) + np.uint64(0x8CB92BA72F3D8DD7)))
+    return np.float64(mix(code) >> np.uint64(11)) * 2.0**-53
+
+
+@uncounted
+def _noise(x, y, z):
+    """Value noise in [0, 1] with lattice points at whole numbers."""
+    i, j, k = int(np.floor(x)), int(np.floor(y)), int(np.floor(z))
+    u, v, w = x - i, y - j, z - k
+    u = u * u * (3.0 - 2.0 * u)
+    v = v * v * (3.0 - 2.0 * v)
+    w = w * w * (3.0 - 2.0 * w)
+    total = 0.0
+    for a in range(2):
+        for b in range(2):
+            for c in range(2):
+                share = (u if a else 1.0 - u) * (v if b else 1.0 - v) * (w if c else 1.0 - w)
+                total += share * _corner(i + a, j + b, k + c)
+    return total
+
+
+@uncounted
+def _grain_at(x, y, z, length):
+    """Height of the grain at a place (mm), 0 to 1, mean 1/2: bumps of `length` mm and half that."""
+    x, y, z = x / length, y / length, z / length
+    return 0.67 * _noise(x, y, z) + 0.33 * _noise(2.0 * x + 7.3, 2.0 * y + 1.9, 2.0 * z + 4.1)
+
+
+@uncounted
+def fill_grain(points, length, out):
+    """`_grain_at` of points (N, 3)."""
+    for n in range(points.shape[0]):
+        out[n] = _grain_at(points[n, 0], points[n, 1], points[n, 2], length)
+
+
+@uncounted(error_model="numpy")
+def _behind_tip(values, field, v):
+    """Distance (mm) of a vertex behind the tip of a stamp, along the bend."""
+    dx = field.px[v] - values.origin[0]
+    dy = field.py[v] - values.origin[1]
+    dz = field.pz[v] - values.origin[2]
+    reach = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
+    return values.tip - reach
+
+
+@uncounted(error_model="numpy")
+def _reservoir(before, after, field, v, reach, last):
+    """Place of a vertex on the tuft, in reservoirs from the tip: middle of the first is 0."""
+    a, b = before.values[0], after.values[0]
+    if a.touches > 0.0 and b.touches > 0.0:
+        behind = 0.5 * (_behind_tip(a, field, v) + _behind_tip(b, field, v))
+    elif b.touches > 0.0:
+        behind = _behind_tip(b, field, v)
+    else:
+        behind = _behind_tip(a, field, v)
+    return min(max(behind / reach - 0.5, 0.0), np.float64(last))
+
+
+class _Deposit(NamedTuple):
+    """What a brush gives on its way from one stamp to the next, coats x mm2."""
+
+    released: float  # what leaves it
+    landing: float  # what of that lands on vertices; the rest runs off the surface's edge
+    weighed: float  # mm2, the area that those stand for
+
+
+@kernel(error_model="numpy")
+def _leave_from_reservoirs(before, after, deposit, found, n, field, ink, taken):
+    """Leave what lands of a deposit on the vertices found, each from the reservoirs that touch it.
+
+    The rest of it runs off; `taken` (P,) that the brush took up meanwhile goes to where it touches.
+    Conserves: the reservoirs, what was left and what ran off add up.
+    """
+    reservoirs = ink.reservoirs
+    count, n_pigments = reservoirs.shape
+    last = count - 1
+    reach = ink.transfer[0].reservoir_mm
+    ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
+    amounts = ink.amounts
+    demand = np.zeros(count)
+    for k in range(n):
+        v = ids[k]
+        at = _reservoir(before, after, field, v, reach, last)
+        i = min(np.int64(at), last - 1)
+        part = share[k] * areas[v] * unit
+        demand[i] += part * (1.0 - (at - i))
+        demand[i + 1] += part * (at - i)
+    total = demand.sum()
+    if total <= 0.0:
+        demand[0] = 1.0
+        total = 1.0
+    density = np.zeros((count, n_pigments))  # left per weighed mm2, by reservoir
+    for i in range(count):
+        wanted = deposit.released * demand[i] / total
+        held = reservoirs[i].sum()
+        given = min(wanted, held)
+        if given <= 0.0:
+            continue
+        landed = given * (deposit.landing / deposit.released)
+        for p in range(n_pigments):
+            part = reservoirs[i, p] / held
+            ink.off_surface[p] += part * (given - landed)
+            density[i, p] = part * landed / demand[i] if deposit.weighed > 0.0 else 0.0
+            reservoirs[i, p] -= part * given
+    for k in range(n):
+        v = ids[k]
+        at = _reservoir(before, after, field, v, reach, last)
+        i = min(np.int64(at), last - 1)
+        t = at - i
+        for p in range(n_pigments):
+            amounts[v, p] += np.float32(
+                share[k] * ((1.0 - t) * density[i, p] + t * density[i + 1, p])
+            )
+    for i in range(count):
+        for p in range(n_pigments):
+            reservoirs[i, p] += taken[p] * demand[i] / total
+    level_reservoirs(reservoirs)
+    for p in range(n_pigments):
+        ink.load[p] = reservoirs[:, p].sum()
+
+
+@kernel(error_model="numpy")
+def level_reservoirs(reservoirs):
+    """Let liquid run along the tuft until all reservoirs (N, P) are filled alike."""
+    count, n_pigments = reservoirs.shape
+    held = np.empty(count)
+    passing = np.empty(count - 1)  # from reservoir i + 1 to reservoir i
+    for _ in range(_MOST_PASSES):
+        for i in range(count):
+            held[i] = reservoirs[i].sum()
+        mean = held.sum() / count
+        towards_tip = 0.0
+        held_back = False
+        for i in range(count - 1):
+            towards_tip += mean - held[i]
+            source = i + 1 if towards_tip > 0.0 else i
+            most = _SHARE * held[source]
+            passing[i] = min(max(towards_tip, -most), most)
+            held_back = held_back or abs(towards_tip) > most
+        old = reservoirs.copy()
+        for i in range(count - 1):
+            source = i + 1 if passing[i] > 0.0 else i
+            if held[source] <= 0.0:
+                continue
+            for p in range(n_pigments):
+                moved = passing[i] * old[source, p] / held[source]
+                reservoirs[i, p] += moved
+                reservoirs[i + 1, p] -= moved
+        if not held_back:
+            break
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _gather(before, after, field, scratch):
+    """Find and weigh every vertex that the sweep covers; -1 where the mesh needs room to grow."""
+    sweep = Sweep(scratch.sweep, scratch.between, before, after)
+    n_runs, n_cells = find_candidates(sweep, False, field, scratch)
+    if n_cells < 0:
+        return -1
+    found = 0
+    runs, values, counters = scratch.query.runs, scratch.sweep[0], scratch.counters
+    for r in range(n_runs):
+        first, last = runs[r, 0], runs[r, 1]
+        if runs[r, 2] == INSIDE:
+            counters[VISITED] += last - first
+            found = take_run(vertices_of(field), first, last, values, scratch.found, found)
+    while True:
+        n = next_block(n_runs, n_cells, True, values, field, scratch)
+        if n == 0:
+            return found
+        counters[VISITED] += n
+        found = weigh_block(n, sweep, scratch.block, scratch.found, found)
+
+
+@uncounted(error_model="numpy")
+def sweep_deposit(before, after, tuft, field, ink, scratch):
+    """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
+
+    Conserves: what leaves `ink.load` is on vertices or counted in `ink.off_surface`
+    (docs/model.md, equation (9)).
+    """
+    width, found = field.soft_edge, scratch.found
+    n = _gather(before, after, field, scratch)
+    if n < 0:
+        return False
+    weighed = weighed_area(field, found.ids, found.share, n)
+    a = before.values[0]
+    b = after.values[0]
+    area = 0.5 * (a.area + b.area)
+    if a.touches <= 0.0 or b.touches <= 0.0:
+        area = max(a.area * a.touches, b.area * b.touches)
+    total, released = _ink_released(before, after, tuft, ink)
+    if area < width * width and n == 0:
+        released = 0.0  # a touch finer than the vertices leaves nothing yet
+    landing = released * landing_share(area, width, weighed, n)
+    level = contact_level(before, after, ink)
+    if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
+        n = _thin_contact(level, found, n, field)
+        whole = weighed
+        weighed = weighed_area(field, found.ids, found.share, n)
+        released *= weighed / whole
+        landing *= weighed / whole
+    if weighed <= 0.0:
+        landing = 0.0
+    scratch.part[:] = 0.0
+    scratch.taken[:] = 0.0
+    if ink.transfer[0].pickup > 0.0:
+        take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
+    if ink.reservoirs.shape[0] > 1:
+        deposit = _Deposit(released, landing, weighed)
+        _leave_from_reservoirs(before, after, deposit, found, n, field, ink, scratch.taken)
+    elif total > 0.0:
+        for p in range(ink.load.shape[0]):
+            part = ink.load[p] / total
+            ink.off_surface[p] += part * (released - landing)
+            scratch.part[p] = part * landing / weighed if weighed > 0.0 else 0.0
+            ink.load[p] -= part * released
+    if ink.transfer[0].pickup > 0.0 and ink.reservoirs.shape[0] <= 1:
+        for p in range(ink.load.shape[0]):
+            ink.load[p] += scratch.taken[p]
+    _leave_ink(found, n, scratch.part, ink)
+    scratch.counters[PAINTED] += n
+    return True

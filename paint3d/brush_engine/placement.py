@@ -16,10 +16,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine import stamp as st
-from paint3d.brush_engine.drag import drag_length, drag_step, release
-from paint3d.brush_engine.tuft import enclose_tuft, greatest_descent, trace_outline
+from paint3d.brush_engine.footprint import PROFILE_CELLS, fill_profile, hold_point
+from paint3d.brush_engine.tuft import (
+    drag_length,
+    drag_step,
+    enclose_tuft,
+    greatest_descent,
+    release,
+    trace_outline,
+)
 from paint3d.core.kernel import uncounted
+from paint3d.core.quaternion import compiled_x_axis, compiled_y_axis, compiled_z_axis
 from paint3d.mesh.kernels.bvh import find_foot, find_meant
 from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
 
@@ -78,8 +85,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
 @uncounted
 def _up_of(pose):
     """Up the handle: the pen's z axis."""
-    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
-    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+    return compiled_z_axis((pose[3], pose[4], pose[5], pose[6]))
 
 
 @uncounted(forceinline=True)
@@ -140,7 +146,7 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
         middle = 0.5 * (scratch.reach[0] + scratch.reach[n - 1])
         for axis in range(3):
             values.origin[axis] = scratch.foot[axis] - middle * values.bend[axis]
-    st.fill_profile(stamp, scratch.reach, scratch.half_width, n)
+    fill_profile(stamp, scratch.reach, scratch.half_width, n)
     if values.centred > 0.0 and not dragged:
         _centre_mark(values, stamp.half_widths, trail)
     _hold_outline(values)
@@ -243,19 +249,11 @@ def _set_bend(values, bx, by, bz):
 @uncounted
 def _bend_along_pose(values, pose):
     """Commanded azimuth: the pen's x axis laid into the plane (its y axis where x stands up)."""
-    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
-    if not _set_bend(
-        values,
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y + w * z),
-        2.0 * (x * z - w * y),
-    ):
-        _set_bend(
-            values,
-            2.0 * (x * y - w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z + w * x),
-        )
+    orientation = (pose[3], pose[4], pose[5], pose[6])
+    bx, by, bz = compiled_x_axis(orientation)
+    if not _set_bend(values, bx, by, bz):
+        bx, by, bz = compiled_y_axis(orientation)
+        _set_bend(values, bx, by, bz)
 
 
 @uncounted
@@ -320,8 +318,8 @@ def _centre_mark(values, half_widths, trail):
     side_x, side_y = -across / length, along / length
     half = 0.5 * (values.tip - values.heel)
     left, right = 0.0, 0.0
-    for i in range(st.PROFILE_CELLS + 1):
-        x = (2.0 * i / st.PROFILE_CELLS - 1.0) * half * side_x
+    for i in range(PROFILE_CELLS + 1):
+        x = (2.0 * i / PROFILE_CELLS - 1.0) * half * side_x
         y = half_widths[i] * abs(side_y)
         left = max(left, x + y)
         right = max(right, y - x)
@@ -417,7 +415,7 @@ def _hold_outline(values):
         (values.widest_at, values.widest),
         (values.widest_at, -values.widest),
     ):
-        st.hold_point(values, along, across)
+        hold_point(values, along, across)
 
 
 @uncounted

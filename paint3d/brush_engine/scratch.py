@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
-from paint3d.brush_engine.distance import DISC_ROWS
-from paint3d.brush_engine.sweep import BETWEEN_SHAPE, SWEEP
+from paint3d.brush_engine.footprint import BETWEEN_SHAPE, SWEEP
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
-from paint3d.brush_engine.vertex_query import CURSOR_SIZE
+from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 

@@ -1,12 +1,18 @@
-"""The bent tuft: table lookup, outline on the plane, enclosing sphere (Guo 2017, Eqs. 2-11).
+"""The bent tuft: table lookup, outline on the plane, enclosing sphere (Guo 2017, Eqs. 2-11), drag.
 
 All of it lies in the bend plane. Its origin is P'_m, the root's foot on the paper; `along` points
-from there to the tip, `up` is the paper's normal, `side` is normal to both. The third angle that a
-pose adds, the azimuth of `along` on the paper, is left to the caller.
+from there to the tip, `up` is the paper's normal, `side` is normal to both. The third angle, the
+azimuth of `along` on the paper, is the pose's, or the paper turns the brush as it drags the tuft.
 
 The spine is evaluated at `REFINEMENT` points on every straight segment, with the section's angle
 interpolated between joints: at the joints that is the papers' Eqs. 6-9, between them the outline
 grows without steps as the brush is pressed.
+
+The dragged tuft is a tractrix with slack: with H the handle's foot P'_m and Q the dragged contact,
+r = Q - H. While |r| is below the slack l(D_s) the contact sticks; beyond, it follows at the
+distance l. The bend direction is that of r. The law knows no time, only the path (closed form of
+the discrete rule published with Wang et al., "Robot Calligraphy using Pseudospectral Optimal
+Control in Conjunction with a Novel Dynamic Brush Model", IROS 2020, whose measured brush gives l).
 """
 
 from __future__ import annotations
@@ -20,29 +26,46 @@ from numpy.typing import NDArray
 from paint3d.core.kernel import uncounted
 
 __all__ = [
-    "MAX_SEGMENTS",
+    "CURVATURE",
+    "INK_LEFT",
+    "LOAD",
+    "MOST_POINTS",
+    "N_INPUTS",
+    "N_SETTINGS",
     "OUTLINE_CAPACITY",
+    "PRESSURE",
     "REFINEMENT",
     "SCRATCH_SIZE",
     "SHARES",
+    "SPEED",
+    "SPREAD",
+    "STIFFNESS",
+    "TILT",
+    "WETNESS",
+    "Curves",
     "Tuft",
     "bend_angles",
+    "drag_along",
+    "drag_length",
+    "drag_step",
     "enclose_tuft",
     "greatest_descent",
+    "no_curves",
+    "release",
     "trace_outline",
 ]
 
-MAX_SEGMENTS = 13  # the papers' largest m
+_MAX_SEGMENTS = 13  # the papers' largest m
 REFINEMENT = 12  # points on each straight segment of the spine
 _RETRACED = 1  # steps before that of M_d that are traced anew
 _CLOSING_POINTS = 6  # on these steps
 _CROSSING_STEPS = 7
 OUTLINE_CAPACITY = (
-    MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
+    _MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
 )  # what out_reach and out_half_width must hold
 HALF_RING = 5  # surface points on one half of each joint's section, for the enclosing sphere
 SCRATCH_SIZE = 512  # float64 numbers: angles, then x, y, z and square of every surface point
-_POINTS = MAX_SEGMENTS * HALF_RING + 1
+_POINTS = _MAX_SEGMENTS * HALF_RING + 1
 _X, _Y, _Z, _SQUARE = 32, 32 + _POINTS, 32 + 2 * _POINTS, 32 + 3 * _POINTS
 _TOLERANCE = 3e-3  # an outlier nearer than this (relative) ends the sphere's passes
 _PASSES = 40
@@ -52,6 +75,14 @@ SHARES = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, REFINEMENT + 1))
 SHARES.setflags(write=False)
 _COS = np.cos(np.linspace(0.0, np.pi, HALF_RING))
 _SIN = np.sin(np.linspace(0.0, np.pi, HALF_RING))
+MOST_POINTS = 8  # of a curve
+# Rows of the table: settings, and inputs of each; their names are in `brush.dynamics`.
+STIFFNESS, SPREAD, LOAD, WETNESS = 0, 1, 2, 3
+N_SETTINGS = 4
+PRESSURE, TILT, SPEED, INK_LEFT, CURVATURE = 0, 1, 2, 3, 4
+N_INPUTS = 5
+MEASURED_LENGTH = 30.0  # mm, the tuft on which `drag_length` was measured
+_STEPS_PER_SLACK = 40  # the longest step that a chord may follow is l / 40
 
 
 class Tuft(NamedTuple):
@@ -77,6 +108,25 @@ class Tuft(NamedTuple):
     transfer_per_mm: float  # eta' of the continuous Eq. 13, 1/mm
     drag_fraction: float  # c of the dragged mode
     plasticity: float  # rho: share of the bend kept when the pen lifts
+
+
+class Curves(NamedTuple):
+    """Curves of a brush as plain arrays."""
+
+    any: NDArray  # (1,) int64: how many there are
+    counts: NDArray  # (N_SETTINGS, N_INPUTS) int64: points of each, 0 for none
+    points: NDArray  # (N_SETTINGS, N_INPUTS, MOST_POINTS, 2) float64: input and factor
+    inputs: NDArray  # (N_INPUTS,) float64 scratch
+
+
+def no_curves() -> Curves:
+    """Curves of a brush that is always the same."""
+    return Curves(
+        np.zeros(1, np.int64),
+        np.zeros((N_SETTINGS, N_INPUTS), np.int64),
+        np.zeros((N_SETTINGS, N_INPUTS, MOST_POINTS, 2)),
+        np.zeros(N_INPUTS),
+    )
 
 
 @uncounted
@@ -357,3 +407,90 @@ def enclose_tuft(tuft, descent, tilt, pe, scratch):
         radius = math.sqrt(grown * grown + z * z)
     _, square = _farthest(scratch, n, x, y, 0.0)
     return x, y, math.sqrt(square)
+
+
+@uncounted
+def drag_step(rx, ry, rz, dx, dy, dz, slack):
+    """r after the handle moved by d: the contact sticks, or follows at the distance `slack`.
+
+    Repeated along a straight way it gives docs/model.md, equation (2).
+
+    Parameters
+    ----------
+    rx, ry, rz : float
+        Q - H before the step, mm.
+    dx, dy, dz : float
+        Movement of H, mm; at most a fortieth of `slack`, for it is followed as a chord.
+    slack : float
+        l, mm.
+
+    Returns
+    -------
+    rx, ry, rz : float
+        Q - H after it, never longer than `slack`.
+    """
+    rx, ry, rz = rx - dx, ry - dy, rz - dz
+    square = rx * rx + ry * ry + rz * rz
+    if square > slack * slack:
+        scale = slack / math.sqrt(square)
+        return rx * scale, ry * scale, rz * scale
+    return rx, ry, rz
+
+
+@uncounted
+def release(rx, ry, rz, plasticity):
+    """r after the pen is lifted: the direction stays, the length is scaled by rho."""
+    return rx * plasticity, ry * plasticity, rz * plasticity
+
+
+@uncounted
+def drag_length(descent, length_mm, fraction):
+    """Slack l (mm) between the handle and its dragged contact.
+
+    Measured on a tuft of 30 mm as a power of the depth for three fractions c of the drag, with
+    linear interpolation between them; other tufts are taken as similar in shape.
+
+    Parameters
+    ----------
+    descent : float
+        D_s, mm, not negative.
+    length_mm : float
+        LE, mm.
+    fraction : float
+        c, 0 to 1/2.
+    """
+    scale = length_mm / MEASURED_LENGTH
+    depth = descent / scale
+    middle = 0.92 * depth**0.84
+    if fraction < 1.0 / 3.0:
+        share = 3.0 * fraction
+        return scale * (0.61 * depth**0.78 * (1.0 - share) + middle * share)
+    share = 6.0 * (fraction - 1.0 / 3.0)
+    return scale * (middle * (1.0 - share) + 1.19 * depth**0.81 * share)
+
+
+@uncounted
+def drag_along(handle, slack, rx, ry, out):
+    """Contact Q (N, 2) under a plane track of the handle (N, 2), by steps of at most l / 40.
+
+    Parameters
+    ----------
+    handle : (N, 2) float64
+        H, mm.
+    slack : (N,) float64
+        l, mm, more than 0, linear between samples.
+    rx, ry : float
+        Q - H at the first sample.
+    out : (N, 2) float64
+        Q, mm.
+    """
+    out[0, 0], out[0, 1] = handle[0, 0] + rx, handle[0, 1] + ry
+    for i in range(1, handle.shape[0]):
+        dx = handle[i, 0] - handle[i - 1, 0]
+        dy = handle[i, 1] - handle[i - 1, 1]
+        shortest = min(slack[i - 1], slack[i])
+        n = max(1, math.ceil(_STEPS_PER_SLACK * math.hypot(dx, dy) / shortest))
+        for k in range(1, n + 1):
+            length = slack[i - 1] + (slack[i] - slack[i - 1]) * k / n
+            rx, ry, _ = drag_step(rx, ry, 0.0, dx / n, dy / n, 0.0, length)
+        out[i, 0], out[i, 1] = handle[i, 0] + rx, handle[i, 1] + ry

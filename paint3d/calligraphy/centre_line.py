@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.core.filters import gaussian_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 

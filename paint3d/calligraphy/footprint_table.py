@@ -8,8 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.drag import drag_length
-from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, Tuft, trace_outline
+from paint3d.brush_engine.tuft import (
+    OUTLINE_CAPACITY,
+    SCRATCH_SIZE,
+    Tuft,
+    drag_length,
+    trace_outline,
+)
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 

@@ -207,6 +207,7 @@ class _Grid:
     ) -> None:
         self.surface, self.em_mm, self.layout, self.limits = surface, em_mm, layout, limits
         self.middle = middle
+        self._climbed: dict[float, SurfaceLine] = {}
         self.up = upwards(self.middle.normal)
         self.right = self._walk(self.middle, (1.0, 0.0), None)
         self.left = self._walk(self.middle, (-1.0, 0.0), None)
@@ -238,7 +239,7 @@ class _Grid:
         if self.layout.at is not None:
             self._square(self.middle.origin)
             return 0.0
-        lines = [self._walk(self.middle, (0.0, sign), 1.6 * self.em_mm) for sign in (1.0, -1.0)]
+        lines = [self._climb(sign) for sign in (1.0, -1.0)]
         fault: MeshError | None = None
         for away in 0.25 * self.em_mm * np.arange(7):
             for line, sign in zip(lines, (1.0, -1.0), strict=True):
@@ -253,7 +254,7 @@ class _Grid:
 
     def _reach(self, start: float, sign: float) -> float:
         """How far up or down (mm up from the middle) squares can be laid, to a 40th of the em."""
-        line = self._walk(self.middle, (0.0, sign), None)
+        line = self._climb(sign)
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
             distance = sign * known + step
@@ -281,6 +282,12 @@ class _Grid:
                 f"{self.surface.mesh.name}: the surface lies level at {point.round(1).tolist()}; "
                 "expected a place with an upwards"
             ) from None
+
+    def _climb(self, sign: float) -> SurfaceLine:
+        """The line straight up from the middle, or with -1 straight down."""
+        if sign not in self._climbed:
+            self._climbed[sign] = self._walk(self.middle, (0.0, sign), None)
+        return self._climbed[sign]
 
     def _walk(
         self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from paint3d.calligraphy.kernels import raster
 from paint3d.core.arrays import as_array, as_number
@@ -149,12 +148,16 @@ def _shares(fine: AnyArray) -> NDArray[np.float32]:
 
 
 def _edge(mask: AnyArray) -> NDArray[np.bool_]:
+    from scipy.ndimage import binary_erosion  # a quarter of a second, and only who compares waits
+
     result: NDArray[np.bool_] = mask & ~binary_erosion(mask)
     return result
 
 
 def _hausdorff95(a: AnyArray, b: AnyArray) -> float:
     """Pixels: 95 % of each edge lie nearer than this to the other edge."""
+    from scipy.ndimage import distance_transform_edt
+
     one, two = _edge(a), _edge(b)
     there = np.percentile(distance_transform_edt(~two)[one], 95.0)
     back = np.percentile(distance_transform_edt(~one)[two], 95.0)
@@ -163,6 +166,8 @@ def _hausdorff95(a: AnyArray, b: AnyArray) -> float:
 
 def _width_error(painted: AnyArray, wanted: AnyArray) -> float:
     """Pixels: mean difference of full widths along the wanted shape's middle line."""
+    from scipy.ndimage import distance_transform_edt
+
     depth, other = distance_transform_edt(wanted), distance_transform_edt(painted)
     slope = np.hypot(*np.gradient(depth))
     middle = (depth > _THINNEST) & (slope < _FLAT)

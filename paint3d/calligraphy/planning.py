@@ -9,13 +9,15 @@ the footprint's centre.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, label, maximum
 
 from paint3d.calligraphy.centre_line import bend_towards, centre_line, outline_field
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
+from paint3d.calligraphy.kernels.patches import fill_depths, label_patches
 from paint3d.calligraphy.path_fit import PathFitter, StrokePath
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
 from paint3d.core.types import AnyArray
@@ -33,7 +35,11 @@ def on_paper(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
 
 
 def plan_glyph(
-    glyph: Glyph, em_mm: float, footprints: FootprintTable, settings: PlanSettings | None = None
+    glyph: Glyph,
+    em_mm: float,
+    footprints: FootprintTable,
+    settings: PlanSettings | None = None,
+    threads: int = 1,
 ) -> list[StrokePath]:
     """Plan all strokes of a glyph, in writing order.
 
@@ -45,19 +51,30 @@ def plan_glyph(
     footprints : FootprintTable
         Footprints of the brush.
     settings : PlanSettings, optional
+    threads : int
+        How many strokes to plan at once, where none depends on the one before; the result is the
+        same.
 
     Raises
     ------
     InputError
         If a stroke is too fine for the brush.
     """
-    courses: list[StrokePath] = []
-    for k, stroke in enumerate(glyph.strokes):
+
+    def plan(k: int, start: float | None = None) -> StrokePath:
+        stroke = glyph.strokes[k]
         outline, median = on_paper(stroke.outline, em_mm), on_paper(stroke.median, em_mm)
         name = f"stroke {k + 1} of {glyph.text}"
-        start = float(courses[-1].azimuth[-1]) if courses else None
-        courses.append(plan_stroke(outline, median, em_mm, footprints, settings, name, start))
-    return courses
+        return plan_stroke(outline, median, em_mm, footprints, settings, name, start)
+
+    numbers = range(len(glyph.strokes))
+    if settings is not None and settings.azimuth == "dragged":  # the tuft lies as it was left
+        courses: list[StrokePath] = []
+        for k in numbers:
+            courses.append(plan(k, float(courses[-1].azimuth[-1]) if courses else None))
+        return courses
+    with ThreadPoolExecutor(max(1, min(threads, len(numbers)))) as side_by_side:
+        return list(side_by_side.map(plan, numbers))
 
 
 def plan_stroke(
@@ -84,7 +101,8 @@ def plan_stroke(
     name : str
         What to call the stroke in messages.
     start : float, optional
-        Where a dragged tuft points when it lands, rad; by default where it will be needed.
+        Where a dragged tuft points when it lands, rad; by default where it will be needed. Others
+        are not asked.
 
     Raises
     ------
@@ -120,12 +138,14 @@ def _largest_corner(
 
     A patch counts where a disc of an eighth of the stroke's width (in pixels) would fit in.
     """
-    depth = distance_transform_edt(bare)
-    labels, n = label(bare)
+    depth, labels = np.empty(bare.shape), np.empty(bare.shape, np.int32)
+    fill_depths(bare, depth)
+    n = label_patches(bare, labels)
     if n == 0:
         return None, tried
-    deepest = maximum(depth, labels, np.arange(1, n + 1))
-    areas = np.bincount(labels.ravel())[1:] * (deepest > width / 16.0)
+    deepest = np.zeros(n + 1)
+    np.maximum.at(deepest, labels[bare], depth[bare])
+    areas = (np.bincount(labels.ravel()) * (deepest > width / 16.0))[1:]
     k = int(np.argmax(areas))
     if areas[k] < (width / 6.0) ** 2:
         return None, tried

@@ -20,7 +20,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.effective_footprint import back_zone, effective_points, front_zone
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.spec import BrushSpec
-from paint3d.core.frames import matrices_from_quaternions
+from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError

@@ -163,19 +163,19 @@ def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
 def _plan_all(
     glyphs: Mapping[str, Glyph], footprints: FootprintTable, pen: Pen, processes: int
 ) -> Generator[Motion]:
-    """The motions of glyphs in their order, planned by one process or by several."""
+    """The motions of glyphs in their order; few are planned here, stroke beside stroke."""
     n = min(processes, len(glyphs))
     if n < 2 or len(glyphs) < _FEW:
         for glyph in glyphs.values():
-            yield _planned(glyph, footprints, pen)
+            yield _planned(glyph, footprints, pen, processes)
         return
     yield from in_processes(
         partial(_planned, footprints=footprints, pen=pen), [*glyphs.values()], n
     )
 
 
-def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen) -> Motion:
-    courses = plan_glyph(glyph, pen.em_mm, footprints, pen.settings)
+def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 1) -> Motion:
+    courses = plan_glyph(glyph, pen.em_mm, footprints, pen.settings, threads)
     return time_courses([courses], pen.em_mm, pen.tempo)
 
 

@@ -11,9 +11,9 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from paint3d.cli.options import add_quiet_option, check_output_folder, parse_hairs
-from paint3d.cli.painting import PaintOptions, paint, prepare, timed, write_report
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.results import write_result
+from paint3d.cli.replay import PaintOptions, paint, prepare
+from paint3d.cli.results import timed, write_report, write_results
 from paint3d.errors import ExportError
 
 __all__ = ["HELP", "add_arguments", "run"]
@@ -52,10 +52,13 @@ def run(options: argparse.Namespace) -> None:
     ExportError
         If the folder or a file cannot be written.
     """
-    from paint3d.files.load import load_mesh
+    _make_folder(options.out)
+    if not options.quiet:
+        sys.stdout.write(f"painting the bowl, into {options.out}\n")
+        sys.stdout.flush()
+    from paint3d.files.load import load_mesh  # after something was said
     from paint3d.recording.recording import load_recording
 
-    _make_folder(options.out)
     with (
         as_file(files("paint3d.calligraphy").joinpath(_RECORDING)) as path,
         ProgressBar("reading", enabled=not options.quiet) as progress,
@@ -67,8 +70,7 @@ def run(options: argparse.Namespace) -> None:
     painting = paint(prepare(mesh, wanted, seconds), recording, wanted, seconds)
     written = [options.out / name for name in _FILES]
     with timed(painting.seconds, "export"):
-        for file in written:
-            write_result(painting, file, quiet=options.quiet)
+        write_results(painting, written, quiet=options.quiet)
     write_report(options.out / "report.json", painting)
     if not options.quiet:
         sys.stdout.write(f"{painting.summarize()}\n")

@@ -235,8 +235,7 @@ def _time_writing(stylus: Any) -> float:
 
 def _record(options: argparse.Namespace) -> None:
     from paint3d.pose.calibration import DeviceCalibration, load_calibration
-    from paint3d.pose.smoothing import SmoothingSettings
-    from paint3d.pose.two_hands import TwoHands
+    from paint3d.pose.two_hands import SmoothingSettings, TwoHands
 
     check_output_file(options.file, _SUFFIXES)
     if options.raw is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from paint3d.errors import RecordingError
 
 if TYPE_CHECKING:
-    from paint3d.cli.painting import Painting
+    from paint3d.cli.results import Painting
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.recording.recording import Recording

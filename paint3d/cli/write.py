@@ -21,9 +21,9 @@ from paint3d.cli.options import (
     parse_place,
 )
 from paint3d.cli.outlines import check_is_plane, export_outlines
-from paint3d.cli.painting import DEFAULT_INK, PaintOptions, paint, prepare, timed, write_report
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.results import result_suffixes, write_result
+from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare
+from paint3d.cli.results import result_suffixes, timed, write_report, write_result
 from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
 
@@ -195,10 +195,9 @@ def _plan(
 
 
 def _pen(options: argparse.Namespace) -> Pen:
-    from paint3d.brush.presets import load_brush
+    from paint3d.brush.presets import choose_brush, load_brush
     from paint3d.calligraphy.planning import PlanSettings
     from paint3d.calligraphy.writing import Pen
-    from paint3d.painter.brush_choice import choose_brush
 
     brush = load_brush(options.brush or choose_brush(options.size))
     settings = PlanSettings(technique=options.technique, azimuth=options.azimuth)

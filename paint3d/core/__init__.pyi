@@ -1,10 +1,10 @@
 from paint3d.core.arrays import as_array as as_array
 from paint3d.core.arrays import as_number as as_number
 from paint3d.core.atomic import write_atomically as write_atomically
-from paint3d.core.frames import matrices_from_quaternions as matrices_from_quaternions
-from paint3d.core.frames import multiply_quaternions as multiply_quaternions
-from paint3d.core.frames import quaternions_from_matrices as quaternions_from_matrices
-from paint3d.core.frames import rotate as rotate
-from paint3d.core.frames import slerp as slerp
 from paint3d.core.machine import usable_cores as usable_cores
+from paint3d.core.quaternion import matrices_from_quaternions as matrices_from_quaternions
+from paint3d.core.quaternion import multiply_quaternions as multiply_quaternions
+from paint3d.core.quaternion import quaternions_from_matrices as quaternions_from_matrices
+from paint3d.core.quaternion import rotate as rotate
+from paint3d.core.quaternion import slerp as slerp
 from paint3d.core.types import AnyArray as AnyArray

@@ -1,4 +1,4 @@
-"""Arrays: checks at the public boundary (shape, finite, range), and room on cache lines."""
+"""Arrays: checks at the public boundary (shape, finite, range), room on cache lines, products."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, Paint3DError
 
-__all__ = ["as_array", "as_number", "zeros_on_lines"]
+__all__ = ["as_array", "as_number", "cross", "zeros_on_lines"]
 
 _LINE = 64  # bytes of a cache line
 
@@ -97,3 +97,13 @@ def zeros_on_lines(shape: int | tuple[int, ...], dtype: DTypeLike) -> AnyArray:
     memory = np.zeros(size + _LINE, np.uint8)
     start = -memory.ctypes.data % _LINE
     return memory[start : start + size].view(kind).reshape(shape)
+
+
+def cross(u: AnyArray, v: AnyArray) -> AnyArray:
+    """Cross products of vectors (..., 3), float64; for few of them faster than NumPy's own."""
+    x = u[..., 1] * v[..., 2] - u[..., 2] * v[..., 1]
+    y = u[..., 2] * v[..., 0] - u[..., 0] * v[..., 2]
+    z = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    out = np.empty((*np.shape(x), 3))
+    out[..., 0], out[..., 1], out[..., 2] = x, y, z
+    return out

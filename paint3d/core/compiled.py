@@ -9,7 +9,7 @@ from typing import Any
 from paint3d.core.kernel_library import library
 from paint3d.core.numba_kernels import ONLY, DeferredKernel, compile_with_numba
 
-__all__ = ["compiled", "is_compiled"]
+__all__ = ["compiled", "is_ahead", "is_compiled"]
 
 
 def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
@@ -20,11 +20,23 @@ def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     return ahead.find(function, options) or DeferredKernel.of(function, options)
 
 
-def is_compiled(kernel: Any) -> bool:
-    """Whether a kernel can be called without being compiled first."""
+def is_ahead(kernel: Any) -> bool:
+    """Whether a kernel is taken from the library, so that calling it costs no more at first."""
     ahead = library()
-    if ahead is not None and isinstance(kernel, ahead.kernel_type):
+    return ahead is not None and isinstance(kernel, ahead.kernel_type)
+
+
+def is_compiled(kernel: Any) -> bool:
+    """Whether a kernel can be called without being compiled first.
+
+    Raises
+    ------
+    KernelError
+        It never can: it is not in the library, and numba is not installed.
+    """
+    if is_ahead(kernel):
         return True
+    by_numba = getattr(kernel, "jit", kernel)  # or an error that says that there is none
     from paint3d.core.compile_cache import is_kept
 
-    return is_kept(kernel)
+    return is_kept(by_numba)

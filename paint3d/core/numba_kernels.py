@@ -9,6 +9,8 @@ from collections.abc import Callable
 from functools import cache, update_wrapper
 from typing import Any
 
+from paint3d.errors import KernelError
+
 __all__ = ["ONLY", "DeferredKernel", "can_compile", "compile_with_numba", "level_of"]
 
 ONLY = "PAINT3D_KERNELS"  # "numba" or "library": take kernels from there or not at all
@@ -22,12 +24,22 @@ def can_compile() -> bool:
 
 
 def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """Decorate a function with numba's `njit`: it is compiled when it is first called."""
+    """Decorate a function with numba's `njit`: it is compiled when it is first called.
+
+    Raises
+    ------
+    KernelError
+        numba is not installed, or is not to be asked.
+    """
     if not can_compile():
         name = f"{function.__module__}.{function.__qualname__}"
-        raise RuntimeError(
+        raise KernelError(
             f"{name} is not among the compiled kernels, and "
-            + (f"{ONLY}=library" if os.environ.get(ONLY) == "library" else "numba is not installed")
+            + (
+                f"{ONLY}=library leaves none to numba"
+                if os.environ.get(ONLY) == "library"
+                else "numba, which would compile it, is not installed: pip install numba"
+            )
         )
     _prepare()
     from numba import njit

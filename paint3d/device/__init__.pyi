@@ -7,6 +7,6 @@ from paint3d.device.hid_nodes import HidNode as HidNode
 from paint3d.device.hid_nodes import list_nodes as list_nodes
 from paint3d.device.hot_plug import PluggedDevices as PluggedDevices
 from paint3d.device.sample import DeviceSample as DeviceSample
+from paint3d.device.sample import StylusReading as StylusReading
 from paint3d.device.space_mouse import SpaceMouse as SpaceMouse
 from paint3d.device.stylus import Stylus as Stylus
-from paint3d.device.stylus_reading import StylusReading as StylusReading

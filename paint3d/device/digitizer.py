@@ -1,7 +1,8 @@
 """Generic HID digitizers: pens on usage page 0x0D, and on Wacom's mirror of it, page 0xFF0D.
 
 Where the digitizer gives lengths (HID units of cm or inch with a power of ten), positions are in
-mm; tilts follow the angle's unit likewise, degrees where none is given.
+mm; tilts follow the angle's unit likewise, degrees where none is given. How a pen leans, tilts
+along x and y, becomes its orientation.
 """
 
 from __future__ import annotations
@@ -10,14 +11,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from paint3d.device.descriptor import Field, ReportDescriptor
-from paint3d.device.pen_angles import orientation_from_tilt
-from paint3d.device.reports import extract, scaled, split_report
-from paint3d.device.stylus_reading import BARREL, DIP, ERASER, StylusReading
+from paint3d.device.descriptor import Field, ReportDescriptor, extract, scaled, split_report
+from paint3d.device.sample import BARREL, DIP, ERASER, StylusReading
 from paint3d.errors import DeviceError
 
-__all__ = ["DigitizerLayout", "find_digitizer_layout"]
+__all__ = ["DigitizerLayout", "find_digitizer_layout", "orientation_from_tilt"]
 
 _DESKTOP, _PAGES = 0x01, (0x0D, 0xFF0D)
 _X, _Y, _WACOM_X, _WACOM_Y = 0x30, 0x31, 0x130, 0x131
@@ -28,6 +28,7 @@ _TIP, _BARREL, _ERASER, _SECOND = 0x42, 0x44, 0x45, 0x5A
 _PENS = tuple(page << 16 | usage for page in _PAGES for usage in (0x01, 0x02, 0x20))
 _CM, _INCH, _RADIANS = 0x11, 0x13, 0x12
 _MM_OF = {_CM: 10.0, _INCH: 25.4}
+_STEEPEST = math.radians(89.0)
 
 
 @dataclass(frozen=True)
@@ -149,3 +150,27 @@ def _millimetres(field: Field, value: int) -> float:
     if field.unit in _MM_OF:
         return _physical(field, value) * 10.0**field.exponent * _MM_OF[field.unit]
     return (value - field.low) * 0.01
+
+
+def orientation_from_tilt(tilt_x: float, tilt_y: float, twist: float = 0.0) -> NDArray[np.float64]:
+    """pad_from_pen (4,) of a pen that leans by these angles.
+
+    The handle leans towards +x by `tilt_x` and towards +y by `tilt_y` (rad, seen along the other
+    axis), so its direction is (tan tilt_x, tan tilt_y, 1), as in W3C Pointer Events. The tip
+    bends away from the lean; an upright pen's bends along -x. `twist` turns the pen about its
+    own axis, anticlockwise seen from above, and the bend with it.
+    """
+    lean_x = math.tan(min(max(tilt_x, -_STEEPEST), _STEEPEST))
+    lean_y = math.tan(min(max(tilt_y, -_STEEPEST), _STEEPEST))
+    azimuth = math.atan2(lean_y, lean_x) if (lean_x, lean_y) != (0.0, 0.0) else 0.0
+    half_lean = 0.5 * math.atan(math.hypot(lean_x, lean_y))
+    # Rz(azimuth) Ry(lean) Rz(pi + twist), in half angles
+    turn, sway = azimuth + math.pi + twist, azimuth - math.pi - twist
+    return np.array(
+        [
+            math.cos(half_lean) * math.cos(0.5 * turn),
+            -math.sin(half_lean) * math.sin(0.5 * sway),
+            math.sin(half_lean) * math.cos(0.5 * sway),
+            math.cos(half_lean) * math.sin(0.5 * turn),
+        ]
+    )

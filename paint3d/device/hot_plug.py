@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.hid_link import Link, open_node
 from paint3d.device.hid_nodes import HidNode, list_nodes
+from paint3d.device.sample import StylusReading
 from paint3d.device.space_mouse import MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
-from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import DeviceError
 
 __all__ = ["Changes", "PluggedDevices", "compare_nodes"]

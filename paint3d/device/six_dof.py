@@ -10,8 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from paint3d.device.descriptor import Field, Kind, ReportDescriptor
-from paint3d.device.reports import extract, pack_report, pressed, split_report
+from paint3d.device.descriptor import (
+    Field,
+    Kind,
+    ReportDescriptor,
+    extract,
+    pack_report,
+    pressed,
+    split_report,
+)
 from paint3d.errors import DeviceError
 
 __all__ = ["AXES", "MouseLayout", "MouseReading", "find_mouse_layout", "is_multi_axis"]

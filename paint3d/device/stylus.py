@@ -1,21 +1,79 @@
-"""A stylus at work without force: readings of a haptic stylus or a pen from an open link."""
+"""A stylus at work without force: readings of a haptic stylus or a pen from an open link.
+
+A report is read some time after it was measured: late when the reader was busy, and several at
+once when they queued up. A device that measures at a steady rate and counts its reports lets us
+undo that: the n-th report was measured n periods after the first, and never after it was read.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from paint3d.device.descriptor import parse_descriptor
 from paint3d.device.device_loop import DeviceLoop
 from paint3d.device.digitizer import DigitizerLayout, find_digitizer_layout
 from paint3d.device.force.haptic_stylus import decode_pose, encode_force, is_haptic_stylus
 from paint3d.device.hid_link import Link
-from paint3d.device.report_clock import ReportClock, stamp
-from paint3d.device.stylus_reading import StylusReading
+from paint3d.device.sample import StylusReading
 
-__all__ = ["Stylus"]
+__all__ = ["ReportClock", "Stylus", "stamp"]
 
+_RELOCK_NS = 50_000_000
+_GAIN = 1.0 / 64.0
+_WRAP = 1 << 16
 _PERIOD_NS = 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class ReportClock:
+    """What is known about a device's beat.
+
+    Attributes
+    ----------
+    period_ns : float
+        Between two measurements.
+    last_ns : int
+        Time given to the last report; 0 before the first.
+    last_sequence : int
+    lost : int
+        Reports that never came, by their numbers.
+    """
+
+    period_ns: float
+    last_ns: int = 0
+    last_sequence: int = 0
+    lost: int = 0
+
+
+def stamp(clock: ReportClock, read_ns: int, sequence: int) -> tuple[int, ReportClock]:
+    """The time at which a report was measured, and the clock after it.
+
+    Parameters
+    ----------
+    clock : ReportClock
+    read_ns : int
+        When it was read; not earlier than the one before.
+    sequence : int
+        Its number, modulo 65536.
+
+    Returns
+    -------
+    (int, ReportClock)
+        The time is later than the last one, at most `read_ns` unless that were not later, and
+        follows the steady beat; after a break of 50 ms the clock locks anew.
+    """
+    steps = (sequence - clock.last_sequence) % _WRAP
+    expected = clock.last_ns + steps * clock.period_ns
+    fresh = clock.last_ns == 0 or steps == 0 or steps > _WRAP // 2
+    if fresh or read_ns - clock.last_ns > _RELOCK_NS + steps * clock.period_ns:
+        at = max(read_ns, clock.last_ns + 1)
+        return at, ReportClock(clock.period_ns, at, sequence, clock.lost)
+    late = read_ns - expected
+    at = round(expected + _GAIN * late if late > 0 else read_ns)
+    at = max(at, clock.last_ns + 1)
+    return at, ReportClock(clock.period_ns, at, sequence, clock.lost + steps - 1)
 
 
 class Stylus:

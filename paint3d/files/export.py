@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,17 +13,9 @@ from paint3d.errors import ExportError, UnknownNameError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.painting import Exportable, Painting, Untextured, read_painting
-from paint3d.files.project.records import write_records
 from paint3d.files.project.session import SESSION_SUFFIX, Session, save_session
 from paint3d.files.readers.odd_names import plain_name
 from paint3d.files.writers.finish import Finish
-from paint3d.files.writers.write_3mf import write_3mf
-from paint3d.files.writers.write_glb import write_glb, write_textured_glb
-from paint3d.files.writers.write_html import write_html
-from paint3d.files.writers.write_obj import write_obj
-from paint3d.files.writers.write_ply import write_ply
-from paint3d.files.writers.write_usdz import write_usdz
-from paint3d.files.writers.write_wrl import write_wrl
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -102,6 +94,17 @@ class PreparedExport:
     options: ExportOptions
     painting: Painting | Untextured
 
+    def into(self, path: Path) -> PreparedExport:
+        """The same painting, to be written to another file and in its format.
+
+        Raises
+        ------
+        ExportError
+            If the suffix is not known, or the format cannot do what is asked.
+        """
+        suffix = _checked_suffix(path, self.options)
+        return replace(self, path=path, suffix=suffix)
+
     def write(self, progress: Progress | None = None) -> None:
         """Write the file.
 
@@ -153,11 +156,17 @@ def prepare_export(
     ExportError
         If the suffix is not known, or the format cannot do what is asked.
     """
-    path, suffix = Path(path), check_export_path(path)
+    path = Path(path)
+    suffix = _checked_suffix(path, options)
+    return PreparedExport(path, suffix, options, read_painting(surface, options, progress))
+
+
+def _checked_suffix(path: Path, options: ExportOptions) -> str:
+    suffix = check_export_path(path)
     if suffix not in FORMATS:
         raise ExportError(f"{path}: a session is saved; expected one of {' '.join(FORMATS)}")
     options.refuse_others(FORMATS[suffix].takes, suffix, _formats_by_wish())
-    return PreparedExport(path, suffix, options, read_painting(surface, options, progress))
+    return suffix
 
 
 def _save(surface: Exportable | TriangleMesh, path: Path, progress: Progress | None = None) -> None:
@@ -194,11 +203,18 @@ def _formats_by_wish() -> dict[str, str]:
     }
 
 
+# Each imports its own writer, since most who write write one format.
+
+
 def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.writers.write_ply import write_ply
+
     write_ply(path, painting.vertices, painting.faces, painting.normals, painting.srgb)
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.writers.write_glb import write_glb, write_textured_glb
+
     finish, unlit, steps = _finish(painting), options.unlit, painting.steps
     if painting.texture is None:
         write_glb(path, *painting[:4], finish, unlit=unlit, steps=steps)
@@ -207,10 +223,14 @@ def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.writers.write_obj import write_obj
+
     write_obj(path, *painting[:4], name=painting.material, unit=unit)
 
 
 def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.writers.write_3mf import write_3mf
+
     write_3mf(
         path,
         painting.vertices,
@@ -224,6 +244,8 @@ def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.writers.write_usdz import write_usdz
+
     write_usdz(
         path,
         *painting[:4],
@@ -234,10 +256,14 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
 
 
 def _write_wrl(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.writers.write_wrl import write_wrl
+
     write_wrl(path, *painting[:4], name=painting.material, unit=unit)
 
 
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.project.records import write_records
+
     arrays = painting.vertices, painting.normals, painting.srgb
     write_records(path, *arrays, packed=options.packed_normals)
 
@@ -258,6 +284,8 @@ def _finish(painting: Painting) -> Finish:
 
 
 def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.files.writers.write_html import write_html
+
     write_html(path, *painting[:4], title=painting.title)
 
 

@@ -14,7 +14,7 @@ from paint3d.core.arrays import as_array
 from paint3d.device.force.force_port import ForcePort, HidForcePort
 from paint3d.device.force.haptic_stylus import encode_force
 from paint3d.device.hid_link import open_node
-from paint3d.device.stylus_reading import StylusReading
+from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError
 from paint3d.haptics import shared_state as board_of
 from paint3d.haptics.realtime import SCHEDULES

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.machine import ENDING
+from paint3d.core.quaternion import multiply, turn
 from paint3d.device.force.force_port import ForcePort
 from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.errors import DeviceError
@@ -25,7 +26,6 @@ from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, 
 from paint3d.haptics.shared_state import RING_COLUMNS, SNAPSHOT_COLUMNS, ServoBoard, TreeBlock
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.pose.calibration import DeviceCalibration
-from paint3d.pose.single_turns import multiply, turn
 
 __all__ = ["ServoTask", "new_state", "run_servo"]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number, cross
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.closest_points import ClosestPoints
@@ -72,13 +72,13 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     found = surface.find(as_array(point, "point", (3,))[None])
     normal = found.normals[0]
     tangent = wanted - normal * (wanted @ normal)
-    length = np.linalg.norm(tangent)
-    if length < 1e-6 * max(float(np.linalg.norm(wanted)), 1e-12):
+    length = math.sqrt(tangent @ tangent)
+    if length < 1e-6 * max(math.sqrt(wanted @ wanted), 1e-12):
         raise InputError(
             f"up is {wanted.tolist()}, along the surface's normal; expected another direction"
         )
     y_axis = tangent / length
-    return SurfaceFrame(found.points[0], np.cross(y_axis, normal), y_axis, normal)
+    return SurfaceFrame(found.points[0], cross(y_axis, normal), y_axis, normal)
 
 
 class SurfaceChart:

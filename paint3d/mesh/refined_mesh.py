@@ -22,6 +22,7 @@ from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.mesh.base_surface import BaseSurface, make_base_surface
 from paint3d.mesh.kernels.cell_components import (
+    gather_links,
     link_sheets,
     locate_vertices,
     measure_sheets,
@@ -429,14 +430,8 @@ def _links(
         capacity = max(capacity, n)
         links = np.empty((capacity, 2), np.int32)
         n = link_sheets(cells, root_pairs, pair_order, pair_cell, links)
-    links = np.concatenate([links[:n], others]).astype(np.int64)
-    codes = np.concatenate(
-        [links[:, 0] * n_sheets + links[:, 1], links[:, 1] * n_sheets + links[:, 0]]
-    )
-    codes.sort()
-    codes = codes[np.diff(codes, prepend=-1) != 0]
-    runs = np.searchsorted(codes, np.arange(n_sheets + 1, dtype=np.int64) * n_sheets)
-    return runs.astype(np.int64), (codes % n_sheets).astype(np.int32)
+    graph: tuple[AnyArray, AnyArray] = gather_links(np.concatenate([links[:n], others]), n_sheets)
+    return graph
 
 
 def _over_cracks(base: BaseSurface, cells: Cells) -> NDArray[np.int32]:

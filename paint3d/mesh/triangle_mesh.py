@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
+from paint3d.mesh.kernels.topology import pieces_of
 
 __all__ = ["TriangleMesh"]
 
@@ -138,16 +139,12 @@ class TriangleMesh:
         Every edge is passed as often one way as the other, and each connected piece encloses a
         volume that its normals point out of. What has a hollow inside is not called so.
         """
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
         start = self.faces.ravel().astype(np.int64)
         end = np.roll(self.faces, -1, axis=1).ravel().astype(np.int64)
         n = self.n_vertices
         if not np.array_equal(np.sort(start * n + end), np.sort(end * n + start)):
             return False
-        edges = coo_array((np.ones(len(start), np.int8), (start, end)), shape=(n, n))
-        piece = connected_components(edges, directed=False)[1][self.faces[:, 0]]
+        piece = pieces_of(self.faces, n)
         middle = self.bounds.mean(axis=0)
         cones = np.empty(self.n_faces)
         for block, cross in self._cross_products():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import KDTree
 
 from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
@@ -28,6 +27,8 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     InputError
         If `points` is not an array of points.
     """
+    from scipy.spatial import KDTree
+
     given = as_array(points, "points", (None, 3))
     reach = np.array([chart.half_width, chart.half_height])
     x, y = np.meshgrid(*(np.linspace(-r, r, _NODES) for r in reach), indexing="ij")

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
+from paint3d.core.quaternion import multiply_quaternions, quaternions_from_matrices
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
-from paint3d.device.stylus_reading import DIP
+from paint3d.device.sample import DIP
 from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.chart import SurfaceChart
 

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.device.sample import DeviceSample
-from paint3d.pose.brush_pose import object_poses
-from paint3d.pose.interpolation import joined_samples
+from paint3d.pose.brush_pose import joined_samples, object_poses
 
 __all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "Pauses", "is_lifted", "pieces_until"]
 

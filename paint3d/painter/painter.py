@@ -22,27 +22,33 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.dynamics import build_curves
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
-from paint3d.brush_engine import intervals, placement
+from paint3d.brush_engine import placement
 from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
-from paint3d.brush_engine.brush_load import level_reservoirs
 from paint3d.brush_engine.contact import Contact, find_contact
-from paint3d.brush_engine.deposit import PAINTED
+from paint3d.brush_engine.footprint import Stamp
+from paint3d.brush_engine.ink_transfer import PAINTED, level_reservoirs
 from paint3d.brush_engine.scratch import grow_scratch, make_scratch
-from paint3d.brush_engine.stamp import Stamp
-from paint3d.brush_engine.stroke_loop import paint_samples
+from paint3d.brush_engine.stroke_loop import (
+    FINISHED,
+    FOOTPRINTS,
+    SAMPLES,
+    Canvas,
+    HeldBrush,
+    Samples,
+    make_progress,
+    paint_samples,
+)
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.pigments import Pigment, load_pigment
+from paint3d.core.ahead import ahead
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
-from paint3d.device.sample import DeviceSample
-from paint3d.device.stylus_reading import DIP
+from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
-from paint3d.painter.ahead import ahead
 from paint3d.painter.bristle_state import HairTuft
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
-from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
-from paint3d.pose.interpolation import joined_samples, velocities
+from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -113,7 +119,7 @@ class Painter:
         self.azimuth = azimuth
         self.loaded = 0.0
         self.seconds = {"poses": 0.0, "stroke": 0.0, "colour": 0.0}
-        self._progress = intervals.make_progress()
+        self._progress = make_progress()
         self.scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
         self._held: list[DeviceSample] = []
         self._origin_ns = 0
@@ -400,7 +406,7 @@ class Painter:
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int
-    ) -> tuple[AnyArray, intervals.Samples, AnyArray]:
+    ) -> tuple[AnyArray, Samples, AnyArray]:
         """The times of a part that follows the one before, its samples, and their dips."""
         started = time.perf_counter()
         part = recording.part(first, last)
@@ -455,7 +461,7 @@ class Painter:
         self._held = self._held[done:]
         self._progress.at[0] -= done
 
-    def _paint(self, samples: intervals.Samples, last: int, dips: AnyArray) -> None:
+    def _paint(self, samples: Samples, last: int, dips: AnyArray) -> None:
         """Paint up to sample `last`, dipping the brush where the recording does."""
         at = self._progress.at
         first = int(at[0])
@@ -464,7 +470,7 @@ class Painter:
             self.dip()
         self._run(samples, last)
 
-    def _run(self, samples: intervals.Samples, last: int) -> None:
+    def _run(self, samples: Samples, last: int) -> None:
         started = time.perf_counter()
         surface = self.surface
         scratch = self.scratch  # the surface may have grown, or another brush brought a pigment
@@ -473,18 +479,18 @@ class Painter:
             self._fit_scratch()
         while True:
             state = self._run_kernel(samples, last)
-            if state == intervals.FINISHED:
+            if state == FINISHED:
                 break
             surface.make_room()
             self._fit_scratch()
         surface.ink.transfer["capacity"] = self.tuft.load  # whatever curves made of it
         self.seconds["stroke"] += time.perf_counter() - started
 
-    def _run_kernel(self, samples: intervals.Samples, last: int) -> int:
+    def _run_kernel(self, samples: Samples, last: int) -> int:
         surface, progress, scratch = self.surface, self._progress, self.scratch
-        brush = intervals.HeldBrush(self.tuft, self.curves, self.azimuth == "dragged")
+        brush = HeldBrush(self.tuft, self.curves, self.azimuth == "dragged")
         hairs = None if self.hairs is None else self.hairs.work(surface)
-        canvas = intervals.Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
+        canvas = Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
         if hairs is None:
             return int(paint_samples(samples, last, brush, canvas, progress, scratch))
         return int(paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs))
@@ -499,7 +505,8 @@ class Painter:
     def ledger(self) -> dict[str, float]:
         """Where the ink is, coats x mm2: loaded = in_brush + wet + dry + off_surface.
 
-        The terms of docs/model.md, equation (9).
+        The terms of docs/model.md, equation (9). What ran off the surface can be less than 0: by
+        what a mask gave back to the surface and the brush had no longer.
         """
         return {
             "loaded": self.loaded,
@@ -524,8 +531,8 @@ class Painter:
             "azimuth": self.azimuth,
             "hairs": 0 if self.hairs is None else self.hairs.spec.n_hairs,
             "samples": self._n_samples,
-            "samples_in_contact": int(counters[intervals.SAMPLES]),
-            "footprints": int(counters[intervals.FOOTPRINTS]),
+            "samples_in_contact": int(counters[SAMPLES]),
+            "footprints": int(counters[FOOTPRINTS]),
             "vertices": self.surface.n_vertices,
             "vertices_visited": int(counters[VISITED]),
             "vertices_painted": int(np.count_nonzero(self.surface.painted)),
@@ -576,7 +583,7 @@ def _stops(
 
 def _samples(
     path: BrushPath, time_ns: NDArray[np.int64], origin_ns: int
-) -> tuple[intervals.Samples, AnyArray]:
+) -> tuple[Samples, AnyArray]:
     """Make a path ready for interpolation.
 
     Time counts from where the brush came down last, whatever was painted before: so a stroke is the
@@ -603,7 +610,7 @@ def _samples(
     origins = np.where(came_down > 0, time_ns, origin_ns)[np.maximum.accumulate(came_down)]
     since = np.asarray((time_ns - origins) * 1e-9, np.float64)
     path = dataclasses.replace(path, time_s=since)
-    samples = intervals.Samples(
+    samples = Samples(
         time=np.ascontiguousarray(path.time_s, np.float64),
         position=np.ascontiguousarray(path.way, np.float64),
         velocity=velocities(path, joined),

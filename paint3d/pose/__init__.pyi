@@ -5,7 +5,7 @@ from paint3d.pose.calibration import DeviceCalibration as DeviceCalibration
 from paint3d.pose.calibration import fit_calibration as fit_calibration
 from paint3d.pose.calibration import load_calibration as load_calibration
 from paint3d.pose.calibration import save_calibration as save_calibration
-from paint3d.pose.smoothing import SmoothingSettings as SmoothingSettings
 from paint3d.pose.steering import ObjectPose as ObjectPose
 from paint3d.pose.steering import SteeringOptions as SteeringOptions
+from paint3d.pose.two_hands import SmoothingSettings as SmoothingSettings
 from paint3d.pose.two_hands import TwoHands as TwoHands

@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array, as_number
-from paint3d.core.frames import quaternions_from_matrices, rotate
+from paint3d.core.quaternion import multiply, quaternions_from_matrices, rotate, turn
 from paint3d.core.types import AnyArray
 from paint3d.errors import DeviceError
-from paint3d.pose.single_turns import multiply, turn
 
 __all__ = ["DeviceCalibration", "fit_calibration", "load_calibration", "save_calibration"]
 

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.quaternion import Quaternion, Vector, multiply, normalized, turn, turn_by
 from paint3d.core.types import AnyArray
 from paint3d.device.deflection import SILENCE_NS
 from paint3d.errors import DeviceError
-from paint3d.pose.single_turns import Quaternion, Vector, multiply, normalized, turn, turn_by
 
 __all__ = ["ObjectPose", "SteeringOptions", "SteeringState", "advance", "apply_action", "report"]
 

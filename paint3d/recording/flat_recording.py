@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.frames import (
+from paint3d.core.quaternion import (
     matrices_from_quaternions,
     multiply_quaternions,
     quaternions_from_matrices,

@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from typing import Protocol
 
 import numpy as np
 
 from paint3d.core.types import AnyArray
 from paint3d.errors import RecordingError
 from paint3d.recording.kernels.number_rows import read_rows
-from paint3d.recording.text_lines import TextLines
 
-__all__ = ["NumberTable"]
+__all__ = ["Lines", "NumberTable"]
 
 _FEWEST = 1 << 16  # rows that a column has room for
 _MOST = 1 << 22  # rows in one piece: so much memory goes back to the system when it is let go
 _LARGEST = 2.0**62
+
+
+class Lines(Protocol):
+    """Lines of a text, one by one or as blocks: `recording.TextLines`."""
+
+    def __iter__(self) -> Iterator[tuple[int, str]]:
+        """Numbers from 1, and texts."""
+
+    def block(self) -> tuple[int, bytes]:
+        """The number of the next line, and many whole lines; none at the end."""
+
+    def cut(self, first: int, data: bytes) -> Iterator[tuple[int, str]]:
+        """Numbers and texts of the lines in a block whose first has the number `first`."""
 
 
 class NumberTable:
@@ -54,7 +67,7 @@ class NumberTable:
 
     def read(
         self,
-        lines: TextLines,
+        lines: Lines,
         delimiter: str | None,
         split: Callable[[str], list[str] | None],
         comment: str | None = None,
@@ -63,7 +76,7 @@ class NumberTable:
 
         Parameters
         ----------
-        lines : TextLines
+        lines : Lines
         delimiter : str, optional
             What stands between plain cells; None for white space.
         split : callable

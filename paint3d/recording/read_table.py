@@ -44,8 +44,7 @@ from paint3d.recording.flat_recording import (
     orientations_from_angles,
     spread_ties,
 )
-from paint3d.recording.number_table import NumberTable
-from paint3d.recording.text_lines import TextLines
+from paint3d.recording.number_table import Lines, NumberTable
 
 __all__ = ["read_csv", "read_plain_table", "write_csv"]
 
@@ -70,12 +69,12 @@ _TOO_FAST_MS = 0.05
 """A pad read more often than every 0.05 ms does not exist: such steps are seconds."""
 
 
-def read_csv(lines: TextLines, name: str, *, scale: float, y_down: bool) -> Recording:
+def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recording:
     """The recording in a table with named columns.
 
     Parameters
     ----------
-    lines : TextLines
+    lines : Lines
     name : str
         For messages.
     scale : float
@@ -106,7 +105,7 @@ def read_csv(lines: TextLines, name: str, *, scale: float, y_down: bool) -> Reco
     return _assemble(table, header, scale, y_down)
 
 
-def read_plain_table(lines: TextLines, name: str, *, scale: float, y_down: bool) -> Recording:
+def read_plain_table(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recording:
     """The pad recording in lines of ``time x y pressure``: s, units of `scale`, and 0 to 1.
 
     Raises

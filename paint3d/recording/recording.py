@@ -1,40 +1,61 @@
 """Reading and writing recordings; the format of a file is told by its contents.
 
-JSON Lines is the native form. W3C InkML, tables with named columns (CSV) and plain tables of
-``time x y pressure`` are read too. Any of them may be gzipped, whatever its name says.
-Files from strangers cannot exhaust the machine: lines are limited to 64 KiB, files to 512 MiB
-after decompression (InkML to 64 MiB, since XML is read whole).
+W3C InkML, tables with named columns (CSV) and plain tables of ``time x y pressure`` are read, and
+the native form, JSON Lines: a header, then one sample a line. Any of them may be gzipped, whatever
+its name says. Files from strangers cannot exhaust the machine: lines are limited to 64 KiB, files
+to 512 MiB after decompression (InkML to 64 MiB, since XML is read whole).
+
+A sample in JSON is ``{"time_ns": .., "position": [x, y, z], "orientation": [w, x, y, z],
+"pressure": .., "buttons": .., "contact": [x, y, z],
+"object": {"position": [..], "orientation": [..]}}``.
+``force`` (N) may stand for ``pressure``; the brush may be nested under ``right`` or
+``right_hand`` and the object is also found under ``left`` or ``left_hand``. The object's pose
+holds until it changes. Keys that are not known are passed over, unless they look like a slip
+of the pen.
 """
 
 from __future__ import annotations
 
+import difflib
 import gzip
 import io
+import json
+import math
 import os
 import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
+
+import numpy as np
 
 from paint3d.core.atomic import write_atomically
-from paint3d.device.recorded import Recording
+from paint3d.core.types import AnyArray
+from paint3d.device.recorded import FORMAT, MAX_FORCE_N, UNIT_TOLERANCE, Recording, checked_header
 from paint3d.errors import ExportError, RecordingError
 from paint3d.recording.flat_recording import MM_PER_PIXEL
 from paint3d.recording.read_inkml import read_inkml, write_inkml
-from paint3d.recording.read_jsonl import read_jsonl, write_jsonl
 from paint3d.recording.read_table import read_csv, read_plain_table, write_csv
-from paint3d.recording.text_lines import TextLines
 
-__all__ = ["Recording", "load_recording", "save_recording"]
+__all__ = ["Recording", "TextLines", "load_recording", "save_recording", "write_jsonl"]
 
 _GZIP_MAGIC = b"\x1f\x8b"
 _MAX_XML_BYTES = 1 << 26
-_WRITERS = {
-    ".jsonl": write_jsonl,
-    ".json": write_jsonl,
-    ".inkml": write_inkml,
-    ".csv": write_csv,
-}
+_TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+_RIGHT = ("right", "right_hand")
+_LEFT = ("object", "left", "left_hand")
+_KEYS = {
+    "time_ns", "position", "orientation", "pressure", "force", "buttons", "contact",
+    *_RIGHT, *_LEFT,
+}  # fmt: skip
+_NOWHERE = [math.nan, math.nan, math.nan]
+_LARGEST = 1e9
+"""Positions further out than this (a thousand km) are taken for damage."""
+_MAX_LINE = 1 << 16
+_MAX_BYTES = 1 << 29
+_BLOCK = 1 << 21  # bytes
+_TELL_EVERY = 1 << 14  # lines
+_MARK = b"\xef\xbb\xbf"  # that some programs put before UTF-8
 
 
 def load_recording(
@@ -91,7 +112,7 @@ def _read(
     lines = TextLines(stream, name, told)
     suffixes = [s.lower() for s in path.suffixes]
     if start.startswith(b"{") or ".jsonl" in suffixes or ".json" in suffixes or not start:
-        return read_jsonl(lines, name)
+        return _read_jsonl(lines, name)
     if ".csv" in suffixes or start.startswith(b"#") or b"," in start.split(b"\n", 1)[0]:
         return read_csv(lines, name, scale=scale, y_down=y_down)
     if start[:1] in b"+-.0123456789":
@@ -121,6 +142,347 @@ def _whole(stream: BinaryIO, name: str) -> bytes:
     if len(data) > _MAX_XML_BYTES:
         raise RecordingError(f"{name}: the InkML is longer than {_MAX_XML_BYTES} bytes")
     return data
+
+
+class TextLines:
+    """Iterates over (number from 1, text) of the lines that were not handed out as a block yet.
+
+    Parameters
+    ----------
+    stream : binary file
+    name : str
+        Of the file, for messages.
+    told : callable, optional
+        Called now and then while lines are read.
+
+    Raises
+    ------
+    RecordingError
+        When iterated over: ``name:line: what is wrong``.
+    """
+
+    def __init__(self, stream: BinaryIO, name: str, told: Callable[[], None] | None = None) -> None:
+        self._stream, self._name, self._told = stream, name, told
+        self._number = self._n_bytes = 0
+
+    def __iter__(self) -> Iterator[tuple[int, str]]:
+        return self
+
+    def __next__(self) -> tuple[int, str]:
+        line = self._stream.readline(_MAX_LINE + 1)
+        if not line:
+            raise StopIteration
+        self._number += 1
+        if self._told is not None and self._number % _TELL_EVERY == 0:
+            self._told()
+        self._n_bytes += len(line)
+        return self._number, self._checked(line, self._number, self._n_bytes)
+
+    def block(self) -> tuple[int, bytes]:
+        """The number of the next line, and some 2 MiB of whole lines; none at the end.
+
+        What is in them is not looked at: `cut` does that.
+
+        Raises
+        ------
+        RecordingError
+            If the file is too long.
+        """
+        if self._told is not None:
+            self._told()
+        data = self._stream.read(_BLOCK)
+        if data and not data.endswith(b"\n"):
+            data += self._stream.readline(_MAX_LINE + 1)
+        first = self._number + 1
+        if self._n_bytes + len(data) > _MAX_BYTES:
+            for _ in self.cut(first, data):  # some line is one too many, or wrong before that
+                pass
+        self._number += data.count(b"\n") + (not data.endswith(b"\n"))
+        self._n_bytes += len(data)
+        return first, data.removeprefix(_MARK) if first == 1 else data
+
+    def cut(self, first: int, data: bytes) -> Iterator[tuple[int, str]]:
+        """Numbers and texts of the lines in a block whose first has the number `first`.
+
+        Raises
+        ------
+        RecordingError
+            ``name:line: what is wrong``.
+        """
+        n_bytes = 0 if first <= self._number else self._n_bytes  # those of blocks before are known
+        lines = io.BytesIO(data)
+        for number, line in enumerate(iter(lambda: lines.readline(_MAX_LINE + 1), b""), first):
+            n_bytes += len(line)
+            yield number, self._checked(line, number, n_bytes)
+
+    def _checked(self, line: bytes, number: int, n_bytes: int) -> str:
+        """A line's text; `n_bytes` were read with it."""
+        if len(line) > _MAX_LINE:
+            raise RecordingError(
+                f"{self._name}:{number}: the line is longer than {_MAX_LINE} bytes"
+            )
+        if n_bytes > _MAX_BYTES:
+            raise RecordingError(
+                f"{self._name}:{number}: the file is longer than {_MAX_BYTES} bytes once "
+                "decompressed"
+            )
+        try:
+            return line.decode("utf-8-sig" if number == 1 else "utf-8")
+        except UnicodeDecodeError as cause:
+            raise RecordingError(
+                f"{self._name}:{number}: byte {cause.start} is not UTF-8; expected UTF-8 text"
+            ) from None
+
+
+def _read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
+    """The recording in numbered lines of text.
+
+    Parameters
+    ----------
+    lines : iterator of (int, str)
+        Line numbers from 1, and the lines.
+    name : str
+        The file's name, for messages.
+
+    Raises
+    ------
+    RecordingError
+        ``name:line: what is X; expected Y``, for the first thing that is wrong.
+    """
+    numbered = ((number, text) for number, text in lines if text.strip())
+    first = next(numbered, None)
+    if first is None:
+        raise RecordingError(f"{name}:1: the file is empty; expected a header line")
+    try:
+        header = checked_header(_file_header(_decode(first[1])))
+        scale = _TO_MM[header["units"]["position"]]
+    except RecordingError as cause:
+        raise RecordingError(f"{name}:{first[0]}: {cause}") from None
+    header["units"] = {**header["units"], "position": "mm"}
+    rows = _Rows(scale)
+    for number, text in numbered:
+        try:
+            rows.add(_decode(text))
+        except RecordingError as cause:
+            raise RecordingError(f"{name}:{number}: {cause}") from None
+    if not rows.times:
+        raise RecordingError(f"{name}:{first[0] + 1}: there are no samples; expected at least one")
+    return rows.recording(header)
+
+
+def _refuse_constant(word: str) -> float:
+    raise RecordingError(f"a number is {word}; expected finite numbers")
+
+
+_DECODER = json.JSONDecoder(parse_constant=_refuse_constant)
+
+
+def _decode(text: str) -> dict[str, Any]:
+    try:
+        value = _DECODER.decode(text)
+    except RecordingError:
+        raise
+    except (ValueError, RecursionError) as cause:
+        raise RecordingError(f"the line is not JSON ({cause}); expected one object") from None
+    if type(value) is not dict:
+        raise RecordingError(f"the line is a JSON {type(value).__name__}; expected an object")
+    return value
+
+
+def _file_header(header: dict[str, Any]) -> dict[str, Any]:
+    for key in ("format", "version"):
+        if key not in header:
+            raise RecordingError(f"the header has no {key!r}; expected {key!r} of {FORMAT!r}")
+    units = header.get("units", {})
+    if isinstance(units, str):
+        units = {"position": units}
+    if not isinstance(units, dict):
+        raise RecordingError(f"units is {units!r}; expected an object such as {{'position': 'mm'}}")
+    units = dict(units)
+    length = units.pop("length", None)
+    merged = {"position": length or "mm", "time": "ns", "force": "N", **units}
+    known = {"position": tuple(_TO_MM), "time": ("ns",), "force": ("N",)}
+    for key, names in known.items():
+        if merged[key] not in names:
+            raise RecordingError(f"units: {key} is {merged[key]!r}; expected {' or '.join(names)}")
+    return {**header, "units": merged}
+
+
+class _Rows:
+    """Samples on their way into arrays; every check is made while the line is known."""
+
+    def __init__(self, scale: float) -> None:
+        self.scale = scale
+        self.times: list[int] = []
+        self.positions: list[list[float]] = []
+        self.orientations: list[list[float]] = []
+        self.pressures: list[float | None] = []
+        self.buttons: list[int] = []
+        self.object_positions: list[list[float]] = []
+        self.object_orientations: list[list[float]] = []
+        self.contacts: list[list[float]] = []
+        self.object = ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])
+        self.accepted = set(_KEYS)
+
+    def add(self, sample: dict[str, Any]) -> None:
+        if not self.accepted.issuperset(sample):
+            self._accept(sample)
+        right = _nested(sample, _RIGHT) or sample
+        if right is not sample and not self.accepted.issuperset(right):
+            self._accept(right)
+        time_ns = _integer(sample if "time_ns" in sample else right, "time_ns", -(2**62), 2**62)
+        if self.times and time_ns <= self.times[-1]:
+            raise RecordingError(
+                f"time_ns is {time_ns}; expected more than {self.times[-1]}, the sample before it"
+            )
+        position = _vector(right, "position", 3, _LARGEST)
+        orientation = _quaternion(right)
+        pressure = _pressure(right)
+        contact = _NOWHERE
+        if right.get("contact") is not None:
+            contact = _vector(right, "contact", 3, _LARGEST)
+            if pressure is None:
+                raise RecordingError("contact is given without a pressure; expected both")
+        if self.times and (pressure is None) != (self.pressures[0] is None):
+            there, here = ("none", "one") if pressure is not None else ("one", "none")
+            raise RecordingError(
+                f"pressure is given ({here}) unlike in the first sample ({there}); "
+                "expected it in all samples or in none"
+            )
+        button_owner = right if "buttons" in right else sample
+        buttons = (
+            _integer(button_owner, "buttons", 0, 2**31 - 1) if "buttons" in button_owner else 0
+        )
+        left = _nested(sample, _LEFT)
+        if left is not None:
+            self.object = (_vector(left, "position", 3, _LARGEST), _quaternion(left))
+        self.times.append(time_ns)
+        self.positions.append(position)
+        self.orientations.append(orientation)
+        self.pressures.append(pressure)
+        self.buttons.append(buttons)
+        self.contacts.append(contact)
+        self.object_positions.append(self.object[0])
+        self.object_orientations.append(self.object[1])
+
+    def _accept(self, keys: dict[str, Any]) -> None:
+        for key in keys:
+            near = difflib.get_close_matches(key, _KEYS, n=1, cutoff=0.8)
+            if key not in self.accepted and near:
+                raise RecordingError(f"a key is {key!r}; expected {near[0]!r}")
+            self.accepted.add(key)
+
+    def recording(self, header: dict[str, Any]) -> Recording:
+        with_pressure = self.pressures[0] is not None
+        return Recording(
+            np.array(self.times, dtype=np.int64),
+            np.array(self.positions, dtype=np.float64) * self.scale,
+            np.array(self.orientations, dtype=np.float64),
+            np.array(self.pressures, dtype=np.float64) if with_pressure else None,
+            np.array(self.buttons, dtype=np.int32),
+            np.array(self.object_positions, dtype=np.float64) * self.scale,
+            np.array(self.object_orientations, dtype=np.float64),
+            header,
+            np.array(self.contacts, dtype=np.float64) * self.scale,
+        )
+
+
+def _nested(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | None:
+    for name in names:
+        value = sample.get(name)
+        if value is not None:
+            if type(value) is not dict:
+                raise RecordingError(f"{name} is {value!r:.60}; expected an object")
+            return value
+    return None
+
+
+def _vector(owner: dict[str, Any], key: str, n: int, largest: float) -> list[float]:
+    value = owner.get(key)
+    if type(value) is not list or len(value) != n:
+        got = "missing" if key not in owner else f"{value!r:.60}"
+        raise RecordingError(f"{key} is {got}; expected {n} numbers")
+    for number in value:
+        kind = type(number)
+        if (kind is not float and kind is not int) or not -largest <= number <= largest:
+            raise RecordingError(
+                f"{key} holds {number!r:.60}; expected numbers from {-largest:g} to {largest:g}"
+            )
+    return value
+
+
+def _quaternion(owner: dict[str, Any]) -> list[float]:
+    w, x, y, z = value = _vector(owner, "orientation", 4, 2.0)
+    length = (w * w + x * x + y * y + z * z) ** 0.5
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise RecordingError(
+            f"orientation has length {length:.6g}; expected 1 within {UNIT_TOLERANCE:g}"
+        )
+    return value
+
+
+def _pressure(owner: dict[str, Any]) -> float | None:
+    for key, most in (("pressure", 1.0), ("force", MAX_FORCE_N)):
+        value = owner.get(key)
+        if value is None:
+            continue
+        kind = type(value)
+        if (kind is not float and kind is not int) or not 0 <= value <= most:
+            unit = " N" if key == "force" else ""
+            raise RecordingError(f"{key} is {value!r:.60}; expected 0 to {most:g}{unit}")
+        return float(value / most)
+    return None
+
+
+def _integer(owner: dict[str, Any], key: str, least: int, most: int) -> int:
+    value = owner.get(key)
+    if type(value) is not int or not least <= value <= most:
+        got = "missing" if key not in owner else f"{value!r:.60}"
+        raise RecordingError(f"{key} is {got}; expected an integer from {least} to {most}")
+    return value
+
+
+def write_jsonl(recording: Recording) -> Iterator[str]:
+    """The lines of a recording, each ending in a newline; numbers read back exactly."""
+    yield json.dumps(dict(recording.header), separators=(",", ":"), allow_nan=False) + "\n"
+    poses = np.hstack([recording.object_position, recording.object_orientation])
+    previous = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    pressures = recording.pressure
+    for i in range(len(recording)):
+        parts = [
+            f'{{"time_ns":{recording.time_ns[i]}',
+            f'"position":{_compact(recording.position[i])}',
+            f'"orientation":{_compact(recording.orientation[i])}',
+        ]
+        if pressures is not None:
+            parts.append(f'"pressure":{_compact(pressures[i : i + 1])[1:-1]}')
+        parts.append(f'"buttons":{recording.buttons[i]}')
+        if recording.contact is not None and not np.isnan(recording.contact[i, 0]):
+            parts.append(f'"contact":{_compact(recording.contact[i])}')
+        if (poses[i] != previous).any():
+            previous = poses[i]
+            parts.append(
+                f'"object":{{"position":{_compact(previous[:3])},'
+                f'"orientation":{_compact(previous[3:])}}}'
+            )
+        yield ",".join(parts) + "}\n"
+
+
+def _compact(numbers: AnyArray) -> str:
+    words = (repr(number) for number in numbers.tolist())
+    return (
+        "["
+        + ",".join(word[:-2] if word.endswith(".0") and word != "-0.0" else word for word in words)
+        + "]"
+    )
+
+
+_WRITERS = {
+    ".jsonl": write_jsonl,
+    ".json": write_jsonl,
+    ".inkml": write_inkml,
+    ".csv": write_csv,
+}
 
 
 def save_recording(

@@ -7,14 +7,19 @@ would refine it, and grows when the water comes near its rim. What is on the ver
 comes, is taken up by a brush or dries by command between two calls is noticed and followed.
 
 Every block of the patch has a step of its own: short while ink runs there, seconds long where it
-has nearly come to rest. So what a painting costs goes with what moves, not with what is wet.
+has nearly come to rest. So what a painting costs goes with what moves, not with what is wet. Blocks
+that have nothing to do with one another are moved on all cores.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +29,11 @@ from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.block_groups import grade_paces
 from paint3d.surface.kernels.diffusion import Drying, evaporate, solve_edges
 from paint3d.surface.kernels.wet_step import move_water
-from paint3d.surface.side_by_side import each
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
-__all__ = ["Flow"]
+__all__ = [
+    "Flow",
+]
 
 _BUNDLE = 4000  # nodes that are moved by one thread, or more
 
@@ -46,6 +52,9 @@ _BESIDE = 0.35  # of it: the same where a neighbour takes one
 _EDGE_GAIN, _EDGE_REACH = 8.0, 1.0  # evaporation at the border over that inside, less 1; mm
 _EDGE_SWEEPS = 2
 _DRY = 1e-9  # mm
+_MOST_THREADS = 4
+_Given = TypeVar("_Given")
+_Found = TypeVar("_Found")
 
 
 @dataclass(eq=False)
@@ -338,3 +347,17 @@ class Flow:
         drying = Drying(float(p.material.drying_mm_s), gain, _DRY)
         count = evaporate(wet, fields, rest, drying, p.inside, dried, step.still_wet)
         return dried[:count]
+
+
+def each(work: Callable[[_Given], _Found], items: Sequence[_Given]) -> list[_Found]:
+    """What `work` gives for each item, in their order; kernels in it run at the same time."""
+    if len(items) < 2:
+        return [work(item) for item in items]
+    return list(_threads(os.getpid()).map(work, items))
+
+
+@lru_cache(maxsize=1)
+def _threads(process: int) -> ThreadPoolExecutor:
+    """The threads of this process: one that was forked has none of its parent's."""
+    count = min(_MOST_THREADS, os.cpu_count() or 1)
+    return ThreadPoolExecutor(count, thread_name_prefix="paint3d-flow")

@@ -13,18 +13,18 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.ink_field import TRANSFER, InkField
 from paint3d.colour.glazing import GlazeModel, make_ground
-from paint3d.colour.kernels.glazing import Ground
+from paint3d.colour.kernels.glazing import Ground, add_between
 from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment
-from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.colour.spectra import decode_srgb, srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
+from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.flow_graph import FlowGraph
-from paint3d.surface.mesh_colours import MeshColours
 
 __all__ = ["InkStore"]
 
@@ -62,12 +62,12 @@ class InkStore:
         self._glaze: GlazeModel | None = None
         self._ground = make_ground(self.material.reflectance)
         self._bare = srgb_from_reflectance(self.material.reflectance)
-        self._mesh_colours: MeshColours | None = None
+        self._mesh_colours: _MeshColours | None = None
         self._allocate(0)
         if mesh.colours is not None:
             own = mesh.colours[self.paint_mesh.source_vertices]
             self._srgb[: len(own)] = own
-            self._mesh_colours = MeshColours(own)
+            self._mesh_colours = _MeshColours(own)
             self._mesh_colours.fit(self.paint_mesh.capacity)
 
     def _allocate(self, n_pigments: int) -> None:
@@ -289,3 +289,42 @@ def _same_light(one: Pigment, two: Pigment) -> bool:
         return True
     same = np.array_equal(one.K, two.K) and np.array_equal(one.S, two.S)
     return same and one.saunderson == two.saunderson
+
+
+class _MeshColours:
+    """sRGB of every vertex of a refined mesh before anything was painted.
+
+    A vertex that halves an edge has the mean of its ends' codes, as a viewer that interpolates
+    codes shows it, so that refinement does not show and export can take it back.
+
+    Parameters
+    ----------
+    srgb : (B, 3) uint8
+        Colours of the base vertices.
+    """
+
+    def __init__(self, srgb: NDArray[np.uint8]) -> None:
+        self._known = len(srgb)
+        self._encoded = (srgb / 255.0).astype(np.float32)
+        self._linear = decode_srgb(srgb).astype(np.float32)
+
+    def fit(self, capacity: int) -> None:
+        """Make room for so many vertices."""
+        if len(self._encoded) < capacity:
+            self._encoded = grown(self._encoded, self._known, capacity)
+            self._linear = grown(self._linear, self._known, capacity)
+
+    def know(self, parents: AnyArray, n_vertices: int, srgb: AnyArray) -> None:
+        """Give colours to vertices that have appeared, also as codes in `srgb` (cap, 3)."""
+        first, last = self._known, n_vertices
+        if first == last:
+            return
+        add_between(parents, first, last, self._encoded)
+        fresh = self._encoded[first:last]
+        self._linear[first:last] = decode_srgb(fresh.astype(np.float64))
+        srgb[first:last] = np.rint(fresh * 255.0)
+        self._known = last
+
+    def ground_of(self, ground: Ground) -> Ground:
+        """The ground with these colours in the place of the material."""
+        return ground._replace(linear_rgb=self._linear)

@@ -29,6 +29,7 @@ __all__ = [
     "FLOW_VERTICES",
     "MOST_INK",
     "MOST_RESERVOIRS",
+    "ROUNDING",
     "STATE_VERSION",
     "UPGRADES",
     "checked_flow",
@@ -48,6 +49,7 @@ FLOW_VERTICES = ("vertices", "fresh")
 _OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
 MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
+ROUNDING = 1e-6  # coats x mm2 below none that a brush may hold: its account is a sum
 _Record = TypeVar("_Record", Material, Pigment)
 _LONGEST_PACE, _LONGEST_OWED = 3600.0, 1e9  # s
 
@@ -245,9 +247,9 @@ def _upgraded(state: State) -> State:
 
 
 def _put_ink(surface: PaintedSurface, state: State) -> None:
-    for name in ("load", "off_surface"):
-        array = getattr(surface.ink, name)
-        array[:] = _amounts(state, name, array.shape, np.float64)
+    ink, shape = surface.ink, surface.ink.load.shape
+    ink.load[:] = _amounts(state, "load", shape, np.float64, least=-ROUNDING)
+    ink.off_surface[:] = _amounts(state, "off_surface", shape, np.float64, least=-MOST_INK)
     _put_brush(surface, state)
 
 
@@ -333,7 +335,7 @@ def _put_brush(surface: PaintedSurface, state: State) -> None:
     n = len(np.atleast_1d(state["stations"]))
     if not 1 <= n <= MOST_RESERVOIRS:
         raise SessionError(f"the brush has {n} stations; expected 1 to {MOST_RESERVOIRS}")
-    stations = _amounts(state, "stations", (n, len(ink.load)), np.float64)
+    stations = _amounts(state, "stations", (n, len(ink.load)), np.float64, least=-ROUNDING)
     if n > 1 and not np.allclose(stations.sum(axis=0), ink.load, rtol=1e-6, atol=1e-9):
         raise SessionError("stations and load differ in what the brush holds")
     habit = _amounts(state, "habit", (len(BRUSH_TRANSFER),), np.float64)
@@ -387,12 +389,17 @@ def _vertices(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.int32]:
 
 
 def _amounts(
-    state: Mapping[str, Any], name: str, shape: tuple[int, ...], dtype: type, most: float = MOST_INK
+    state: Mapping[str, Any],
+    name: str,
+    shape: tuple[int, ...],
+    dtype: type,
+    most: float = MOST_INK,
+    least: float = 0.0,
 ) -> AnyArray:
     values = as_array(state[name], name, shape, dtype, SessionError)
-    if values.size and not 0.0 <= values.min() <= values.max() <= most:
+    if values.size and not least <= values.min() <= values.max() <= most:
         raise SessionError(
-            f"{name} holds {values.min():g} to {values.max():g}; expected 0 to {most:g}"
+            f"{name} holds {values.min():g} to {values.max():g}; expected {least:g} to {most:g}"
         )
     return values
 

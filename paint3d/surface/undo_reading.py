@@ -27,6 +27,7 @@ from paint3d.surface.state import (
     BRUSH_TRANSFER,
     MOST_INK,
     MOST_RESERVOIRS,
+    ROUNDING,
     checked_flow,
     restore_layer,
 )
@@ -161,7 +162,9 @@ def _deltas(surface: PaintedSurface, state: State, count: int) -> list[PackedDel
     def column(name: str, dtype: type, shape: tuple[Any, ...] = ()) -> list[AnyArray]:
         return unpack_arrays(state, name, count, dtype, shape)
 
-    _check_ink(state, ("amounts", "dry_amounts", "stations", "load", "off_surface", "habit"))
+    _check_ink(state, ("amounts", "dry_amounts", "habit"))
+    _check_ink(state, ("stations", "load"), least=-ROUNDING)
+    _check_ink(state, ("off_surface",), least=-MOST_INK)
     _check_ink(state, ("coverage", "dry_share"), 1.0)
     load = as_array(state["load"], "load", (count, *p), np.float64, SessionError)
     off = as_array(state["off_surface"], "off_surface", (count, *p), np.float64, SessionError)
@@ -206,13 +209,15 @@ def _deltas(surface: PaintedSurface, state: State, count: int) -> list[PackedDel
     return deltas
 
 
-def _check_ink(state: State, names: Sequence[str], most: float = MOST_INK) -> None:
+def _check_ink(
+    state: State, names: Sequence[str], most: float = MOST_INK, least: float = 0.0
+) -> None:
     for name in names:
         values = np.asarray(state[name])
         if values.dtype.kind != "f" or (
-            values.size and not 0.0 <= values.min() <= values.max() <= most
+            values.size and not least <= values.min() <= values.max() <= most
         ):
-            raise SessionError(f"{name} holds what is no ink; expected 0 to {most:g}")
+            raise SessionError(f"{name} holds what is no ink; expected {least:g} to {most:g}")
 
 
 class _Distinct:

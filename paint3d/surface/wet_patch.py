@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.grain import fill_grain
+from paint3d.brush_engine.ink_transfer import fill_grain
 from paint3d.colour.materials import WET_COAT_MM
 from paint3d.colour.pigments import WATER
 from paint3d.core.types import AnyArray

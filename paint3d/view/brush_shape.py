@@ -22,7 +22,7 @@ from paint3d.brush_engine.tuft import (
     bend_angles,
     trace_outline,
 )
-from paint3d.core.frames import cross
+from paint3d.core.arrays import cross
 from paint3d.core.types import AnyArray
 
 __all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "tuft_rings"]

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
+from paint3d.core.filters import gaussian_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.view.kernels.depth_map import DepthMap, Floor, Light, add_sunlight, fill_depth_map
 from paint3d.view.studio import Sun
@@ -55,6 +55,7 @@ class Occluder:
         self.centre = (vertices.min(axis=0) + vertices.max(axis=0)).astype(np.float64) / 2
         self.radius = float(np.linalg.norm(vertices - self.centre, axis=1).max())
         self.cell = 2.04 * self.radius / CELLS
+        self._depth_maps: dict[bytes, DepthMap] = {}
 
     def shine(
         self, suns: list[Sun], points: AnyArray, normals: AnyArray, lift: float, ground: Ground
@@ -64,16 +65,23 @@ class Occluder:
         Points (N, 3) float32 are looked up `lift` mm off the surface along `normals` (N, 3).
         """
         lit, hidden = np.zeros((len(points), 3)), np.zeros(len(points))
-        depth = np.empty((CELLS, CELLS), dtype=np.float32)
         x, y, z = ground.origin.tolist()
         floor = Floor(ground.openness, x, y, z, ground.half)
         for sun in suns:
-            axes = _axes_toward(sun.direction)
-            depth_map = DepthMap(self.centre, axes, 1 / self.cell, depth)
-            fill_depth_map(self.points, depth_map)
             light = Light(sun.irradiance, 4 * sun.share)
+            depth_map = self._toward(sun.direction)
             add_sunlight(points, normals, lift, depth_map, light, floor, lit, hidden)
         return lit, hidden
+
+    def _toward(self, direction: NDArray[np.float64]) -> DepthMap:
+        """What a light from there meets first; kept, since the floor and the object ask for it."""
+        key = direction.tobytes()
+        if key not in self._depth_maps:
+            depth = np.empty((CELLS, CELLS), dtype=np.float32)
+            depth_map = DepthMap(self.centre, _axes_toward(direction), 1 / self.cell, depth)
+            fill_depth_map(self.points, depth_map)
+            self._depth_maps[key] = depth_map
+        return self._depth_maps[key]
 
 
 def _axes_toward(direction: AnyArray) -> NDArray[np.float64]:
@@ -112,10 +120,15 @@ def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
 
 def _smooth_shade(openness: AnyArray) -> NDArray[np.float64]:
     """Blur the shade, least where it is darkest: under the object, where contact is seen."""
-    near, far = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
+    near, far = (_blurred(openness, blur) for blur in GROUND_BLURS)
     dark = np.clip((SHARP_BELOW - far) / SHARP_BELOW * 2, 0, 1)
     result: NDArray[np.float64] = far + dark * (near - far)
     return result
+
+
+def _blurred(image: AnyArray, sigma: float) -> NDArray[np.float64]:
+    along = gaussian_filter1d(image, sigma, axis=0, mode="nearest")
+    return gaussian_filter1d(along, sigma, axis=1, mode="nearest")
 
 
 def light_points(

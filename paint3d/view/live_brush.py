@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.core.frames import cross
+from paint3d.core.arrays import cross
 from paint3d.core.types import AnyArray
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.view.brush_shape import (

@@ -82,9 +82,11 @@ def _joined(pixels: NDArray[np.uint8], scale: int) -> NDArray[np.uint8]:
     """Join scale x scale pixels to one, by their light: edges cover the share that they do."""
     if scale == 1:
         return pixels
-    height, width = pixels.shape[0] // scale, pixels.shape[1] // scale
-    light = srgb_to_linear(np.arange(256, dtype=np.uint8)).astype(np.float32)[pixels]
-    light = light.reshape(height, scale, width, scale, 3).mean(axis=(1, 3))
+    linear = srgb_to_linear(np.arange(256, dtype=np.uint8)).astype(np.float32)
+    light = np.zeros((pixels.shape[0] // scale, pixels.shape[1] // scale, 3), np.float32)
+    for row, column in np.ndindex(scale, scale):
+        light += linear[pixels[row::scale, column::scale]]
+    light /= scale**2
     result: NDArray[np.uint8] = np.rint(255 * linear_to_srgb(light)).astype(np.uint8)
     return result
 

@@ -375,8 +375,8 @@ def _command_seeds() -> list[tuple[str, bytes]]:
 def _check_command(_: str, content: bytes) -> None:
     """Read the options, and check what is named before any work; nothing is run."""
     from paint3d.cli.main import _make_parser
-    from paint3d.cli.painting import PaintOptions
     from paint3d.cli.parsing import UsageError
+    from paint3d.cli.replay import PaintOptions
     from paint3d.errors import InputError
 
     words = content.decode("utf-8", "surrogateescape").split("\n")

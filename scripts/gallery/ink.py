@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 import paint3d
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
-from paint3d.core.frames import quaternions_from_matrices
+from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import SurfaceChart, make_chart

@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 
 import paint3d
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.presets import load_brush
+from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.kanjivg import load_lines
 from paint3d.calligraphy.kanjivg_folder import find_kanjivg
@@ -20,7 +20,6 @@ from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.planning import TECHNIQUES, PlanSettings
 from paint3d.calligraphy.writing import Pen, write_text
 from paint3d.files.load import load_mesh
-from paint3d.painter.brush_choice import choose_brush
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface

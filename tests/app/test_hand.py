@@ -12,7 +12,7 @@ from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.core.frames import matrices_from_quaternions, rotate
+from paint3d.core.quaternion import matrices_from_quaternions, rotate
 from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints

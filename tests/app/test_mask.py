@@ -125,6 +125,25 @@ def test_a_stencil_drinks_no_ink(tuft):
     close(document)
 
 
+@settings(deadline=None, max_examples=examples(25))
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.3]))
+def test_what_was_painted_through_a_stencil_opens_again(tmp_path_factory, seed, pickup):
+    path = tmp_path_factory.getbasetemp() / "stencil.p3d"
+    document = small_plane(4.0)
+    random = np.random.default_rng(seed)
+    for k, mask in enumerate([Mask(), Mask(regions=(RegionPick(0),)), COVERED]):
+        document.set_mask(mask)
+        document.painter.surface.ink.transfer["pickup"] = pickup
+        start, end = random.uniform(-30.0, 30.0, (2, 2))
+        paint(document, start, end, t0=10_000_000_000 * (k + 1))
+    if pickup == 0.0:
+        assert (document.surface.ink.off_surface >= 0.0).all()
+    close(document)
+    document.save(path)
+    again = Document.open(path)
+    np.testing.assert_array_equal(again.surface.ink.off_surface, document.surface.ink.off_surface)
+
+
 def test_images_of_a_stroke_keep_their_own_ink_from_the_stencil():
     document = small_plane()
     document.set_symmetry(Symmetry((MirrorPlane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),)))

@@ -133,7 +133,7 @@ class ByFingers(ByPen):
 
     def press(self, widget, place: QtCore.QPoint) -> None:
         with Touching(widget) as fingers:
-            fingers.set({1: (place.x(), place.y())})
+            fingers.set({1: (place.x(), place.y())}, wait=0.0)
         live(0.05)
 
     def undo(self) -> None:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from paint3d.bench.start import wait_for
 from paint3d.cli.main import main
 
 
@@ -67,3 +69,15 @@ def test_the_window_says_that_there_is_no_home_to_write_to(
     told = start.run_studio(None, language="en")
     shown[0].close()
     assert told.endswith(f"No home to write to: all is kept in {tmp_path}")
+
+
+def test_a_started_window_is_painted_and_then_hears_the_hand(screen: str, tmp_path: Path) -> None:
+    """What `paint3d bench start` times: milestones in order, up to paint from a real stroke."""
+    pytest.importorskip("PySide6", reason="PySide6 is not installed")
+    program = (sys.executable, "-m", "paint3d.app.window.first_stroke", f"{time.monotonic()}")
+    found = wait_for((*program, "paint", "bowl"), tmp_path, home=tmp_path)
+    told = [line.partition(" ") for _, line in found.lines]
+    assert [what for _, _, what in told] == ["window painted", "hears the hand", "stroke painted"]
+    seconds = [float(at) for at, _, _ in told]
+    assert seconds == sorted(seconds)
+    assert seconds[0] > 0.0

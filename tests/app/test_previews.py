@@ -8,10 +8,11 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.window.panels import brush_panel
 from paint3d.app.window.previews import sorted_parts, stroke_preview
-from paint3d.brush.presets import load_brush
+from paint3d.app.window.studio import StudioWindow
+from paint3d.brush.presets import brush_names, load_brush
 from paint3d.colour.pigments import load_pigment
 from tests.support.app.gestures import KIND, drag, live, mouse, wait_for
-from tests.support.app.windows import faults, opened, settled
+from tests.support.app.windows import close_unasked, faults, opened, settled
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +35,25 @@ def test_a_mixture_that_was_picked_up_is_shown_in_the_previews(window) -> None:
         live(0.3)
     assert found == []
     assert window.panels.ink_name() in ("indigo + water", "water + indigo")
+
+
+def test_previews_are_painted_when_the_window_waits_for_nothing(program, monkeypatch) -> None:
+    """An object is opened sooner, and no ink is shown that is not the one in use."""
+    inks: list[object] = []
+    paint = brush_panel.stroke_preview
+    monkeypatch.setattr(
+        brush_panel, "stroke_preview", lambda brush, ink: inks.append(ink) or paint(brush, ink)
+    )
+    window = StudioWindow(program)
+    try:
+        window.show()
+        window.workspace.quiet = True
+        assert window.opening.open_path("plane", 3.0, "xuan", asked=True)
+        assert inks == []
+        wait_for(lambda: not window.panels.brushes.is_busy)
+        assert inks == [window.document.inks[0]] * len(brush_names())
+    finally:
+        close_unasked(window)
 
 
 def test_a_preview_is_the_same_by_name_and_by_ink() -> None:

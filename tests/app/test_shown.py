@@ -299,7 +299,9 @@ def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
     at = dishes.box(2).center()
     with Touching(dishes) as fingers:
         fingers.set({1: (at.x(), at.y())})
-        wait_for(lambda: window.panels.inks.mixture() == {dishes.names[2]: 1.0})
+        (held,) = dishes.findChildren(QtCore.QTimer)
+        wait_for(lambda: not held.isActive())
+    assert window.panels.inks.mixture() == {dishes.names[2]: 1.0}
     left = QtCore.Qt.MouseButton.LeftButton
     mouse(dishes, KIND.MouseButtonPress, at.x(), at.y(), left, left)
     mouse(dishes, KIND.MouseButtonRelease, at.x(), at.y(), left)
@@ -354,6 +356,18 @@ def test_the_first_start_is_told_once(window, monkeypatch) -> None:
     assert opening.say_warming() == "Preparing the brush…"
     monkeypatch.setattr(opening, "is_first_start", lambda: True)
     assert opening.say_warming().startswith("First start")
+
+
+@pytest.mark.parametrize("ahead", [True, False])
+def test_kernels_that_were_compiled_ahead_are_not_warmed(program, monkeypatch, ahead) -> None:
+    from paint3d.app.window import warming
+    from paint3d.app.window.jobs import opening
+
+    warmed: list[bool] = []
+    monkeypatch.setattr(warming, "is_ahead", lambda kernel: ahead)
+    monkeypatch.setattr(opening, "warm_up", lambda check: warmed.append(True))
+    with opened(program, "plane", 3.0):
+        assert warmed == ([] if ahead else [True])
 
 
 def test_errors_are_told_in_the_language_of_the_window(window) -> None:

@@ -15,6 +15,7 @@ from paint3d.app.window.stage import Stage
 from paint3d.device.sample import DeviceSample
 from paint3d.view import live_picture
 from paint3d.view.camera import View, fit_camera
+from paint3d.view.live_light import LiveLight
 
 SIZE = (317, 243)  # odd on purpose: no share of it is a round number
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -37,6 +38,29 @@ def standing(name: str, resolution: float, view: View, screen: str) -> Stage:
         time.sleep(0.005)
     stage.draw()
     return stage
+
+
+def test_the_first_picture_comes_before_soft_light_is_looked_for(
+    screen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert screen
+    looked: list[LiveLight] = []
+    bake = LiveLight.bake
+    monkeypatch.setattr(LiveLight, "bake", lambda light: looked.append(light) or bake(light))
+    stage = Stage(SIZE)
+    stage.open(Opened.of(Document.new("plane", 3.0, "xuan")))
+    view = View((0.2, -0.6, 1.0), (0, 1, 0))
+    stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
+    assert stage.draw() is not None
+    assert looked == []
+    assert not stage.is_lit
+    until = time.perf_counter() + 300.0
+    while not stage.is_lit:
+        assert time.perf_counter() < until
+        stage.follow()
+        time.sleep(0.005)
+    assert len(looked) == 1
+    stage.close()
 
 
 @pytest.fixture

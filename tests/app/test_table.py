@@ -10,8 +10,8 @@ from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.writing import Pen, write_text
 from paint3d.device.hid_nodes import HidNode
+from paint3d.device.sample import StylusReading
 from paint3d.device.space_mouse import MouseEvent
-from paint3d.device.stylus_reading import StylusReading
 from paint3d.errors import InputError
 from paint3d.pose.two_hands import TwoHands
 from scripts.solids import make_plane

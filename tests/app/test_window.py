@@ -22,8 +22,8 @@ from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.input.device_input import DeviceInput, carried_camera
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
-from paint3d.core.frames import rotate
-from paint3d.device.stylus_reading import StylusReading
+from paint3d.core.quaternion import rotate
+from paint3d.device.sample import StylusReading
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session

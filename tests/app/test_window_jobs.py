@@ -7,6 +7,7 @@ import sys
 import threading
 from concurrent.futures import CancelledError
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -148,15 +149,16 @@ def test_an_export_that_is_stopped_leaves_no_file_and_a_painting_that_goes_on(
     old.write_bytes(b"old")
     name = "paint3d.files.project.session.write_archive"
     if form != "p3d":
-        name = f"paint3d.files.export.write_{form}"
-    module, function = name.rsplit(".", 1)
-    whole = getattr(sys.modules[module], function)
+        name = f"paint3d.files.writers.write_{form}.write_{form}"
+    place, function = name.rsplit(".", 1)
+    module = import_module(place)
+    whole = getattr(module, function)
 
     def slow(*given, **named) -> None:
         whole(*given, **named)
         gate.wait(LIMIT_S)
 
-    monkeypatch.setattr(sys.modules[module], function, slow)
+    monkeypatch.setattr(module, function, slow)
     answer_bar(cancel)
     assert not window.exporting.export_to(old)
     assert not gate.is_set()

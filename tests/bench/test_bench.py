@@ -17,15 +17,16 @@ from paint3d.bench.plain import PlainSurface
 from paint3d.bench.registry import BENCHMARKS, run_benchmark
 from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Result
+from paint3d.bench.start import wait_for
 from paint3d.bench.stopwatch import Times, best_of
 from paint3d.bench.strokes import figure_for, first_samples, make_dab, make_grid, record_dabs
-from paint3d.errors import InputError, UnknownNameError
+from paint3d.errors import InputError, Paint3DError, UnknownNameError
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 TINY = 0.002
-LONG = ("bristles", "haptics", "kernel", "memory", "studio")
+LONG = ("bristles", "haptics", "kernel", "memory", "start", "studio")
 PEER = Path(__file__).parents[1] / "benchmarks" / "peer_dabs.py"
 
 
@@ -185,3 +186,31 @@ def test_the_peer_script_keeps_its_contract(
     assert keys <= set(found)
     assert found["verts"] == side * side
     assert 0 < found["changed_total"] <= side * side
+
+
+def test_waiting_is_for_a_process_with_its_children_in_its_own_home(tmp_path: Path) -> None:
+    """Time to each line, the children's time and memory, too; what lies at home is not seen."""
+    home = tmp_path / "home"
+    home.mkdir()
+    child = "x = bytearray(b'a' * 60_000_000); k = sum(range(12_000_000))"
+    code = (
+        "import os, subprocess, sys; print(os.path.expanduser('~'), flush=True); "
+        f"subprocess.run([sys.executable, '-c', {child!r}]); print('done')"
+    )
+    found = wait_for((sys.executable, "-c", code), tmp_path, home=home, weigh=True)
+    assert [line for _, line in found.lines] == [str(home), "done"]
+    assert 0.0 < found.until(str(home)) < found.until("done") <= found.wall_s
+    assert found.cpu_s > 0.0
+    assert found.peak_mb is None or found.peak_mb > 60.0
+    assert found.peak_mb is not None or not Path("/proc/self/statm").exists()
+    with pytest.raises(Paint3DError, match="did not say 'more'"):
+        found.until("more")
+
+
+def test_waiting_for_what_fails_says_why(tmp_path: Path) -> None:
+    with pytest.raises(Paint3DError, match=r"failed: paint3d: error: .*no-such-ink"):
+        wait_for(
+            (sys.executable, "-m", "paint3d", "write", "一", "--ink", "no-such-ink",
+             "--on", "bowl", "--out", "x.glb"),
+            tmp_path,
+        )  # fmt: skip

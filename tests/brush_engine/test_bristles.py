@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,11 +27,13 @@ PATCHES = {
 }
 
 
+built = cache(build_bristles)
+
+
 def hairs_of(brush="full", n=300, descent=8.0, tilt=90.0, patch=bt.FLAT, turn=0.0, **options):
     """Points (SAMPLES, n, 3) of the hairs and their rest lengths (n,)."""
     spec = load_brush(brush)
-    tuft, hairs = build_tuft(spec), BristleSpec(n_hairs=n, **options)
-    bristles = build_bristles(spec, hairs)
+    tuft, bristles = build_tuft(spec), built(spec, BristleSpec(n_hairs=n, **options))
     turned = bt.make_turned(len(bristles.lengths))
     bt.turn_hairs(bristles, math.cos(turn), math.sin(turn), turned)
     bend, block = np.zeros(1, bt.BEND), bt.make_block()

@@ -9,7 +9,7 @@ import pytest
 
 from paint3d.brush.dynamics import INPUTS, SETTINGS, build_curves
 from paint3d.brush.presets import load_brush
-from paint3d.brush_engine.dynamics import curve_at
+from paint3d.brush_engine.stroke_loop import curve_at
 from paint3d.errors import BrushError
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording

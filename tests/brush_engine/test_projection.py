@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
-from paint3d.brush_engine import stamp
+from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.surface_cases import UPRIGHT, flat, on_cylinder, on_sphere, poses, sheet
@@ -79,7 +79,7 @@ def test_a_dab_on_curved_ground_is_carried_along_normals(shape):
     place = {"sphere": on_sphere(40.0), "dish": on_sphere(-60.0), "cylinder": on_cylinder(30.0)}
     painter = press(sheet(place[shape], (25.0, 25.0), 1.0), 0.4, 0.5)
     values = painter.stamp.values[0]
-    profile = painter.stamp.half_widths[: stamp.PROFILE_CELLS + 1]
+    profile = painter.stamp.half_widths[: PROFILE_CELLS + 1]
     normal, bend, cross, foot = (values[k] for k in ("normal", "bend", "cross", "origin"))
     vertices = painter.surface.paint_mesh.vertices.astype(float)
     normals = painter.surface.paint_mesh.normals.astype(float)

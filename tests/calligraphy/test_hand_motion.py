@@ -9,7 +9,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.hand_motion import join_motions, to_hand_motion, travel
 from paint3d.calligraphy.timing import Motion, Tempo
-from paint3d.core.frames import rotate
+from paint3d.core.quaternion import rotate
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import frame_at, make_chart
 from paint3d.mesh.closest_points import ClosestPoints

@@ -303,3 +303,7 @@ def test_glyph_is_planned_stroke_by_stroke():
     outline = on_paper(strokes[1].outline, EM)
     alone = plan_stroke(outline, on_paper(strokes[1].median, EM), EM, footprints())
     assert np.array_equal(courses[1].handle, alone.handle)
+    at_once = plan_glyph(Glyph("二", tuple(strokes)), EM, footprints(), threads=2)
+    for one, other in zip(courses, at_once, strict=True):
+        for name in ("handle", "azimuth", "descent", "centre", "level"):
+            assert np.array_equal(getattr(one, name), getattr(other, name))

@@ -11,7 +11,7 @@ import pytest
 
 from paint3d.core import compile_cache
 from paint3d.core.compile_cache import compiled_folder, drop_stale, is_kept
-from paint3d.core.quaternion import turn
+from paint3d.core.quaternion import compiled_turn
 from tools.kernels.table import read_table, resolve
 
 SOURCES = {
@@ -199,13 +199,13 @@ def test_code_is_compiled_anew_where_a_tuple_of_another_folder_has_changed(tmp_p
 
 
 def test_every_kernel_and_every_tuple_that_one_takes_is_looked_at() -> None:
-    turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0)
+    compiled_turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0)
     record = compiled_folder(PACKAGE / "core") / "sources.json"
     looked_at = json.loads(record.read_text())
     for path in PACKAGE.rglob("*.py"):
         if "@kernel" in path.read_text():
             assert path.relative_to(PACKAGE).with_suffix("").as_posix() in looked_at
-    taken = {of for entry in read_table() for of in entry.named_tuples}
+    taken = {of for entry in read_table().entries for of in entry.named_tuples}
     assert {"brush_engine.scratch.Scratch", "mesh.kernels.mesh_arrays.SurfaceField"} <= taken
     for of in taken:
         module, _, name = of.rpartition(".")
@@ -213,6 +213,6 @@ def test_every_kernel_and_every_tuple_that_one_takes_is_looked_at() -> None:
 
 
 def test_numba_keeps_kernels_where_they_are_looked_for() -> None:
-    turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0)
-    assert is_kept(turn)
-    assert list(compiled_folder(PACKAGE / "core").glob("quaternion.turn-*.nbi"))
+    compiled_turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0)
+    assert is_kept(compiled_turn)
+    assert list(compiled_folder(PACKAGE / "core").glob("quaternion.compiled_turn-*.nbi"))

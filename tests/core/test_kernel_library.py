@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paint3d.brush_engine.drag import drag_length
 from paint3d.brush_engine.stroke_loop import paint_samples
+from paint3d.brush_engine.tuft import drag_length
 from paint3d.colour.kernels.kubelka_munk import layer_bands
 from paint3d.core import compiled
 from paint3d.core.kernel_library import FOLDER, INDEX, Library, library
@@ -24,6 +24,7 @@ from paint3d.mesh.kernels.median_split import order_by_halving
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.mesh.kernels.topology import corner_normals, count_around, link_radial, measure_faces
 from tests.support.machine_code import needs_library
+from tools.kernels.building import LEVELS, build, own_level
 
 ROOT = Path(__file__).parents[2]
 FACES = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], np.int32)
@@ -264,6 +265,26 @@ def run_without(*words: object, home: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_without_library_and_numba_it_is_said_in_one_line_what_is_missing(
+    copy: Path, tmp_path: Path
+) -> None:
+    machine_code = copy / "paint3d" / "core" / "machine_code"
+    machine_code.rename(tmp_path / "elsewhere")
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", WITHOUT, "demo", "--no-view", "--out", os.fspath(tmp_path)],
+            capture_output=True, text=True, check=False, cwd=copy,
+            env={k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", ONLY)},
+        )  # fmt: skip
+    finally:
+        (tmp_path / "elsewhere").rename(machine_code)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()[-1:]
+    assert line.startswith("paint3d: error: paint3d.")
+    assert line.endswith("numba, which would compile it, is not installed: pip install numba")
+    assert "Traceback" not in done.stderr
+
+
 @pytest.mark.parametrize("hairs", [0, 200])
 def test_a_character_is_written_replayed_and_exported_without_numba(
     hairs: int, tmp_path: Path
@@ -285,17 +306,51 @@ def test_nothing_is_compiled_and_it_is_known_so() -> None:
     assert not compiled.is_compiled(corner_normals) or type(corner_normals) is not DeferredKernel
 
 
+BY_ONE = """
+import json, pathlib, sys
+from paint3d.core import kernel_library
+name, folder = sys.argv[1:]
+kernel_library.FOLDER = pathlib.Path(folder)
+from tests.golden.hashes import hashes_of
+given = hashes_of(name)
+compiler = sys.modules.get("numba")
+cpu = compiler.config.CPU_NAME if compiler else f"x86-64-v{kernel_library.library().level}"
+print(json.dumps([cpu, given]))
+"""
+
+
+@pytest.fixture(scope="module", params=LEVELS)
+def level(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[str, Path]:
+    """A level that this machine has, and the folder of a library that has no other."""
+    if request.param > own_level():
+        pytest.skip("this machine is below that level")
+    whole, folder = ROOT / "build" / "kernels", tmp_path_factory.mktemp("library")
+    build([*LEVELS], whole)  # as for a wheel
+    index = json.loads((whole / INDEX).read_text())
+    index["code"] = {str(request.param): index["code"][str(request.param)]}
+    for name in (index["caller"], *index["code"].values()):
+        shutil.copy(whole / name, folder)
+    (folder / INDEX).write_text(json.dumps(index))
+    return f"x86-64-v{request.param}", folder
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["demo", "hairs", "wet", "layers"])
-def test_paintings_are_the_same_to_the_bit_by_the_library_and_by_numba(name: str) -> None:
-    """With an empty cache numba takes minutes."""
-    program = "import sys, json; from tests.golden.hashes import hashes_of\n"
-    program += "print(json.dumps(hashes_of(sys.argv[1])))"
+def test_paintings_are_the_same_to_the_bit_by_the_library_and_by_numba(
+    name: str, level: tuple[str, Path]
+) -> None:
+    """With an empty cache numba takes minutes for each level."""
+    cpu, folder = level
     found = []
     for only in ("library", "numba"):
         done = subprocess.run(
-            [sys.executable, "-c", program, name], capture_output=True, text=True, check=True,
-            cwd=ROOT, env={**os.environ, ONLY: only},
+            [sys.executable, "-c", BY_ONE, name, folder], capture_output=True, text=True,
+            check=False, cwd=ROOT,
+            env={**os.environ, ONLY: only, "NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": ""},
         )  # fmt: skip
+        assert done.returncode == 0, done.stderr
         found.append(json.loads(done.stdout.splitlines()[-1]))
+    assert found[0][0] == cpu
     assert found[0] == found[1]

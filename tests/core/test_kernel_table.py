@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import ast
 import functools
-import inspect
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from paint3d.core.numba_kernels import ONLY
+from tools.kernels.checking import checked_table
 from tools.kernels.sources import sources_of
-from tools.kernels.table import Array, Number, Row, TableError, read_table, resolve
+from tools.kernels.table import Array, Number, Row, TableError, read_table
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "paint3d"
@@ -75,7 +79,7 @@ def _in(kernel: str, module: str) -> bool:
 def test_every_kernel_that_python_calls_is_compiled_ahead() -> None:
     called = {kernel for kernel in called_by_python() if not _only_measured(kernel)}
     assert len(called) > 60
-    assert {entry.kernel for entry in read_table()} >= called
+    assert {entry.kernel for entry in read_table().entries} >= called
 
 
 @functools.cache
@@ -93,33 +97,73 @@ def _only_measured(kernel: str) -> bool:
     )
 
 
-def test_nothing_is_compiled_ahead_that_is_not_there() -> None:
-    for entry in read_table():
-        called = resolve(f"{entry.module}.{entry.name}")
-        assert tuple(inspect.signature(called).parameters) == tuple(entry.takes), entry.kernel
-        waiting = [*entry.takes.values()]
-        while waiting:
-            part = waiting.pop()
-            if isinstance(part, Row):
-                assert not part.of or part.names == resolve(part.of)._fields, part.of
-                waiting.extend(part.parts)
+def test_all_that_the_table_names_is_there_and_takes_what_it_says() -> None:
+    assert len(checked_table().entries) > 60
+
+
+DRAG = "brush_engine.tuft.drag_length"
+TAKES = "descent float, length_mm float, fraction float"
+TREE = "order i4[:], boxes f4[:,:], triangles i4[:,:], points f4[:,:], normals f4[:,:]"
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
+        (f"{DRAG}x: {TAKES}", ":1: paint3d.brush_engine.tuft.drag_lengthx is not there"),
+        (f"brush_engine.drug.run: {TAKES}", "No module named 'paint3d.brush_engine.drug'"),
+        ("core.arrays.as_array: a f8[:], b f8[:]", "is no kernel: expected one decorated"),
+        (
+            f"# a remark\n{DRAG}: descent float,\n    length_mm float",
+            f":2: paint3d.{DRAG}: expected (descent, length_mm, fraction), as it takes, "
+            "got (descent, length_mm)",
+        ),
+        (f"{DRAG}: {TAKES}\n\n{DRAG}: {TAKES}", ":3: paint3d.brush_engine.tuft.drag_length stands"),
+        (
+            f"tuple mesh.kernels.bvh.ContactTree: {TREE[:-16]}",
+            ":1: paint3d.mesh.kernels.bvh.ContactTree: expected (order, boxes, triangles, points, "
+            "normals), as it has, got (order, boxes, triangles, points)",
+        ),
+        (f"tuple mesh.kernels.bvh.ContactTree: {TREE}", "is taken by no kernel"),
+        ("tuple mesh.kernels.bvh.find: x int", "mesh.kernels.bvh.find is not there"),
+        (
+            f"{DRAG}: {TAKES[:-5]}core.arrays.as_array[:]",
+            "core.arrays.as_array is no dtype of records",
+        ),
         ("a.b.run points f8[:]\n", "expected 'module.kernel: name type, ...'"),
-        ("a.b.run: points f16[:]\n", "a.b.run: unknown type 'f16[:]'"),
-        ("a.b.run: points Nobody\n", "a.b.run: unknown type 'Nobody'"),
-        ("a.b.run: points\n", "expected 'name type, ...', got 'points'"),
+        ("a.b.run: points f16[:]\n", "a.b.run: points has unknown type 'f16[:]'; expected one of"),
+        (
+            "\n\na.b.run: points Nobody\n",
+            "entries.txt:3: a.b.run: points has unknown type 'Nobody'",
+        ),
+        ("a.b.run: points\n", "entries.txt:1: a.b.run: expected 'name type, ...', got 'points'"),
     ],
 )
-def test_a_line_that_says_nothing_is_told(text: str, said: str, tmp_path: Path) -> None:
+def test_what_the_sources_do_not_say_is_told_with_its_line(
+    text: str, said: str, tmp_path: Path
+) -> None:
     table = tmp_path / "entries.txt"
     table.write_text(text)
     with pytest.raises(TableError) as error:
-        read_table(table)
+        checked_table(table)
     assert said in str(error.value)
+
+
+def test_all_faults_are_told_at_once_and_before_anything_is_compiled(tmp_path: Path) -> None:
+    table = tmp_path / "entries.txt"
+    table.write_text(f"{DRAG}: descent float\ntuple mesh.kernels.bvh.ContactTree: {TREE}\n")
+    program = "import sys, pathlib; from tools.kernels.table import TableError\n"
+    program += "from tools.kernels.checking import checked_table\n"
+    program += "try: checked_table(pathlib.Path(sys.argv[1]))\n"
+    program += "except TableError as error: print(error)\n"
+    program += "assert 'numba' not in sys.modules\n"
+    run = subprocess.run(
+        [sys.executable, "-c", program, table],
+        capture_output=True, text=True, check=True, cwd=ROOT,
+        env={k: v for k, v in os.environ.items() if k != ONLY},
+    )  # fmt: skip
+    first, second = run.stdout.splitlines()
+    assert first.startswith("entries.txt:1: ")
+    assert second.startswith("entries.txt:2: ")
 
 
 def test_types_are_read_as_they_are_written(tmp_path: Path) -> None:
@@ -128,7 +172,7 @@ def test_types_are_read_as_they_are_written(tmp_path: Path) -> None:
         "tuple a.b.Pair: x f8[:,:], n int  # a remark\n"
         "a.c.run: pair Pair, both (int, float),\n    marks a.b.MARK[:], on bool, share f4\n"
     )
-    (entry,) = read_table(table)
+    (entry,) = read_table(table).entries
     pair = Row("a.b.Pair", (Array("f8", 2), Number("i8")), ("x", "n"))
     assert entry.kernel == "paint3d.a.c.run"
     assert entry.takes == {
@@ -143,13 +187,13 @@ def test_types_are_read_as_they_are_written(tmp_path: Path) -> None:
 
 
 def test_a_kernel_is_made_of_what_its_module_imports_and_of_the_tuples_it_takes() -> None:
-    entry = next(e for e in read_table() if e.name == "paint_samples")
+    entry = next(e for e in read_table().entries if e.name == "paint_samples")
     made_from = sources_of(entry.modules, entry.tuples)
     for path in (
         "brush_engine/stroke_loop.py",
-        "brush_engine/deposit.py",  # imported
+        "brush_engine/ink_transfer.py",  # imported
         "mesh/kernels/mesh_arrays.py",  # whose tuple it takes
-        "brush_engine/sweep.py",  # whose record it takes
+        "brush_engine/footprint.py",  # whose record it takes
         "core/kernel.py",
     ):
         assert f"paint3d/{path}" in made_from

@@ -23,9 +23,9 @@ from paint3d.errors import ExportError
 
 NOWHERE = "/proc"  # nothing can be made there, not even by root
 KEPT = (
-    "from paint3d.core.quaternion import turn; import numpy as np; "
-    "turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0); "
-    "print(turn.stats.cache_path, sum(turn.stats.cache_hits.values()))"
+    "from paint3d.core.quaternion import compiled_turn; import numpy as np; "
+    "compiled_turn(np.array([1.0, 0.0, 0.0, 0.0]), 1.0, 0.0, 0.0); "
+    "print(compiled_turn.stats.cache_path, sum(compiled_turn.stats.cache_hits.values()))"
 )
 
 
@@ -78,7 +78,7 @@ def test_kernels_are_kept_without_a_home(home: dict, temporary: Path, installed:
     kept = Path(folder)
     assert hits == "0"
     assert kept.parent == own / "numba"
-    assert list(kept.glob("quaternion.turn-*.nbi"))
+    assert list(kept.glob("quaternion.compiled_turn-*.nbi"))
     assert stat.S_IMODE(own.stat().st_mode) == 0o700
     assert done.stderr.count("\n") == 1
     assert "NUMBA_CACHE_DIR names another folder" in done.stderr

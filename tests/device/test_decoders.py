@@ -12,16 +12,14 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from paint3d.core.frames import rotate
+from paint3d.core.quaternion import rotate
 from paint3d.device.catalogue import find_mouse_quirks, is_listed_mouse, is_never_six_dof
-from paint3d.device.descriptor import Kind, parse_descriptor
-from paint3d.device.digitizer import find_digitizer_layout
+from paint3d.device.descriptor import Kind, extract, parse_descriptor
+from paint3d.device.digitizer import find_digitizer_layout, orientation_from_tilt
 from paint3d.device.force import haptic_stylus
 from paint3d.device.force.inverse3 import decode_state
-from paint3d.device.pen_angles import orientation_from_tilt
-from paint3d.device.reports import extract
+from paint3d.device.sample import BARREL, DIP, ERASER
 from paint3d.device.six_dof import MouseReading, find_mouse_layout, is_multi_axis
-from paint3d.device.stylus_reading import BARREL, DIP, ERASER
 from paint3d.errors import DeviceError
 from paint3d.recording.flat_recording import orientations_from_angles
 from tests.support.decoding import TARGETS, decode_any

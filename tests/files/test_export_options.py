@@ -16,7 +16,7 @@ from hypothesis.extra.numpy import arrays
 import paint3d
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, UnknownNameError
-from paint3d.files.export import FORMATS, export
+from paint3d.files.export import FORMATS, export, prepare_export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.project.painting import Painting
@@ -285,3 +285,20 @@ def test_a_material_without_name_is_a_painting(tmp_path):
     )
     export(surface, tmp_path / "a.glb")
     assert document_of(tmp_path / "a.glb")["materials"][0]["name"] == "painting"
+
+
+def test_what_is_prepared_once_is_written_in_several_formats(tmp_path):
+    """The same bytes as an export each, and a wish that a format does not know is refused."""
+    mesh = load_mesh("bowl")
+    prepared = prepare_export(mesh, tmp_path / "bowl.ply", ExportOptions())
+    for suffix in (".ply", ".glb", ".obj", ".p3d.txt"):
+        one, other = tmp_path / f"bowl{suffix}", tmp_path / "again" / f"bowl{suffix}"
+        other.parent.mkdir(exist_ok=True)
+        prepared.into(one).write()
+        export(mesh, other)
+        assert one.read_bytes() == other.read_bytes()
+    with pytest.raises(ExportError, match="a session is saved"):
+        prepared.into(tmp_path / "bowl.p3d")
+    unlit = prepare_export(mesh, tmp_path / "bowl.glb", ExportOptions(unlit=True))
+    with pytest.raises(ExportError, match="unlit"):
+        unlit.into(tmp_path / "bowl.ply")

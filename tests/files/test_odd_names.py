@@ -16,7 +16,7 @@ import trimesh
 
 from paint3d.app.model.study_plan import load_plan, make_plan, save_plan
 from paint3d.cli import main
-from paint3d.cli.painting import Painting, write_report
+from paint3d.cli.results import Painting, write_report
 from paint3d.colour.materials import load_material
 from paint3d.files.export import EXPORT_SUFFIXES, export
 from paint3d.files.load import load_mesh

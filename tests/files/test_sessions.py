@@ -129,6 +129,24 @@ def test_the_brush_lies_there_as_it_was_left(tmp_path, habit):
     assert again.ink.reservoirs.tolist() == surface.ink.reservoirs.tolist()
 
 
+@pytest.mark.parametrize("n_reservoirs", [1, 3])
+def test_accounts_of_the_brush_may_be_less_than_nothing_by_rounding(tmp_path, n_reservoirs):
+    """They are sums: a brush painted dry may be left with -1e-17, and a mask gives back."""
+    surface = painted(None)
+    ink = surface.ink
+    reservoirs = np.full((n_reservoirs, len(ink.load)), -1e-17)
+    surface.ink = ink._replace(reservoirs=reservoirs)
+    ink.load[:], ink.off_surface[:] = reservoirs.sum(axis=0), -250.0
+    save_session(Session(surface), tmp_path / "a.p3d")
+    again = load_session(tmp_path / "a.p3d").surface
+    for name in ("load", "off_surface", "reservoirs"):
+        np.testing.assert_array_equal(getattr(again.ink, name), getattr(surface.ink, name))
+    ink.load[:] = reservoirs[:] = -1.0
+    save_session(Session(surface), tmp_path / "b.p3d")
+    with pytest.raises(SessionError, match="load holds -1 to -1; expected -1e-06 to 1e"):
+        load_session(tmp_path / "b.p3d")
+
+
 def test_a_brush_that_never_saw_ink_has_none_to_take_up():
     with pytest.raises(InputError, match="never seen any; expected an ink"):
         Painter(PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8), ink=None)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.brush.presets import load_brush
-from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices, rotate
+from paint3d.core.quaternion import multiply_quaternions, quaternions_from_matrices, rotate
 from paint3d.errors import DeviceError
 from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits, HapticSettings

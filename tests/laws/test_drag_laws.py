@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.brush_engine.drag import drag_length, drag_step, release
+from paint3d.brush_engine.tuft import drag_length, drag_step, release
 from paint3d.errors import BrushError
 from tests.support.tractrix import drag_track, handle_track
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.brush_engine.stamp import ink_way, make_stamp
-from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
+from paint3d.brush_engine.footprint import ink_way, make_stamp
+from paint3d.core.quaternion import multiply_quaternions, quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.errors import RecordingError
 from paint3d.files.load import load_mesh

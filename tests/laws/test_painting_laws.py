@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.core.frames import multiply_quaternions, quaternions_from_matrices
-from paint3d.device.stylus_reading import DIP
+from paint3d.core.quaternion import multiply_quaternions, quaternions_from_matrices
+from paint3d.device.sample import DIP
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
@@ -396,7 +396,7 @@ def test_the_dragged_tip_trails(tilt):
 
 def test_a_dragged_corner_follows_the_tractrix():
     """tan(delta / 2) falls as exp(-s / l) after a right corner."""
-    from paint3d.brush_engine.drag import drag_length
+    from paint3d.brush_engine.tuft import drag_length
 
     painter = paint(plane(), azimuth="dragged")
     slack = drag_length(0.4 * FULL_PRESS, LENGTH, painter.tuft.drag_fraction)

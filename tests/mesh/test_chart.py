@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from paint3d.core.frames import matrices_from_quaternions
+from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.errors import InputError, MeshError, RecordingError
 from paint3d.mesh.chart import frame_at, make_chart
 from paint3d.mesh.closest_points import ClosestPoints

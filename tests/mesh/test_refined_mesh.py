@@ -7,6 +7,7 @@ import pytest
 
 from paint3d.errors import MeshError
 from paint3d.mesh import refined_mesh as paint_mesh
+from paint3d.mesh.kernels.cell_components import gather_links
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -247,3 +248,12 @@ def test_too_many_triangles_on_one_edge():
     faces = [(0, 1, i + 2) for i in range(blades)]
     with pytest.raises(MeshError, match="300 triangles share one edge; expected at most 256"):
         PaintMesh.build(TriangleMesh(points, faces), 0.5)
+
+
+@pytest.mark.parametrize("n_links", [0, 1, 400, 5000])
+def test_links_become_a_graph_with_each_once_in_either_direction(n_links: int) -> None:
+    links = np.random.default_rng(2).integers(0, 60, (n_links, 2)).astype(np.int32)
+    runs, linked = gather_links(links, 64)
+    both = np.unique(np.concatenate([links, links[:, ::-1]]), axis=0)
+    np.testing.assert_array_equal(np.repeat(np.arange(64), np.diff(runs)), both[:, 0])
+    np.testing.assert_array_equal(linked, both[:, 1])

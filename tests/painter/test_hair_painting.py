@@ -17,11 +17,11 @@ from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.bristles.bend import BLOCK
 from paint3d.brush_engine.bristles.contact import FINDINGS, GIVES, HELD
-from paint3d.brush_engine.bristles.ink import settle_deposits, sum_hairs
+from paint3d.brush_engine.bristles.ink_transfer import settle_deposits, sum_hairs
 from paint3d.brush_engine.bristles.state import PARTED
 from paint3d.cli.options import parse_hairs
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.core.frames import quaternions_from_matrices
+from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.painter import Painter

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from paint3d.core.frames import multiply_quaternions, rotate
+from paint3d.core.quaternion import multiply_quaternions, rotate
 from paint3d.errors import RecordingError
-from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
-from paint3d.pose.interpolation import joined_samples, velocities
+from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
 from tests.support.resampling import densify, evaluate, resample
 

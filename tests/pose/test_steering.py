@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.core.frames import rotate
+from paint3d.core.quaternion import rotate
 from paint3d.device.button_actions import (
     ACTIONS,
     DEFAULT_ACTIONS,

@@ -10,12 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from paint3d.core import frames
-from paint3d.core.frames import rotate
-from paint3d.device.report_clock import ReportClock, stamp
-from paint3d.device.stylus_reading import StylusReading
+from paint3d.core.quaternion import rotate
+from paint3d.device.sample import StylusReading
+from paint3d.device.stylus import ReportClock, stamp
 from paint3d.errors import DeviceError
-from paint3d.pose import single_turns
 from paint3d.pose.brush_pose import object_poses
 from paint3d.pose.calibration import (
     DeviceCalibration,
@@ -23,9 +21,8 @@ from paint3d.pose.calibration import (
     load_calibration,
     save_calibration,
 )
-from paint3d.pose.smoothing import SmoothingSettings, lag_s, smooth_pose
 from paint3d.pose.steering import ObjectPose, SteeringOptions
-from paint3d.pose.two_hands import TwoHands
+from paint3d.pose.two_hands import SmoothingSettings, TwoHands, lag_s, smooth_pose
 from tests.support.examples import examples
 
 QUICK = settings(deadline=None, max_examples=25)
@@ -251,22 +248,3 @@ def test_a_break_locks_the_clock_anew() -> None:
     at, clock = stamp(clock, 2 * 10**9, 8)
     assert at == 2 * 10**9
     assert clock.lost == 0
-
-
-# -- one at a time ----------------------------------------------------------------------------
-
-PARTS = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(x * x for x in q) > 0.01)
-
-
-@QUICK
-@given(PARTS, PARTS, st.tuples(*[st.floats(-99, 99)] * 3), st.floats(0, 1))
-def test_single_turns_are_those_of_arrays(a, b, v, fraction) -> None:
-    a, b = single_turns.normalized(a), single_turns.normalized(b)
-    assert np.allclose(single_turns.multiply(a, b), frames.multiply_quaternions(a, b))
-    assert np.allclose(single_turns.turn(a, v), frames.rotate(a, v))
-    ours = np.array(single_turns.slerp_one(a, b, fraction))
-    theirs = frames.slerp(np.array(a), np.array(b), np.float64(fraction))
-    assert abs(ours @ theirs) == pytest.approx(1.0)
-    rotvec = np.array(v) * 0.03
-    xyzw = Rotation.from_rotvec(rotvec).as_quat()
-    assert abs(np.roll(xyzw, 1) @ single_turns.turn_by(tuple(rotvec))) == pytest.approx(1.0)

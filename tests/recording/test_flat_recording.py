@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.core.frames import matrices_from_quaternions
-from paint3d.device.stylus_reading import DIP
+from paint3d.core.quaternion import matrices_from_quaternions
+from paint3d.device.sample import DIP
 from paint3d.errors import RecordingError
 from paint3d.painter.flat_input import dipped
 from paint3d.recording.flat_recording import MM_PER_PIXEL, orientations_from_angles, spread_ties

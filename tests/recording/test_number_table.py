@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 
 from paint3d.errors import RecordingError
-from paint3d.recording import number_table, text_lines
+from paint3d.recording import number_table, recording
 from paint3d.recording.kernels.number_rows import read_rows
 from paint3d.recording.number_table import NumberTable
-from paint3d.recording.recording import load_recording
-from paint3d.recording.text_lines import TextLines
+from paint3d.recording.recording import TextLines, load_recording
 
 
 def read(lines: list[str], delimiter: str | None = ",") -> NumberTable:
@@ -34,7 +33,7 @@ def read(lines: list[str], delimiter: str | None = ",") -> NumberTable:
 
 @pytest.fixture
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(text_lines, "_BLOCK", 40)
+    monkeypatch.setattr(recording, "_BLOCK", 40)
     monkeypatch.setattr(number_table, "_FEWEST", 2)
     monkeypatch.setattr(number_table, "_MOST", 7)
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.presets import load_brush
+from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.calligraphy.glyph_sources import open_glyph_folder
 from paint3d.calligraphy.glyphs import Glyph
@@ -37,7 +37,6 @@ from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.em_square import EmSquare
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.unrolling import unroll
-from paint3d.painter.brush_choice import choose_brush
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 

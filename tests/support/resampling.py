@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_number
-from paint3d.core.frames import slerp
+from paint3d.core.quaternion import slerp
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import RecordingError
-from paint3d.pose.brush_pose import BrushPath
-from paint3d.pose.interpolation import joined_samples, velocities
+from paint3d.pose.brush_pose import BrushPath, joined_samples, velocities
 
 __all__ = ["DensePath", "densify", "evaluate", "resample"]
 
@@ -43,7 +42,7 @@ class DensePath:
 def resample(recording: Recording, rate_hz: float) -> Recording:
     """Read a recording's motion again at `rate_hz`.
 
-    Both hands are interpolated as `paint3d.pose.interpolation` does it; buttons hold. The
+    Both hands are interpolated as `paint3d.pose.brush_pose` does it; buttons hold. The
     first and the last sample stay.
 
     Raises

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
-from paint3d.core.frames import quaternions_from_matrices
+from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter

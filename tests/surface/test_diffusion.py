@@ -11,7 +11,7 @@ from scipy.spatial import Delaunay
 
 import paint3d
 import paint3d.surface.flow as flows
-from paint3d.brush_engine.grain import fill_grain
+from paint3d.brush_engine.ink_transfer import fill_grain
 from paint3d.colour.materials import WET_COAT_MM, Material, load_material
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, PigmentError

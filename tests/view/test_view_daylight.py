@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paint3d.view import daylight
 from paint3d.view.daylight import Ground, Occluder, light_ground
 from paint3d.view.studio import SOFTBOXES, Sun, light_samples, make_panorama
 from paint3d.view.tone import linear_to_srgb, srgb_to_linear
@@ -42,6 +43,22 @@ def test_a_sheet_shades_exactly_what_lies_behind_it(direction):
     far = np.abs(margin) > 1.5 * occluder.cell
     assert np.array_equal(lit[far, 0] == 0, margin[far] > 0)
     assert np.allclose(lit[:, 0] + hidden, light.direction[2], atol=1e-6)
+
+
+def test_the_object_is_looked_at_once_from_each_light(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The floor and the object ask for the same depth maps, each of 400,000 samples."""
+    filled: list[bytes] = []
+    fill = daylight.fill_depth_map
+    monkeypatch.setattr(
+        daylight, "fill_depth_map", lambda p, to: filled.append(to.axes.tobytes()) or fill(p, to)
+    )
+    vertices, faces, normals = ball(n=40)
+    occluder, suns = Occluder(vertices, faces), light_samples(48)
+    ground = light_ground(occluder, suns)
+    light = daylight.light_points(occluder, ground, suns, vertices, normals, 0.8)
+    assert len(filled) == len(set(filled)) == len(suns)
+    again = daylight.light_points(Occluder(vertices, faces), ground, suns, vertices, normals, 0.8)
+    assert np.array_equal(light, again)
 
 
 def test_the_floor_is_dark_under_the_object_and_free_far_away():

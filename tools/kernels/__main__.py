@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
 
 from tools.kernels.building import FOLDER, LEVELS, BuildError, build, is_built, own_level, parts
+from tools.kernels.table import TableError
+
+_BAR = 40  # signs
 
 
 def main() -> int:
@@ -29,7 +33,7 @@ def main() -> int:
             from tools.kernels.part import compile_part
 
             (part,) = (part for part in parts() if part.name == options.part)
-            compile_part(part.groups, levels, options.into)
+            compile_part(part.groups, levels, options.into, lambda: os.write(1, b"\n") and None)
             return 0
         if is_built(levels, options.into):
             return 0
@@ -37,14 +41,16 @@ def main() -> int:
         sys.stderr.write("kernels: compiling them, about a minute\n")
         build(levels, options.into, _show if sys.stderr.isatty() else lambda done, of: None)
         sys.stderr.write(f"kernels: compiled in {time.monotonic() - start:.0f} s\n")
-    except (BuildError, ImportError) as error:
+    except (BuildError, TableError, ImportError) as error:
         sys.stderr.write(f"kernels: not compiled ahead, but when first used: {error}\n")
         return 1
     return 0
 
 
 def _show(done: int, of: int) -> None:
-    sys.stderr.write(f"\rkernels: [{'#' * done}{'.' * (of - done)}]" + ("\n" if done == of else ""))
+    full = _BAR * done // of
+    bar = f"\rkernels: [{'#' * full}{'.' * (_BAR - full)}]"
+    sys.stderr.write(bar + ("\n" if done == of else ""))
     sys.stderr.flush()
 
 

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from tools.kernels.checking import checked_table
 from tools.kernels.sources import ROOT, digest, sources_of
 from tools.kernels.table import Entry, read_table
 
@@ -40,7 +42,7 @@ LEVELS = (2, 3)  # of x86-64
 _FORMAT = 1  # as `paint3d.core.kernel_library` reads it
 _INDEX = "index.json"
 _HERE = Path(__file__).parent
-_COMPILERS = ("lowering", "optimising", "part")
+_COMPILERS = ("lowering", "optimising", "part", "quickening")
 _VERSIONS = ("numba", "llvmlite", "numpy")
 # What is lowered by one process, the longest first: the groups of its entries, which are optimised
 # beside one another, by the rooms they are in.
@@ -64,6 +66,10 @@ class Part:
     name: str
     groups: list[dict[str, Entry]]  # by the names of their functions of C
 
+    def steps(self, levels: list[int]) -> int:
+        """How often its process says that it got on: see `part.compile_part`."""
+        return sum(map(len, self.groups)) + 1 + len(self.groups) * len(levels)
+
     def stamp(self) -> str:
         """The hash of all that it is made from."""
         sources = {source for group in self.groups for e in group.values() for source in _of(e)}
@@ -84,7 +90,7 @@ def _of(entry: Entry) -> list[str]:
 def parts() -> list[Part]:
     """All entries of the table in their parts."""
     waiting = {}
-    for entry in read_table():
+    for entry in read_table().entries:
         symbol = f"paint3d_{entry.module.replace('.', '_')}_{entry.name}"
         count = sum(name.startswith(symbol) for name in waiting)
         waiting[f"{symbol}_{count}"] = entry
@@ -157,9 +163,12 @@ def build(
     ------
     BuildError
         gcc or Python's headers are missing, or a kernel cannot be compiled.
+    TableError
+        The table does not say what the sources say.
     """
     if is_built(levels, folder):
         return
+    checked_table()
     stamps = _stamps(levels)
     folder.mkdir(parents=True, exist_ok=True)
     kept = folder / "parts"
@@ -169,13 +178,14 @@ def build(
         wanted = parts()
         places = {part.name: kept / _part_folder(part, levels) for part in wanted}
         waiting = [part for part in wanted if not places[part.name].is_dir()]
-        steps = len(wanted) + 1
-        say(steps - 1 - len(waiting), steps)
+        steps = _Steps(1 + sum(part.steps(levels) for part in waiting), say)
         with ThreadPoolExecutor(max(1, len(waiting))) as pool:
-            made = [pool.submit(_compile, part, levels, places[part.name]) for part in waiting]
-            for k, one in enumerate(made):
+            made = [
+                pool.submit(_compile, part, levels, places[part.name], steps.next)
+                for part in waiting
+            ]
+            for one in made:
                 one.result()
-                say(steps - len(waiting) + k, steps)
         code = {str(level): _link(level, list(places.values()), Path(work)) for level in levels}
         index = _index(places, stamps, caller.name, code)
         for path in (caller, *(Path(work) / name for name in code.values())):
@@ -185,7 +195,19 @@ def build(
         text.replace(folder / _INDEX)
     _drop_old(folder, {_INDEX, "parts", caller.name, *code.values()})
     _drop_old(kept, {place.name for place in places.values()})
-    say(steps, steps)
+    steps.next()
+
+
+class _Steps:
+    """Counts what several threads have done."""
+
+    def __init__(self, of: int, say: Callable[[int, int], None]) -> None:
+        self._done, self._of, self._say, self._lock = 0, of, say, threading.Lock()
+
+    def next(self) -> None:
+        with self._lock:
+            self._done += 1
+            self._say(self._done, self._of)
 
 
 def _short(thing: Any) -> str:
@@ -196,21 +218,28 @@ def _part_folder(part: Part, levels: list[int]) -> str:
     return f"{part.name}-v{'v'.join(map(str, levels))}-{part.stamp()}"
 
 
-def _compile(part: Part, levels: list[int], place: Path) -> None:
-    """Compile a part in a process of its own."""
+def _compile(part: Part, levels: list[int], place: Path, say: Callable[[], None]) -> None:
+    """Compile a part in a process of its own, which writes a line whenever it got on."""
     place.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=place.parent, prefix=f"{part.name}-") as work:
         words = ["--part", part.name, "--into", work, "--levels", *map(str, levels)]
-        run = subprocess.run(
-            [sys.executable, "-m", "tools.kernels", *words],
-            cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": os.fspath(ROOT)},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if run.returncode:
-            raise BuildError(f"kernels of {part.name} cannot be compiled:\n{run.stderr[-2000:]}")
+        with (
+            tempfile.TemporaryFile("w+") as errors,
+            subprocess.Popen(
+                [sys.executable, "-m", "tools.kernels", *words],
+                cwd=ROOT,
+                env={**os.environ, "PYTHONPATH": os.fspath(ROOT)},
+                stdout=subprocess.PIPE,
+                stderr=errors,
+            ) as run,
+        ):
+            assert run.stdout is not None, "it is a pipe"
+            for _ in run.stdout:
+                say()
+            if run.wait():
+                errors.seek(0)
+                said = errors.read()[-2000:]
+                raise BuildError(f"kernels of {part.name} cannot be compiled:\n{said}")
         if not place.is_dir():  # another may have made it meanwhile
             Path(work).rename(place)
             Path(work).mkdir()  # for the folder's own end

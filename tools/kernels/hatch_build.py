@@ -21,7 +21,12 @@ def _path(root: str) -> str:
 
 
 class KernelsHook(BuildHookInterface):
-    """Adds the library; where it cannot be built, the wheel is pure and numba compiles."""
+    """Adds the library; where it cannot be built, the wheel is pure and numba compiles.
+
+    A wheel with the library needs no numba. What it requires is said in pyproject.toml for all that
+    may have to compile (the source archive, editable installs, pure wheels), and is taken out here:
+    so a wheel never lacks it by mistake, whatever reads its requirements before it is built.
+    """
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build what is stale, into a folder that stays."""
@@ -40,5 +45,8 @@ class KernelsHook(BuildHookInterface):
         index = json.loads((folder / "index.json").read_text("utf-8"))
         for name in ("index.json", index["caller"], *index["code"].values()):
             build_data["force_include"][os.fspath(folder / name)] = f"{_TARGET}/{name}"
+        needs = self.metadata.core.dependencies
+        (compiler,) = (need for need in needs if need.startswith("numba"))
+        needs.remove(compiler)
         build_data["pure_python"] = False
         build_data["tag"] = _TAG

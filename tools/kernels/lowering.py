@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from tools.kernels.table import Array, Entry, Number, Row, TableError, dtype_of, resolve
+from tools.kernels.table import TABLE, Array, Entry, Number, Row, TableError, dtype_of, resolve
 
 os.environ["PAINT3D_KERNELS"] = "numba"
 os.environ["NUMBA_CPU_NAME"] = "x86-64-v2"  # says nothing yet: see `optimising`
@@ -27,15 +28,13 @@ import numpy as np
 from llvmlite import ir
 from numba import _dynfunc, njit
 from numba.core import callconv, cgutils, codegen, dispatcher, types
-from numba.core import ir as numba_ir
 from numba.core.dispatcher import Dispatcher
+from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
-from numba.core.targetconfig import TargetConfig
-from numba.extending import overload
-from numba.np import arrayobj
 from numba.np.numpy_support import from_dtype
 
 from paint3d.core import compiled
+from tools.kernels.quickening import make_quick
 
 __all__ = ["Lowered", "Unit", "lower"]
 
@@ -97,90 +96,40 @@ def _make_thin() -> None:
     callconv.CPUCallConv.build_excinfo_struct = without_place
 
 
-def _make_quick() -> None:
-    """Have numba do the same in two thirds of the time."""
-    defaults: dict[type, dict[str, Any]] = {}
-
-    def all_of(flags: Any) -> dict[str, Any]:
-        kind = type(flags)
-        if kind not in defaults:
-            defaults[kind] = {name: option.default for name, option in kind.options.items()}
-        return defaults[kind] | flags._values
-
-    def is_same(self: Any, other: Any) -> bool:
-        return self is other or (
-            isinstance(other, TargetConfig)
-            and (self._values == other._values or all_of(self) == all_of(other))
-        )
-
-    # Flags are compared half a million times, option by option: all have the same hash.
-    TargetConfig.__eq__ = is_same
-    TargetConfig.__hash__ = lambda self: hash(type(self))
-
-    def variables_in(self: Any, value: Any) -> list[numba_ir.Var]:
-        kind = type(value)
-        if kind is numba_ir.Var:
-            return [value]
-        if kind in (str, int, numba_ir.Loc, type(None), bool, float):
-            return []
-        if kind is list or kind is tuple:
-            return [found for part in value for found in variables_in(self, part)]
-        if kind is dict:
-            return [found for part in value.values() for found in variables_in(self, part)]
-        return value.list_vars() if isinstance(value, numba_ir.Inst) else []
-
-    numba_ir.Inst._rec_list_vars = variables_in
-
-    # What is said of arrays of different sizes, without their sizes: text would need a hundred
-    # functions more.
-    def say_unequal(source: Any, target: Any) -> None:
-        raise NotImplementedError
-
-    @overload(say_unequal)
-    def _(source: Any, target: Any) -> Any:
-        def say(source: Any, target: Any) -> None:
-            raise ValueError("cannot assign slice from input of different size")
-
-        return say
-
-    arrayobj.raise_with_shape_context = say_unequal
-
-
 def _stand_in(library: Any, described: Any, env: Any) -> Any:
     """What numba knows a lowered function by; it has no code that could be called."""
     name = described.qualname.rpartition(".")[2]
     return _dynfunc.make_function(described.lookup_module(), name, "", 0, env, (library,))
 
 
-def lower(groups: list[dict[str, Entry]]) -> list[Lowered]:
+def lower(entries: dict[str, Entry], say: Callable[[], None] = lambda: None) -> Lowered:
     """Lower entries and all that they call. A process can do so once.
 
     Parameters
     ----------
-    groups : list of dict
-        What goes into one object file: names for the functions of C, and their entries.
+    entries : dict
+        By the names of their functions of C.
+    say : callable
+        Called after each.
     """
-    _make_quick()
+    make_quick()
     _make_thin()
-    return [_lower_group(group) for group in groups]
-
-
-def _lower_group(group: dict[str, Entry]) -> Lowered:
     context = cpu_target.target_context
     own = ir.Module("entries")
     own.triple, own.data_layout = llvm.get_process_triple(), context.codegen()._data_layout
     libraries, gives = [], {}
-    for symbol, entry in group.items():
+    for symbol, entry in entries.items():
         called = resolve(f"{entry.module}.{entry.name}")
-        code = called.py_func.__code__
-        names = code.co_varnames[: code.co_argcount]
-        if tuple(entry.takes) != names:
-            raise TableError(f"{entry.kernel} takes {names}, the table has {tuple(entry.takes)}")
         signature = tuple(_numba_type(part) for part in entry.takes.values())
-        called.compile(signature)
+        try:
+            called.compile(signature)
+        except NumbaError as error:
+            what = f"{TABLE.name}:{entry.line}: {entry.kernel} cannot be compiled for these types"
+            raise TableError(f"{what}: {error}") from None
         result = called.overloads[signature]
         libraries.append(result.library)
         gives[symbol] = _build_entry(context, own, symbol, result)
+        say()
     return Lowered(_in_order(libraries), llvm.parse_assembly(str(own)), gives)
 
 
@@ -192,10 +141,7 @@ def _numba_type(part: Number | Array | Row) -> types.Type:
     parts = [_numba_type(inner) for inner in part.parts]
     if not part.of:
         return types.Tuple(parts)
-    kind = resolve(part.of)
-    if kind._fields != part.names:
-        raise TableError(f"{part.of} has {kind._fields}, the table has {part.names}")
-    return types.BaseTuple.from_types(parts, kind)
+    return types.BaseTuple.from_types(parts, resolve(part.of))
 
 
 def letter(dtype: np.dtype) -> str:

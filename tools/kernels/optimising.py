@@ -1,70 +1,98 @@
-"""Optimise what was lowered, once, and turn it into machine code for a level of processor.
+"""Optimise what was lowered, once, and turn it into machine code for levels of processors.
 
-The order of things decides how fast it is:
+The order of things decides how fast the code is:
 
-1. Kernels of single hairs (those with ``fastmath``) are optimised first, each with all that it
-   calls. Once they are part of a large function, their loops are no longer turned into vector
-   instructions, and ten thousand hairs take two and a half times as long.
-2. All is linked, and made known to nobody but the entries.
-3. Every function is tidied by itself: a kernel that is handed a hundred arrays comes as many
-   thousand instructions, of which one in six is left.
-4. Every function is optimised by itself; only then may one be put into another, and all is
-   optimised once more. Inlined at once, a solid tuft paints a fifth slower.
+1. Every function is tidied by itself: a kernel that is handed a hundred arrays comes as many
+   thousand instructions, of which one in six is left. That is the same for every level.
+2. For a level, every function is optimised by itself; only then may one be put into another.
+   Inlined at once, a solid tuft paints a fifth slower; and loops that become vector instructions
+   only when they are part of a large function become none: single hairs take a sixth longer.
+3. Kernels of single hairs (those with ``fastmath``) are optimised each with all it calls. As part
+   of a large function ten thousand hairs take two and a half times as long.
+4. These are put in their places, and what a group of entries calls is optimised once more.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import llvmlite.binding as llvm
 
 from tools.kernels.lowering import Lowered
 
-__all__ = ["emit"]
+__all__ = ["Prepared", "emit", "optimise_for", "prepare"]
+
+_ANY_LEVEL = "x86-64-v2"
 
 
-def emit(lowered: Lowered, level: str) -> bytes:
-    """The object file, position-independent, for a level such as ``x86-64-v3``."""
+@dataclass
+class Prepared:
+    """Entries and all that they call, in LLVM's bitcode."""
+
+    plain: bytes  # all but single hairs
+    elementwise: list[list[bytes]]  # of single hairs, as lowered: each, and then what it calls
+
+
+def prepare(lowered: Lowered) -> Prepared:
+    """Do all that is the same for every level and group of entries: every function is tidied."""
+    machine = _machine(_ANY_LEVEL)
+    elementwise = [k for k, unit in enumerate(lowered.units) if unit.is_elementwise]
+    parts = [
+        [lowered.units[n].module.as_bitcode() for n in (k, *_called(lowered, k))]
+        for k in elementwise
+    ]
+    whole = lowered.entries
+    for unit in lowered.units:
+        if not unit.is_elementwise:
+            whole.link_in(_shared(unit.module))
+    _keep_inside(whole, lowered.gives)
+    _tidy(whole, machine)
+    return Prepared(whole.as_bitcode(), parts)
+
+
+def optimise_for(level: str, prepared: Prepared) -> Prepared:
+    """Do what is the same for every group of entries: every function is optimised by itself."""
+    whole = llvm.parse_bitcode(prepared.plain)
+    _optimise_alone(whole, _machine(level))
+    return Prepared(whole.as_bitcode(), prepared.elementwise)
+
+
+def emit(prepared: Prepared, entries: Iterable[str], level: str) -> bytes:
+    """Return the object file, position-independent, with some of the entries.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        Optimised for the level.
+    entries : iterable of str
+        Names of functions of C.
+    level : str
+        Such as ``x86-64-v3``.
+    """
+    machine = _machine(level)
+    whole = llvm.parse_bitcode(prepared.plain)
+    for thing in (*whole.functions, *whole.global_variables):
+        if not thing.is_declaration and thing.linkage == llvm.Linkage.internal:
+            thing.linkage = llvm.Linkage.weak_odr  # single hairs call it
+    for parts in prepared.elementwise:
+        module, *called = (_shared(llvm.parse_bitcode(part)) for part in parts)
+        for other in called:
+            module.link_in(other)
+        _tidy(module, machine)
+        _optimise(module, machine)
+        whole.link_in(module)
+    _keep_inside(whole, entries)
+    _see_that_all_is_there(whole)
+    _optimise(whole, machine)
+    return machine.emit_object(whole)
+
+
+def _machine(level: str) -> llvm.TargetMachine:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    machine = target.create_target_machine(cpu=level, opt=3, reloc="pic", codemodel="default")
-    module = _link(lowered, machine)
-    _tidy(module, machine)
-    _optimise_alone(module, machine)
-    _optimise(module, machine)
-    return machine.emit_object(module)
-
-
-def _link(lowered: Lowered, machine: llvm.TargetMachine) -> llvm.ModuleRef:
-    """All in one module, in which only the entries are seen from outside."""
-    done: dict[int, bytes] = {}
-    plain = [unit.module.as_bitcode() for unit in lowered.units]
-
-    def parsed(k: int) -> llvm.ModuleRef:
-        module = llvm.parse_bitcode(done.get(k, plain[k]))
-        for thing in (*module.functions, *module.global_variables):
-            if not thing.is_declaration and thing.linkage in _SEEN:
-                thing.linkage = llvm.Linkage.weak_odr  # stays, whoever asks for it and when
-        return module
-
-    for k, unit in enumerate(lowered.units):
-        if unit.is_elementwise:
-            module = parsed(k)
-            for other in _called(lowered, k, done):
-                module.link_in(parsed(other))
-            _tidy(module, machine)
-            _optimise(module, machine)
-            done[k] = module.as_bitcode()
-    whole = lowered.entries.clone()
-    for k in range(len(lowered.units)):
-        whole.link_in(parsed(k))
-    entries = set(lowered.gives)
-    for thing in (*whole.functions, *whole.global_variables):
-        if not thing.is_declaration and thing.name not in entries:
-            thing.linkage = llvm.Linkage.internal
-    lacking = [f.name for f in whole.functions if f.is_declaration and f.name.startswith("_ZN")]
-    if lacking:
-        raise RuntimeError(f"not lowered: {lacking[:4]}")
-    return whole
+    return target.create_target_machine(cpu=level, opt=3, reloc="pic", codemodel="default")
 
 
 _SEEN = {
@@ -76,16 +104,37 @@ _SEEN = {
 }
 
 
-def _called(lowered: Lowered, k: int, done: dict[int, bytes]) -> list[int]:
-    """All that a unit calls, at any depth; not what units call that are done, and hold it."""
+def _shared(module: llvm.ModuleRef) -> llvm.ModuleRef:
+    """Have it stay, whoever asks for it and when."""
+    for thing in (*module.functions, *module.global_variables):
+        if not thing.is_declaration and thing.linkage in _SEEN:
+            thing.linkage = llvm.Linkage.weak_odr
+    return module
+
+
+def _keep_inside(module: llvm.ModuleRef, entries: Iterable[str]) -> None:
+    """Show nothing but the entries."""
+    shown = set(entries)
+    for thing in (*module.functions, *module.global_variables):
+        if not thing.is_declaration and thing.name not in shown:
+            thing.linkage = llvm.Linkage.internal
+
+
+def _see_that_all_is_there(module: llvm.ModuleRef) -> None:
+    lacking = [f.name for f in module.functions if f.is_declaration and f.name.startswith("_ZN")]
+    if lacking:
+        raise RuntimeError(f"not lowered: {lacking[:4]}")
+
+
+def _called(lowered: Lowered, k: int) -> list[int]:
+    """All that a unit calls, at any depth."""
     found: set[int] = set()
     waiting = [*lowered.units[k].calls]
     while waiting:
         other = waiting.pop()
         if other not in found:
             found.add(other)
-            if other not in done:
-                waiting.extend(lowered.units[other].calls)
+            waiting.extend(lowered.units[other].calls)
     return sorted(found)
 
 

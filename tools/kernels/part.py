@@ -6,14 +6,16 @@ import gc
 import json
 import os
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from tools.kernels.lowering import Lowered, letter, lower
-from tools.kernels.optimising import emit
+from tools.kernels.lowering import letter, lower
+from tools.kernels.optimising import Prepared, emit, optimise_for, prepare
 from tools.kernels.sources import ROOT, sources_of
 from tools.kernels.table import Array, Entry, Number, Row, dtype_of
 
@@ -22,50 +24,70 @@ __all__ = ["compile_part"]
 _NUMBERS = {"f8": "d", "f4": "f", "i8": "i", "b1": "b"}
 
 
-def compile_part(groups: list[dict[str, Entry]], levels: list[int], folder: Path) -> None:
+def compile_part(
+    groups: list[dict[str, Entry]], levels: list[int], folder: Path, say: Callable[[], None]
+) -> None:
     """Write an object file of each group for each level, and what its entries take and give.
 
     Parameters
     ----------
     groups : list of dict
-        As for `lowering.lower`.
+        What is optimised together: entries by the names of their functions of C.
     levels : list of int
         Of x86-64.
     folder : Path
         Gets ``<k>-v<level>.o`` of the k-th group, and ``entries.json``.
+    say : callable
+        Called when an entry is lowered, when all is prepared, and when an object file is written;
+        there in a process of its own.
     """
     gc.disable()  # it costs an eighth, and what is made is needed to the end
-    lowered = lower(groups)
-    _check_sources([entry for group in groups for entry in group.values()])
+    entries = {symbol: entry for group in groups for symbol, entry in group.items()}
+    lowered = lower(entries, say)
+    _check_sources([*entries.values()])
     described = {
-        symbol: {"symbol": symbol, **_describe(entry, *one.gives[symbol])}
-        for group, one in zip(groups, lowered, strict=True)
-        for symbol, entry in group.items()
+        symbol: {"symbol": symbol, **_describe(entry, *lowered.gives[symbol])}
+        for symbol, entry in entries.items()
     }
     (folder / "entries.json").write_text(json.dumps(described), "utf-8")
-    jobs = [(k, level) for level in levels for k in range(len(groups))]
-    targets = [folder / f"{k}-v{level}.o" for k, level in jobs]
-    children = [
-        _emit_in_child(lowered[k], level, target)
-        for (k, level), target in zip(jobs[1:], targets[1:], strict=True)
-    ]
-    _emit(lowered[0], levels[0], targets[0])
+    prepared = prepare(lowered)
+    say()
+    _side_by_side([partial(_emit_for, level, groups, prepared, folder, say) for level in levels])
+
+
+def _emit_for(
+    level: int,
+    groups: list[dict[str, Entry]],
+    prepared: Prepared,
+    folder: Path,
+    say: Callable[[], None],
+) -> None:
+    """The object files for a level."""
+    name = f"x86-64-v{level}"
+    optimised = optimise_for(name, prepared)
+
+    def write(k: int) -> None:
+        (folder / f"{k}-v{level}.o").write_bytes(emit(optimised, groups[k], name))
+        say()
+
+    _side_by_side([partial(write, k) for k in range(len(groups))])
+
+
+def _side_by_side(works: list[Callable[[], None]]) -> None:
+    """Do the first here, and the others in processes of their own, from what this one holds."""
+    children = [_in_child(work) for work in works[1:]]
+    works[0]()
     for child in children:
         if os.waitpid(child, 0)[1]:
             raise SystemExit("a process that optimises kernels has ended early")
 
 
-def _emit(lowered: Lowered, level: int, target: Path) -> None:
-    target.write_bytes(emit(lowered, f"x86-64-v{level}"))
-
-
-def _emit_in_child(lowered: Lowered, level: int, target: Path) -> int:
-    """Do so beside this process, from what it has lowered."""
+def _in_child(work: Callable[[], None]) -> int:
     child = os.fork()
     if child == 0:
         status = 1
         try:
-            _emit(lowered, level, target)
+            work()
             status = 0
         finally:
             os._exit(status)

@@ -11,11 +11,26 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Array", "Entry", "Number", "Row", "TableError", "read_table", "resolve"]
+__all__ = [
+    "TABLE",
+    "Array",
+    "Entry",
+    "Number",
+    "Row",
+    "Table",
+    "TableError",
+    "dtype_of",
+    "read_table",
+    "resolve",
+]
 
 TABLE = Path(__file__).with_name("entries.txt")
 _NUMBERS = {"float": "f8", "int": "i8", "bool": "b1", "f4": "f4"}
 _DTYPES = {"f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1"}
+_KNOWN = (
+    f"one of {', '.join(_NUMBERS)}, an array such as f8[:,:] of {', '.join(sorted(_DTYPES))} or "
+    "of a.module.CONSTANT, (type, type), or a tuple of a line above"
+)
 _PART = re.compile(r"\s*(\w+) ((?:\([^)]*\)|\[[^]]*\]|[^,(\[])+)(?:,|$)")
 _ARRAY = re.compile(r"([\w.]+)\[(:(?:,:)*)\]")
 
@@ -46,6 +61,7 @@ class Row:
     of: str
     parts: tuple[Number | Array | Row, ...]
     names: tuple[str, ...] = ()
+    line: int = field(default=0, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -55,6 +71,7 @@ class Entry:
     module: str  # after paint3d.
     name: str
     takes: dict[str, Number | Array | Row] = field(hash=False)
+    line: int = field(default=0, compare=False, repr=False)
 
     @property
     def kernel(self) -> str:
@@ -80,8 +97,17 @@ class Entry:
         }
 
 
-def read_table(path: Path = TABLE) -> list[Entry]:
-    """Read all entries, in their order.
+@dataclass(frozen=True)
+class Table:
+    """What a table holds, in its order."""
+
+    name: str  # of its file
+    tuples: list[Row]
+    entries: list[Entry]
+
+
+def read_table(path: Path = TABLE) -> Table:
+    """Read a table; whether it says what the sources say is not looked at (`checking`).
 
     Raises
     ------
@@ -90,22 +116,29 @@ def read_table(path: Path = TABLE) -> list[Entry]:
     """
     tuples: dict[str, Row] = {}
     entries: list[Entry] = []
-    for line in _lines(path.read_text("utf-8")):
-        head, colon, rest = line.partition(": ")
+    for line, text in _lines(path.read_text("utf-8")):
+        place = f"{path.name}:{line}"
+        head, colon, rest = text.partition(": ")
         if not colon:
-            raise TableError(f"{path.name}: expected 'module.kernel: name type, ...', got {line!r}")
-        try:
-            parts = {name: _type_of(text.strip(), tuples) for name, text in _parts(rest)}
-        except KeyError as error:
-            raise TableError(f"{path.name}: {head}: unknown type {error}") from None
+            raise TableError(f"{place}: expected 'module.kernel: name type, ...', got {text!r}")
+        parts: dict[str, Number | Array | Row] = {}
+        for name, of in _parts(rest):
+            if not name:
+                raise TableError(f"{place}: {head}: expected 'name type, ...', got {of!r}")
+            try:
+                parts[name] = _type_of(of.strip(), tuples)
+            except KeyError as error:
+                raise TableError(
+                    f"{place}: {head}: {name} has unknown type {error}; expected {_KNOWN}"
+                ) from None
         if head.startswith("tuple "):
             of, _, name = head.removeprefix("tuple ").partition(" as ")
-            row = Row(of, tuple(parts.values()), tuple(parts))
+            row = Row(of, tuple(parts.values()), tuple(parts), line)
             tuples[name or of.rpartition(".")[2]] = row
         else:
             module, _, name = head.rpartition(".")
-            entries.append(Entry(module, name, parts))
-    return entries
+            entries.append(Entry(module, name, parts, line))
+    return Table(path.name, list(tuples.values()), entries)
 
 
 def resolve(of: str) -> Any:
@@ -130,18 +163,26 @@ def _named(part: Number | Array | Row) -> Iterator[tuple[str, bool]]:
         yield part.dtype, True
 
 
-def _lines(text: str) -> Iterator[str]:
-    """Lines without remarks, those that go on joined."""
-    whole = re.sub(r"\n[ \t]+", " ", re.sub(r"#.*", "", text))
-    return (line for line in whole.splitlines() if line.strip())
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    """Lines with their numbers, without remarks; those that go on joined."""
+    at, whole = 0, ""
+    for number, line in enumerate([*re.sub(r"#.*", "", text).splitlines(), "end"], 1):
+        if line[:1].isspace():
+            whole += f" {line.strip()}"
+        elif line:
+            if whole:
+                yield at, whole
+            at, whole = number, line.rstrip()
 
 
 def _parts(text: str) -> Iterator[tuple[str, str]]:
+    """Names and what is said of them; without a name what cannot be read."""
     at = 0
     while at < len(text):
         found = _PART.match(text, at)
         if not found:
-            raise TableError(f"{TABLE.name}: expected 'name type, ...', got {text[at:]!r}")
+            yield "", text[at:]
+            return
         yield found[1], found[2]
         at = found.end()
 

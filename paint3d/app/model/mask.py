@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.brush_load import level_reservoirs
+from paint3d.brush_engine.ink_transfer import level_reservoirs
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
@@ -272,7 +272,8 @@ class Stencil:
     def _give_back(self, caught: AnyArray) -> AnyArray:
         """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is."""
         ink = self._surface.ink
-        held = np.maximum(ink.load + caught, 0.0)
+        wanted = ink.load + caught
+        held = np.maximum(wanted, 0.0)
         given = held - ink.load
         shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
         empty = (ink.load <= 0.0) & (held > 0.0)
@@ -281,6 +282,6 @@ class Stencil:
             ink.reservoirs[:, empty] = held[empty] / len(ink.reservoirs)
             level_reservoirs(ink.reservoirs)
         ink.load[:] = held
-        ink.off_surface[:] += caught - given
+        ink.off_surface[:] += wanted - held  # what it drank and has left elsewhere already
         result: AnyArray = given
         return result

@@ -15,8 +15,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
 from paint3d.device.recorded import Recording
-from paint3d.device.sample import DeviceSample
-from paint3d.device.stylus_reading import DIP
+from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
 from paint3d.pose.brush_pose import contacts_of

@@ -21,7 +21,7 @@ from paint3d.app.model.mask import Stencil
 from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.brush.spec import BrushSpec
-from paint3d.core.frames import matrices_from_quaternions
+from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
@@ -29,7 +29,7 @@ from paint3d.view.brush_shape import BrushStand
 from paint3d.view.camera import Camera
 from paint3d.view.live_brush import LiveBrush
 from paint3d.view.live_layers import Box
-from paint3d.view.live_light import BakedLight
+from paint3d.view.live_light import BakedLight, LiveLight
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_picture import LivePicture
 from paint3d.view.live_scene import LIGHT, Background, LiveScene
@@ -74,6 +74,7 @@ class Stage:
         self._lines: dict[str, DrawnMesh] = {}
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
+        self._unlit: LiveLight | None = None
         self._drawn = LivePicture(self.scene, self._prepare_coarse)
         self._pending: list[AnyArray] = []
         self._stood: tuple[Any, ...] = ()
@@ -110,7 +111,7 @@ class Stage:
         gloss = Gloss(material.roughness, material.coat)
         self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
         self.scene.apply(opened.uploads)
-        self._baking = self._baker.submit(shown.light.bake)
+        self._unlit = shown.light
         self.easel = Easel(opened.document, wet, sitting, base_every_s)
         self.touch()
 
@@ -124,7 +125,7 @@ class Stage:
             self.show_lines(name, (), (0, 0, 0, 0))
         self.easel = self.frame = self._object = self._brush = None
         self._brush_spec, self._stood, self._pending = None, (), []
-        self._stencil = None
+        self._stencil = self._unlit = None
         self._seen = self._seen_at = None
         self._left_at = _NOWHERE
 
@@ -148,7 +149,7 @@ class Stage:
     @property
     def is_lit(self) -> bool:
         """Whether the soft light has been found."""
-        return self._baking is None
+        return self._baking is None and self._unlit is None
 
     # -- frame by frame ---------------------------------------------------------------------
 
@@ -251,6 +252,9 @@ class Stage:
         return True
 
     def _take_light(self) -> None:
+        """Show soft light once it is found; it is looked for when the first picture is there."""
+        if self._unlit is not None:
+            self._baking, self._unlit = self._baker.submit(self._unlit.bake), None
         if self._baking is None or not self._baking.done():
             return
         baked, self._baking = self._baking.result(), None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from concurrent.futures import CancelledError
@@ -25,6 +26,9 @@ from paint3d.haptics.settings import HapticSettings
 __all__ = ["make_program", "open_first", "run_studio"]
 
 _FIRST = "bowl"
+
+log = logging.getLogger("paint3d.start")
+"""How far the start is, at level DEBUG: for those who measure it."""
 
 
 def make_program() -> QtWidgets.QApplication:
@@ -105,6 +109,7 @@ def run_studio(
     elif (kept := stand_in()) is not None:
         told = say("No home to write to: all is kept in {folder}", folder=kept)
         window.workspace.tell(told, state="bad", stays=True)
+    _tell_painted(window)
     window.show()
     window.recent.show()
     try:
@@ -112,7 +117,24 @@ def run_studio(
     except BaseException:
         window.close()
         raise
+    QtCore.QTimer.singleShot(0, lambda: log.debug("hears the hand"))
     return app.exec()
+
+
+class _FirstPaint(QtCore.QObject):
+    """Tells the log when a widget has been painted for the first time."""
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Let everything pass."""
+        if event.type() == QtCore.QEvent.Type.Paint:
+            watched.removeEventFilter(self)
+            QtCore.QTimer.singleShot(0, lambda: log.debug("window painted"))
+        return False
+
+
+def _tell_painted(window: StudioWindow) -> None:
+    if log.isEnabledFor(logging.DEBUG):
+        window.installEventFilter(_FirstPaint(window))
 
 
 def _plugged() -> PluggedDevices | None:

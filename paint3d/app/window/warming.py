@@ -10,7 +10,7 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.brush_engine.stroke_loop import paint_samples
-from paint3d.core.compiled import is_compiled
+from paint3d.core.compiled import is_ahead, is_compiled
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.brush_shape import BrushStand, tuft_rings
@@ -19,7 +19,7 @@ from paint3d.view.kernels.facing import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_object import LiveObject
 
-__all__ = ["is_first_start", "warm_up"]
+__all__ = ["is_first_start", "is_warm", "warm_up"]
 
 _MS = 1_000_000
 _LOOK_S = 0.1
@@ -30,6 +30,11 @@ _one_at_a_time = threading.Lock()
 def is_first_start() -> bool:
     """Whether the kernels have never been compiled here, so that it takes a minute."""
     return not is_compiled(paint_samples)
+
+
+def is_warm() -> bool:
+    """Whether nothing is to be got ready: kernels were compiled ahead, and not changed since."""
+    return all(map(is_ahead, (paint_samples, drape_points, cone_of, add_shine)))
 
 
 def warm_up(progress: Callable[[], None] = lambda: None) -> None:

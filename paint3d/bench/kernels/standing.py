@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paint3d.brush_engine.deposit import sweep_deposit
+from paint3d.brush_engine.ink_transfer import sweep_deposit
 from paint3d.brush_engine.placement import lean_plane, place_stamp
 from paint3d.core.kernel import kernel
 

@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.bristles import bend as bt
-from paint3d.brush_engine.bristles.contact import CONTACT_SIZE, FINDINGS
+from paint3d.brush_engine.bristles.contact import CONTACT_SIZE, FINDINGS, LANDING_SIZE
 from paint3d.brush_engine.bristles.ground_fit import PATCH_SIZE
 from paint3d.brush_engine.bristles.imprint import Imprint, make_imprint
-from paint3d.brush_engine.bristles.imprint_cache import KEPT
-from paint3d.brush_engine.bristles.ink import LEVEL_BINS
-from paint3d.brush_engine.bristles.landing import LANDING_SIZE
-from paint3d.brush_engine.stamp import PROFILE_CELLS
+from paint3d.brush_engine.bristles.ink_transfer import LEVEL_BINS
+from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.core.arrays import zeros_on_lines
 
 __all__ = [
+    "CAUSES",
+    "KEPT",
     "MEMORY",
     "MEMORY_SIZE",
     "PARTED",
@@ -39,6 +39,26 @@ MEMORY = np.dtype(
 )
 """What a tuft of hairs remembers."""
 
+CAUSES = 14  # numbers that hairs are bent by
+
+KEPT = np.dtype(
+    [
+        ("touching", "f8"),  # hairs that touch, as they were bent last; 0: nothing is kept
+        ("drawn", "f8"),  # 1.0 where they are also drawn so
+        ("way", "f8"),  # of the tuft to where they were bent, mm
+        ("cause", "f8", CAUSES),  # what they were bent by, in mm at the tuft's border
+        ("now", "f8", CAUSES),  # and that of the stamp in hand
+        ("heel", "f8"),  # of the outline drawn last, as of a stamp
+        ("tip", "f8"),
+        ("widest", "f8"),
+        ("widest_at", "f8"),
+        ("area", "f8"),
+        ("half_widths", "f8", PROFILE_CELLS + 2),
+    ],
+    align=True,
+)
+"""How the hairs were bent and drawn last."""
+
 MEMORY_SIZE = len(MEMORY.names)
 PARTED, WAY = MEMORY.names.index("parted"), MEMORY.names.index("way")  # places, as plain numbers
 TRACKED = 48  # hairs whose motion is watched: the outermost ones, all around
@@ -57,7 +77,7 @@ class Hairs(NamedTuple):
     bend: NDArray  # (1,) of BEND
     block: NDArray  # (BLOCK_SIZE,) float32
     points: NDArray  # (B / BLOCK, SAMPLES, 3 BLOCK) float32
-    landing: NDArray  # (LANDING_SIZE,), where hairs come down, see `landing`
+    landing: NDArray  # (LANDING_SIZE,), where hairs come down, see `find_landings`
     slopes: NDArray  # (SAMPLES,) float32
     patch: NDArray  # (6,)
     patch_work: NDArray  # (12, 6)

@@ -4,6 +4,10 @@ As `brush_engine.stroke_loop`, but the way between two samples is cut by the fas
 imprints lie further apart than the surface's vertices, wherever in the tuft that is measured, and
 also while the brush turns on the spot or is pressed. The steps follow one another: one that went
 too far is halved and taken again.
+
+All hairs follow from what `fill_bend` is given. While those numbers have hardly changed, and the
+tuft has gone less than half the way from vertex to vertex, the hairs are not bent and drawn anew:
+the imprint is the last one, carried along.
 """
 
 from __future__ import annotations
@@ -19,34 +23,30 @@ from paint3d.brush_engine.bristles.bend import (
     fill_bend,
     turn_hairs,
 )
-from paint3d.brush_engine.bristles.contact import find_contacts
-from paint3d.brush_engine.bristles.deposit import sweep_hairs
+from paint3d.brush_engine.bristles.contact import find_contacts, find_landings
 from paint3d.brush_engine.bristles.ground_fit import fit_patch
-from paint3d.brush_engine.bristles.imprint import SUB, draw_imprint
-from paint3d.brush_engine.bristles.imprint_cache import (
-    carry_outline,
-    keep_bend,
-    keep_outline,
-    may_keep,
-    note_cache_key,
-)  # fmt: skip
-from paint3d.brush_engine.bristles.ink import ask_hairs, know_hairs, settle_deposits
-from paint3d.brush_engine.bristles.landing import find_landings
-from paint3d.brush_engine.bristles.state import TRACKED, TRACKED_POINTS
-from paint3d.brush_engine.dynamics import drive
-from paint3d.brush_engine.ink_transfer import mean_pressure
-from paint3d.brush_engine.intervals import (
+from paint3d.brush_engine.bristles.imprint import SUB, draw_imprint, hold_outline
+from paint3d.brush_engine.bristles.ink_transfer import (
+    ask_hairs,
+    know_hairs,
+    settle_deposits,
+    sweep_hairs,
+)
+from paint3d.brush_engine.bristles.state import CAUSES, TRACKED, TRACKED_POINTS
+from paint3d.brush_engine.footprint import ink_way, outline_motion
+from paint3d.brush_engine.ink_transfer import held_ink, mean_pressure
+from paint3d.brush_engine.stroke_loop import (
     FINISHED,
     FOOTPRINTS,
     NEEDS_ROOM,
     copy_stamp,
     end_interval,
-    interpolate,
+    foot_motion,
     next_interval,
+    place_at,
 )
-from paint3d.brush_engine.placement import place_stamp
-from paint3d.brush_engine.stamp import ink_way, outline_motion
 from paint3d.core.kernel import kernel, uncounted
+from paint3d.core.quaternion import compiled_x_axis
 
 __all__ = ["paint_with_hairs"]
 
@@ -60,21 +60,22 @@ _SETS_OVER = 12.0  # mm of way over which a tuft takes on the bend that it has
 _SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
 _LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in the handle
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
+_MOST_WAY = 0.5  # of the vertex spacing
+_MOST_BEND = 1.0 / 16.0  # of the vertex spacing
 
 
 @uncounted(error_model="numpy")
-def _wetness(ink):
-    total = 0.0
-    for p in range(ink.load.shape[0]):
-        total += ink.load[p]
-    return total / ink.transfer[0].capacity if ink.transfer[0].capacity > 0.0 else 0.0
+def _wet_share(ink):
+    """How wet the tuft is, from 0, dry, to 1."""
+    capacity = ink.transfer[0].capacity
+    wetness = held_ink(ink) / capacity if capacity > 0.0 else 0.0
+    return min(1.0, max(0.0, (wetness - _DRY[0]) / (_DRY[1] - _DRY[0])))
 
 
 @uncounted(error_model="numpy")
 def _find_roll(pose, values):
     """Direction of the bend in the handle's axes, laid into the plane."""
-    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
-    ax, ay, az = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
+    ax, ay, az = compiled_x_axis((pose[3], pose[4], pose[5], pose[6]))
     c = ax * values.bend[0] + ay * values.bend[1] + az * values.bend[2]
     s = 0.0
     for axis, part in enumerate((ax, ay, az)):
@@ -106,12 +107,6 @@ def _meet(stamp, tuft, hairs):
 
 
 @uncounted(error_model="numpy")
-def _dry_share(ink):
-    """How dry the tuft is, from 0, wet, to 1."""
-    return 1.0 - min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
-
-
-@uncounted(error_model="numpy")
 def _find_cause(values, tuft, cosine, sine, hairs, ink):
     """What the hairs under a stamp are to be bent by, with the bend at this angle in the handle."""
     # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
@@ -121,9 +116,83 @@ def _find_cause(values, tuft, cosine, sine, hairs, ink):
     set_x = cosine * memory.set_x + sine * memory.set_y
     set_y = cosine * memory.set_y - sine * memory.set_x
     return Cause(
-        values.descent, values.tilt, values.pressure, patch, _dry_share(ink), memory.parted,
+        values.descent, values.tilt, values.pressure, patch, 1.0 - _wet_share(ink), memory.parted,
         set_x, set_y,
     )  # fmt: skip
+
+
+@kernel(error_model="numpy")
+def _note_cache_key(cause, radius, tuft, kept):
+    """Note what the hairs would be bent by, in mm at the border of a tuft in such a sphere (mm)."""
+    patch, now = cause.patch, kept.now
+    now[0] = cause.descent
+    now[1] = cause.tilt * tuft.length
+    now[2] = cause.pressure * radius
+    now[3] = tuft.spread * radius
+    now[4] = patch[0]
+    now[5], now[6] = patch[1] * radius, patch[2] * radius
+    for k in range(3, 6):
+        now[4 + k] = patch[k] * radius * radius
+    now[10], now[11] = cause.dryness * radius, cause.parted * radius
+    now[12], now[13] = cause.set_x, cause.set_y
+
+
+@kernel(error_model="numpy")
+def _may_keep(before, values, way_done, resolution, kept):
+    """Whether the hairs may stay as they were bent last.
+
+    Parameters
+    ----------
+    before : Stamp
+    values : record of GEOMETRY
+        Of the stamp in hand.
+    way_done : float
+        Of the tuft up to `before`, mm.
+    resolution : float
+        Vertex spacing, mm.
+    kept : record of KEPT
+        With the stamp's cause.
+    """
+    if kept.touching <= 0.0:
+        return False
+    way = way_done - kept.way + foot_motion(before.values[0], values)
+    if way < 0.0 or way > _MOST_WAY * resolution:
+        return False
+    change = 0.0
+    for k in range(CAUSES):
+        change += abs(kept.now[k] - kept.cause[k])
+    return change <= _MOST_BEND * resolution
+
+
+@kernel(error_model="numpy")
+def _keep_bend(before, values, way_done, touching, kept):
+    """Note that the hairs were bent by the stamp's cause, and how many touch."""
+    kept.touching = touching
+    kept.drawn = 0.0
+    kept.way = way_done + foot_motion(before.values[0], values)
+    kept.cause[:] = kept.now
+
+
+@kernel(error_model="numpy")
+def _keep_outline(stamp, kept, lines):
+    """Note the outline that was drawn."""
+    values = stamp.values[0]
+    kept.heel, kept.tip, kept.widest = values.heel, values.tip, values.widest
+    kept.widest_at, kept.area = values.widest_at, values.area
+    kept.half_widths[:] = stamp.half_widths
+    lines[:] = stamp.lines
+    kept.drawn = 1.0
+
+
+@kernel(error_model="numpy")
+def _carry_outline(stamp, kept, lines):
+    """Give a stamp the outline that was drawn last."""
+    values = stamp.values[0]
+    values.heel, values.tip, values.widest = kept.heel, kept.tip, kept.widest
+    values.widest_at, values.area = kept.widest_at, kept.area
+    stamp.half_widths[:] = kept.half_widths
+    stamp.lines[:] = lines
+    hold_outline(values)
 
 
 @uncounted(error_model="numpy")
@@ -141,8 +210,8 @@ def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, scratch):
         cosine, sine = hairs.roll[0], hairs.roll[1]
     fit_patch(values, field, scratch, hairs.patch_work, hairs.patch)
     cause = _find_cause(values, tuft, cosine, sine, hairs, ink)
-    note_cache_key(cause, values.radius, tuft, kept)
-    if same and may_keep(before, values, way, field.resolution, kept):
+    _note_cache_key(cause, values.radius, tuft, kept)
+    if same and _may_keep(before, values, way, field.resolution, kept):
         return int(kept.touching)
     if not same:
         hairs.roll[0], hairs.roll[1] = cosine, sine
@@ -150,7 +219,7 @@ def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, scratch):
     fill_bend(bristles, tuft, cause, hairs.bend[0])
     bend_hairs(bristles.rests, hairs.turned, hairs.bend[0], hairs.block, hairs.points)
     touching = _meet(stamp, tuft, hairs)
-    keep_bend(before, values, way, touching, kept)
+    _keep_bend(before, values, way, touching, kept)
     return touching
 
 
@@ -165,10 +234,10 @@ def _draw(stamp, touching, hairs, resolution, ink, scratch):
         bristles, hairs.load, full, way, SUB, hairs.hair_contacts, hairs.sums
     )
     if kept.drawn > 0.0:
-        carry_outline(stamp, kept, hairs.kept_lines)
+        _carry_outline(stamp, kept, hairs.kept_lines)
     else:
         draw_imprint(stamp, hairs, wet / touching, dot / touching, resolution, scratch)
-        keep_outline(stamp, kept, hairs.kept_lines)
+        _keep_outline(stamp, kept, hairs.kept_lines)
     return wanted
 
 
@@ -177,7 +246,7 @@ def _remember(before, after, tuft, hairs, ink):
     """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
     values, memory = after.values[0], hairs.memory[0]
     way = outline_motion(before, after)
-    wet = min(1.0, max(0.0, (_wetness(ink) - _DRY[0]) / (_DRY[1] - _DRY[0])))
+    wet = _wet_share(ink)
     pe = values.pressure
     wanted = hairs.bristles.parting * min(
         1.0, (1.0 - wet) * (0.5 + 0.5 * pe) + 0.5 * max(0.0, pe - 0.7) / 0.3
@@ -241,10 +310,8 @@ def _begin(samples, i, brush, canvas, progress, scratch, hairs):
     progress.at[2] = 1
     if before.values[0].touches > 0.0:
         return
-    tree, field, ink = canvas.tree, canvas.field, canvas.ink
-    interpolate(samples, i, 0.0, pose)
-    tuft = drive(samples, i, 0.0, pose, before, brush.tuft, ink, brush.curves)
-    place_stamp(pose, brush.dragged, before, before, tuft, tree, field, scratch)
+    field, ink = canvas.field, canvas.ink
+    tuft = place_at(samples, i, 0.0, brush, canvas, before, before, scratch)
     hairs.kept[0].touching = 0.0
     if before.values[0].touches > 0.0:
         touching = _place_hairs(pose, before, before, tuft, hairs, field, ink, scratch)
@@ -271,14 +338,11 @@ def _find_step(samples, i, brush, canvas, progress, scratch, hairs):
         How far in the interval it lies from the last, as a share of it.
     """
     before, after, pose, pace = progress.before, progress.after, scratch.pose, hairs.pace
-    tree, field, ink = canvas.tree, canvas.field, canvas.ink
+    field, ink = canvas.field, canvas.ink
     most = _SPACING * field.resolution
     step = min(pace[1], 1.0 - pace[0])
     while True:
-        share = pace[0] + step
-        interpolate(samples, i, share, pose)
-        tuft = drive(samples, i, share, pose, before, brush.tuft, ink, brush.curves)
-        place_stamp(pose, brush.dragged, before, after, tuft, tree, field, scratch)
+        tuft = place_at(samples, i, pace[0] + step, brush, canvas, before, after, scratch)
         touching = 0
         if after.values[0].touches > 0.0:
             touching = _place_hairs(pose, before, after, tuft, hairs, field, ink, scratch)

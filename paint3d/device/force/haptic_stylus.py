@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.device.stylus_reading import StylusReading
+from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError
 
 __all__ = [

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.device.stylus_reading import BARREL, DIP, ERASER, StylusReading
+from paint3d.device.sample import BARREL, DIP, ERASER, StylusReading
 from paint3d.errors import DeviceError
 
 __all__ = ["MAX_FORCE_N", "URI", "Inverse3State", "decode_state", "encode_force"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import kernel
-from paint3d.core.quaternion import turn
+from paint3d.core.quaternion import compiled_turn
 from paint3d.mesh.kernels.bounded_bvh import find_foot_within, mean_normal
 
 __all__ = ["contact_force"]
@@ -39,7 +39,7 @@ def contact_force(tree, settings, state, root, q, work, force):
         Whether the brush touches.
     """
     force[:] = 0.0
-    up, ahead = turn(q, 0.0, 0.0, 1.0), turn(q, 1.0, 0.0, 0.0)
+    up, ahead = compiled_turn(q, 0.0, 0.0, 1.0), compiled_turn(q, 1.0, 0.0, 0.0)
     place = (root[0], root[1], root[2])
     length = settings.length
     foot = np.empty(6)

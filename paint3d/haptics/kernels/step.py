@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import kernel
-from paint3d.core.quaternion import relative, turn, turn_back
+from paint3d.core.quaternion import compiled_relative, compiled_turn, compiled_turn_back
 from paint3d.haptics.kernels.force import contact_force
 from paint3d.haptics.kernels.safety import limit_power, make_safe
 from paint3d.haptics.kernels.state import BUDGET_SPENT
@@ -51,7 +51,7 @@ def servo_step(tree, the_settings, the_state, target, pose, moment, out):
     if work[0] <= 0:
         flags |= BUDGET_SPENT
     state.last_force[:] = force
-    out[0], out[1], out[2] = turn(state.object_turn, force[0], force[1], force[2])
+    out[0], out[1], out[2] = compiled_turn(state.object_turn, force[0], force[1], force[2])
     state.force[:] = out
     return flags
 
@@ -60,9 +60,9 @@ def servo_step(tree, the_settings, the_state, target, pose, moment, out):
 def _feel(tree, settings, state, pose, work, force, way):
     """Find the force (3,) that is wanted at a pose, and the root's way (3,); object's frame."""
     q, place = state.object_turn, state.object_place
-    x, y, z = turn_back(q, pose[0] - place[0], pose[1] - place[1], pose[2] - place[2])
+    x, y, z = compiled_turn_back(q, pose[0] - place[0], pose[1] - place[1], pose[2] - place[2])
     held = np.empty(4)
-    relative(q, pose[3:7], held)
+    compiled_relative(q, pose[3:7], held)
     finite = x * x + y * y + z * z < 1e12 and held[0] * held[0] <= 2.0
     if not finite:
         force[:] = np.nan

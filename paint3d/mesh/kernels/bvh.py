@@ -22,8 +22,10 @@ __all__ = [
     "ENDLESS",
     "LEAF_SIZE",
     "ContactTree",
+    "box_distance2",
     "build_boxes",
     "closest_point",
+    "closest_weights",
     "find_foot",
     "find_meant",
     "interpolate",
@@ -37,6 +39,7 @@ __all__ = [
 LEAF_SIZE = 8
 ENDLESS = 1 << 62  # nodes that a search may look at, where nothing waits for it
 _STACK = 64
+_THIN = 1e-12  # sine squared of the angle at a triangle's corner below which it has edges only
 _TOLERANCE = 1e-4  # mm, tangential residual at which the foot point counts as found
 _ITERATIONS = 8
 _WARM = 0.15  # of the reach: a root that has moved farther is looked for afresh
@@ -74,7 +77,8 @@ def build_boxes(triangles, points, boxes, leaf_size):
 
 
 @uncounted
-def _box_distance2(boxes, node, x, y, z):
+def box_distance2(boxes, node, x, y, z):
+    """Square of how far a point lies from a node's box, mm2."""
     dx = max(0.0, max(boxes[node, 0] - x, x - boxes[node, 3]))
     dy = max(0.0, max(boxes[node, 1] - y, y - boxes[node, 4]))
     dz = max(0.0, max(boxes[node, 2] - z, z - boxes[node, 5]))
@@ -90,11 +94,33 @@ def _centre_distance2(boxes, node, x, y, z):
 
 
 @uncounted
-def _closest_weights(points, a, b, c, place):
+def _on_edge(u, p):
+    """How far along the edge u (0 to 1) the point nearest to p lies, and how far p is, squared."""
+    along = u[0] * p[0] + u[1] * p[1] + u[2] * p[2]
+    length2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2]
+    t = 0.0 if along <= 0.0 else (1.0 if along >= length2 else along / length2)
+    dx, dy, dz = p[0] - t * u[0], p[1] - t * u[1], p[2] - t * u[2]
+    return t, dx * dx + dy * dy + dz * dz
+
+
+@uncounted
+def _on_nearest_edge(ab, ac, p):
+    """`closest_weights` on the border; all are counted from the corner a."""
+    bc = (ac[0] - ab[0], ac[1] - ab[1], ac[2] - ab[2])
+    t, best = _on_edge(ab, p)
+    weights = (1.0 - t, t, 0.0)
+    t, d2 = _on_edge(ac, p)
+    if d2 < best:
+        best, weights = d2, (1.0 - t, 0.0, t)
+    t, d2 = _on_edge(bc, (p[0] - ab[0], p[1] - ab[1], p[2] - ab[2]))
+    return (0.0, 1.0 - t, t) if d2 < best else weights
+
+
+@uncounted
+def closest_weights(points, a, b, c, place):
     """Barycentric weights of the point of triangle abc nearest to a place (Ericson 2005).
 
-    The triangle must have an inside, as `_faces` sees to. `closest_points.closest_on` takes others,
-    too, and is as fast; but its answer has other last bits, and what is painted would have.
+    Where a triangle is too thin to have an inside, the nearest of its edges has the point.
     """
     x, y, z = place
     ax = np.float64(points[a, 0])
@@ -137,6 +163,8 @@ def _closest_weights(points, a, b, c, place):
         t = (d4 - d3) / ((d4 - d3) + (d5 - d6))
         return 0.0, 1.0 - t, t
     total = va + vb + vc
+    if total <= _THIN * ab_ab * ac_ac:
+        return _on_nearest_edge((abx, aby, abz), (acx, acy, acz), (px, py, pz))
     return va / total, vb / total, vc / total
 
 
@@ -162,8 +190,8 @@ def _push_children(boxes, node, place, best, stack, depth):
     Returns where the stack ends then.
     """
     x, y, z = place
-    left = _box_distance2(boxes, 2 * node, x, y, z)
-    right = _box_distance2(boxes, 2 * node + 1, x, y, z)
+    left = box_distance2(boxes, 2 * node, x, y, z)
+    right = box_distance2(boxes, 2 * node + 1, x, y, z)
     near = 2 * node
     if right < left or (
         right == left
@@ -192,7 +220,7 @@ def _look_into(tree, leaf, place, up, nearest):
         c = tree.triangles[k, 2]
         if not _faces(tree.points, a, b, c, up):
             continue
-        va, vb, vc = _closest_weights(tree.points, a, b, c, place)
+        va, vb, vc = closest_weights(tree.points, a, b, c, place)
         d2 = 0.0
         for axis, q in ((0, x), (1, y), (2, z)):
             p = va * tree.points[a, axis] + vb * tree.points[b, axis]
@@ -251,7 +279,7 @@ def search_nearest(tree, place, up, reach, guess, nodes):
         node = stack[depth]
         depth -= 1
         nodes -= 1
-        if _box_distance2(boxes, node, place[0], place[1], place[2]) > nearest[0]:
+        if box_distance2(boxes, node, place[0], place[1], place[2]) > nearest[0]:
             continue
         if node < n_leaves:
             depth = _push_children(boxes, node, place, nearest[0], stack, depth)

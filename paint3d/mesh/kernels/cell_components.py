@@ -9,7 +9,7 @@ from paint3d.mesh.kernels.facing_pairs import INFLATION
 from paint3d.mesh.kernels.grid import find_cell, find_pair, lookup, sheet_of
 from paint3d.mesh.kernels.topology import find_root
 
-__all__ = ["link_sheets", "locate_vertices", "measure_sheets", "split_sheets"]
+__all__ = ["gather_links", "link_sheets", "locate_vertices", "measure_sheets", "split_sheets"]
 
 
 @kernel
@@ -249,6 +249,42 @@ def link_sheets(cells, root_pairs, pair_order, pair_cell, links):
                         links[n, 1] = pair_sheet[q]
                     n += 1
     return n
+
+
+@kernel
+def gather_links(links, n_sheets):
+    """Turn links (n, 2) into a graph: runs (S + 1,) and neighbours, which rise within each run.
+
+    Each link is there once in either direction, however often it is listed.
+    """
+    ends = np.zeros(n_sheets + 1, np.int64)
+    for k in range(len(links)):
+        ends[links[k, 0] + 1] += 1
+        ends[links[k, 1] + 1] += 1
+    for sheet in range(n_sheets):
+        ends[sheet + 1] += ends[sheet]
+    places, listed = ends[:-1].copy(), np.empty(2 * len(links), np.int32)
+    for k in range(len(links)):
+        for one in range(2):
+            sheet = links[k, one]
+            listed[places[sheet]] = links[k, 1 - one]
+            places[sheet] += 1
+    runs = np.zeros(n_sheets + 1, np.int64)
+    n = 0
+    for sheet in range(n_sheets):
+        first = n
+        for k in range(ends[sheet], ends[sheet + 1]):  # few are different
+            other, at = listed[k], n
+            while at > first and listed[at - 1] > other:
+                at -= 1
+            if at > first and listed[at - 1] == other:
+                continue
+            for moved in range(n, at, -1):
+                listed[moved] = listed[moved - 1]
+            listed[at] = other
+            n += 1
+        runs[sheet + 1] = n
+    return runs, listed[:n].copy()
 
 
 @kernel

@@ -10,86 +10,31 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import kernel
-from paint3d.mesh.kernels.bvh import _box_distance2
+from paint3d.mesh.kernels.bvh import box_distance2, closest_weights
 
 __all__ = ["FACES_PER_LEAF", "closest_on", "find_closest", "find_hits"]
 
 FACES_PER_LEAF = 2
 _STACK = 64
-_THIN = 1e-16  # sine squared of the angle at a triangle's corner below which it has edges only
 _AWRY = 1e-12  # of a normal's length: corner normals that cancel out
 _CLOSE = 1.0 + 1e-12  # what rounding may add to a box's squared distance
 _SLACK = 1e-12  # of a distance along a ray: what rounding may take from a box
 
 
 @kernel(error_model="numpy")
-def _on_edge(ux, uy, uz, px, py, pz):
-    """How far along the edge u (0 to 1) the point nearest to p lies; 0 where it has no length."""
-    along = ux * px + uy * py + uz * pz
-    length2 = ux * ux + uy * uy + uz * uz
-    if along <= 0.0:
-        return 0.0
-    return 1.0 if along >= length2 else along / length2
-
-
-@kernel(error_model="numpy")
 def closest_on(points, a, b, c, x, y, z):
     """Weights v, w of the corners b, c at the point of triangle abc nearest to (x, y, z).
 
-    Returns v, w and the squared distance. Where the foot of the perpendicular lies within the
-    triangle it is the point; elsewhere, and where the triangle is too thin to have an inside, the
-    nearest of its three edges has it.
+    Returns v, w and the squared distance; see `bvh.closest_weights`.
     """
+    _, v, w = closest_weights(points, a, b, c, (x, y, z))
     ax = np.float64(points[a, 0])
     ay = np.float64(points[a, 1])
     az = np.float64(points[a, 2])
-    ux = points[b, 0] - ax
-    uy = points[b, 1] - ay
-    uz = points[b, 2] - az
-    vx = points[c, 0] - ax
-    vy = points[c, 1] - ay
-    vz = points[c, 2] - az
-    px = x - ax
-    py = y - ay
-    pz = z - az
-    nx = uy * vz - uz * vy
-    ny = uz * vx - ux * vz
-    nz = ux * vy - uy * vx
-    det = nx * nx + ny * ny + nz * nz
-    to_b = nx * (py * vz - pz * vy) + ny * (pz * vx - px * vz) + nz * (px * vy - py * vx)
-    to_c = nx * (uy * pz - uz * py) + ny * (uz * px - ux * pz) + nz * (ux * py - uy * px)
-    sides = (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
-    if to_b >= 0.0 and to_c >= 0.0 and to_b + to_c <= det and det > _THIN * sides:
-        v = to_b / det
-        w = to_c / det
-        dx = px - v * ux - w * vx
-        dy = py - v * uy - w * vy
-        dz = pz - v * uz - w * vz
-        return v, w, dx * dx + dy * dy + dz * dz
-    t = _on_edge(ux, uy, uz, px, py, pz)
-    v = t
-    w = 0.0
-    dx = px - t * ux
-    dy = py - t * uy
-    dz = pz - t * uz
-    best = dx * dx + dy * dy + dz * dz
-    t = _on_edge(vx, vy, vz, px, py, pz)
-    dx = px - t * vx
-    dy = py - t * vy
-    dz = pz - t * vz
-    d2 = dx * dx + dy * dy + dz * dz
-    if d2 < best:
-        best = d2
-        v = 0.0
-        w = t
-    t = _on_edge(vx - ux, vy - uy, vz - uz, px - ux, py - uy, pz - uz)
-    dx = px - (1.0 - t) * ux - t * vx
-    dy = py - (1.0 - t) * uy - t * vy
-    dz = pz - (1.0 - t) * uz - t * vz
-    d2 = dx * dx + dy * dy + dz * dz
-    if d2 < best:
-        return 1.0 - t, t, d2
-    return v, w, best
+    dx = x - ax - v * (points[b, 0] - ax) - w * (points[c, 0] - ax)
+    dy = y - ay - v * (points[b, 1] - ay) - w * (points[c, 1] - ay)
+    dz = z - az - v * (points[b, 2] - az) - w * (points[c, 2] - az)
+    return v, w, dx * dx + dy * dy + dz * dz
 
 
 @kernel(error_model="numpy")
@@ -116,8 +61,8 @@ def _search(tree, x, y, z, nodes, away):
         while node < n_leaves:  # down to the nearest leaf
             near = 2 * node
             far = near + 1
-            d2 = _box_distance2(boxes, near, x, y, z)
-            other = _box_distance2(boxes, far, x, y, z)
+            d2 = box_distance2(boxes, near, x, y, z)
+            other = box_distance2(boxes, far, x, y, z)
             if other < d2:
                 near, far = far, near
                 d2, other = other, d2

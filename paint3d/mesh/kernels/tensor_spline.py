@@ -1,4 +1,4 @@
-"""Several spline functions over one rectangle, evaluated together.
+"""Several spline functions over one rectangle, fitted and evaluated together.
 
 The weights of the coefficients around a place depend on the knots alone, so that functions with the
 same knots share them. De Boor's recursion, as FITPACK has it, to the last bit.
@@ -6,11 +6,13 @@ same knots share them. De Boor's recursion, as FITPACK has it, to the last bit.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from paint3d.core.kernel import kernel
 
-__all__ = ["evaluate_splines"]
+__all__ = ["eliminate_spline", "evaluate_splines", "solve_spline"]
 
 _MOST = 4  # one more than the highest degree
 
@@ -78,3 +80,66 @@ def evaluate_splines(x_knots, y_knots, degrees, coefficients, xy, out):
                 for f in range(n_functions):
                     part = coefficients[column - k + i, row - m + j, f]
                     out[n, f] += part * along[i] * across[j]
+
+
+@kernel
+def eliminate_spline(places, knots, values):
+    """Rotate the equations of a cubic spline through values into a triangle, row after row.
+
+    Givens' rotations in FITPACK's order, to the last bit. `solve_spline` goes on from there.
+
+    Parameters
+    ----------
+    places : (A,) float64
+        Rising.
+    knots : (A + 4,) float64
+        Not falling; the ends stand four times.
+    values : (A, W) float64
+        At the places, of W functions; turned with the equations.
+
+    Returns
+    -------
+    (A, 4) float64
+        The triangle, each row from its diagonal on.
+    """
+    n, n_functions = values.shape
+    triangle, turned = np.zeros((n, _MOST)), np.zeros((n, n_functions))
+    before, row, right = np.empty(_MOST), np.empty(_MOST), np.empty(n_functions)
+    for m in range(n):
+        first = _find_interval(knots, _MOST - 1, places[m])
+        _fill_weights(knots, _MOST - 1, first, places[m], before, row)
+        for f in range(n_functions):
+            right[f] = values[m, f]
+        for i in range(_MOST):
+            pivot, at = row[i], first - _MOST + 1 + i
+            if pivot == 0.0:
+                continue
+            diagonal = triangle[at, 0]
+            if abs(pivot) >= diagonal:
+                length = abs(pivot) * math.sqrt(1.0 + (diagonal / pivot) ** 2)
+            else:
+                length = diagonal * math.sqrt(1.0 + (pivot / diagonal) ** 2)
+            cosine, sine = diagonal / length, pivot / length
+            triangle[at, 0] = length
+            for f in range(n_functions):
+                above, below = turned[at, f], right[f]
+                turned[at, f] = cosine * above + sine * below
+                right[f] = cosine * below - sine * above
+            for j in range(i + 1, _MOST):
+                above, below = triangle[at, j - i], row[j]
+                triangle[at, j - i] = cosine * above + sine * below
+                row[j] = cosine * below - sine * above
+    values[:] = turned
+    return triangle
+
+
+@kernel
+def solve_spline(triangle, values):
+    """Solve what `eliminate_spline` left, from below: coefficients (A, W) in place of values."""
+    n, n_functions = values.shape
+    for i in range(n - 1, -1, -1):
+        for f in range(n_functions):
+            left = values[i, f]
+            for j in range(1, min(_MOST, n - i)):
+                left -= values[i + j, f] * triangle[i, j]
+            values[i, f] = left / triangle[i, 0]

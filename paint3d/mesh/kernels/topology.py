@@ -18,6 +18,7 @@ __all__ = [
     "link_radial",
     "longest_sides",
     "measure_faces",
+    "pieces_of",
     "smooth_corners",
 ]
 
@@ -79,6 +80,19 @@ def _join(parent, a, b):
         parent[b] = a
     else:
         parent[a] = b
+
+
+@kernel
+def pieces_of(faces, n_vertices):
+    """Which faces hang together by their vertices: for each face the first vertex of its piece."""
+    parent = np.arange(n_vertices).astype(np.int32)
+    for t in range(faces.shape[0]):
+        _join(parent, faces[t, 0], faces[t, 1])
+        _join(parent, faces[t, 1], faces[t, 2])
+    piece = np.empty(faces.shape[0], np.int32)
+    for t in range(faces.shape[0]):
+        piece[t] = find_root(parent, faces[t, 0])
+    return piece
 
 
 @kernel

@@ -22,6 +22,7 @@ from paint3d.app.model.input import navigation
 from paint3d.app.window.studio import StudioWindow
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.view.camera import Camera
+from tests.support.app.gestures import wait_for
 
 __all__ = [
     "DeviceEvent",
@@ -341,6 +342,9 @@ class EventPlayer(QtCore.QObject):
         after_stroke : callable, optional
             Called with the number of each stroke, once it is painted.
         """
+        if any(event.device == "key" for event in recording.events):
+            self._window.activateWindow()
+            wait_for(self._window.isActiveWindow)  # shortcuts are heard there only
         if begin_ms is None:
             begin_ms = max(time.monotonic_ns() // 1_000_000, self.now_ms + PAUSE_MS)
         if late:
@@ -418,8 +422,6 @@ class EventPlayer(QtCore.QObject):
         press = event.kind == "press"
         action = QtTest.QTest.KeyAction.Press if press else QtTest.QTest.KeyAction.Release
         modifiers = combination.keyboardModifiers() | _modifiers(event)
-        if press:
-            self._window.activateWindow()
         QtTest.QTest.keyEvent(action, self._window, combination.key(), modifiers, 0)
 
     def _send_touch(self, event: DeviceEvent) -> None:

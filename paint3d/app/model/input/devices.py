@@ -16,10 +16,9 @@ from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.report_rate import find_report_rate
-from paint3d.device.sample import DeviceSample
+from paint3d.device.sample import DeviceSample, StylusReading
 from paint3d.device.space_mouse import MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
-from paint3d.device.stylus_reading import StylusReading
 from paint3d.pose.steering import ObjectPose, apply_action
 from paint3d.pose.two_hands import TwoHands
 

@@ -22,7 +22,7 @@ from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.standing import any_tangent, held_over, lean_of, root_over, turned_with
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import as_array, as_number
-from paint3d.core.frames import quaternions_from_matrices
+from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample

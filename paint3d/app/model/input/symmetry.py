@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import as_array
-from paint3d.core.frames import matrices_from_quaternions, quaternions_from_matrices
+from paint3d.core.quaternion import matrices_from_quaternions, quaternions_from_matrices
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError

@@ -11,7 +11,7 @@ from paint3d.app.model.input.devices import DeviceHub, StrokeCutter
 from paint3d.app.window.panels.device_panel import DevicePanel
 from paint3d.app.window.wording import say_error
 from paint3d.app.window.workspace import Workspace
-from paint3d.core.frames import matrices_from_quaternions, multiply_quaternions, rotate
+from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions, rotate
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample

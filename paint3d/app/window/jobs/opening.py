@@ -19,7 +19,7 @@ from paint3d.app.window.jobs.recent_files import RecentFiles
 from paint3d.app.window.jobs.saving import Saving
 from paint3d.app.window.jobs.standing import Standing
 from paint3d.app.window.named import named
-from paint3d.app.window.warming import is_first_start, warm_up
+from paint3d.app.window.warming import is_first_start, is_warm, warm_up
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, read_mesh
@@ -103,7 +103,7 @@ class Opening:
         if not asked and self._workspace.stage.easel is not None and not self._saving.may_leave():
             return False
         self._workspace.error = None
-        if not self._workspace.went_well(self._workspace.run(say_warming(), _warm_up)):
+        if not self._is_ready():
             return False
         title = say("status.opening", name=named(Path(path).name))
         if is_session_path(path):
@@ -119,6 +119,10 @@ class Opening:
             self._recent.add(path)
         self._tell_if_open_elsewhere()
         return True
+
+    def _is_ready(self) -> bool:
+        """Whether a stroke could be painted at once; gets kernels ready that are compiled late."""
+        return is_warm() or self._workspace.went_well(self._workspace.run(say_warming(), _warm_up))
 
     def _tell_if_open_elsewhere(self) -> None:
         """Say that another window paints on the same file; who saves second will be asked."""

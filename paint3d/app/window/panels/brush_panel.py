@@ -10,6 +10,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.brush_size import resized, size_limits
+from paint3d.app.window.jobs.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_length
@@ -59,6 +60,7 @@ class BrushPanel(QtWidgets.QWidget):
         self._ink: Ink = "pine soot"
         self._painter = ThreadPoolExecutor(1, thread_name_prefix="paint3d-preview")
         self._coming: dict[str, Future[Any]] = {}
+        self._is_due = False
         self._failures: set[str] = set()
         self.brush = load_brush(brush_names()[0])
         self._list = self._make_list()
@@ -138,11 +140,9 @@ class BrushPanel(QtWidgets.QWidget):
         self.told.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
 
     def set_ink(self, ink: Ink) -> None:
-        """Paint the previews in this ink: a name, or parts by name."""
+        """Paint the previews in this ink, soon: a name, or parts by name."""
         self._ink = ink
-        for row in range(self._list.count()):
-            name = self._name(row)
-            self._coming[name] = self._painter.submit(stroke_preview, load_brush(name), ink)
+        self._is_due = True
         self._timer.start()
 
     def set_theme(self, theme: Theme) -> None:
@@ -152,8 +152,8 @@ class BrushPanel(QtWidgets.QWidget):
 
     @property
     def is_busy(self) -> bool:
-        """Whether previews are still being painted."""
-        return bool(self._coming)
+        """Whether previews are still to be painted."""
+        return self._is_due or bool(self._coming)
 
     @property
     def is_settling(self) -> bool:
@@ -191,6 +191,13 @@ class BrushPanel(QtWidgets.QWidget):
         self.chosen.emit(resized(self.brush, self._wanted))
 
     def _take_previews(self) -> None:
+        """Begin what is due, unless the window waits for something itself; show what is there."""
+        if self._is_due and not is_waiting(self.window()):
+            self._is_due = False
+            for row in range(self._list.count()):
+                name = self._name(row)
+                brush = load_brush(name)
+                self._coming[name] = self._painter.submit(stroke_preview, brush, self._ink)
         for row in range(self._list.count()):
             coming = self._coming.get(self._name(row))
             if coming is None or not coming.done():
@@ -204,7 +211,7 @@ class BrushPanel(QtWidgets.QWidget):
                 continue
             icon = plain_icon(_framed(coming.result(), self._theme))
             self._list.item(row).setIcon(icon)
-        if not self._coming:
+        if not self.is_busy:
             self._timer.stop()
 
     def _failed(self, error: BaseException) -> None:

@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from paint3d.painter.ahead import ahead
+from paint3d.core.ahead import ahead
 
 PATIENCE_S = 60.0
 

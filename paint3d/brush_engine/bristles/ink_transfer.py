@@ -1,10 +1,13 @@
-"""Ink in single hairs: what they give, what they share with their neighbours, what they take up.
+"""What passes between single hairs and the vertices under them.
 
 Guo 2017, Eqs. 12, 13 in their continuous form (docs/model.md, equation (8)) hold for the tuft: of
 the ink R in it, the way ds at the pressure pe takes R (1 - exp(-eta' pe ds)). Here each hair gives
 by that law, those that lie on the surface for all, some more readily than others; neighbours that
 are wet level out. A tuft that is equally wet everywhere thus gives what a solid one gives, and one
 that runs dry does so hair by hair.
+
+One sweep: vertices ask the map of hairs what lies over them, block by block in vector instructions,
+and get what the hairs there leave.
 """
 
 from __future__ import annotations
@@ -22,18 +25,31 @@ from paint3d.brush_engine.bristles.contact import (
     READY,
     THICK,
     add_up,
-)  # fmt: skip
-from paint3d.core.kernel import kernel
+)
+from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
+from paint3d.brush_engine.coverage import weigh_standing
+from paint3d.brush_engine.footprint import Sweep, outline_motion
+from paint3d.brush_engine.ink_transfer import (
+    AREA_STEPS,
+    PAINTED,
+    contact_level,
+    landing_share,
+    note_covered,
+    take_up_ink,
+    touched_share,
+    weighed_area,
+)
+from paint3d.brush_engine.scratch import Found
+from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
+from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
     "LEVEL_BINS",
     "ask_hairs",
-    "give_to_hairs",
     "know_hairs",
-    "level_hairs",
     "settle_deposits",
     "sum_hairs",
-    "take_from_hairs",
+    "sweep_hairs",
 ]
 
 LEVEL_BINS = 64  # across the tuft, within which hairs share
@@ -51,6 +67,11 @@ _SHORTEST = np.float32(0.25)  # stations that any contact covers at the least
 _ZERO, _HALF, _ONE, _TWO = np.float32([0.0, 0.5, 1.0, 2.0])
 _APPETITE, _OWN, _NOW, _SOON = (READY + place * BLOCK for place in range(4))
 _elementwise = kernel(error_model="numpy", fastmath={"contract"})
+_LANE = np.int32(LANES - 1)  # of a place: LANES is a power of 2
+_FAINTEST = np.float32(2e-3)  # share covered below which a vertex is left alone
+_LAST_CELL = np.float32(CELLS - 1e-3)
+_LAST_LANE = np.float32(LANES - 1.001)
+_LEVELS_EVERY = 2.0  # mm of way
 
 
 @kernel(error_model="numpy")
@@ -239,7 +260,7 @@ def sum_hairs(load, out):
 
 
 @kernel(error_model="numpy")
-def take_from_hairs(load, hair_contacts, scale, sums, released):
+def _take_from_hairs(load, hair_contacts, scale, sums, released):
     """Take `scale` of what each hair is ready to give; `released` (P,) gets the sums.
 
     Parameters
@@ -273,7 +294,7 @@ def take_from_hairs(load, hair_contacts, scale, sums, released):
 
 
 @kernel(error_model="numpy")
-def give_to_hairs(load, hair_contacts, taken):
+def _give_to_hairs(load, hair_contacts, taken):
     """Share `taken` (P,) evenly among the hairs that touch."""
     count = load.shape[0]
     touching = 0
@@ -286,7 +307,7 @@ def give_to_hairs(load, hair_contacts, taken):
 
 
 @kernel(error_model="numpy")
-def level_hairs(bristles, turned, load, capacity, way, bins):
+def _level_hairs(bristles, turned, load, capacity, way, bins):
     """Let hairs beside one another share their ink, the freer the wetter they are.
 
     Parameters
@@ -319,3 +340,216 @@ def level_hairs(bristles, turned, load, capacity, way, bins):
         share = reach * min(1.0, max(0.0, flow))
         for p in range(n_pigments):
             load[i, p] += share * (bins[at, p] / n - load[i, p])
+
+
+@_elementwise
+def _find_stations(n, tip, per_cell, cells, widths, xs, places, parts):
+    """Which station vertices lie behind, how far towards the next, and half the map's width."""
+    for k in range(n):
+        at = (tip - xs[k]) * per_cell
+        at = at if at > _ZERO else _ZERO
+        at = at if at < _LAST_CELL else _LAST_CELL
+        cell = np.int32(at)
+        station = cells[cell, 0] + (at - np.float32(cell)) * cells[cell, 1]
+        s = np.int32(station)
+        s = s if s < STATIONS - 2 else np.int32(STATIONS - 2)
+        t = station - np.float32(s)
+        places[k] = s * np.int32(LANES)
+        parts[0, k] = t
+        parts[2, k] = widths[s, 0] + t * widths[s, 1]
+
+
+@_elementwise
+def _find_lanes(n, ys, places, parts):
+    """The lane that vertices lie beside, how far towards the next, and whether within the map."""
+    middle = np.float32(0.5 * LANES)
+    for k in range(n):
+        beside = ys[k] * middle / parts[2, k]
+        lane = beside + (middle - _HALF)
+        lane = lane if lane > _ZERO else _ZERO
+        lane = lane if lane < _LAST_LANE else _LAST_LANE
+        v = np.int32(lane)
+        places[k] += v
+        parts[1, k] = lane - np.float32(v)
+        parts[2, k] = _ONE if abs(beside) < middle else _ZERO
+
+
+@_elementwise
+def _read_map(n, map_, places, parts, inks, covers):
+    """Ink and share covered between the four cells around each vertex."""
+    for k in range(n):
+        i = places[k]
+        t, u = parts[0, k], parts[1, k]
+        a, b = map_[2 * i], map_[2 * i + 2]
+        c, d = map_[2 * (i + LANES)], map_[2 * (i + LANES) + 2]
+        one, other = a + u * (b - a), c + u * (d - c)
+        inks[k] = one + t * (other - one)
+        a, b = map_[2 * i + 1], map_[2 * i + 3]
+        c, d = map_[2 * (i + LANES) + 1], map_[2 * (i + LANES) + 3]
+        one, other = a + u * (b - a), c + u * (d - c)
+        covers[k] = parts[2, k] * (one + t * (other - one))
+
+
+@uncounted(error_model="numpy")
+def _keep(n, places, block, found, lanes):
+    """Weigh vertices by what they found, and close up over those that found nothing."""
+    ids, share, cover = block.packed_ids, block.packed[2], block.packed[3]
+    inks, covers = block.packed[4], block.packed[5]
+    out_ids, out_share, out_cover = found.ids, found.share, found.cover
+    kept = np.uint32(0)
+    for k in range(n):
+        covered = covers[k]
+        out_ids[kept] = ids[k]
+        out_share[kept] = share[k] * inks[k]
+        out_cover[kept] = cover[k] * covered
+        lanes[kept] = places[k] & _LANE
+        kept += np.uint32(covered > _FAINTEST)
+    return np.int64(kept)
+
+
+@uncounted(error_model="numpy")
+def _gather_under_hairs(imprint, stamp, field, scratch, lanes):
+    """Find the vertices that hairs lie over, and weigh them by what lies there.
+
+    The way from the stamp before is no longer than the vertices lie apart: what the hairs left
+    behind on it, the imprint before has drawn. So vertices are looked up where the way ends.
+
+    Parameters
+    ----------
+    imprint : Imprint
+    stamp : Stamp
+        It touches.
+    field : SurfaceField
+    scratch : Scratch
+        `found` is filled.
+    lanes : (cap + 1,) int16
+        Filled: each one's lane of the map.
+
+    Returns
+    -------
+    found : int
+        Vertices that hairs reached; -1 where the mesh needs room to grow.
+    within : int
+        Vertices that the outline covers.
+    weighed : float
+        Area that those stand for, weighed, mm2.
+    """
+    sweep, block = Sweep(scratch.sweep, scratch.between, stamp, stamp), scratch.block
+    n_runs, n_cells = find_candidates(sweep, True, field, scratch)
+    if n_cells < 0:
+        return -1, 0, 0.0
+    map_ = imprint.map.reshape(imprint.map.size)
+    tip, per_cell = np.float32(imprint.numbers[TIP]), np.float32(imprint.numbers[PER_CELL])
+    packed, places, parts = block.packed, block.near[1], block.work[:3]
+    found, within, weighed = 0, 0, 0.0
+    while True:
+        n = next_block(n_runs, n_cells, False, scratch.sweep[0], field, scratch)
+        if n == 0:
+            return found, within, weighed
+        scratch.counters[VISITED] += n
+        m = weigh_standing(n, sweep, block)
+        within += m
+        weighed += weighed_area(field, block.packed_ids, packed[2], m)
+        _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
+        _find_lanes(m, packed[1], places, parts)
+        _read_map(m, map_, places, parts, packed[4], packed[5])
+        all_ = scratch.found
+        rest = Found(all_.ids[found:], all_.share[found:], all_.cover[found:])
+        found += _keep(m, places, block, rest, lanes[found:])
+
+
+@uncounted(error_model="numpy")
+def _leave(mix, landing, found, n, lanes, field, weights, ink):
+    """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
+    n_pigments = landing.shape[0]
+    ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
+    for p in range(n_pigments):
+        weights[p] = 0.0
+        if landing[p] <= 0.0:
+            continue
+        total = np.int64(0)  # in whole numbers: the order of the vertices changes nothing
+        for k in range(n):
+            part = share[k] * mix[lanes[k], p]
+            total += np.int64(part * areas[ids[k]] * unit * AREA_STEPS)
+        if total > 0:
+            weights[p] = landing[p] / (total / AREA_STEPS)
+            landing[p] = 0.0
+    amounts = ink.amounts
+    for p in range(n_pigments):
+        if weights[p] > 0.0:
+            for k in range(n):
+                part = share[k] * mix[lanes[k], p]
+                amounts[ids[k], p] += np.float32(weights[p] * part)
+    note_covered(found, n, ink)
+
+
+@uncounted(error_model="numpy")
+def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
+    """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
+
+    Parameters
+    ----------
+    before, after : Stamp
+        `after` touches.
+    ready : float
+        What the hairs are ready to give on the way, coats x mm2: what `settle_deposits` found.
+    hairs, field, ink, scratch : as for `brush_engine.bristles.stroke_loop`
+
+    Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`
+    (docs/model.md, equation (9)).
+    """
+    width, found = field.soft_edge, scratch.found
+    n, within, weighed = _gather_under_hairs(hairs.imprint, after, field, scratch, hairs.lanes)
+    if n < 0:
+        return False
+    area = after.values[0].area
+    scale = 0.0 if area < width * width and within == 0 else 1.0
+    lands = landing_share(area, width, weighed, within)
+    level = contact_level(before, after, ink)
+    if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
+        whole = weighed_area(field, found.ids, found.share, n)
+        n = _thin(level, found, hairs.lanes, n, field)
+        rest = weighed_area(field, found.ids, found.share, n)
+        scale *= rest / whole if whole > 0.0 else 0.0
+    scratch.taken[:] = 0.0
+    if ink.transfer[0].pickup > 0.0:
+        take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
+    _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
+    for p in range(hairs.left.shape[0]):
+        hairs.left[p] = hairs.released[p] * lands
+        ink.off_surface[p] += hairs.released[p] - hairs.left[p]
+    _leave(hairs.imprint.mix, hairs.left, found, n, hairs.lanes, field, scratch.part, ink)
+    for p in range(hairs.left.shape[0]):  # what found no vertex
+        ink.off_surface[p] += hairs.left[p]
+    if ink.transfer[0].pickup > 0.0:
+        _give_to_hairs(hairs.load, hairs.hair_contacts, scratch.taken)
+    _level(hairs, ink.transfer[0].capacity, outline_motion(before, after))
+    sum_hairs(hairs.load, ink.load)
+    scratch.counters[PAINTED] += n
+    return True
+
+
+@uncounted(error_model="numpy")
+def _level(hairs, capacity, way):
+    """Let hairs share their ink, where the tuft has gone so far (mm) that it is time."""
+    memory = hairs.memory[0]
+    memory.unlevelled += way
+    if memory.unlevelled >= _LEVELS_EVERY:
+        each = capacity / hairs.load.shape[0]
+        _level_hairs(hairs.bristles, hairs.turned, hairs.load, each, memory.unlevelled, hairs.bins)
+        memory.unlevelled = 0.0
+
+
+@uncounted(error_model="numpy")
+def _thin(level, found, lanes, n, field):
+    """`thin_contact`, with the lanes of the vertices that stay."""
+    ids, share, cover = found.ids, found.share, found.cover
+    kept = 0
+    for k in range(n):
+        touched = touched_share(level, field, ids[k])
+        if touched > 0.0:
+            ids[kept], lanes[kept] = ids[k], lanes[k]
+            share[kept] = share[k] * touched
+            cover[kept] = cover[k] * touched
+            kept += 1
+    return kept

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from paint3d.brush_engine.brush_load import level_reservoirs
+from paint3d.brush_engine.ink_transfer import level_reservoirs
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError

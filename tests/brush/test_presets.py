@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush.presets import brush_names, choose_brush, load_brush
 from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.errors import InputError
-from paint3d.painter.brush_choice import choose_brush
 
 SIZES = np.geomspace(8.0, 200.0, 40)
 
