@@ -270,6 +270,17 @@ def reached_into(tree: ast.AST) -> Iterator[tuple[int, str]]:
                 yield node.lineno, name
 
 
+def test_properties_are_tried_on_25_examples_at_least() -> None:
+    tried = {
+        f"{module.relative_to(ROOT)}:{node.value.lineno}": ast.literal_eval(node.value)
+        for module in sorted((ROOT / "tests").rglob("*.py"))
+        for node in ast.walk(parse(module))
+        if isinstance(node, ast.keyword) and node.arg == "max_examples"
+    }
+    assert len(tried) > 50
+    assert {place: n for place, n in tried.items() if n < 25} == {}
+
+
 def test_functions_are_short_and_take_few_things() -> None:
     """60 lines with the docstring, 8 parameters."""
     long = [name for name, f in functions() if f.end_lineno - f.lineno >= 60]

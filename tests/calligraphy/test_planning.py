@@ -16,7 +16,6 @@ from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph, plan_stroke
 from paint3d.calligraphy.timing import Tempo, time_courses
 from paint3d.errors import InputError
-from tests.support.examples import examples
 from tests.support.planned_strokes import EM, band, boundary, overlap, signed_distance
 
 RATE = 250.0
@@ -38,7 +37,7 @@ def example(angle=0.0, brush="xiaokai"):
     width=st.floats(0.7, 2.5),
     bend=st.floats(-1.2, 1.2),
 )
-@settings(deadline=None, max_examples=examples(12))
+@settings(deadline=None, max_examples=25)
 def test_nothing_leaves_the_outline(angle, length, width, bend):
     outline, median = band(angle, length, width, bend)
     course = plan_stroke(outline, median, EM, footprints())

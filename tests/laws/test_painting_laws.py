@@ -19,12 +19,11 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.examples import examples
 from tests.support.resampling import resample
 from tests.support.surface_cases import UPRIGHT, ball, flat, on_cylinder, poses, sheet
 
 LENGTH, FULL_PRESS = 35.0, 17.5  # of the brush "full"
-FEW = settings(deadline=None, max_examples=examples(4))
+LAW = settings(deadline=None, max_examples=25)
 
 
 def smooth(u, a: float, b: float):
@@ -121,7 +120,7 @@ def balance(painter: Painter) -> float:
     brush=st.sampled_from(["full", "slender", "xiaokai"]),
     azimuth=st.sampled_from(["commanded", "dragged"]),
 )
-@FEW
+@LAW
 def test_ink_is_kept(seed, brush, azimuth):
     rng = np.random.default_rng(seed)
     painter = Painter(PaintedSurface(plane(30.0), 0.8), brush, azimuth=azimuth)
@@ -233,7 +232,7 @@ def moved(mesh: TriangleMesh, recording: Recording, turn: Rotation, by) -> tuple
 
 
 @given(seed=st.integers(0, 10_000))
-@FEW
+@LAW
 def test_moving_mesh_and_brush_together_changes_nothing(seed):
     rng = np.random.default_rng(seed)
     mesh = sheet(on_cylinder(60.0), (50.0, 40.0), 3.0)
@@ -361,7 +360,7 @@ def test_lazy_refinement_paints_what_uniform_does(shape):
 
 
 @given(order=st.permutations(range(4)))
-@FEW
+@LAW
 def test_any_order_of_strokes_paints_the_same_vertices(order):
     strokes = [
         line((-20, -5), (15, 8)),

@@ -14,7 +14,6 @@ from paint3d.mesh import refined_mesh as paint_mesh
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from tests.support.examples import examples
 
 
 def scan(seed=3):
@@ -72,7 +71,7 @@ MESHES = {
 EDGE = 0.8
 RELAXED = settings(
     deadline=None,
-    max_examples=examples(5),
+    max_examples=25,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 every_mesh = pytest.mark.parametrize("shape", sorted(MESHES))

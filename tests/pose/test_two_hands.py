@@ -23,7 +23,6 @@ from paint3d.pose.calibration import (
 )
 from paint3d.pose.steering import ObjectPose, SteeringOptions
 from paint3d.pose.two_hands import SmoothingSettings, TwoHands, lag_s, smooth_pose
-from tests.support.examples import examples
 
 QUICK = settings(deadline=None, max_examples=25)
 MS = 1_000_000
@@ -214,7 +213,7 @@ def test_a_lifted_pen_is_lifted_at_once() -> None:
 # -- time stamps ------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=examples(8))
+@settings(deadline=None, max_examples=25)
 @given(st.integers(0, 1000), st.floats(0.999, 1.001))
 def test_the_clock_undoes_late_reading(seed, drift) -> None:
     rng = np.random.default_rng(seed)

@@ -20,7 +20,6 @@ from paint3d.surface.flow_graph import graph_of_triangles
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.wet_step import WetFields, move_water
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.examples import examples
 
 XUAN = load_material("xuan")
 SMOOTH = dataclasses.replace(XUAN, grain=0.0)
@@ -408,7 +407,7 @@ def spread_at_once(seconds):
     return outcome(surface)
 
 
-@settings(max_examples=examples(12), deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(
     cuts=st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=12),
     seconds=st.sampled_from([0.3, 3.0, 20.0]),

@@ -18,7 +18,6 @@ from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_brush import LiveBrush
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.studio import Gloss
-from tests.support.examples import examples
 
 UPRIGHT = np.eye(3)
 TUFT = build_tuft(load_brush("full"))
@@ -36,7 +35,7 @@ def stand_at(painter: Painter, height: float, pressure: float | None) -> BrushSt
 
 
 @given(pressure=st.floats(0.05, 1.0))
-@settings(max_examples=examples(12), deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_a_pressed_tuft_lies_on_the_plane_as_long_as_it_is(pressure: float) -> None:
     axes = np.eye(3)
     descent = pressure * TUFT.full_press

@@ -17,7 +17,6 @@ from paint3d.view.camera import (
     studio_axes,
     vertex_areas,
 )
-from tests.support.examples import examples
 from tests.support.view_shapes import BARE, INK, ball, sheet
 
 ANGLES = st.floats(-np.pi, np.pi)
@@ -106,7 +105,7 @@ def test_zoom_magnifies():
     assert ratio == pytest.approx(2.0, rel=0.01)
 
 
-@settings(max_examples=examples(10), deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(turn=ANGLES, height=st.floats(-1, 1))
 def test_studio_axes_are_a_rotation(turn, height):
     level = np.sqrt(1 - height**2)
