@@ -227,10 +227,7 @@ class WetPatch:
         """What is on some nodes (N,) has lost its water: it becomes a dry layer."""
         self.hand_back()
         graph = self.graph
-        rank = np.zeros(graph.n_nodes, np.int32)
-        rank[nodes] = np.arange(1, len(nodes) + 1)
-        at = np.flatnonzero(rank[graph.node_of[: graph.n_places]])
-        at = at[np.argsort(rank[graph.node_of[at]], kind="stable")]  # whoever came first here
+        at = graph.places_at(nodes)
         ids = graph.vertices[at]
         painted = self._store.ink.coverage[ids] > 0.0
         self.pigment[nodes] = 0.0

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paint3d.app.model import easel as easels
-from paint3d.app.model.easel import Easel
+from paint3d.app.model.easel import Easel, Pace
 from paint3d.app.model.ink_clock import LATE_S, InkClock
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.painter import painter as engine
@@ -89,6 +89,19 @@ def wait_for(condition):
     while not condition():
         assert time.monotonic() < until
         time.sleep(0.005)
+
+
+@given(st.floats(1e-4, 1.0), st.floats(0.0, 1.0))
+def test_painting_stays_near_the_hand_however_long_the_ink_takes(piece_s, behind_s):
+    """What passes at once has been followed soon, or takes less than the time that it is."""
+    pace = Pace()
+    for _ in range(500):
+        pace.took(piece_s)
+    work_s = pace.most(behind_s) * piece_s
+    if piece_s <= 0.8 * PIECE_S:
+        assert piece_s < work_s <= 0.2
+    else:
+        assert work_s == 0.0 or behind_s + work_s <= 0.2
 
 
 def test_whatever_is_asked_for_overtakes_the_ink(clockwork, wall):

@@ -301,6 +301,21 @@ def test_no_weight_is_negative_and_linear_functions_are_at_rest():
     assert all(mirror[b, a] == pytest.approx(w) for (a, b), w in mirror.items())
 
 
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=25, deadline=None)
+def test_links_do_not_depend_on_the_order_of_triangles_or_where_they_begin(seed):
+    points, faces = sheared()
+    random = np.random.default_rng(seed)
+    points = points + random.normal(0.0, 0.05, points.shape)
+    faces = np.concatenate([faces, faces[:1], [[3, 3, 7], [0, 1, 1]]]).astype(np.int32)
+    turned = (random.integers(3, size=len(faces))[:, None] + np.arange(3)) % 3
+    others = np.take_along_axis(faces, turned, axis=1)[random.permutation(len(faces))]
+    for one, other in zip(
+        graph_of_triangles(points, faces), graph_of_triangles(points, others), strict=True
+    ):
+        np.testing.assert_array_equal(one, other)
+
+
 @pytest.mark.parametrize("step", [1e-3, 0.1, 10.0, 1e4])
 def test_no_new_extremes_at_any_step(step):
     points, faces = sheared()

@@ -39,8 +39,9 @@ from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, is_lifted
 __all__ = ["Easel", "Event", "Pace"]
 
 _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
-_MOST_WORK_S = 0.13  # for the time that passes at once
-_MOST_BEHIND_S = 0.15  # that painting is where time still passes, if it takes long to follow
+_MOST_BEHIND_S = 0.18  # that painting may be when the time that passes at once has been followed
+_MOST_WORK_S = 0.13  # for that time, even if painting is behind, where following it takes less
+_KEEPS_UP = 0.8  # than so much of the time itself: then painting catches up
 _SHORTEST_S = 1e-4  # that a piece of time is thought to take
 _NEWS = 0.15  # share of the last piece of time in what one is thought to take
 _FOLLOW, _LIFT = "follow_time", "lift"
@@ -100,9 +101,10 @@ class Pace:
 
     def most(self, behind_s: float) -> int:
         """Pieces that may pass at once for a hand that painting is so far behind."""
-        if behind_s > _MOST_BEHIND_S and self._piece_s > 0.7 * PIECE_S:
-            return 0
-        return 1 + int(_MOST_WORK_S / max(self._piece_s, _SHORTEST_S))
+        room_s = _MOST_BEHIND_S - behind_s
+        if self._piece_s <= _KEEPS_UP * PIECE_S:
+            room_s = max(room_s, _MOST_WORK_S)
+        return max(0, int(room_s / max(self._piece_s, _SHORTEST_S)))
 
 
 class Easel:

@@ -6,7 +6,7 @@ import numpy as np
 
 from paint3d.core.kernel import kernel
 
-__all__ = ["count_vertices", "leaves_in_box", "list_vertices", "pick_nodes"]
+__all__ = ["count_vertices", "leaves_in_box", "list_distinct", "list_vertices", "pick_nodes"]
 
 
 @kernel
@@ -85,6 +85,18 @@ def leaves_in_box(field, roots, corners, low, high, out):
             if n == out.shape[0]:
                 return -1
             out[n] = t
+            n += 1
+    return n
+
+
+@kernel
+def list_distinct(nodes, marks, out):
+    """Write each of some nodes (K,) once, and set its mark, which was 0; return how many."""
+    n = 0
+    for k in range(nodes.shape[0]):
+        if marks[nodes[k]] == 0:
+            marks[nodes[k]] = 1
+            out[n] = nodes[k]
             n += 1
     return n
 

@@ -62,8 +62,8 @@ class _Rows(NamedTuple):
     """The nodes that take part, in the order in which they came; R of them have their links."""
 
     ids: NDArray  # (R + ring,) int32
-    starts: NDArray  # (R + 1,) int32
-    cols: NDArray  # (K,) int32, places in ids
+    starts: NDArray  # (R + 1,) uint32: an index without a sign need not be looked at for one
+    cols: NDArray  # (K,) uint32, places in ids
     x: NDArray  # (K,) float64, weight times the time for which water runs there
     ran: NDArray  # (2, K) float64, what came in by edges with an entry
     totals: NDArray  # (R,) float64, sum of x
@@ -82,17 +82,15 @@ class _Rows(NamedTuple):
 def _psi(depth, low, inverse, strength, film, capacity):
     """psi (mm2/s) of a depth (mm); below `low` nothing moves, `inverse` is 1 / (capacity - low)."""
     s = (depth - low) * inverse
-    if s <= 0.0:
-        return 0.0
-    if s >= 1.0:
-        return strength + film * (depth - capacity)
-    return strength * s * s * s
+    within = min(max(s, 0.0), 1.0)
+    above = film * (depth - capacity) if s >= 1.0 else 0.0
+    return strength * within * within * within + above
 
 
 @kernel(error_model="numpy")
 def _make_rows(size, n_links):
     return _Rows(
-        np.empty(size, np.int32), np.zeros(size + 1, np.int32), np.empty(n_links, np.int32),
+        np.empty(size, np.int32), np.zeros(size + 1, np.uint32), np.empty(n_links, np.uint32),
         np.empty(n_links), np.empty((2, n_links)), np.empty(size), np.empty(size), np.empty(size),
         np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size, np.bool_),
         np.zeros(size), np.zeros((2, size)),
@@ -102,7 +100,7 @@ def _make_rows(size, n_links):
 @kernel(error_model="numpy")
 def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
     """Give all that have none yet their row; return how many nodes are known now."""
-    end = rows.starts[n_rows]
+    end = np.int64(rows.starts[n_rows])
     known = n_ids
     for r in range(n_rows, n_ids):
         i = rows.ids[r]
@@ -182,11 +180,7 @@ def _count_stages(rows, n_rows, film):
 @kernel(error_model="numpy", inline="always")
 def _fall(own, other, own_entry, other_entry):
     """The difference of potentials that drives water in, below 0 out."""
-    if other > max(own, own_entry):
-        return other - max(own, own_entry)
-    if own > max(other, other_entry):
-        return max(other, other_entry) - own
-    return 0.0
+    return max(other - max(own, own_entry), 0.0) - max(own - max(other, other_entry), 0.0)
 
 
 @kernel(error_model="numpy")
@@ -209,15 +203,15 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi):
         else:
             entry = rows.entry[r]
             for e in range(rows.starts[r], rows.starts[r + 1]):
-                k = rows.cols[e]
-                if entry == 0.0 and rows.entry[k] == 0.0:
-                    come += rows.x[e] * (now[k] - now[r])
-                else:
-                    fall = _fall(rows.psi[r], rows.psi[k], entry, rows.entry[k])
-                    ran[e] = a * ran_last[e] + b * ran[e] + c * rows.x[e] * fall
-                    come += ran[e]
-        depth = rows.before[r] + rows.share[r] * come
-        psi[r] = _psi(depth, rows.low[r], rows.inverse[r], rows.strength[r], film, capacity)
+                k = rows.cols[e]  # without branches, which nobody could foretell at a front
+                fall = _fall(rows.psi[r], rows.psi[k], entry, rows.entry[k])
+                ran[e] = a * ran_last[e] + b * ran[e] + c * rows.x[e] * fall
+                flows = rows.x[e] * (now[k] - now[r])
+                come += flows if entry == 0.0 and rows.entry[k] == 0.0 else ran[e]
+        psi[r] = come
+    for r in range(n_rows):  # apart, several at once
+        depth = rows.before[r] + rows.share[r] * psi[r]
+        rows.psi[r] = _psi(depth, rows.low[r], rows.inverse[r], rows.strength[r], film, capacity)
 
 
 @kernel(error_model="numpy")
@@ -399,7 +393,6 @@ def _find(f, rows, known, rest, capacity, film, psi):
             n_stages = _count_stages(rows, n_rows, film)
         stage += 1
         _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi)
-        rows.psi[:n_rows] = psi[:n_rows]
     _find_flows(rows, n_rows, n_stages)
     return n_rows, known, n_stages
 
