@@ -29,7 +29,7 @@ __all__ = ["FOLDER", "INDEX", "Library", "library"]
 
 FOLDER = Path(__file__).with_name("machine_code")
 INDEX = "index.json"  # written last: what it names is whole
-FORMAT = 1
+FORMAT = 2
 _ROOT = Path(__file__).parents[2]
 
 log = logging.getLogger("paint3d")
@@ -49,13 +49,18 @@ def library() -> Library | None:
 
 
 class Library:
-    """Machine code for one level of processor, and the caller that hands it arrays.
+    """Machine code for one kind of processor, and the caller that hands it arrays.
 
     Parameters
     ----------
     folder : Path
     index : dict
         What `tools.kernels` has written there.
+
+    Attributes
+    ----------
+    processor : str
+        Such as ``x86-64-v3`` or ``aarch64``.
 
     Raises
     ------
@@ -67,11 +72,12 @@ class Library:
 
     def __init__(self, folder: Path, index: dict[str, Any]) -> None:
         caller = _load_caller(folder / index["caller"])
-        highest = caller.level()
-        self.level = max((n for n in map(int, index["code"]) if n <= highest), default=0)
-        if not self.level:
-            raise LookupError(f"there is none for this processor, x86-64-v{highest}")
-        self._code = ctypes.CDLL(os.fspath(folder / index["code"][str(self.level)]))
+        is_one = caller.processors()  # the best first
+        fitting = (name for name in is_one if name in index["code"])
+        self.processor = next(fitting, "")
+        if not self.processor:
+            raise LookupError(f"there is none for this processor, {is_one[0]}")
+        self._code = ctypes.CDLL(os.fspath(folder / index["code"][self.processor]))
         self._kernels: dict[str, Any] = index["kernels"]
         self._sources: list[tuple[str, str]] = index["sources"]
         self.kernel_type = _kernel_type(caller.Entry)

@@ -11,7 +11,7 @@ from typing import Any
 
 from paint3d.errors import KernelError
 
-__all__ = ["ONLY", "DeferredKernel", "can_compile", "compile_with_numba", "level_of"]
+__all__ = ["ONLY", "DeferredKernel", "can_compile", "compile_with_numba", "processor_of"]
 
 ONLY = "PAINT3D_KERNELS"  # "numba" or "library": take kernels from there or not at all
 _LEVEL_3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}  # of x86-64
@@ -49,20 +49,22 @@ def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) ->
 
 @cache
 def _prepare() -> None:
-    """Have numba compile for a level of processors, as the library is, and drop what is stale.
+    """Have numba compile for a kind of processor, as the library is, and drop what is stale.
 
     Some of the last bits of single hairs rest on which instruction estimates 1/sqrt(x). Code for
-    the very processor would take another one where there is AVX-512; so all processors of a level
+    the very processor would take another one where there is AVX-512; so all processors of a kind
     paint the same, with the library and without.
     """
     import numba
     from llvmlite import binding
 
     config: Any = numba.config  # its own, unknown to types
-    if platform.machine() in ("x86_64", "AMD64") and config.CPU_NAME is None:
-        level = level_of({name for name, on in binding.get_host_cpu_features().items() if on})
-        if level:
-            config.CPU_NAME, config.CPU_FEATURES = f"x86-64-v{level}", ""  # those of the level
+    if config.CPU_NAME is None:
+        has = {name for name, on in binding.get_host_cpu_features().items() if on}
+        processor = processor_of(platform.machine(), has)
+        if processor:
+            name = "generic" if processor == "aarch64" else processor
+            config.CPU_NAME, config.CPU_FEATURES = name, ""  # those that every one of them has
             os.environ["NUMBA_CPU_NAME"] = config.CPU_NAME  # numba reads it again, at times
             os.environ["NUMBA_CPU_FEATURES"] = config.CPU_FEATURES
     from paint3d.core.compile_cache import drop_stale
@@ -70,11 +72,21 @@ def _prepare() -> None:
     drop_stale()  # before the first is loaded
 
 
-def level_of(features: set[str]) -> int:
-    """The highest level of x86-64 that code is made for, by what a processor has; 0 for none."""
-    if not features >= _LEVEL_2:
-        return 0
-    return 3 if features >= _LEVEL_3 else 2
+def processor_of(machine: str, features: set[str]) -> str:
+    """The best kind of processor that code is made for, by what one has; "" for none.
+
+    Parameters
+    ----------
+    machine : str
+        As `platform.machine` says it.
+    features : set of str
+        As LLVM names them.
+    """
+    if machine in ("aarch64", "arm64"):
+        return "aarch64"
+    if machine not in ("x86_64", "AMD64") or not features >= _LEVEL_2:
+        return ""
+    return "x86-64-v3" if features >= _LEVEL_3 else "x86-64-v2"
 
 
 class DeferredKernel:

@@ -19,14 +19,19 @@ from paint3d.brush_engine.tuft import drag_length
 from paint3d.colour.kernels.kubelka_munk import layer_bands
 from paint3d.core import compiled
 from paint3d.core.kernel_library import FOLDER, INDEX, Library, library
-from paint3d.core.numba_kernels import ONLY, DeferredKernel
+from paint3d.core.numba_kernels import ONLY, DeferredKernel, processor_of
 from paint3d.mesh.kernels.median_split import order_by_halving
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.mesh.kernels.topology import corner_normals, count_around, link_radial, measure_faces
 from tests.support.machine_code import needs_library
-from tools.kernels.building import LEVELS, build, own_level
+from tools.kernels.building import build
+from tools.kernels.processors import ARCHITECTURES, own_architecture, own_processor
 
 ROOT = Path(__file__).parents[2]
+LEVEL_3 = {
+    *("cx16", "popcnt", "sse4.1", "sse4.2", "ssse3"),
+    *("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"),
+}  # of x86-64, as its psABI says
 FACES = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], np.int32)
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.3, 0.9]], np.float32)
 pytestmark = needs_library
@@ -225,20 +230,53 @@ def test_a_library_that_cannot_be_loaded_is_told_and_left(
 
 def test_no_code_is_taken_that_is_above_the_processor() -> None:
     index = json.loads((FOLDER / INDEX).read_text())
-    code = dict.fromkeys(("4", "9"), next(iter(index["code"].values())))
+    code = dict.fromkeys(("x86-64-v4", "riscv64"), next(iter(index["code"].values())))
     with pytest.raises(LookupError, match="none for this processor"):
         Library(FOLDER, {**index, "code": code})
 
 
-def test_numba_compiles_for_the_level_that_the_library_has(monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("machine", "has", "processor"),
+    [
+        ("x86_64", LEVEL_3, "x86-64-v3"),
+        ("AMD64", {*LEVEL_3, "avx512f"}, "x86-64-v3"),
+        ("x86_64", LEVEL_3 - {"avx2"}, "x86-64-v2"),
+        ("x86_64", LEVEL_3 - {"sse4.2"}, ""),
+        ("aarch64", {"neon"}, "aarch64"),
+        ("arm64", set(), "aarch64"),
+        ("riscv64", LEVEL_3, ""),
+    ],
+)
+def test_the_kind_of_a_processor_is_told_by_what_it_has(machine, has, processor) -> None:
+    assert processor_of(machine, has) == processor
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["x86-64-v3", "aarch64"], "expected processors of one architecture, x86_64 or aarch64"),
+        (["riscv64"], "invalid choice: 'riscv64'"),
+    ],
+)
+def test_what_no_library_can_be_for_is_said_in_a_line(words, said, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "tools.kernels", "--into", tmp_path, "--for", *words],
+        capture_output=True, text=True, check=False, cwd=ROOT,
+    )  # fmt: skip
+    assert done.returncode != 0
+    assert said in done.stderr.splitlines()[-1]
+    assert not list(tmp_path.iterdir())
+
+
+def test_numba_compiles_for_the_processor_that_the_library_is_for(monkeypatch) -> None:
     from numba import config
 
     ahead = library()
     assert ahead is not None
     link_radial.jit  # noqa: B018  # numba is made ready
     index = json.loads((FOLDER / INDEX).read_text())
-    assert f"x86-64-v{ahead.level}" == config.CPU_NAME
-    assert str(ahead.level) in index["code"]
+    assert ahead.processor in index["code"]
+    assert ahead.processor.replace("aarch64", "generic") == config.CPU_NAME
 
 
 # -- nothing of numba ------------------------------------------------------------------------------
@@ -314,26 +352,29 @@ kernel_library.FOLDER = pathlib.Path(folder)
 from tests.golden.hashes import hashes_of
 given = hashes_of(name)
 compiler = sys.modules.get("numba")
-cpu = compiler.config.CPU_NAME if compiler else f"x86-64-v{kernel_library.library().level}"
+cpu = compiler.config.CPU_NAME if compiler else kernel_library.library().processor
 print(json.dumps([cpu, given]))
 """
 
 
-@pytest.fixture(scope="module", params=LEVELS)
+OWN = ARCHITECTURES.get(own_architecture(), ())
+
+
+@pytest.fixture(scope="module", params=OWN)
 def level(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[str, Path]:
-    """A level that this machine has, and the folder of a library that has no other."""
-    if request.param > own_level():
+    """A kind of processor that this machine is, and the folder of a library that has no other."""
+    if OWN.index(request.param) > OWN.index(own_processor()):
         pytest.skip("this machine is below that level")
-    whole, folder = ROOT / "build" / "kernels", tmp_path_factory.mktemp("library")
-    build([*LEVELS], whole)  # as for a wheel
+    whole, folder = ROOT / "build" / "kernels" / "own", tmp_path_factory.mktemp("library")
+    build([*OWN], whole)  # as for a wheel
     index = json.loads((whole / INDEX).read_text())
-    index["code"] = {str(request.param): index["code"][str(request.param)]}
+    index["code"] = {request.param: index["code"][request.param]}
     for name in (index["caller"], *index["code"].values()):
         shutil.copy(whole / name, folder)
     (folder / INDEX).write_text(json.dumps(index))
-    return f"x86-64-v{request.param}", folder
+    return request.param, folder
 
 
 @pytest.mark.long

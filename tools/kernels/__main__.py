@@ -8,7 +8,8 @@ import sys
 import time
 from pathlib import Path
 
-from tools.kernels.building import FOLDER, LEVELS, BuildError, build, is_built, own_level, parts
+from tools.kernels.building import FOLDER, BuildError, build, is_built, parts
+from tools.kernels.processors import ARCHITECTURES, architecture_of, own_architecture, own_processor
 from tools.kernels.table import TableError
 
 _BAR = 40  # signs
@@ -17,29 +18,37 @@ _BAR = 40  # signs
 def main() -> int:
     """Build, or say in one line why not."""
     parser = argparse.ArgumentParser(prog="python -m tools.kernels", description=__doc__)
+    kinds = {one: [one] for some in ARCHITECTURES.values() for one in some} | ARCHITECTURES
     parser.add_argument(
-        "--levels",
-        type=int,
+        "--for",
+        dest="wanted",
         nargs="+",
-        choices=LEVELS,
-        help="of x86-64; default this machine's own",
+        choices=[*kinds, "own"],
+        help="kinds of processor of one architecture, or all of one; own: all of this machine's; "
+        "default: what this machine is",
     )
     parser.add_argument("--into", type=Path, default=FOLDER, help=argparse.SUPPRESS)
     parser.add_argument("--part", help=argparse.SUPPRESS)
     options = parser.parse_args()
     try:
-        levels = sorted(set(options.levels or [own_level()]))
+        own = ARCHITECTURES.get(own_architecture(), ())
+        wanted = options.wanted or [own_processor()]
+        processors = sorted({one for name in wanted for one in kinds.get(name, own)})
+        if len({architecture_of(one) for one in processors}) != 1:
+            raise BuildError(
+                f"expected processors of one architecture, {' or '.join(ARCHITECTURES)}"
+            )
         if options.part:
             from tools.kernels.part import compile_part
 
             (part,) = (part for part in parts() if part.name == options.part)
-            compile_part(part.groups, levels, options.into, lambda: os.write(1, b"\n") and None)
+            compile_part(part.groups, processors, options.into, lambda: os.write(1, b"\n") and None)
             return 0
-        if is_built(levels, options.into):
+        if is_built(processors, options.into):
             return 0
         start = time.monotonic()
         sys.stderr.write("kernels: compiling them, about a minute\n")
-        build(levels, options.into, _show if sys.stderr.isatty() else lambda done, of: None)
+        build(processors, options.into, _show if sys.stderr.isatty() else lambda done, of: None)
         sys.stderr.write(f"kernels: compiled in {time.monotonic() - start:.0f} s\n")
     except (BuildError, TableError, ImportError) as error:
         sys.stderr.write(f"kernels: not compiled ahead, but when first used: {error}\n")

@@ -23,26 +23,24 @@ from pathlib import Path
 from typing import Any
 
 from tools.kernels.checking import checked_table
+from tools.kernels.processors import architecture_of, own_architecture
 from tools.kernels.sources import ROOT, digest, sources_of
 from tools.kernels.table import Entry, read_table
 
 __all__ = [
     "FOLDER",
-    "LEVELS",
     "BuildError",
     "Part",
     "build",
     "is_built",
-    "own_level",
     "parts",
 ]
 
 FOLDER = ROOT / "paint3d" / "core" / "machine_code"
-LEVELS = (2, 3)  # of x86-64
-_FORMAT = 1  # as `paint3d.core.kernel_library` reads it
+_FORMAT = 2  # as `paint3d.core.kernel_library` reads it
 _INDEX = "index.json"
 _HERE = Path(__file__).parent
-_COMPILERS = ("lowering", "optimising", "part", "quickening")
+_COMPILERS = ("lowering", "optimising", "part", "processors", "quickening")
 _VERSIONS = ("numba", "llvmlite", "numpy")
 # What is lowered by one process, the longest first: the groups of its entries, which are optimised
 # beside one another, by the rooms they are in.
@@ -66,9 +64,9 @@ class Part:
     name: str
     groups: list[dict[str, Entry]]  # by the names of their functions of C
 
-    def steps(self, levels: list[int]) -> int:
+    def steps(self, processors: list[str]) -> int:
         """How often its process says that it got on: see `part.compile_part`."""
-        return sum(map(len, self.groups)) + 1 + len(self.groups) * len(levels)
+        return sum(map(len, self.groups)) + 1 + len(self.groups) * len(processors)
 
     def stamp(self) -> str:
         """The hash of all that it is made from."""
@@ -105,34 +103,16 @@ def parts() -> list[Part]:
     return found
 
 
-def own_level() -> int:
-    """The highest level of this machine that code is built for.
-
-    Raises
-    ------
-    BuildError
-        There is none.
-    """
-    from llvmlite import binding
-
-    from paint3d.core.numba_kernels import level_of
-
-    has = {name for name, on in binding.get_host_cpu_features().items() if on}
-    if sys.platform != "linux" or not level_of(has):
-        raise BuildError(f"kernels are compiled ahead for Linux on x86-64 only, not {sys.platform}")
-    return level_of(has)
-
-
-def _stamps(levels: list[int]) -> dict[str, Any]:
+def _stamps(processors: list[str]) -> dict[str, Any]:
     c = [digest(path.relative_to(ROOT).as_posix()) for path in sorted(_HERE.glob("*.c"))]
     return {
         "parts": {part.name: part.stamp() for part in parts()},
-        "levels": levels,
+        "processors": processors,
         "c": [*c, sys.version_info[:2]],
     }
 
 
-def is_built(levels: list[int], folder: Path = FOLDER) -> bool:
+def is_built(processors: list[str], folder: Path = FOLDER) -> bool:
     """Whether the library is there, made from all as it is now."""
     try:
         index = json.loads((folder / _INDEX).read_text("utf-8"))
@@ -140,11 +120,11 @@ def is_built(levels: list[int], folder: Path = FOLDER) -> bool:
     except (OSError, ValueError, LookupError):
         return False
     is_whole = all((folder / name).is_file() for name in names)
-    return is_whole and index["made_from"] == json.loads(json.dumps(_stamps(levels)))
+    return is_whole and index["made_from"] == json.loads(json.dumps(_stamps(processors)))
 
 
 def build(
-    levels: list[int],
+    processors: list[str],
     folder: Path = FOLDER,
     say: Callable[[int, int], None] = lambda done, of: None,
 ) -> None:
@@ -152,8 +132,8 @@ def build(
 
     Parameters
     ----------
-    levels : list of int
-        Of x86-64: 2 (2009) or 3 (2013, AVX2).
+    processors : list of str
+        Of one architecture: ``x86-64-v2`` (2009), ``x86-64-v3`` (2013, AVX2), ``aarch64``.
     folder : Path
         Beside the package's decorators, where they look for it.
     say : callable
@@ -162,31 +142,33 @@ def build(
     Raises
     ------
     BuildError
-        gcc or Python's headers are missing, or a kernel cannot be compiled.
+        A compiler for that architecture or Python's headers are missing, or a kernel cannot be
+        compiled.
     TableError
         The table does not say what the sources say.
     """
-    if is_built(levels, folder):
+    if is_built(processors, folder):
         return
     checked_table()
-    stamps = _stamps(levels)
+    architecture = architecture_of(processors[0])
+    stamps = _stamps(processors)
     folder.mkdir(parents=True, exist_ok=True)
     kept = folder / "parts"
     with tempfile.TemporaryDirectory(dir=folder, prefix="building-") as work:
         caller = Path(work) / f"caller-{_short(stamps['c'])}.abi3.so"
-        _compile_caller(caller)  # says first of all what is missing
+        _compile_caller(caller, architecture)  # says first of all what is missing
         wanted = parts()
-        places = {part.name: kept / _part_folder(part, levels) for part in wanted}
+        places = {part.name: kept / _part_folder(part, processors) for part in wanted}
         waiting = [part for part in wanted if not places[part.name].is_dir()]
-        steps = _Steps(1 + sum(part.steps(levels) for part in waiting), say)
+        steps = _Steps(1 + sum(part.steps(processors) for part in waiting), say)
         with ThreadPoolExecutor(max(1, len(waiting))) as pool:
             made = [
-                pool.submit(_compile, part, levels, places[part.name], steps.next)
+                pool.submit(_compile, part, processors, places[part.name], steps.next)
                 for part in waiting
             ]
             for one in made:
                 one.result()
-        code = {str(level): _link(level, list(places.values()), Path(work)) for level in levels}
+        code = {one: _link(one, list(places.values()), Path(work)) for one in processors}
         index = _index(places, stamps, caller.name, code)
         for path in (caller, *(Path(work) / name for name in code.values())):
             path.replace(folder / path.name)
@@ -214,15 +196,15 @@ def _short(thing: Any) -> str:
     return hashlib.sha256(json.dumps(thing).encode()).hexdigest()[:12]
 
 
-def _part_folder(part: Part, levels: list[int]) -> str:
-    return f"{part.name}-v{'v'.join(map(str, levels))}-{part.stamp()}"
+def _part_folder(part: Part, processors: list[str]) -> str:
+    return f"{part.name}-{'-'.join(processors)}-{part.stamp()}"
 
 
-def _compile(part: Part, levels: list[int], place: Path, say: Callable[[], None]) -> None:
+def _compile(part: Part, processors: list[str], place: Path, say: Callable[[], None]) -> None:
     """Compile a part in a process of its own, which writes a line whenever it got on."""
     place.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=place.parent, prefix=f"{part.name}-") as work:
-        words = ["--part", part.name, "--into", work, "--levels", *map(str, levels)]
+        words = ["--part", part.name, "--into", work, "--for", *processors]
         with (
             tempfile.TemporaryFile("w+") as errors,
             subprocess.Popen(
@@ -245,38 +227,43 @@ def _compile(part: Part, levels: list[int], place: Path, say: Callable[[], None]
             Path(work).mkdir()  # for the folder's own end
 
 
-def _link(level: int, places: list[Path], work: Path) -> str:
-    """Make the shared library for a level; its name."""
-    objects = [path for place in places for path in sorted(place.glob(f"*-v{level}.o"))]
+def _link(processor: str, places: list[Path], work: Path) -> str:
+    """Make the shared library for a processor; its name."""
+    objects = [path for place in places for path in sorted(place.glob(f"*-{processor}.o"))]
     exports = work / "exports"
     exports.write_text("{ global: paint3d_*; local: *; };\n")
     target = work / "kernels.so"
-    _gcc("-shared", "-s", f"-Wl,--version-script={exports}", "-Wl,-z,defs", "-Wl,--gc-sections",
-         *objects, _HERE / "runtime.c", "-lm", "-o", target)  # fmt: skip
-    name = f"x86-64-v{level}-{hashlib.sha256(target.read_bytes()).hexdigest()[:12]}.so"
+    _gcc(architecture_of(processor), "-shared", "-s", f"-Wl,--version-script={exports}",
+         "-Wl,-z,defs", "-Wl,--gc-sections", *objects, _HERE / "runtime.c", "-lm", "-o", target,
+         )  # fmt: skip
+    name = f"{processor}-{hashlib.sha256(target.read_bytes()).hexdigest()[:12]}.so"
     target.rename(work / name)
     return name
 
 
-def _compile_caller(target: Path) -> None:
+def _compile_caller(target: Path, architecture: str) -> None:
     import numpy as np
 
     headers = [sysconfig.get_path("include"), np.get_include()]
     if not (Path(headers[0]) / "Python.h").is_file():
         raise BuildError(f"Python's headers are missing from {headers[0]}: install python3-dev")
-    _gcc("-shared", "-s", *(f"-I{path}" for path in headers), _HERE / "caller.c", "-o", target)
+    include = [f"-I{path}" for path in headers]
+    _gcc(architecture, "-shared", "-s", *include, _HERE / "caller.c", "-o", target)
 
 
-def _gcc(*words: str | Path) -> None:
-    compiler = shutil.which("gcc") or shutil.which("cc")
+def _gcc(architecture: str, *words: str | Path) -> None:
+    """Compile C, or link, for an architecture: with a cross-compiler where it is not our own."""
+    is_own = architecture == own_architecture()
+    names = ["gcc", "cc"] if is_own else [f"{architecture}-linux-gnu-gcc"]
+    compiler = next(filter(None, map(shutil.which, names)), None)
     if compiler is None:
-        raise BuildError("gcc is missing")
+        raise BuildError(f"{names[0]} is missing")
     flags = ["-O2", "-fPIC", "-fvisibility=hidden"]
     run = subprocess.run(
         [compiler, *flags, *map(str, words)], capture_output=True, text=True, check=False
     )
     if run.returncode:
-        raise BuildError(f"gcc: {run.stderr[-2000:]}")
+        raise BuildError(f"{Path(compiler).name}: {run.stderr[-2000:]}")
 
 
 def _index(
@@ -295,6 +282,7 @@ def _index(
     return {
         "format": _FORMAT,
         "made_from": stamps,
+        "architecture": architecture_of(next(iter(code))),
         "caller": caller,
         "code": code,
         "sources": [[path, digest(path)] for path in sources],

@@ -232,17 +232,25 @@ static PyType_Spec entry_spec = {
     .slots = entry_slots,
 };
 
-/* The highest level of x86-64 that this processor, and its operating system, has. */
-static PyObject *level(PyObject *self, PyObject *nothing) {
+/* The kinds of processor that code is made for and that this one is, the best first. */
+static PyObject *processors(PyObject *self, PyObject *nothing) {
     (void)self, (void)nothing;
-    __builtin_cpu_init();
+#if defined(__x86_64__)
+    __builtin_cpu_init(); /* what its operating system lets programs use */
     if (__builtin_cpu_supports("x86-64-v3"))
-        return PyLong_FromLong(3);
-    return PyLong_FromLong(__builtin_cpu_supports("x86-64-v2") ? 2 : 1);
+        return Py_BuildValue("(sss)", "x86-64-v3", "x86-64-v2", "x86-64");
+    if (__builtin_cpu_supports("x86-64-v2"))
+        return Py_BuildValue("(ss)", "x86-64-v2", "x86-64");
+    return Py_BuildValue("(s)", "x86-64");
+#elif defined(__aarch64__)
+    return Py_BuildValue("(s)", "aarch64");
+#else
+#error "code is made for x86-64 and aarch64 only"
+#endif
 }
 
 static PyMethodDef methods[] = {
-    {"level", level, METH_NOARGS, "The highest level of x86-64 that this processor has."},
+    {"processors", processors, METH_NOARGS, "The kinds of processor that this one is."},
     {NULL, NULL, 0, NULL},
 };
 static struct PyModuleDef module_def = {

@@ -1,4 +1,7 @@
-"""Compile the kernels when a wheel is built, for every level of processor that it may meet."""
+"""Compile the kernels when a wheel is built, for every kind of processor that it may meet.
+
+The wheel is for this machine's architecture, or for that which ``PAINT3D_WHEEL_FOR`` names.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _TARGET = "paint3d/core/machine_code"
-_TAG = "cp311-abi3-linux_x86_64"
+_FOR = "PAINT3D_WHEEL_FOR"
 
 
 def _path(root: str) -> str:
@@ -32,8 +35,9 @@ class KernelsHook(BuildHookInterface):
         """Build what is stale, into a folder that stays."""
         if version == "editable":
             return  # scripts/install builds it, for this machine only
-        folder = Path(self.root, "build", "kernels")
-        words = ["--levels", "2", "3", "--into", os.fspath(folder)]
+        wanted = os.environ.get(_FOR, "own")
+        folder = Path(self.root, "build", "kernels", wanted)
+        words = ["--for", wanted, "--into", os.fspath(folder)]
         run = subprocess.run(
             [sys.executable, "-m", "tools.kernels", *words],
             cwd=self.root,
@@ -41,6 +45,8 @@ class KernelsHook(BuildHookInterface):
             check=False,
         )
         if run.returncode:
+            if _FOR in os.environ:
+                raise RuntimeError(f"no kernels for {wanted}, for which {_FOR} asks")
             return  # it has said why
         index = json.loads((folder / "index.json").read_text("utf-8"))
         for name in ("index.json", index["caller"], *index["code"].values()):
@@ -49,4 +55,4 @@ class KernelsHook(BuildHookInterface):
         (compiler,) = (need for need in needs if need.startswith("numba"))
         needs.remove(compiler)
         build_data["pure_python"] = False
-        build_data["tag"] = _TAG
+        build_data["tag"] = f"cp311-abi3-linux_{index['architecture']}"

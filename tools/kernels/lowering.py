@@ -17,10 +17,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from tools.kernels.processors import own_architecture
 from tools.kernels.table import TABLE, Array, Entry, Number, Row, TableError, dtype_of, resolve
 
 os.environ["PAINT3D_KERNELS"] = "numba"
-os.environ["NUMBA_CPU_NAME"] = "x86-64-v2"  # says nothing yet: see `optimising`
+os.environ["NUMBA_CPU_NAME"] = (  # says nothing yet: see `optimising`
+    "x86-64-v2" if own_architecture() == "x86_64" else "generic"
+)
 os.environ["NUMBA_CPU_FEATURES"] = ""
 
 import llvmlite.binding as llvm
@@ -31,6 +34,8 @@ from numba.core import callconv, cgutils, codegen, dispatcher, types
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from numba.core.registry import cpu_target
+from numba.core.runtime import rtsys
+from numba.core.runtime.nrtdynmod import compile_nrt_functions
 from numba.np.numpy_support import from_dtype
 
 from paint3d.core import compiled
@@ -76,8 +81,9 @@ class _ThinLibrary(codegen.JITCodeLibrary):
 def _make_thin() -> None:
     """Have numba lower, and do no more. There is no way back for this process."""
     context = cpu_target.target_context
-    context.refresh()  # its own runtime, compiled as ever
+    context.refresh()
     context.codegen()._library_class = _ThinLibrary
+    rtsys._library = compile_nrt_functions(context)  # as lowered, not for this very machine
     context.get_executable = _stand_in
     customized = dispatcher._FunctionCompiler._customize_flags
 

@@ -1,10 +1,10 @@
-"""Optimise what was lowered, once, and turn it into machine code for levels of processors.
+"""Optimise what was lowered, once, and turn it into machine code for kinds of processors.
 
 The order of things decides how fast the code is:
 
 1. Every function is tidied by itself: a kernel that is handed a hundred arrays comes as many
-   thousand instructions, of which one in six is left. That is the same for every level.
-2. For a level, every function is optimised by itself; only then may one be put into another.
+   thousand instructions, of which one in six is left. That is the same for an architecture.
+2. For a processor, every function is optimised by itself; only then may one be put into another.
    Inlined at once, a solid tuft paints a fifth slower; and loops that become vector instructions
    only when they are part of a large function become none: single hairs take a sixth longer.
 3. Kernels of single hairs (those with ``fastmath``) are optimised each with all it calls. As part
@@ -20,10 +20,9 @@ from dataclasses import dataclass
 import llvmlite.binding as llvm
 
 from tools.kernels.lowering import Lowered
+from tools.kernels.processors import ARCHITECTURES, architecture_of
 
 __all__ = ["Prepared", "emit", "optimise_for", "prepare"]
-
-_ANY_LEVEL = "x86-64-v2"
 
 
 @dataclass
@@ -34,9 +33,18 @@ class Prepared:
     elementwise: list[list[bytes]]  # of single hairs, as lowered: each, and then what it calls
 
 
-def prepare(lowered: Lowered) -> Prepared:
-    """Do all that is the same for every level and group of entries: every function is tidied."""
-    machine = _machine(_ANY_LEVEL)
+def prepare(lowered: Lowered, processor: str) -> Prepared:
+    """Do all that is the same for an architecture and every group: every function is tidied.
+
+    Parameters
+    ----------
+    lowered : Lowered
+    processor : str
+        Any of the architecture.
+    """
+    machine = _machine(ARCHITECTURES[architecture_of(processor)][0])
+    for module in (lowered.entries, *(unit.module for unit in lowered.units)):
+        module.triple, module.data_layout = machine.triple, str(machine.target_data)
     elementwise = [k for k, unit in enumerate(lowered.units) if unit.is_elementwise]
     parts = [
         [lowered.units[n].module.as_bitcode() for n in (k, *_called(lowered, k))]
@@ -51,26 +59,26 @@ def prepare(lowered: Lowered) -> Prepared:
     return Prepared(whole.as_bitcode(), parts)
 
 
-def optimise_for(level: str, prepared: Prepared) -> Prepared:
+def optimise_for(processor: str, prepared: Prepared) -> Prepared:
     """Do what is the same for every group of entries: every function is optimised by itself."""
     whole = llvm.parse_bitcode(prepared.plain)
-    _optimise_alone(whole, _machine(level))
+    _optimise_alone(whole, _machine(processor))
     return Prepared(whole.as_bitcode(), prepared.elementwise)
 
 
-def emit(prepared: Prepared, entries: Iterable[str], level: str) -> bytes:
+def emit(prepared: Prepared, entries: Iterable[str], processor: str) -> bytes:
     """Return the object file, position-independent, with some of the entries.
 
     Parameters
     ----------
     prepared : Prepared
-        Optimised for the level.
+        Optimised for the processor.
     entries : iterable of str
         Names of functions of C.
-    level : str
+    processor : str
         Such as ``x86-64-v3``.
     """
-    machine = _machine(level)
+    machine = _machine(processor)
     whole = llvm.parse_bitcode(prepared.plain)
     for thing in (*whole.functions, *whole.global_variables):
         if not thing.is_declaration and thing.linkage == llvm.Linkage.internal:
@@ -88,11 +96,13 @@ def emit(prepared: Prepared, entries: Iterable[str], level: str) -> bytes:
     return machine.emit_object(whole)
 
 
-def _machine(level: str) -> llvm.TargetMachine:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    target = llvm.Target.from_triple(llvm.get_process_triple())
-    return target.create_target_machine(cpu=level, opt=3, reloc="pic", codemodel="default")
+def _machine(processor: str) -> llvm.TargetMachine:
+    """What makes code for a processor, on whatever other one."""
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple(f"{architecture_of(processor)}-unknown-linux-gnu")
+    name = "generic" if processor == "aarch64" else processor
+    return target.create_target_machine(cpu=name, opt=3, reloc="pic", codemodel="default")
 
 
 _SEEN = {

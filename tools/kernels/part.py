@@ -25,18 +25,18 @@ _NUMBERS = {"f8": "d", "f4": "f", "i8": "i", "b1": "b"}
 
 
 def compile_part(
-    groups: list[dict[str, Entry]], levels: list[int], folder: Path, say: Callable[[], None]
+    groups: list[dict[str, Entry]], processors: list[str], folder: Path, say: Callable[[], None]
 ) -> None:
-    """Write an object file of each group for each level, and what its entries take and give.
+    """Write an object file of each group for each processor, and what its entries take and give.
 
     Parameters
     ----------
     groups : list of dict
         What is optimised together: entries by the names of their functions of C.
-    levels : list of int
-        Of x86-64.
+    processors : list of str
+        Of one architecture.
     folder : Path
-        Gets ``<k>-v<level>.o`` of the k-th group, and ``entries.json``.
+        Gets ``<k>-<processor>.o`` of the k-th group, and ``entries.json``.
     say : callable
         Called when an entry is lowered, when all is prepared, and when an object file is written;
         there in a process of its own.
@@ -50,24 +50,23 @@ def compile_part(
         for symbol, entry in entries.items()
     }
     (folder / "entries.json").write_text(json.dumps(described), "utf-8")
-    prepared = prepare(lowered)
+    prepared = prepare(lowered, processors[0])
     say()
-    _side_by_side([partial(_emit_for, level, groups, prepared, folder, say) for level in levels])
+    _side_by_side([partial(_emit_for, one, groups, prepared, folder, say) for one in processors])
 
 
 def _emit_for(
-    level: int,
+    processor: str,
     groups: list[dict[str, Entry]],
     prepared: Prepared,
     folder: Path,
     say: Callable[[], None],
 ) -> None:
-    """The object files for a level."""
-    name = f"x86-64-v{level}"
-    optimised = optimise_for(name, prepared)
+    """The object files for a processor."""
+    optimised = optimise_for(processor, prepared)
 
     def write(k: int) -> None:
-        (folder / f"{k}-v{level}.o").write_bytes(emit(optimised, groups[k], name))
+        (folder / f"{k}-{processor}.o").write_bytes(emit(optimised, groups[k], processor))
         say()
 
     _side_by_side([partial(write, k) for k in range(len(groups))])

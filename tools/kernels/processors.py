@@ -1,0 +1,31 @@
+"""The kinds of processor that code is made for."""
+
+from __future__ import annotations
+
+import platform
+import sys
+
+__all__ = ["ARCHITECTURES", "architecture_of", "own_architecture", "own_processor"]
+
+ARCHITECTURES = {"x86_64": ("x86-64-v2", "x86-64-v3"), "aarch64": ("aarch64",)}
+"""The processors of each, the least first, as `paint3d.core.kernel_library` names them."""
+
+
+def architecture_of(processor: str) -> str:
+    """The architecture of a processor, as compilers name it."""
+    return next(name for name, some in ARCHITECTURES.items() if processor in some)
+
+
+def own_architecture() -> str:
+    """That of this machine, as compilers name it."""
+    return {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
+
+
+def own_processor() -> str:
+    """The best kind that this machine is; "" where none is, or it does not run Linux."""
+    from llvmlite import binding
+
+    from paint3d.core.numba_kernels import processor_of
+
+    has = {name for name, on in binding.get_host_cpu_features().items() if on}
+    return processor_of(platform.machine(), has) if sys.platform == "linux" else ""
