@@ -71,6 +71,8 @@ class FlowGraph:
     beside : (M,) int32
         The blocks that share a link with it.
     block_open : (B,) bool
+    was_open : (B,) bool
+        Blocks that were open when what is painted here was saved: to open them is nothing new.
     block_nodes : (B,) int64
         How many nodes of each are known.
     """
@@ -88,7 +90,7 @@ class FlowGraph:
         self.beside, self._n_beside = np.zeros(0, np.int32), 0
         self.first_beside, self.last_beside = np.zeros((2, self.n_blocks), np.int64)
         self._heads = np.full(self.n_blocks, -1, np.int32)
-        self.block_open = np.zeros(self.n_blocks, bool)
+        self.block_open, self.was_open = np.zeros((2, self.n_blocks), bool)
         self.block_nodes = np.zeros(self.n_blocks, np.int64)
         self._known = np.zeros(mesh.n_cells, bool)
         self._start, self._stop = np.zeros((2, mesh.n_cells), np.int64)
@@ -184,6 +186,11 @@ class FlowGraph:
         return np.concatenate([np.zeros(0, np.int32), *rims])
 
     # -- growth -----------------------------------------------------------------------------
+
+    @property
+    def opened(self) -> AnyArray:
+        """The blocks (K,) that are open, or were when it was saved, rising."""
+        return np.flatnonzero(self.block_open | self.was_open)
 
     def know(self, cells: AnyArray) -> None:
         """Refine some cells (K,), and give their vertices nodes."""

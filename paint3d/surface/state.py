@@ -39,7 +39,7 @@ __all__ = [
     "surface_state",
 ]
 
-STATE_VERSION = 6
+STATE_VERSION = 7
 BRUSH_TRANSFER = ["pickup", "capacity", "reservoir_mm"]
 """Which of `InkField.transfer` are of the brush ("habit" of files); the other is the material's."""
 MOST_RESERVOIRS = 256
@@ -65,8 +65,8 @@ UPGRADES: dict[int, Callable[[State], State]] = {
     3: lambda state: {**state, "version": 4, "layers": None, "active": 0, **_whole(state)},
     4: lambda state: {**state, "version": 5, **_paced(state)},
     5: lambda state: {**state, "version": 6},  # it says how fast the water rose, too
+    6: lambda state: {**state, "version": 7, "open_blocks": np.zeros(0, np.int32)},
 }
-"""For each old version the step to the next one; `restore_surface` takes them in turn."""
 """For each old version the step to the next one; `restore_surface` takes them in turn."""
 
 
@@ -87,7 +87,8 @@ def surface_state(surface: PaintedSurface) -> State:
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
         where there is any trace of it: flow_vertices (C,) int32, flow_water (C,) and flow_pigment
         (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_written (C, P)
-        float32; flow_fresh (N,) int32 vertices.
+        float32; flow_fresh (N,) int32 vertices. open_blocks (B,) int32 are those of its
+        `FlowGraph` where water has been.
 
         layers is None, or says of each layer, the lowest first, name, visible and locked; active
         is the place of the one that the arrays above belong to. Those of any other, at place K,
@@ -109,6 +110,7 @@ def surface_state(surface: PaintedSurface) -> State:
         "habit": np.array(ink.transfer[BRUSH_TRANSFER].tolist()[0]),
         **layer_state(surface, ids),
         **_resting_layers(surface, ids),
+        "open_blocks": surface.open_blocks(),
     }
 
 
@@ -224,6 +226,7 @@ def restore_surface(
             surface.column_of(pigment)
         _put_ink(surface, state)
         _put_layers(surface, state)
+        surface.recall_blocks(_integers(state, "open_blocks"))
     except (KeyError, TypeError, AttributeError) as cause:
         raise SessionError(f"the surface's state is incomplete near {cause}") from None
     except SessionError:

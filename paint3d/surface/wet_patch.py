@@ -260,7 +260,7 @@ class WetPatch:
         self._follow()
 
     def open_some(self, ids: AnyArray, most: int) -> tuple[AnyArray, AnyArray]:
-        """Reach as far as some vertices (N,) with ink, but open no more than so many blocks.
+        """Reach as far as some vertices (N,) with ink, but open no more than so many new blocks.
 
         Returns those whose ink can be taken up now, and those that have to wait.
         """
@@ -269,19 +269,27 @@ class WetPatch:
         if self.material.pores_mm <= 0.0 or not wanted.any():
             return ids, ids[:0]
         block = self.graph.block_of(ids)
-        closed = np.unique(block[wanted])
-        self.open(closed[:most])
-        waits = wanted & np.isin(block, closed[most:])
+        waiting = self._open_of(np.unique(block[wanted]), most)
+        waits = wanted & np.isin(block, waiting)
         return ids[~waits], ids[waits]
 
     def open_wet(self, most: int) -> bool:
-        """Open so many of the blocks with water; whether all are open now."""
+        """Open so many new ones of the blocks with water; whether all are open now."""
         wet = self.wet_blocks()
         if self.material.pores_mm <= 0.0:
             return True
-        closed = wet[~self.graph.block_open[wet]]
-        self.open(closed[:most])
-        return len(closed) <= most
+        return not len(self._open_of(wet[~self.graph.block_open[wet]], most))
+
+    def _open_of(self, closed: AnyArray, most: int) -> AnyArray:
+        """Open those of some closed blocks (K,) that were open before, and so many more.
+
+        Returns those that stay closed. What was saved goes on as what it was saved from, where
+        the former were open.
+        """
+        again = self.graph.was_open[closed]
+        new = closed[~again]
+        self.open(np.concatenate([closed[again], new[:most]]))
+        return new[most:]
 
     def open(self, blocks: AnyArray) -> None:
         """Learn the ways in some blocks (K,)."""

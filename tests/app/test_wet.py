@@ -100,6 +100,9 @@ def test_painting_stays_near_the_hand_however_long_the_ink_takes(piece_s, behind
     work_s = pace.most(behind_s) * piece_s
     if piece_s <= 0.8 * PIECE_S:
         assert piece_s < work_s <= 0.2
+    elif behind_s <= 0.05:
+        assert pace.most(behind_s) == 1 or behind_s + work_s <= 0.2
+        assert work_s > 0.0
     else:
         assert work_s == 0.0 or behind_s + work_s <= 0.2
 

@@ -170,6 +170,28 @@ def test_water_goes_on_where_it_was_saved(tmp_path, paint_between):
     assert again.flow.water == surface.flow.water
 
 
+@pytest.mark.parametrize("pieces", [0, 1, 2, 5])
+def test_water_is_followed_beside_a_hand_as_where_it_was_saved(tmp_path, pieces):
+    """Beside a hand few blocks are opened at a time, not counting those where water has been."""
+    surface = PaintedSurface(sheet(flat, (100.0, 100.0), 5.0), 1.0, "xuan")
+    for y in (-20.0, 0.0, 20.0):
+        Painter(surface, "full", "pine soot").replay(stroke(y))
+    for _ in range(pieces):
+        surface.follow_flow(0.05)
+    if pieces == 1:
+        assert len(surface.open_blocks()) > 6
+        assert len(surface.flow.waiting)
+    save_session(Session(surface), tmp_path / "a.p3d")
+    again = load_session(tmp_path / "a.p3d").surface
+    save_session(Session(again), tmp_path / "b.p3d")
+    assert (tmp_path / "b.p3d").read_bytes() == (tmp_path / "a.p3d").read_bytes()
+    for _ in range(8):
+        for one in (surface, again):
+            one.follow_flow(0.05)
+        assert again.flow.water == surface.flow.water > 0.0
+    same(surface, again)
+
+
 def test_water_of_older_files_goes_on_in_even_steps():
     mesh = sheet(flat, (40.0, 40.0), 5.0)
     surface = PaintedSurface(mesh, 0.8, "xuan")
@@ -258,12 +280,12 @@ def test_older_versions_are_taken_step_by_step(tmp_path, monkeypatch):
         return parts
 
     def halved(state):
-        return {**state, "version": 7, "load": 0.5 * state["load"]}
+        return {**state, "version": 8, "load": 0.5 * state["load"]}
 
     monkeypatch.setattr(sessions, "VERSION", 3)
     monkeypatch.setitem(sessions.UPGRADES, 2, renamed)
-    monkeypatch.setattr(states, "STATE_VERSION", 7)
-    monkeypatch.setitem(states.UPGRADES, 6, halved)
+    monkeypatch.setattr(states, "STATE_VERSION", 8)
+    monkeypatch.setitem(states.UPGRADES, 7, halved)
     opened = load_session(path)
     assert opened.settings == {"renamed": 1}
     assert opened.surface.ink.load.tolist() == (0.5 * surface.ink.load).tolist()
@@ -332,6 +354,8 @@ BAD = {
     "no tuft": ({"surface/stations": np.zeros((0, 3))}, "the brush has 0 stations"),
     "habit": ({"surface/habit": np.array([0.0, -1.0, 0.0])}, "habit holds -1 to"),
     "nan": ({"surface/load": np.array([np.nan, 0, 0])}, "expected a finite number"),
+    "blocks": ({"surface/open_blocks": i32(3, 10**7)}, "was in blocks 3 to 10000000; expected 0"),
+    "block": ({"surface/open_blocks": i32(-1)}, "was in blocks -1 to -1"),
     "flow": ({"surface": {"flows": True}}, "incomplete near 'flow_vertices'"),
     "time": ({"recordings/0/time_ns": np.zeros(8, np.int64)}, "expected more than 0"),
     "magic": ({"mesh/faces": b"words"}, "'mesh/faces.npy' is no array"),

@@ -42,6 +42,7 @@ _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
 _MOST_BEHIND_S = 0.18  # that painting may be when the time that passes at once has been followed
 _MOST_WORK_S = 0.13  # for that time, even if painting is behind, where following it takes less
 _KEEPS_UP = 0.8  # than so much of the time itself: then painting catches up
+_BESIDE_S = 0.05  # that painting is behind where a piece of time always passes, whatever it takes
 _SHORTEST_S = 1e-4  # that a piece of time is thought to take
 _NEWS = 0.15  # share of the last piece of time in what one is thought to take
 _FOLLOW, _LIFT = "follow_time", "lift"
@@ -104,7 +105,8 @@ class Pace:
         room_s = _MOST_BEHIND_S - behind_s
         if self._piece_s <= _KEEPS_UP * PIECE_S:
             room_s = max(room_s, _MOST_WORK_S)
-        return max(0, int(room_s / max(self._piece_s, _SHORTEST_S)))
+        pieces = int(room_s / max(self._piece_s, _SHORTEST_S))
+        return max(pieces, 1 if behind_s <= _BESIDE_S else 0)  # or ink would never run again
 
 
 class Easel:
