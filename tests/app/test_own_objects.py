@@ -44,6 +44,14 @@ def window(program):
     close_unasked(window)
 
 
+@pytest.fixture(autouse=True)
+def nothing_to_lose(window):
+    """The next test is not asked what becomes of what this one has painted."""
+    yield
+    with window.stage.easel.paused() as document:
+        document.modified = False
+
+
 def foreseen(kind: type[QtWidgets.QWidget], press) -> list:
     """Let `press` deal with the next dialog of a kind; a list that it will be in."""
     met: list = []
@@ -143,6 +151,7 @@ def test_axes_are_called_as_the_file_has_them(window, tmp_path: Path) -> None:
 
 def test_a_dropped_file_asks_the_same_and_shows_the_last_material(window, tmp_path: Path) -> None:
     path = lying_jug(tmp_path)
+    window.workspace.keep(material="bisque")
 
     def change(dialog: ObjectDialog) -> None:
         assert dialog.material.currentData() == "bisque"

@@ -35,11 +35,14 @@ def at_first(window) -> tuple:
 
 
 @pytest.fixture(autouse=True)
-def first_view(window, at_first):
+def first_view(window, at_first, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(window.canvas, "_clock", EventClock())  # knows no device of other tests
     window.hand.look(at_first[0])
     window.hand.show_all()
     window.workspace.post("set_brush", at_first[1])
     window.canvas.pen_seen_ns = None  # no pen was ever here
+    window.activateWindow()
+    wait_for(window.isActiveWindow)  # keys are heard there only
     window.canvas.setFocus()
     live(0.05)
     yield
@@ -302,6 +305,7 @@ def test_taps_undo_and_redo_and_one_finger_paints_until_a_pen_is_used(window) ->
     assert strokes(window) == n + 1
     pen(canvas, KIND.TabletMove, *a, pressure=0.0)
     live(0.3)
+    HAND.pass_by(0.3)
     with Touching(canvas) as fingers:
         fingers.drag({1: (a, b)})
     assert strokes(window) == n + 1
@@ -328,9 +332,8 @@ def test_the_palm_beside_a_pen_does_nothing(window) -> None:
 
 @pytest.mark.parametrize(("rest_s", "busy_s", "what"), [(0.05, 0.3, set()), (0.3, 0.0, {"orbit"})])
 def test_a_palm_is_known_by_the_hands_time_however_late_it_is_told(
-    window, monkeypatch: pytest.MonkeyPatch, rest_s, busy_s, what
+    window, rest_s, busy_s, what
 ) -> None:
-    monkeypatch.setattr(window.canvas, "_clock", EventClock())  # of a second ago
     before, n = window.hand.camera, strokes(window)
     with Touching(window.canvas) as fingers:
         HAND.now_ms -= 1000

@@ -113,6 +113,7 @@ def when(ready, act, what: str, seconds: float = 300.0) -> None:
 def answer(press, kind=QtWidgets.QDialog, but=QtWidgets.QProgressDialog) -> None:
     """Let `press` deal with the dialog that opens next; it is called with it.
 
+    Where that fails the dialog is closed: nobody else would, and the test would wait for ever.
     Bars that show how far something is are left alone; see `answer_bar`.
     """
 
@@ -121,7 +122,12 @@ def answer(press, kind=QtWidgets.QDialog, but=QtWidgets.QProgressDialog) -> None
         return isinstance(dialog, kind) and not isinstance(dialog, but) and dialog.isVisible()
 
     def act() -> None:
-        press(QtWidgets.QApplication.activeModalWidget())
+        dialog = QtWidgets.QApplication.activeModalWidget()
+        try:
+            press(dialog)
+        except BaseException:
+            dialog.reject()
+            raise
 
     when(waits, act, f"a {kind.__name__} opens")
 
