@@ -39,7 +39,7 @@ from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, is_lifted
 __all__ = ["Easel", "Event", "Pace"]
 
 _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
-_MOST_BEHIND_S = 0.18  # that painting may be when the time that passes at once has been followed
+_MOST_BEHIND_S = 0.16  # that painting may be when the time that passes at once has been followed
 _MOST_WORK_S = 0.13  # for that time, even if painting is behind, where following it takes less
 _KEEPS_UP = 0.8  # than so much of the time itself: then painting catches up
 _BESIDE_S = 0.05  # that painting is behind where a piece of time always passes, whatever it takes
