@@ -24,6 +24,7 @@ from paint3d.mesh.kernels.median_split import order_by_halving
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.mesh.kernels.topology import corner_normals, count_around, link_radial, measure_faces
 from tests.support.machine_code import needs_library
+from tools.kernels import __main__ as kernels_command
 from tools.kernels.building import build
 from tools.kernels.processors import ARCHITECTURES, own_architecture, own_processor
 
@@ -265,6 +266,15 @@ def test_what_no_library_can_be_for_is_said_in_a_line(words, said, tmp_path: Pat
     )  # fmt: skip
     assert done.returncode != 0
     assert said in done.stderr.splitlines()[-1]
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("words", [[], ["--for", "own"]])
+def test_a_machine_that_no_code_is_for_is_told(words, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(kernels_command, "own_processor", lambda: "")
+    monkeypatch.setattr(sys, "argv", ["tools.kernels", *words, "--into", os.fspath(tmp_path)])
+    assert kernels_command.main() == 1
+    assert "expected processors of one architecture" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

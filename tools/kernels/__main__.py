@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from tools.kernels.building import FOLDER, BuildError, build, is_built, parts
-from tools.kernels.processors import ARCHITECTURES, architecture_of, own_architecture, own_processor
+from tools.kernels.processors import ARCHITECTURES, architecture_of, own_processor
 from tools.kernels.table import TableError
 
 _BAR = 40  # signs
@@ -31,9 +31,9 @@ def main() -> int:
     parser.add_argument("--part", help=argparse.SUPPRESS)
     options = parser.parse_args()
     try:
-        own = ARCHITECTURES.get(own_architecture(), ())
-        wanted = options.wanted or [own_processor()]
-        processors = sorted({one for name in wanted for one in kinds.get(name, own)})
+        own = own_processor()  # "" where nothing is made for it, or it does not run Linux
+        known = {**kinds, "": (), "own": ARCHITECTURES[architecture_of(own)] if own else ()}
+        processors = sorted({one for name in options.wanted or [own] for one in known[name]})
         if len({architecture_of(one) for one in processors}) != 1:
             raise BuildError(
                 f"expected processors of one architecture, {' or '.join(ARCHITECTURES)}"
