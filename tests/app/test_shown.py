@@ -275,6 +275,7 @@ def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
 def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
     inks = window.panels.inks
     window.panels.docks["inks"].raise_()
+    inks.empty()
     inks.stir("cinnabar")
     inks.stir("cinnabar")
     inks.stir("gamboge")

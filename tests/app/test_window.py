@@ -433,6 +433,8 @@ def test_it_fits_on_a_small_screen_in_both_themes_and_languages(window, program)
 
 def test_save_export_and_pictures(window, tmp_path: Path) -> None:
     session, glb = tmp_path / "a.p3d", tmp_path / "a.glb"
+    drag(window.canvas, (0.42, 0.5), (0.58, 0.52))
+    settled(window)
     assert window.saving.save_to(session)
     assert not window.document.modified
     assert load_session(session).surface.painted.sum() == painted(window)
