@@ -2,8 +2,8 @@
 
 The painting thread's work is done here one piece after the other, by the rules of
 `app.model.easel`: time passes in small pieces between the samples, and whenever nothing else waits.
-The clock that the hand writes by is this thread's own CPU time, so other programs on the machine
-change nothing.
+The clock that the hand writes by is the CPU time of all this process's threads, so other programs
+on the machine change little, and a second core does not help.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ def measure(share: float = 1.0) -> Result:
             Check("ink's time over the clock's, up to 50,000 wet vertices", min(few), 0.99, False)
         )
     return Result(
-        f"{n} wet strokes on xuan at {_RESOLUTION} mm, by this thread's CPU time",
+        f"{n} wet strokes on xuan at {_RESOLUTION} mm, by this process's CPU time",
         ("stroke", "wet vertices", "furthest behind, ms", "longest piece, ms", "ink's time/clock"),
         rows,
         checks,

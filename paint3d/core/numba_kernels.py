@@ -11,7 +11,14 @@ from typing import Any
 
 from paint3d.errors import KernelError
 
-__all__ = ["ONLY", "DeferredKernel", "can_compile", "compile_with_numba", "processor_of"]
+__all__ = [
+    "ONLY",
+    "DeferredKernel",
+    "can_compile",
+    "compile_with_numba",
+    "llvm_name",
+    "processor_of",
+]
 
 ONLY = "PAINT3D_KERNELS"  # "numba" or "library": take kernels from there or not at all
 _LEVEL_3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}  # of x86-64
@@ -63,8 +70,7 @@ def _prepare() -> None:
         has = {name for name, on in binding.get_host_cpu_features().items() if on}
         processor = processor_of(platform.machine(), has)
         if processor:
-            name = "generic" if processor == "aarch64" else processor
-            config.CPU_NAME, config.CPU_FEATURES = name, ""  # those that every one of them has
+            config.CPU_NAME, config.CPU_FEATURES = llvm_name(processor), ""  # what all of them have
             os.environ["NUMBA_CPU_NAME"] = config.CPU_NAME  # numba reads it again, at times
             os.environ["NUMBA_CPU_FEATURES"] = config.CPU_FEATURES
     from paint3d.core.compile_cache import drop_stale
@@ -87,6 +93,11 @@ def processor_of(machine: str, features: set[str]) -> str:
     if machine not in ("x86_64", "AMD64") or not features >= _LEVEL_2:
         return ""
     return "x86-64-v3" if features >= _LEVEL_3 else "x86-64-v2"
+
+
+def llvm_name(processor: str) -> str:
+    """What LLVM calls a kind of processor."""
+    return "generic" if processor == "aarch64" else processor
 
 
 class DeferredKernel:

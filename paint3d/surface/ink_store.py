@@ -20,7 +20,7 @@ from paint3d.colour.spectra import decode_srgb, srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
-from paint3d.errors import InputError, SessionError
+from paint3d.errors import InputError
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
@@ -98,22 +98,9 @@ class InkStore:
         return self.flow_graph.opened.astype(np.int32)
 
     def recall_blocks(self, blocks: AnyArray) -> None:
-        """Let liquids know their ways again in blocks (K,) where they did when it was saved.
-
-        Raises
-        ------
-        SessionError
-            If there are no such blocks.
-        """
-        if not len(blocks):
-            return
-        graph = self.flow_graph
-        if not 0 <= blocks.min() <= blocks.max() < graph.n_blocks:
-            raise SessionError(
-                f"water was in blocks {blocks.min()} to {blocks.max()}; expected 0 to "
-                f"{graph.n_blocks - 1}"
-            )
-        graph.was_open[blocks] = True
+        """Let liquids know their ways again in blocks (K,) where they did when it was saved."""
+        if len(blocks):
+            self.flow_graph.was_open[blocks] = True
 
     def make_room(self, extra: int | None = None) -> None:
         """Let the mesh grow by `extra` vertices (None: as `PaintMesh.reserve` sees fit)."""

@@ -226,7 +226,7 @@ def restore_surface(
             surface.column_of(pigment)
         _put_ink(surface, state)
         _put_layers(surface, state)
-        surface.recall_blocks(_integers(state, "open_blocks"))
+        surface.recall_blocks(_blocks(state, surface))
     except (KeyError, TypeError, AttributeError) as cause:
         raise SessionError(f"the surface's state is incomplete near {cause}") from None
     except SessionError:
@@ -405,6 +405,16 @@ def _amounts(
             f"{name} holds {values.min():g} to {values.max():g}; expected {least:g} to {most:g}"
         )
     return values
+
+
+def _blocks(state: Mapping[str, Any], surface: PaintedSurface) -> NDArray[np.int32]:
+    blocks = _integers(state, "open_blocks")
+    if len(blocks) and not 0 <= blocks.min() <= blocks.max() < surface.flow_graph.n_blocks:
+        raise SessionError(
+            f"water was in blocks {blocks.min()} to {blocks.max()}; expected 0 to "
+            f"{surface.flow_graph.n_blocks - 1}"
+        )
+    return blocks
 
 
 def _integers(state: Mapping[str, Any], name: str) -> NDArray[np.int32]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -23,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.kernels.checking import checked_table
-from tools.kernels.processors import architecture_of, own_architecture
+from tools.kernels.processors import architecture_of
 from tools.kernels.sources import ROOT, digest, sources_of
 from tools.kernels.table import Entry, read_table
 
@@ -253,7 +254,7 @@ def _compile_caller(target: Path, architecture: str) -> None:
 
 def _gcc(architecture: str, *words: str | Path) -> None:
     """Compile C, or link, for an architecture: with a cross-compiler where it is not our own."""
-    is_own = architecture == own_architecture()
+    is_own = architecture == platform.machine()
     names = ["gcc", "cc"] if is_own else [f"{architecture}-linux-gnu-gcc"]
     compiler = next(filter(None, map(shutil.which, names)), None)
     if compiler is None:

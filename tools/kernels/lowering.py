@@ -17,13 +17,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from tools.kernels.processors import own_architecture
+from paint3d.core.numba_kernels import llvm_name
+from tools.kernels.processors import own_least
 from tools.kernels.table import TABLE, Array, Entry, Number, Row, TableError, dtype_of, resolve
 
 os.environ["PAINT3D_KERNELS"] = "numba"
-os.environ["NUMBA_CPU_NAME"] = (  # says nothing yet: see `optimising`
-    "x86-64-v2" if own_architecture() == "x86_64" else "generic"
-)
+os.environ["NUMBA_CPU_NAME"] = llvm_name(own_least())  # says nothing yet: see `optimising`
 os.environ["NUMBA_CPU_FEATURES"] = ""
 
 import llvmlite.binding as llvm

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import llvmlite.binding as llvm
 
+from paint3d.core.numba_kernels import llvm_name
 from tools.kernels.lowering import Lowered
 from tools.kernels.processors import ARCHITECTURES, architecture_of
 
@@ -101,8 +102,9 @@ def _machine(processor: str) -> llvm.TargetMachine:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(f"{architecture_of(processor)}-unknown-linux-gnu")
-    name = "generic" if processor == "aarch64" else processor
-    return target.create_target_machine(cpu=name, opt=3, reloc="pic", codemodel="default")
+    return target.create_target_machine(
+        cpu=llvm_name(processor), opt=3, reloc="pic", codemodel="default"
+    )
 
 
 _SEEN = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 
-__all__ = ["ARCHITECTURES", "architecture_of", "own_architecture", "own_processor"]
+__all__ = ["ARCHITECTURES", "architecture_of", "own_least", "own_processor"]
 
 ARCHITECTURES = {"x86_64": ("x86-64-v2", "x86-64-v3"), "aarch64": ("aarch64",)}
 """The processors of each, the least first, as `paint3d.core.kernel_library` names them."""
@@ -16,9 +16,9 @@ def architecture_of(processor: str) -> str:
     return next(name for name, some in ARCHITECTURES.items() if processor in some)
 
 
-def own_architecture() -> str:
-    """That of this machine, as compilers name it."""
-    return {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
+def own_least() -> str:
+    """The least kind of processor of this machine's architecture, on Linux."""
+    return ARCHITECTURES[platform.machine()][0]
 
 
 def own_processor() -> str:

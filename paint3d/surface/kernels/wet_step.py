@@ -184,8 +184,8 @@ def _fall(own, other, own_entry, other_entry):
 
 
 @kernel(error_model="numpy")
-def _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi):
-    """Fill `psi` (R,) with the potentials at the end of a stage; see the module."""
+def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
+    """Bring all potentials to the end of a stage; see the module. `come` (R,) is for work."""
     now = rows.mean[stage % 2]
     last = rows.mean[1 - stage % 2]
     ran, ran_last = rows.ran[stage % 2], rows.ran[1 - stage % 2]
@@ -195,11 +195,11 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi):
     for r in range(n_rows):
         now[r] = a * last[r] + b * now[r] + c * rows.psi[r]
     for r in range(n_rows):
-        come = 0.0
+        inflow = 0.0
         if rows.free[r]:
             for e in range(rows.starts[r], rows.starts[r + 1]):
-                come += rows.x[e] * now[rows.cols[e]]
-            come -= rows.totals[r] * now[r]
+                inflow += rows.x[e] * now[rows.cols[e]]
+            inflow -= rows.totals[r] * now[r]
         else:
             entry = rows.entry[r]
             for e in range(rows.starts[r], rows.starts[r + 1]):
@@ -207,10 +207,10 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi):
                 fall = _fall(rows.psi[r], rows.psi[k], entry, rows.entry[k])
                 ran[e] = a * ran_last[e] + b * ran[e] + c * rows.x[e] * fall
                 flows = rows.x[e] * (now[k] - now[r])
-                come += flows if entry == 0.0 and rows.entry[k] == 0.0 else ran[e]
-        psi[r] = come
+                inflow += flows if entry == 0.0 and rows.entry[k] == 0.0 else ran[e]
+        come[r] = inflow
     for r in range(n_rows):  # apart, several at once
-        depth = rows.before[r] + rows.share[r] * psi[r]
+        depth = rows.before[r] + rows.share[r] * come[r]
         rows.psi[r] = _psi(depth, rows.low[r], rows.inverse[r], rows.strength[r], film, capacity)
 
 
@@ -368,7 +368,7 @@ def _seed(f, rows, nodes, around, capacity):
 
 
 @kernel(error_model="numpy")
-def _find(f, rows, known, rest, capacity, film, psi):
+def _find(f, rows, known, rest, capacity, film, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     known = _grow(f, rows, 0, known, rest, capacity, film)
@@ -392,7 +392,7 @@ def _find(f, rows, known, rest, capacity, film, psi):
         if n_stages == 0:
             n_stages = _count_stages(rows, n_rows, film)
         stage += 1
-        _run_stage(rows, n_rows, stage, n_stages, film, capacity, psi)
+        _run_stage(rows, n_rows, stage, n_stages, film, capacity, come)
     _find_flows(rows, n_rows, n_stages)
     return n_rows, known, n_stages
 
@@ -437,14 +437,14 @@ def move_water(f, nodes, around, capacity, film, passing, shortest, rest):
             if f.closed[i] != 0 and f.water[i] > 0.0:
                 return -1
     rows = _make_rows(size, n_links)
-    psi = np.zeros(size)
+    come = np.empty(size)
     length = longest
     while True:
         rest[0] = longest - length
         seeds = _seed(f, rows, nodes, around, capacity)
         n_rows, known, n_stages = seeds, seeds, 0
         if seeds > 0:
-            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], capacity, film, psi)
+            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], capacity, film, come)
         is_long = (
             n_stages > 0
             and length > 2.0 * shortest
