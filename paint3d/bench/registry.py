@@ -8,7 +8,7 @@ from dataclasses import replace
 from importlib import import_module
 
 from paint3d.bench.result import Result
-from paint3d.bench.stopwatch import load_average
+from paint3d.bench.stopwatch import load_average, taken_share
 from paint3d.errors import InputError, UnknownNameError
 
 __all__ = ["BENCHMARKS", "run_benchmark"]
@@ -56,7 +56,9 @@ def run_benchmark(name: str, share: float = 1.0) -> Result:
         raise InputError(f"share is {share:g}; expected above 0, and at most 1")
     module, function = BENCHMARKS[name][0].split(".")
     measure: Callable[[float], Result] = getattr(import_module(f"paint3d.bench.{module}"), function)
-    before = load_average()
+    before, taken = load_average(), taken_share()
     result = measure(share)
-    load = f"Load average {before} before, {load_average()} after, on {os.cpu_count()} cores."
+    load = f"Load average {before} before, {load_average()} after, on {os.cpu_count()} cores"
+    lost = taken()
+    load += "." if lost is None else f", of which the host gave {100.0 * lost:.0f} % to others."
     return replace(result, notes=[*result.notes, load])

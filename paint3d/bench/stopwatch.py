@@ -11,8 +11,13 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
-__all__ = ["Times", "alternate", "best_of", "load_average", "timed_once"]
+__all__ = ["Times", "alternate", "best_of", "load_average", "taken_share", "timed_once"]
+
+
+_PROCESSOR_TIMES = Path("/proc/stat")
+_STEAL = 7  # a column of a processor's
 
 
 @dataclass(frozen=True)
@@ -61,3 +66,33 @@ def load_average() -> float | None:
         return round(os.getloadavg()[0], 2)
     except (AttributeError, OSError):
         return None
+
+
+def taken_share() -> Callable[[], float | None]:
+    """Begin to watch how much of this machine's time its host gives to other machines.
+
+    Returns
+    -------
+    callable
+        Called later, tells the share since, in [0, 1]; None where it is not known (the column
+        "steal" of `/proc/stat`, proc(5): Linux only, and only where the host tells).
+    """
+    before = _processor_ticks()
+
+    def share() -> float | None:
+        after = _processor_ticks()
+        if before is None or after is None or sum(after) <= sum(before):
+            return None
+        return (after[_STEAL] - before[_STEAL]) / (sum(after) - sum(before))
+
+    return share
+
+
+def _processor_ticks() -> list[int] | None:
+    """What all processors have done since the machine started, by kind."""
+    try:
+        ticks = _PROCESSOR_TIMES.read_text(encoding="ascii").split("\n", 1)[0].split()
+        own = [int(word) for word in ticks[1 : _STEAL + 2]]  # what follows is in them already
+    except (OSError, ValueError):
+        return None
+    return own if len(own) > _STEAL else None

@@ -24,6 +24,7 @@ from paint3d.brush_engine.tuft import (
 )
 from paint3d.core.arrays import cross
 from paint3d.core.types import AnyArray
+from paint3d.view.kernels.rings import ring_normals
 
 __all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "tuft_rings"]
 
@@ -216,10 +217,6 @@ def grid_faces(rows: int, columns: int = AROUND) -> NDArray[np.int32]:
 
 def grid_normals(points: AnyArray) -> NDArray[np.float32]:
     """(R, AROUND, 3) float32: unit normals of rings of points, outward."""
-    ring = np.concatenate([points[:, -1:], points, points[:, :1]], axis=1)
-    normals = cross(ring[:, 2:] - ring[:, :-2], np.gradient(points, axis=0))
-    length = np.linalg.norm(normals, axis=2, keepdims=True)
-    out = points - points.mean(axis=1, keepdims=True)
-    normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])
-    flip = np.sign((normals * out).sum(axis=(1, 2)))
-    return (normals * np.where(flip < 0, -1.0, 1.0)[:, None, None]).astype(np.float32)
+    normals = np.empty(points.shape, np.float32)
+    ring_normals(np.ascontiguousarray(points, np.float64), normals)
+    return normals

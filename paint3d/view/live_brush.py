@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -149,7 +150,7 @@ class LiveBrush:
 
     def _tuft_colours(self, arc: AnyArray, ink: tuple[Any, ...] | None, fill: float) -> AnyArray:
         """(R, AROUND, 3): hair, darker at the root, with the ink as high as the tuft is full."""
-        hairs = 0.86 + 0.28 * np.random.default_rng(11).random(AROUND)
+        hairs = _hair_shades()
         shade = 0.72 + 0.28 * np.clip((1.0 - arc) / 0.25, 0.0, 1.0)
         colours = self._hair[None, None] * hairs[None, :, None] * shade[:, None, None]
         if ink is None or fill <= 0.0:
@@ -218,6 +219,12 @@ class LiveBrush:
         radius = 0.22 * self._tuft.diameters[-1]
         ring = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(36)], axis=1)
         return stand.place(ring)
+
+
+@cache
+def _hair_shades() -> AnyArray:
+    """(AROUND,): how light each hair is, always the same."""
+    return 0.86 + 0.28 * np.random.default_rng(11).random(AROUND)
 
 
 def _drape(

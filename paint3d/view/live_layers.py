@@ -7,6 +7,7 @@ exact to the bit, depth included.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from paint3d.errors import ExportError
 if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
-__all__ = ["Box", "KeptPicture", "Target"]
+__all__ = ["Box", "KeptPicture", "LastPicture", "Target", "joined_box"]
 
 Box = tuple[int, int, int, int]
 
@@ -28,6 +29,15 @@ _SCISSOR_TEST = 0x0C11
 _BYTES, _DEPTH_BITS = 3, 32  # as VTK makes the picture it draws into
 
 
+def joined_box(boxes: Iterable[Box | None]) -> Box | None:
+    """The smallest box around some; None around none."""
+    there = [box for box in boxes if box is not None]
+    if not there:
+        return None
+    low, high = np.array(there)[:, :2].min(axis=0), np.array(there)[:, 2:].max(axis=0)
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+
+
 class KeptPicture:
     """A copy of the picture that a window draws into: colours and depths.
 
@@ -35,12 +45,15 @@ class KeptPicture:
     ----------
     window : vtkRenderWindow
         It has drawn once at its present size.
+    depth : bool
+        Whether depths are kept: not where nothing has one.
     """
 
-    def __init__(self, window: vtkRenderWindow) -> None:
+    def __init__(self, window: vtkRenderWindow, *, depth: bool = True) -> None:
         from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLFramebufferObject
 
         self._window, self.size = window, tuple(window.GetSize())
+        self._parts = _COLOUR | _DEPTH if depth else _COLOUR
         self._kept = vtkOpenGLFramebufferObject()
         self._kept.SetContext(window)
         window.MakeCurrent()
@@ -75,8 +88,50 @@ class KeptPicture:
         state.SetEnumState(_SCISSOR_TEST, False)
         x0, y0, x1, y1 = box
         place = (x0, x1, y0, y1)
-        source.Blit(place, place, _COLOUR | _DEPTH, _NEAREST)
+        source.Blit(place, place, self._parts, _NEAREST)
         state.PopFramebufferBindings()
+
+
+class LastPicture(KeptPicture):
+    """A kept picture that is copied only when the window draws over it.
+
+    While nothing else is drawn, the window's own picture is the one: an object that turns without a
+    brush is copied neither there nor back.
+    """
+
+    def __init__(self, window: vtkRenderWindow) -> None:
+        super().__init__(window)
+        self._due: Box | None = None  # drawn by the window, and not copied
+        self._covered: Box | None = None  # where the window shows something else
+
+    def keep(self, box: Box) -> None:
+        """Take a box of pixels of what the window has drawn, before they are drawn over."""
+        self._covered = _without(self._covered, box)
+        if self._covered is None:
+            self._due = joined_box((self._due, box))
+        else:
+            super().keep(box)
+
+    def cover(self, box: Box) -> None:
+        """Be told that the window is about to draw something else in a box."""
+        if self._due is not None:
+            super().keep(self._due)
+            self._due = None
+        self._covered = joined_box((self._covered, box))
+
+    def give(self, box: Box) -> None:
+        """Put a box of pixels back where the window draws, if it shows something else there."""
+        if self._covered is not None:
+            super().give(box)
+            self._covered = _without(self._covered, box)
+
+
+def _without(box: Box | None, taken: Box) -> Box | None:
+    """A box of which another is taken away: none if that holds all of it, else as it was."""
+    if box is None:
+        return None
+    low = taken[0] <= box[0] and taken[1] <= box[1]
+    return None if low and taken[2] >= box[2] and taken[3] >= box[3] else box
 
 
 class Target:

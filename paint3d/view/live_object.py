@@ -84,6 +84,7 @@ class LiveObject:
         self.is_solid = surface.source.is_solid
         self._all = True
         self._coarse: CoarseObject | None = None
+        self._coarse_triangles = 0
         self._changed = np.empty(0, np.int32)
         self._covers: Callable[[AnyArray], AnyArray] | None = None
         edge = 1.1 * float(np.sqrt(surface.vertex_areas.sum() / len(surface.source.vertices)))
@@ -164,8 +165,9 @@ class LiveObject:
         finest = _PIXELS * pixel_mm
         fewest = float(np.sqrt(2.0 * self.patches.fine_area / n_triangles))
         fewest = fewest if self.patches.n_leaves > n_triangles else 0.0
-        before = self._coarse
-        if before is not None and before.n_vertices == mesh.n_vertices:
+        before, same = self._coarse, n_triangles == self._coarse_triangles
+        self._coarse_triangles = n_triangles
+        if before is not None and before.n_vertices == mesh.n_vertices and same:
             low = fewest / _NEAR if before.n_faces > n_triangles else 0.0
             if low <= before.size <= max(_MOST_PIXELS * pixel_mm, fewest * _NEAR):
                 return None

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.types import AnyArray
-from paint3d.view.live_layers import Box
-from paint3d.view.live_scene import LiveScene, joined_box
+from paint3d.view.live_layers import Box, joined_box
+from paint3d.view.live_scene import LiveScene
 
 __all__ = ["LivePicture"]
 
@@ -28,7 +28,11 @@ _SETTLED_S = 0.15  # after the view moved: then all triangles are drawn,
 _CALM_S = 0.35  # and after anything moved: then edges are smoothed
 _STEP_S = 0.025  # what may be spent on that at once
 _MANY = 120_000  # triangles: more are drawn coarsely while the view moves,
+_FEWEST = 30_000  # or, where that takes too long, more than fewer, but no fewer than these;
 _TOO_MANY = 700_000  # and of more the edges are not smoothed
+_LONG_S, _SHORT_S = 0.025, 0.012  # that a picture of a view that moves may take, and may well take
+_FEWER = 0.7  # times as many triangles as before, where it takes longer
+_JUDGED = 5  # pictures, of which the middle one counts
 _MANY_PIECES = 60
 _RECENT = 20  # pictures
 _APART = 1.5  # boxes are drawn one by one if the one around both has more pixels than so
@@ -41,7 +45,7 @@ class LivePicture:
     ----------
     scene : LiveScene
     prepare : callable
-        Called with how many triangles may be drawn before the object is drawn coarsely; gives
+        Called with how many triangles may be drawn where the object is drawn coarsely; gives
         the scene a coarse object that fits (`LiveScene.set_coarse`), and tells whether it could.
 
     Attributes
@@ -61,6 +65,7 @@ class LivePicture:
         self._front_is_fine = True
         self._turned = self._moved = time.perf_counter()
         self._took: deque[float] = deque(maxlen=_RECENT)
+        self._many, self._wholes = _MANY, list[float]()
         self.changed: Box | None = None
 
     @property
@@ -94,7 +99,9 @@ class LivePicture:
             self._object.clear()
             self._front.clear()
             self._draw_all()
-            return self._show(None, started)
+            pixels = self._show(None, started)
+            self._judge(scene.frame_s)
+            return pixels
         boxes = self._take_boxes()
         for box in boxes:
             scene.draw_object(box)
@@ -147,11 +154,23 @@ class LivePicture:
     def _draw_all(self) -> None:
         scene = self._scene
         n_triangles, n_pieces = scene.seen()
-        heavy = n_triangles > _MANY or n_pieces > _MANY_PIECES
-        coarse = scene.is_software and heavy and self._prepare(_MANY)
+        heavy = n_triangles > self._many or n_pieces > _MANY_PIECES
+        coarse = scene.is_software and heavy and self._prepare(self._many)
         scene.draw_object(coarse=coarse)
         columns, rows = (-(-pixels // _CELL) for pixels in scene.size)
         self._cells = np.full((rows, columns), _ROUGH if coarse else _PLAIN, np.uint8)
+
+    def _judge(self, took_s: float) -> None:
+        """Draw fewer triangles while the view moves if pictures take long, more if they do not."""
+        self._wholes.append(took_s)
+        if len(self._wholes) < _JUDGED:
+            return
+        middle = sorted(self._wholes)[_JUDGED // 2]
+        self._wholes.clear()
+        if middle > _LONG_S:
+            self._many = max(int(_FEWER * self._many), _FEWEST)
+        elif middle < _SHORT_S:
+            self._many = min(int(self._many / _FEWER), _MANY)
 
     def _improve(self, started: float, fine: bool) -> list[Box]:
         """Draw some cells better than they are; return where."""

@@ -22,17 +22,17 @@ from paint3d.view.kernels.facing import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_facing import turned_away
-from paint3d.view.live_layers import Box, KeptPicture, Target
+from paint3d.view.live_layers import Box, KeptPicture, LastPicture, Target
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import PatchUpload
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 
-__all__ = ["DARK", "LIGHT", "Background", "Box", "LiveScene", "joined_box"]
+__all__ = ["DARK", "LIGHT", "Background", "LiveScene"]
 
 _SQUARES = 20  # along the floor: those without shade are not drawn
 _SHADE = 0.55  # darkest the object's shade on the floor becomes
-_MARGIN = 4  # pixels around what has changed: lines are wide, edges are smoothed
+_MARGINS = np.array([-4, -4, 5, 5])  # pixels around what has changed: lines are wide
 _JITTER = tuple((x, y) for y in (-0.25, 0.25) for x in (-0.25, 0.25))  # of a pixel: four samples
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
 _SAMPLES = 4  # a pixel, where a graphics card draws
@@ -50,6 +50,9 @@ _SHINE = """
   fragOutput0 = vec4(vertexColorVSOutput.rgb + specularIntensity
     * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
 """  # of three parallel lamps, as VTK draws them but for what comes to nothing
+_SHADE_ALONE = """
+  fragOutput0 = vec4(0.0, 0.0, 0.0, texture(actortexture, tcoordVCVSOutput).r);
+"""  # on the floor: black, as dense as its only channel says
 _LIGHTS = (  # of what shines and of the brush; the object's own light is baked
     ((-0.55, 0.75, 1.0), 0.85, (1.0, 0.985, 0.96)),
     ((0.9, 0.25, 0.45), 0.35, (0.93, 0.96, 1.0)),
@@ -67,15 +70,6 @@ class Background:
 
 LIGHT = Background((0.815, 0.805, 0.785), (0.640, 0.630, 0.612))
 DARK = Background((0.300, 0.296, 0.290), (0.150, 0.150, 0.154))
-
-
-def joined_box(boxes: Iterable[Box | None]) -> Box | None:
-    """The smallest box around some; None around none."""
-    there = [box for box in boxes if box is not None]
-    if not there:
-        return None
-    low, high = np.array(there)[:, :2].min(axis=0), np.array(there)[:, 2:].max(axis=0)
-    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
 
 class LiveScene:
@@ -113,6 +107,9 @@ class LiveScene:
         self._window.SetMultiSamples(0)
         self._window.SetSize(*size)
         self._window.SetFrameBlitModeToNoBlit()
+        self._window.SetSwapBuffers(
+            False
+        )  # pixels are read where they are drawn: copy them nowhere
         self._size = size
         self._eye = vtkCamera()
         self._backdrop, self.renderer, self._front = (self._layer(n) for n in range(3))
@@ -125,12 +122,13 @@ class LiveScene:
         if not self.is_software:
             self._window.SetMultiSamples(_SAMPLES)
         self._target = Target(self._window)
-        self._kept: tuple[KeptPicture, KeptPicture] | None = None
+        self._kept: tuple[KeptPicture, LastPicture] | None = None
         self._pixels: AnyArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
         self._coarse: list[DrawnMesh] = []
         self._coarse_is_new = False
         self._coarse_object: CoarseObject | None = None
+        self._coarse_order: list[int] = []
         self._bounds_of, self._cones = np.empty((0, 6)), np.empty((0, 4))
         self._counts = np.empty(0, np.int64)
         self._is_solid = False
@@ -212,7 +210,7 @@ class LiveScene:
 
         Returns
         -------
-        list of (K, 3) float32
+        list of (N, 3) float32
             Of each patch the corners of those triangles that look otherwise than before.
         """
         changed = []
@@ -224,7 +222,8 @@ class LiveScene:
             if upload.points is not None and upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
                 self._bound(upload.patch, upload.points, upload.faces)
-            changed.append(drawn.around(drawn.set_colours(upload.colours)))
+            changed.append(drawn.changed_by(upload.colours))
+            drawn.set_colours(upload.colours)
             self.uploaded += upload.n_bytes
         return changed
 
@@ -256,7 +255,7 @@ class LiveScene:
         """Take the object as it is drawn coarsely (see `draw_object`), or None for not at all."""
         for drawn in self._coarse:
             self.renderer.RemoveActor(drawn.actor)
-        self._coarse, self._coarse_object = [], coarse
+        self._coarse, self._coarse_object, self._coarse_order = [], coarse, []
         for piece in coarse.pieces if coarse is not None else ():
             drawn = self._glazed()
             drawn.set_shape(piece.points, piece.faces, piece.normals)
@@ -331,6 +330,9 @@ class LiveScene:
         look.LightingOff()
         look.BackfaceCullingOn()
         drawn.actor.ForceTranslucentOn()
+        drawn.drop_nothing()
+        shader = drawn.actor.GetShaderProperty()
+        shader.AddFragmentShaderReplacement("//VTK::TCoord::Impl", True, _SHADE_ALONE, False)
         self._ground = drawn
         self.renderer.AddActor(drawn.actor)
 
@@ -388,14 +390,14 @@ class LiveScene:
     def _screen_boxes(self, points: AnyArray) -> AnyArray:
         """(P, 4) int: the boxes around points (P, N, 3); x1 <= x0 or y1 <= y0 where in none."""
         camera, (width, height) = self._camera, self._size
-        seen = (points - camera.position) @ self._axes
-        near = seen[..., 2].min(axis=1)
-        scale = 0.5 * height / np.tan(0.5 * camera.view_angle) / np.maximum(seen[..., 2:], 1e-9)
-        place = scale * seen[..., :2] + (0.5 * width, 0.5 * height)
-        boxes = np.concatenate(
-            [place.min(axis=1) - _MARGIN, place.max(axis=1) + _MARGIN + 1.0], axis=1
-        )
-        boxes[~(near > 0.0)] = self.whole  # at the eye or behind it: anywhere; also what is nan
+        away = points - camera.position
+        right, up, ahead = (away @ axis for axis in self._axes.T)
+        scale = 0.5 * height / np.tan(0.5 * camera.view_angle) / np.maximum(ahead, 1e-9)
+        across, along = scale * right + 0.5 * width, scale * up + 0.5 * height
+        low = [across.min(axis=1), along.min(axis=1)]  # apart: rows of numbers are fast
+        high = [across.max(axis=1), along.max(axis=1)]
+        boxes = np.stack([*low, *high], axis=1) + _MARGINS
+        boxes[~(ahead.min(axis=1) > 0.0)] = self.whole  # at the eye or behind: anywhere; also nan
         result: AnyArray = np.clip(boxes, 0, (width, height, width, height)).astype(np.int64)
         return result
 
@@ -459,6 +461,7 @@ class LiveScene:
         for shift in shifts:
             kept.give(box)
             if self._has_front():
+                kept.cover(box)
                 self._draw_layer(self._front, box, shift)
             pixels = self._target.read(box)
             if len(shifts) > 1:
@@ -537,12 +540,15 @@ class LiveScene:
     def _sort_coarse(self) -> None:
         """Draw near pieces first: what lies behind them need not be shaded."""
         assert self._coarse_object is not None, "its pieces are there"
-        pieces = self._coarse_object.pieces
-        depth = [(piece.centre - self._camera.position) @ self._axes[:, 2] for piece in pieces]
+        centres = np.stack([piece.centre for piece in self._coarse_object.pieces])
+        order = np.argsort((centres - self._camera.position) @ self._axes[:, 2], kind="stable")
+        if order.tolist() == self._coarse_order:
+            return
+        self._coarse_order = order.tolist()
         props = self.renderer.GetViewProps()  # the renderer itself would send it all again
         for drawn in self._coarse:
             props.RemoveItem(drawn.actor)
-        for k in np.argsort(depth, kind="stable"):
+        for k in self._coarse_order:
             props.AddItem(self._coarse[k].actor)
 
     def _draw_layer(self, layer: Any, box: Box, shift: tuple[float, float]) -> None:
@@ -563,12 +569,12 @@ class LiveScene:
             kept.release()
         self._kept = self._pixels = self._boxes = self._seen = None
 
-    def _keep(self) -> tuple[KeptPicture, KeptPicture]:
+    def _keep(self) -> tuple[KeptPicture, LastPicture]:
         """The backdrop, and where the object is kept."""
         if self._kept is None:
             self._window.SetSize(*self._size)
             self._draw_layer(self._backdrop, self.whole, (0.0, 0.0))
-            self._kept = KeptPicture(self._window), KeptPicture(self._window)
+            self._kept = KeptPicture(self._window, depth=False), LastPicture(self._window)
             self._kept[0].keep(self.whole)
         return self._kept
 
@@ -612,6 +618,7 @@ def _mirror(drawn: DrawnMesh, on: bool) -> None:
     """Let lamps be mirrored pixel by pixel, or not."""
     shader = drawn.actor.GetShaderProperty()
     shader.ClearAllFragmentShaderReplacements()
+    drawn.drop_nothing()
     if on:
         shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _SHINE, False)
 
@@ -626,7 +633,7 @@ def _shine(look: Any, gloss: Gloss) -> None:
 
 
 def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """A grid over a texture (H, W, 4) without the squares in which nothing is to be seen.
+    """A grid over a texture (H, W, 1) without the squares in which nothing is to be seen.
 
     Returns
     -------
@@ -637,7 +644,7 @@ def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
     ticks = np.linspace(0.0, 1.0, _SQUARES + 1)
     places = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
     edges = [np.rint(ticks * n).astype(np.int64) for n in pixels.shape[:2]]
-    smeared = maximum_filter1d(maximum_filter1d(pixels[..., 3], 3), 3, axis=1)
+    smeared = maximum_filter1d(maximum_filter1d(pixels[..., 0], 3), 3, axis=1)
     dense = smeared > 0  # a texel is smeared over its neighbours
     sums = np.add.reduceat(np.add.reduceat(dense, edges[0][:-1], axis=0), edges[1][:-1], axis=1)
     row, column = np.nonzero(sums)
@@ -648,12 +655,10 @@ def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
 
 
 def _shade_pixels(openness: AnyArray) -> NDArray[np.uint8]:
-    """(N, N, 4) uint8: black, as dense as the light is kept away, fading toward the border."""
+    """(N, N, 1) uint8: how dense the shade is where light is kept away; it fades at the border."""
     n = len(openness)
     ticks = (np.arange(n) + 0.5) / n * 2.0 - 1.0
     radius = np.hypot(ticks[None, :], ticks[:, None])
     fade = np.clip((1.0 - radius) / 0.35, 0.0, 1.0)
-    pixels = np.zeros((n, n, 4), np.uint8)
     shade = _SHADE * (1.0 - np.clip(openness, 0.0, 1.0)) * fade * fade * (3.0 - 2.0 * fade)
-    pixels[..., 3] = np.rint(255.0 * shade)
-    return pixels
+    return np.rint(255.0 * shade).astype(np.uint8)[..., None]

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.bench import stopwatch
 from paint3d.bench.dabs import time_dabs
 from paint3d.bench.live import FRAME_HZ, frames_of, play, play_live
 from paint3d.bench.plain import PlainSurface
@@ -48,6 +49,22 @@ def test_every_benchmark_runs(name: str) -> None:
     assert all(math.isfinite(check.value) for check in result.checks)
     json.dumps(result.as_dict(), allow_nan=False)
     assert result.notes[-1].startswith("Load average")
+
+
+def test_the_time_that_the_host_gave_to_others_is_told(tmp_path, monkeypatch) -> None:
+    """Ticks of /proc/stat: user nice system idle iowait irq softirq steal guest guest_nice."""
+    file = tmp_path / "stat"
+    monkeypatch.setattr(stopwatch, "_PROCESSOR_TIMES", file)
+    file.write_text("cpu  100 0 50 800 0 0 0 10 70 0\ncpu0 1 2 3\n")
+    share = stopwatch.taken_share()
+    assert share() is None  # no time has passed
+    file.write_text("cpu  150 0 60 820 0 0 0 30 90 0\ncpu0 1 2 3\n")
+    assert share() == pytest.approx(20 / 100)
+    file.write_text("cpu  150 0 60\n")
+    assert share() is None
+    file.unlink()
+    assert share() is None
+    assert stopwatch.taken_share()() is None
 
 
 def test_unknown_benchmark() -> None:

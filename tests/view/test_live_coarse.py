@@ -84,6 +84,12 @@ def test_it_is_made_again_only_where_it_no_longer_fits(shown: LiveObject) -> Non
     near = shown.coarse_for(0.05, 10_000_000)
     assert near is not None
     assert near.n_faces > first.n_faces
+    many = shown.coarse_for(0.05, 20_000)
+    assert many is not None
+    assert shown.coarse_for(0.05, 20_000) is None
+    fewer = shown.coarse_for(0.05, 14_000)  # on a machine that was found to be slow
+    assert fewer is not None
+    assert fewer.n_faces < many.n_faces < near.n_faces
 
 
 def test_lamps_shine_where_they_are_mirrored() -> None:

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import paint3d
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view import live_scene
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.kernels.facing import cone_of
 from paint3d.view.live_facing import turned_away
+from paint3d.view.live_layers import Box, KeptPicture, joined_box
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_patches import LivePatches
-from paint3d.view.live_scene import DARK, LiveScene, joined_box
+from paint3d.view.live_scene import DARK, LiveScene
 from paint3d.view.studio import Gloss
+from paint3d.view.vtk_parts import DrawnMesh
 
 NONE = np.empty(0, np.int32)
 
@@ -163,6 +170,84 @@ def test_a_part_drawn_anew_fits_into_the_whole(surface: PaintedSurface) -> None:
     whole = scene.draw().astype(int)
     assert np.array_equal(part, whole)
     scene.close()
+
+
+WHOLE, HALF = (0, 0, 200, 150), (0, 0, 90, 150)
+PART, CORNER = (37, 20, 151, 118), (150, 90, 200, 150)
+BOXES = st.sampled_from([WHOLE, HALF, PART, CORNER])
+PLACES = st.sampled_from([None, 0.0, 0.2, 0.5])
+Drawn = tuple[LiveScene, DrawnMesh, DrawnMesh]
+
+
+class CopiedAtOnce(KeptPicture):
+    """As `LastPicture`, but it copies whatever it is given, both ways."""
+
+    def cover(self, box: Box) -> None:
+        pass
+
+
+@pytest.fixture(scope="module")
+def two_scenes() -> Iterator[list[Drawn]]:
+    """The same twice: an object, something that may stick in it, something that may be in front.
+
+    The second scene copies at once.
+    """
+    surface = PaintedSurface(paint3d.load_mesh("vase"), None)
+    shown, made = LiveObject(surface), []
+    uploads = shown.uploads(NONE)
+    with pytest.MonkeyPatch.context() as patch:
+        for _ in range(2):
+            scene, stuck, brush = LiveScene((200, 150)), DrawnMesh(), DrawnMesh()
+            scene.clear(shown.centre, shown.radius, Gloss.of("porcelain"), solid=shown.is_solid)
+            scene.apply(uploads)
+            scene.set_camera(fit_camera(surface.source.vertices, View((0.3, -1.0, 0.8)), 200 / 150))
+            scene.add(stuck)
+            scene.add(brush, front=True)
+            for one in (stuck, brush):
+                stand(one, scene, None)
+            scene.draw()
+            made.append((scene, stuck, brush))
+            patch.setattr(live_scene, "LastPicture", CopiedAtOnce)
+    yield made
+    for scene, _, _ in made:
+        scene.close()
+
+
+def stand(thing: DrawnMesh, scene: LiveScene, share: float | None) -> None:
+    """Put a triangle somewhere from the object's middle (0) toward the eye, or nowhere."""
+    thing.show(share is not None)
+    if share is not None:
+        camera = scene.camera
+        away = camera.position - camera.focus
+        right = np.cross(camera.up, away)
+        places = np.array([[-0.1, -0.05], [0.12, -0.08], [0.02, 0.13]])  # to the right and up
+        across = places @ np.stack([right, np.linalg.norm(away) * camera.up])
+        nearer = np.array([[share - 0.1], [share + 0.1], [share]])
+        corners = camera.focus + nearer * away + (1.0 - share) * across
+        faces = np.array([[0, 1, 2], [0, 2, 1]], np.int32)
+        thing.set_shape(corners.astype(np.float32), faces)
+
+
+STEPS = st.tuples(PLACES, st.lists(BOXES, max_size=2), PLACES, BOXES, st.booleans())
+
+
+@given(steps=st.lists(STEPS, min_size=3))
+@settings(max_examples=25, deadline=None)
+def test_what_is_copied_late_is_the_same_picture(two_scenes: list[Drawn], steps: list) -> None:
+    """Drawn anew where it is asked for only, with the brush in front of it."""
+    for scene, stuck, brush in two_scenes:
+        for one in (stuck, brush):
+            stand(one, scene, None)
+        scene.draw()
+    for stuck_at, boxes, brush_at, seen, fine in steps:
+        pictures = []
+        for scene, stuck, brush in two_scenes:
+            stand(stuck, scene, stuck_at)
+            for box in boxes:
+                scene.draw_object(box)
+            stand(brush, scene, brush_at)
+            pictures.append(scene.show(seen, fine=fine))
+        assert np.array_equal(*pictures)
 
 
 def painted(surface: PaintedSurface, ids: NDArray) -> NDArray:

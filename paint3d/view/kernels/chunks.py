@@ -20,6 +20,7 @@ __all__ = [
     "Entries",
     "add_faces",
     "light_of_added",
+    "mark_changed",
     "mark_holders",
     "mark_split",
     "place_faces",
@@ -116,6 +117,35 @@ def mark_holders(vertex_ids, entries, marks):
         while e >= 0:
             marks[entries.patch[e]] = 1
             e = entries.following[e]
+
+
+@kernel
+def mark_changed(before, colours, faces, marks):
+    """Mark the corners of those triangles that look otherwise than before.
+
+    Parameters
+    ----------
+    before : (N, C) uint8
+        Colours that vertices had; vertices from number N on had none.
+    colours : (K, C) uint8
+        Those that they get.
+    faces : (L, 3) int32
+    marks : (K,) uint8
+        Written: 0; 1 for a corner of a triangle one of whose corners changes.
+    """
+    changed, n_before = np.zeros(len(colours), np.uint8), len(before)
+    for i in range(len(colours)):
+        marks[i] = 0
+        if i >= n_before:
+            changed[i] = 1
+            continue
+        for c in range(colours.shape[1]):
+            if before[i, c] != colours[i, c]:
+                changed[i] = 1
+    for f in range(faces.shape[0]):
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        if changed[a] | changed[b] | changed[c]:
+            marks[a] = marks[b] = marks[c] = 1
 
 
 @kernel

@@ -1,0 +1,75 @@
+"""What is drawn next: no picture takes long, however slow the machine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paint3d.view.live_picture import LivePicture
+
+
+class Renderer:
+    """Stands for a scene of a million triangles; a picture takes as long as it is told."""
+
+    size = (320, 160)
+    whole = (0, 0, 320, 160)
+    is_software = True
+
+    def __init__(self) -> None:
+        self.us_a_triangle = 0.0
+        self.triangles = 1_000_000
+        self.frame_s = 0.0
+
+    def seen(self) -> tuple[int, int]:
+        return 1_000_000, 300
+
+    def prepare(self, most: int) -> bool:
+        self.triangles = most
+        return True
+
+    def draw_object(self, box: object = None, *, coarse: bool = False, fine: bool = False) -> None:
+        self.frame_s = 0.004 + 1e-6 * self.us_a_triangle * self.triangles
+
+    def show(self, box: object = None, *, fine: bool = False) -> np.ndarray:
+        return np.zeros((160, 320, 4), np.uint8)
+
+
+def turned(picture: LivePicture, n: int) -> None:
+    """As many pictures of a view that moves."""
+    for _ in range(n):
+        picture.touch()
+        picture.draw()
+
+
+@pytest.mark.parametrize("us_a_triangle", [0.3, 0.6])
+def test_a_view_that_moves_is_drawn_in_time_by_a_slow_machine(us_a_triangle: float) -> None:
+    renderer = Renderer()
+    picture = LivePicture(renderer, renderer.prepare)  # type: ignore[arg-type]
+    turned(picture, 20)
+    assert renderer.triangles == 120_000
+    renderer.us_a_triangle = us_a_triangle
+    turned(picture, 40)
+    assert renderer.frame_s <= 0.025
+    assert renderer.triangles >= 30_000
+    renderer.us_a_triangle = 0.05  # it is quick again
+    turned(picture, 60)
+    assert renderer.triangles == 120_000
+
+
+def test_it_is_never_drawn_more_coarsely_than_can_be_looked_at() -> None:
+    renderer = Renderer()
+    renderer.us_a_triangle = 10.0
+    picture = LivePicture(renderer, renderer.prepare)  # type: ignore[arg-type]
+    turned(picture, 200)
+    assert renderer.triangles == 30_000
+
+
+def test_one_late_picture_changes_nothing() -> None:
+    renderer = Renderer()
+    picture = LivePicture(renderer, renderer.prepare)  # type: ignore[arg-type]
+    for _ in range(12):
+        renderer.us_a_triangle = 5.0
+        turned(picture, 1)
+        renderer.us_a_triangle = 0.15
+        turned(picture, 4)
+    assert renderer.triangles == 120_000
