@@ -97,26 +97,36 @@ class LastPicture(KeptPicture):
 
     While nothing else is drawn, the window's own picture is the one: an object that turns without a
     brush is copied neither there nor back.
+
+    Attributes
+    ----------
+    is_lost : bool
+        Whether it was drawn over without being copied, and has not been drawn again since.
     """
 
     def __init__(self, window: vtkRenderWindow) -> None:
         super().__init__(window)
         self._due: Box | None = None  # drawn by the window, and not copied
         self._covered: Box | None = None  # where the window shows something else
+        self.is_lost = False
 
     def keep(self, box: Box) -> None:
         """Take a box of pixels of what the window has drawn, before they are drawn over."""
         self._covered = _without(self._covered, box)
         if self._covered is None:
-            self._due = joined_box((self._due, box))
+            self._due, self.is_lost = joined_box((self._due, box)), False
         else:
             super().keep(box)
 
-    def cover(self, box: Box) -> None:
-        """Be told that the window is about to draw something else in a box."""
-        if self._due is not None:
+    def cover(self, box: Box, *, keep: bool = True) -> None:
+        """Be told that the window is about to draw something else in a box.
+
+        What was there is kept, or lost: then all of it must be drawn before it is asked for.
+        """
+        if self._due is not None and keep:
             super().keep(self._due)
-            self._due = None
+        self.is_lost = self.is_lost or not keep
+        self._due = None
         self._covered = joined_box((self._covered, box))
 
     def give(self, box: Box) -> None:

@@ -149,6 +149,23 @@ class LiveObject:
 
     # -- coarsely ---------------------------------------------------------------------------
 
+    def coarse_fits(self, pixel_mm: float, n_triangles: int) -> bool:
+        """Whether the last `coarse_for` would do for these."""
+        before = self._coarse
+        if before is None or n_triangles != self._coarse_triangles:
+            return False
+        if before.n_vertices != self.surface.paint_mesh.n_vertices:
+            return False
+        fewest = self._fewest_mm(n_triangles)
+        low = fewest / _NEAR if before.n_faces > n_triangles else 0.0
+        return low <= before.size <= max(_MOST_PIXELS * pixel_mm, fewest * _NEAR)
+
+    def _fewest_mm(self, n_triangles: int) -> float:
+        """How far apart vertices are drawn together where there are too many triangles; else 0."""
+        if self.patches.n_leaves <= n_triangles:
+            return 0.0
+        return float(np.sqrt(2.0 * self.patches.fine_area / n_triangles))
+
     def coarse_for(self, pixel_mm: float, n_triangles: int) -> CoarseObject | None:
         """The object as it is to be drawn while the view moves; None: as the last time.
 
@@ -161,18 +178,13 @@ class LiveObject:
         n_triangles : int
             How many may be drawn, about.
         """
-        surface, mesh = self.surface, self.surface.paint_mesh
-        finest = _PIXELS * pixel_mm
-        fewest = float(np.sqrt(2.0 * self.patches.fine_area / n_triangles))
-        fewest = fewest if self.patches.n_leaves > n_triangles else 0.0
-        before, same = self._coarse, n_triangles == self._coarse_triangles
-        self._coarse_triangles = n_triangles
-        if before is not None and before.n_vertices == mesh.n_vertices and same:
-            low = fewest / _NEAR if before.n_faces > n_triangles else 0.0
-            if low <= before.size <= max(_MOST_PIXELS * pixel_mm, fewest * _NEAR):
-                return None
-        size = max(finest, fewest)
-        self._coarse = CoarseObject(mesh, self.patches, size, self._shown, surface.codes)
+        if self.coarse_fits(pixel_mm, n_triangles):
+            return None
+        surface, self._coarse_triangles = self.surface, n_triangles
+        size = max(_PIXELS * pixel_mm, self._fewest_mm(n_triangles))
+        self._coarse = CoarseObject(
+            surface.paint_mesh, self.patches, size, self._shown, surface.codes
+        )
         return self._coarse
 
     def repaint_coarse(self) -> CoarseObject | None:

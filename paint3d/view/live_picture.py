@@ -8,6 +8,7 @@ hand never waits for more than one step.
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -63,7 +64,7 @@ class LivePicture:
         self._front: list[Box] = []
         self._cells = np.zeros((0, 0), np.uint8)
         self._front_is_fine = True
-        self._turned = self._moved = time.perf_counter()
+        self._turned, self._moved = -math.inf, time.perf_counter()
         self._took: deque[float] = deque(maxlen=_RECENT)
         self._many, self._wholes = _MANY, list[float]()
         self.changed: Box | None = None
@@ -95,13 +96,13 @@ class LivePicture:
         """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
         started, scene = time.perf_counter(), self._scene
         if self._stale:
+            moves = scene.is_software and not self._is_settled(started)
             self._stale, self._turned, self._moved = False, started, started
-            self._object.clear()
-            self._front.clear()
-            self._draw_all()
-            pixels = self._show(None, started)
+            pixels = self._draw_all(started, keep=not moves)  # or it is drawn again soon
             self._judge(scene.frame_s)
             return pixels
+        if scene.is_lost and (self._object or self._front or self._is_settled(started)):
+            return self._draw_all(started)
         boxes = self._take_boxes()
         for box in boxes:
             scene.draw_object(box)
@@ -143,22 +144,31 @@ class LivePicture:
             self.touch()
             yield (k + 1) / len(corners), pixels
 
-    def _show(self, box: Box | None, started: float, *, fine: bool = False) -> AnyArray:
-        pixels = self._scene.show(box, fine=fine)
+    def _show(
+        self, box: Box | None, started: float, *, fine: bool = False, keep: bool = True
+    ) -> AnyArray:
+        pixels = self._scene.show(box, fine=fine, keep=keep)
         self._front_is_fine = fine and box == self._scene.whole
         self.changed = box
         if not fine:
             self._took.append(time.perf_counter() - started)
         return pixels
 
-    def _draw_all(self) -> None:
+    def _is_settled(self, now: float) -> bool:
+        """Whether the view has stood still for a while."""
+        return now - self._turned >= _SETTLED_S
+
+    def _draw_all(self, started: float, *, keep: bool = True) -> AnyArray:
         scene = self._scene
+        self._object.clear()
+        self._front.clear()
         n_triangles, n_pieces = scene.seen()
         heavy = n_triangles > self._many or n_pieces > _MANY_PIECES
         coarse = scene.is_software and heavy and self._prepare(self._many)
         scene.draw_object(coarse=coarse)
         columns, rows = (-(-pixels // _CELL) for pixels in scene.size)
         self._cells = np.full((rows, columns), _ROUGH if coarse else _PLAIN, np.uint8)
+        return self._show(None, started, keep=keep)
 
     def _judge(self, took_s: float) -> None:
         """Draw fewer triangles while the view moves if pictures take long, more if they do not."""
@@ -175,7 +185,7 @@ class LivePicture:
     def _improve(self, started: float, fine: bool) -> list[Box]:
         """Draw some cells better than they are; return where."""
         scene, left = self._scene, self._left()
-        if not left.any() or started - self._turned < _SETTLED_S:
+        if not left.any() or not self._is_settled(started):
             return []
         rough = self._cells == _ROUGH
         if rough.any():

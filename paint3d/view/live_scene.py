@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import cross
 from paint3d.core.filters import maximum_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
@@ -434,7 +435,12 @@ class LiveScene:
         kept.keep(box)
         self.frame_s = time.perf_counter() - started
 
-    def show(self, box: Box | None = None, *, fine: bool = False) -> AnyArray:
+    @property
+    def is_lost(self) -> bool:
+        """Whether the object must be drawn anew, all of it, before `show`."""
+        return self._kept is not None and self._kept[1].is_lost
+
+    def show(self, box: Box | None = None, *, fine: bool = False, keep: bool = True) -> AnyArray:
         """The object as it was drawn last, with the brush in front of it.
 
         Parameters
@@ -444,6 +450,9 @@ class LiveScene:
             was, and where it is.
         fine : bool
             Smooth the brush's edges also where software draws.
+        keep : bool
+            Keep the object's picture, though the brush is drawn over it: not where all of it will
+            be drawn anew for the next picture. See `is_lost`.
 
         Returns
         -------
@@ -461,7 +470,7 @@ class LiveScene:
         for shift in shifts:
             kept.give(box)
             if self._has_front():
-                kept.cover(box)
+                kept.cover(box, keep=keep or len(shifts) > 1)
                 self._draw_layer(self._front, box, shift)
             pixels = self._target.read(box)
             if len(shifts) > 1:
@@ -588,9 +597,9 @@ def _picture_axes(camera: Camera) -> AnyArray:
     """(3, 3): columns to the right, up and ahead."""
     back = camera.position - camera.focus
     back = back / np.linalg.norm(back)
-    right = np.cross(camera.up, back)
+    right = cross(camera.up, back)
     right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(back, right), -back], axis=1)
+    return np.stack([right, cross(back, right), -back], axis=1)
 
 
 def _box_of(edges: AnyArray) -> Box | None:

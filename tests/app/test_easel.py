@@ -58,6 +58,17 @@ def test_a_frame_tells_that_triangles_came(easel):
         assert any(frame.has_grown for frame in frames_until_still(easel)) == (k == 0)
 
 
+def test_who_only_reads_is_shown_nothing_new(easel):
+    easel.feed([])
+    frames_until_still(easel)
+    for _ in range(3):  # as a view that turns does
+        with easel.paused() as document:
+            assert document is easel.document
+        assert easel.is_still
+        time.sleep(0.01)
+        assert easel.take_frame() is None
+
+
 def test_a_fault_is_an_event_and_painting_goes_on(easel):
     asked = easel.post("feed", line((0, 0), (1, 0)))
     with pytest.raises(InputError):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ class Renderer:
     size = (320, 160)
     whole = (0, 0, 320, 160)
     is_software = True
+    is_lost = False
 
     def __init__(self) -> None:
         self.us_a_triangle = 0.0
@@ -28,9 +31,12 @@ class Renderer:
         return True
 
     def draw_object(self, box: object = None, *, coarse: bool = False, fine: bool = False) -> None:
+        self.is_lost = self.is_lost and box not in (None, self.whole)
         self.frame_s = 0.004 + 1e-6 * self.us_a_triangle * self.triangles
 
-    def show(self, box: object = None, *, fine: bool = False) -> np.ndarray:
+    def show(self, box: object = None, *, fine: bool = False, keep: bool = True) -> np.ndarray:
+        assert not self.is_lost, "what is asked for is gone"
+        self.is_lost = not keep
         return np.zeros((160, 320, 4), np.uint8)
 
 
@@ -73,3 +79,22 @@ def test_one_late_picture_changes_nothing() -> None:
         renderer.us_a_triangle = 0.15
         turned(picture, 4)
     assert renderer.triangles == 120_000
+
+
+def test_what_is_not_kept_while_the_view_moves_is_drawn_before_it_is_needed() -> None:
+    renderer = Renderer()
+    picture = LivePicture(renderer, renderer.prepare)  # type: ignore[arg-type]
+    turned(picture, 1)
+    assert not renderer.is_lost  # nobody knows yet that it goes on
+    turned(picture, 3)
+    assert renderer.is_lost
+    assert picture.draw() is None  # nothing is asked for, and it may go on
+    picture.touch_front((10, 10, 20, 20))
+    assert picture.draw() is not None
+    assert not renderer.is_lost
+    turned(picture, 3)
+    assert renderer.is_lost
+    time.sleep(0.2)
+    while not picture.is_done():
+        picture.draw()
+    assert not renderer.is_lost

@@ -182,7 +182,9 @@ Drawn = tuple[LiveScene, DrawnMesh, DrawnMesh]
 class CopiedAtOnce(KeptPicture):
     """As `LastPicture`, but it copies whatever it is given, both ways."""
 
-    def cover(self, box: Box) -> None:
+    is_lost = False
+
+    def cover(self, box: Box, *, keep: bool = True) -> None:
         pass
 
 
@@ -228,7 +230,7 @@ def stand(thing: DrawnMesh, scene: LiveScene, share: float | None) -> None:
         thing.set_shape(corners.astype(np.float32), faces)
 
 
-STEPS = st.tuples(PLACES, st.lists(BOXES, max_size=2), PLACES, BOXES, st.booleans())
+STEPS = st.tuples(PLACES, st.lists(BOXES, max_size=2), PLACES, BOXES, st.booleans(), st.booleans())
 
 
 @given(steps=st.lists(STEPS, min_size=3))
@@ -239,14 +241,15 @@ def test_what_is_copied_late_is_the_same_picture(two_scenes: list[Drawn], steps:
         for one in (stuck, brush):
             stand(one, scene, None)
         scene.draw()
-    for stuck_at, boxes, brush_at, seen, fine in steps:
+    for stuck_at, boxes, brush_at, seen, fine, keep in steps:
+        is_lost = any(scene.is_lost for scene, _, _ in two_scenes)
         pictures = []
         for scene, stuck, brush in two_scenes:
             stand(stuck, scene, stuck_at)
-            for box in boxes:
+            for box in [WHOLE, *boxes] if is_lost else boxes:
                 scene.draw_object(box)
             stand(brush, scene, brush_at)
-            pictures.append(scene.show(seen, fine=fine))
+            pictures.append(scene.show(seen, fine=fine, keep=keep))
         assert np.array_equal(*pictures)
 
 

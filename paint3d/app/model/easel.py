@@ -326,8 +326,6 @@ class Easel:
                 self._busy.release()
             with self._wake:
                 self._wanting -= 1
-                self._stale = True
-                self._wake.notify()
 
     @property
     def sitting(self) -> Sitting | None:

@@ -243,10 +243,13 @@ class Stage:
         """Have the scene draw the object coarsely; whether it can."""
         if self._pending:
             self._take()
+        pixel_mm = self.scene.nearest_mm()
+        if self._open_object.coarse_fits(pixel_mm, n_triangles):
+            return True
         with self.open_easel.paused(_PATIENCE_S) as document:
             if document is None or self._pending:
                 return self.scene.has_coarse
-            coarse = self._open_object.coarse_for(self.scene.nearest_mm(), n_triangles)
+            coarse = self._open_object.coarse_for(pixel_mm, n_triangles)
         if coarse is not None:
             self.scene.set_coarse(coarse)
         return True

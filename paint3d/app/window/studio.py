@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -48,7 +49,7 @@ from paint3d.errors import Paint3DError
 __all__ = ["StudioWindow"]
 
 _TICK_MS = 12
-_REST = 0.5  # of a picture's time, left to the hand's events before the next one
+_REST = 0.25  # of a picture's time, left to hand and painting before the next one
 _UNTIMED = "This pen gives no times of its own; they are evened out"
 
 
@@ -226,6 +227,8 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def tick(self) -> None:
         """Follow the easel, and draw when there is something new and time for it."""
+        if self._timer.interval() != _TICK_MS:
+            self._timer.setInterval(_TICK_MS)
         self.begin_page.show_page(self.stage.easel is None and not self.workspace.is_waiting)
         if self.stage.easel is None:
             return
@@ -247,10 +250,17 @@ class StudioWindow(QtWidgets.QMainWindow):
         pixels = self.stage.draw()
         if pixels is not None:
             self.canvas.show_pixels(pixels)
-            spent = time.thread_time() - started
-            self._next_draw = time.perf_counter() + _REST * spent
+            # where nothing is painted, and only the view has moved, nobody needs the time
+            rest = _REST * (time.thread_time() - started) if frame is not None else 0.0
+            self._next_draw = time.perf_counter() + rest
+            self._tick_in(rest)
         elif frame is not None:  # another brush or ink, while no brush is in the picture
             self.hud.refresh()
+
+    def _tick_in(self, seconds: float) -> None:
+        """Let the next tick come then, and later ones as always."""
+        if self._timer.isActive():  # it may be held
+            self._timer.start(max(1, math.ceil(1e3 * seconds)))
 
     def _tell_event(self, event: Event) -> None:
         if event.kind == "kept":

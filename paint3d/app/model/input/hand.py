@@ -21,7 +21,7 @@ import numpy as np
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.standing import any_tangent, held_over, lean_of, root_over, turned_with
 from paint3d.brush.spec import BrushSpec
-from paint3d.core.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number, cross
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
@@ -476,7 +476,7 @@ class Hand:
         nearest to the other face.
         """
         ahead = any_tangent(normal, np.array([1.0, 0.0, 0.0]))
-        rim = _RIM @ np.stack([ahead, np.cross(normal, ahead)]) - _SUNK * normal
+        rim = _RIM @ np.stack([ahead, cross(normal, ahead)]) - _SUNK * normal
         found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
         mean = 2.0 * normal + found[found @ normal > _OTHER_SIDE].sum(axis=0)
         result: AnyArray = mean / np.linalg.norm(mean)
@@ -554,7 +554,7 @@ class Hand:
         else:
             x = _turned(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
             bend = any_tangent(normal, x)
-        orientation = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1)[None])[0]
+        orientation = quaternions_from_matrices(np.stack([x, cross(z, x), z], axis=-1)[None])[0]
         root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
         if lifted:
             root = root + _HOVER * brush.length_mm * z
@@ -584,4 +584,4 @@ def _along(normal: AnyArray, way: AnyArray) -> AnyArray:
 
 
 def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
-    return math.cos(angle) * vector + math.sin(angle) * np.cross(axis, vector)
+    return math.cos(angle) * vector + math.sin(angle) * cross(axis, vector)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.core.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number, cross
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera
@@ -63,8 +63,8 @@ class Ray:
 def picture_axes(camera: Camera) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Unit vectors right and up in the picture, and back towards the viewer."""
     back = _unit(camera.position - camera.focus)
-    right = _unit(np.cross(camera.up, back))
-    return right, np.cross(back, right), back
+    right = _unit(cross(camera.up, back))
+    return right, cross(back, right), back
 
 
 def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True) -> Camera:
@@ -232,7 +232,7 @@ def _mm_per_pixel(camera: Camera, height: float) -> float:
 
 def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
     """Rodrigues' rotation about a unit axis."""
-    across, along = np.cross(axis, vector), axis @ vector
+    across, along = cross(axis, vector), axis @ vector
     return (
         math.cos(angle) * vector + math.sin(angle) * across + (1 - math.cos(angle)) * along * axis
     )

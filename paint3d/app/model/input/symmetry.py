@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import as_array
+from paint3d.core.arrays import as_array, cross
 from paint3d.core.quaternion import matrices_from_quaternions, quaternions_from_matrices
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
@@ -139,7 +139,7 @@ def transformed(samples: Sequence[DeviceSample], image: NDArray[np.float64]) -> 
     turn = image[:3, :3]
     frames = turn @ matrices_from_quaternions(path.orientation)
     x, z = frames[:, :, 0], frames[:, :, 2]
-    orientation = quaternions_from_matrices(np.stack([x, np.cross(z, x), z], axis=-1))
+    orientation = quaternions_from_matrices(np.stack([x, cross(z, x), z], axis=-1))
     position = path.position @ turn.T + image[:3, 3]
     contact = None if path.contact is None else path.contact @ turn.T + image[:3, 3]
     return [
