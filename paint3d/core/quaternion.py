@@ -44,6 +44,8 @@ __all__ = [
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 _SMALL = 1e-9  # rad, or sine of an angle
+_UNIT = np.eye(3)
+_UNIT_WITHIN = 1e-12 + 1e-5 * _UNIT  # so near to it a matrix by its transpose is a rotation's
 
 # -- by components ------------------------------------------------------------------------------
 
@@ -169,6 +171,8 @@ def quaternions_from_matrices(matrices: AnyArray) -> AnyArray:
     wxyz = np.empty((len(m), 4))
     for i in range(4):
         chosen = largest == i
+        if not chosen.any():
+            continue
         of, j, k = m[chosen], (i + 1) % 3, (i + 2) % 3
         if i == 3:
             wxyz[chosen, 0] = 1 + trace[chosen]
@@ -189,7 +193,7 @@ def quaternions_from_matrices(matrices: AnyArray) -> AnyArray:
 def _orthogonal(matrices: AnyArray) -> AnyArray:
     """The rotations nearest to matrices (N, 3, 3), which are copied only if one is none."""
     squares = matrices @ np.swapaxes(matrices, 1, 2)
-    off = ~np.isclose(squares, np.eye(3), atol=1e-12).all(axis=(1, 2))
+    off = ~(np.abs(squares - _UNIT) <= _UNIT_WITHIN).all(axis=(1, 2))
     if not off.any():
         return matrices
     left, _, right = np.linalg.svd(matrices[off])

@@ -92,8 +92,7 @@ class ClosestPoints:
         origins = as_array(origins, "origins", (None, 3))
         directions = as_array(directions, "directions", (len(origins), 3))
         distance, faces = np.empty(len(origins)), np.empty(len(origins), np.int64)
-        find_hits(self.tree, np.hstack([origins, directions]), distance, faces)
+        find_hits(self.tree, np.concatenate([origins, directions], axis=1), distance, faces)
         hit = np.isfinite(distance)
-        points = np.full((len(origins), 3), np.nan)
-        points[hit] = origins[hit] + distance[hit, None] * directions[hit]
+        points = origins + np.where(hit, distance, np.nan)[:, None] * directions
         return RayHits(hit, distance, faces, points)

@@ -63,7 +63,7 @@ class View:
         object.__setattr__(self, "zoom", as_number(self.zoom, "view zoom", 0.1, 20.0))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Camera:
     """A placed camera: `position` and `focus` in mm, unit `up`, vertical `view_angle` in rad."""
 

@@ -21,7 +21,7 @@ import numpy as np
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.standing import any_tangent, held_over, lean_of, root_over, turned_with
 from paint3d.brush.spec import BrushSpec
-from paint3d.core.arrays import as_array, as_number, cross
+from paint3d.core.arrays import as_array, as_number, cross, length_of
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
@@ -215,7 +215,7 @@ class Hand:
 
     def hover(self, event: PointerInput, brush: BrushSpec) -> DeviceSample | None:
         """The brush above the surface; None where the pointer is beside the object."""
-        stand = self._follow(event, brush, pulled=False)
+        stand = self._follow(event, self._meet(event), brush, pulled=False)
         return None if stand is None else self._sample(stand, brush, lifted=True)
 
     def begin(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample] | None:
@@ -223,7 +223,7 @@ class Hand:
 
         Samples may only come with later events, when it is known whither the stroke goes.
         """
-        stand = self._follow(event, brush, pulled=False)
+        stand = self._follow(event, self._meet(event), brush, pulled=False)
         if stand is None:
             return None
         state = self._now
@@ -250,7 +250,7 @@ class Hand:
         elif state.beside or self._is_apart(found[0], event):
             return self._step_over(event, brush)
         before = state.sent_ns
-        stand = self._follow(event, brush, pulled=True, pressed=True)
+        stand = self._follow(event, found, brush, pulled=True, pressed=True)
         if stand is None:
             return []
         state.sent_ns = event.time_ns
@@ -279,7 +279,7 @@ class Hand:
         found = None if event is None or state.beside else self._meet(event)
         lifted = replace(self._latest, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
         if found is not None:
-            far = float(np.linalg.norm(found[0] - lifted.point)) > _LIFTED_OVER * brush.length_mm
+            far = length_of(found[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
             if not far and event is not None and not self._is_apart(found[0], event):
                 normal = self._normal_under(*found, brush)
                 lifted = replace(lifted, point=found[0], normal=normal)
@@ -290,7 +290,7 @@ class Hand:
     def _is_apart(self, point: AnyArray, event: PointerInput) -> bool:
         """Whether the way to a point leaves the surface, as from a rim to what is behind it."""
         way = point - self._now.target
-        distance = float(np.linalg.norm(way))
+        distance = length_of(way)
         if distance < _LEAST_GAP_MM:
             return False
         between = self._now.target + np.outer(_PLACES_BETWEEN, way)
@@ -307,14 +307,14 @@ class Hand:
         if rays[0] is None or rays[1] is None:
             return False
         places = [self._now.target, point]
-        gap = float(np.linalg.norm(point - self._now.target))
+        gap = length_of(point - self._now.target)
         for _ in range(_HALVINGS):
             origin, direction = (0.5 * (a + b) for a, b in zip(*rays, strict=True))
-            middle = origin, direction / np.linalg.norm(direction)
+            middle = origin, direction / length_of(direction)
             hit = self._surface.cast(middle[0][None], middle[1][None])
             if not hit.hit[0]:
                 return True
-            gaps = [float(np.linalg.norm(hit.points[0] - place)) for place in places]
+            gaps = [length_of(hit.points[0] - place) for place in places]
             if max(gaps) < _STAYS * gap:
                 return False
             behind = int(gaps[0] >= gaps[1])
@@ -360,10 +360,14 @@ class Hand:
         return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
 
     def _follow(
-        self, event: PointerInput, brush: BrushSpec, pulled: bool, pressed: bool = False
+        self,
+        event: PointerInput,
+        found: tuple[AnyArray, AnyArray] | None,
+        brush: BrushSpec,
+        pulled: bool,
+        pressed: bool = False,
     ) -> _Stand | None:
-        """Take the pointer's new place; None where it has none."""
-        found = self._meet(event)
+        """Take the pointer's new place, where it meets the surface; None where it does not."""
         self._press_keys(event)
         if found is None:
             return None
@@ -395,7 +399,7 @@ class Hand:
     def _rest(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
         """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
-        if np.linalg.norm(aside) > _LEANS:
+        if length_of(aside) > _LEANS:
             return any_tangent(normal, -aside)
         if event.right is None or event.up is None:
             return any_tangent(normal, self._now.tip - self._now.point)
@@ -414,7 +418,7 @@ class Hand:
     def _ready(self, brush: BrushSpec) -> list[DeviceSample]:
         """What waits, if it need not wait any longer."""
         first, last = self._waiting[0], self._waiting[-1]
-        far = np.linalg.norm(last.target - first.point) >= _SURE * self._trail(brush)
+        far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
         stands = last.time_ns - first.time_ns >= _STANDS_NS
         return self._land(brush) if far or stands or first.twist is not None else []
 
@@ -425,7 +429,7 @@ class Hand:
             return []
         first = stands[0]
         way = stands[-1].target - first.point
-        moved = float(np.linalg.norm(way)) >= _LEAST_SURE * self._trail(brush)
+        moved = length_of(way) >= _LEAST_SURE * self._trail(brush)
         back = any_tangent(first.normal, -way) if moved else first.rest
         self._now.tip = first.point + self._trail(brush) * back
         self._last = first
@@ -444,9 +448,9 @@ class Hand:
         state, last, trail = self._now, self._latest, self._trail(brush)
         back = turned_with(last.normal, stand.normal, state.tip - last.point)
         way = stand.point - last.point
-        back = back - float(np.linalg.norm(way)) * _along(stand.normal, way)
+        back = back - length_of(way) * _along(stand.normal, way)
         back = back - (back @ stand.normal) * stand.normal
-        distance = float(np.linalg.norm(back))
+        distance = length_of(back)
         if distance < 1e-9:
             back = stand.rest * trail
         elif distance > trail:
@@ -458,7 +462,7 @@ class Hand:
         """Where the pointer meets the surface, and the normal there."""
         if event.point is not None and event.normal is not None:
             normal = as_array(event.normal, "normal", (3,))
-            return as_array(event.point, "point", (3,)), normal / np.linalg.norm(normal)
+            return as_array(event.point, "point", (3,)), normal / length_of(normal)
         if event.origin is None or event.direction is None:
             return None
         origin = as_array(event.origin, "origin", (3,))
@@ -479,14 +483,14 @@ class Hand:
         rim = _RIM @ np.stack([ahead, cross(normal, ahead)]) - _SUNK * normal
         found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
         mean = 2.0 * normal + found[found @ normal > _OTHER_SIDE].sum(axis=0)
-        result: AnyArray = mean / np.linalg.norm(mean)
+        result: AnyArray = mean / length_of(mean)
         return result
 
     def _pull(self, target: AnyArray, string: float) -> tuple[AnyArray, AnyArray]:
         """Where a string of this length pulls the brush."""
         state = self._now
         way = target - state.point
-        distance = float(np.linalg.norm(way))
+        distance = length_of(way)
         if distance <= string:
             return state.point, state.normal
         return self._on_surface(state.point + (1.0 - string / distance) * way)
@@ -495,7 +499,7 @@ class Hand:
         """Samples on the way to where the pointer was last."""
         state = self._now
         start, way = state.point, state.target - state.point
-        length = float(np.linalg.norm(way))
+        length = length_of(way)
         n = math.ceil(length / _GLIDE_STEP_MM)
         step_ns = round(length / max(n, 1) / _GLIDE_MM_S * 1e9)
         samples = []
@@ -522,7 +526,7 @@ class Hand:
         state = self._now
         seconds = (time_ns - state.time_ns) * 1e-9
         if seconds > 0.0:
-            now = float(np.linalg.norm(point - state.target)) / seconds
+            now = length_of(point - state.target) / seconds
             weight = 1.0 - math.exp(-seconds / _FILTER_S)
             state.speed += weight * (now - state.speed)
 
@@ -550,7 +554,7 @@ class Hand:
         if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
             bend = any_tangent(normal, self._now.tip - stand.point)
             x = bend - (bend @ z) / (normal @ z) * normal
-            x /= np.linalg.norm(x)
+            x /= length_of(x)
         else:
             x = _turned(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
             bend = any_tangent(normal, x)
@@ -579,7 +583,7 @@ def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
 def _along(normal: AnyArray, way: AnyArray) -> AnyArray:
     """A way's direction along a surface; zero where it leads straight up or down."""
     across = way - (way @ normal) * normal
-    length = float(np.linalg.norm(across))
+    length = length_of(across)
     return across / length if length > 1e-9 else np.zeros(3)
 
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.core.arrays import as_array, as_number, cross
+from paint3d.core.arrays import as_array, as_number, cross, length_of
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera
@@ -60,11 +61,15 @@ class Ray:
     direction: AnyArray
 
 
+@lru_cache(maxsize=4)  # asked for with every move of a pen
 def picture_axes(camera: Camera) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Unit vectors right and up in the picture, and back towards the viewer."""
+    """Unit vectors right and up in the picture, and back towards the viewer; read-only."""
     back = _unit(camera.position - camera.focus)
     right = _unit(cross(camera.up, back))
-    return right, cross(back, right), back
+    axes = right, cross(back, right), back
+    for axis in axes:
+        axis.flags.writeable = False
+    return axes
 
 
 def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True) -> Camera:
@@ -92,7 +97,7 @@ def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True
         reach = _turned(_turned(reach, up, -dx * per_pixel), right, -dy * per_pixel)
         new_up = _turned(up, right, -dy * per_pixel)
         return replace(camera, position=camera.focus + reach, up=_unit(new_up))
-    flat = right[:2] / max(float(np.linalg.norm(right[:2])), 1e-12)
+    flat = right[:2] / max(length_of(right[:2]), 1e-12)
     azimuth = math.atan2(-flat[0], flat[1])  # of `back`, also where that points straight up
     elevation = math.asin(min(max(float(back[2]), -1.0), 1.0))
     azimuth -= dx * per_pixel
@@ -101,7 +106,7 @@ def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True
     z = np.array([0.0, 0.0, 1.0])
     back = math.cos(elevation) * level + math.sin(elevation) * z
     new_up = math.cos(elevation) * z - math.sin(elevation) * level
-    distance = float(np.linalg.norm(reach))
+    distance = length_of(reach)
     return replace(camera, position=camera.focus + distance * back, up=new_up)
 
 
@@ -142,7 +147,7 @@ def dolly(camera: Camera, factor: float) -> Camera:
     """Go nearer (factor over 1) or farther; the distance to the focus is divided by it."""
     factor = as_number(factor, "dolly (factor)", 1e-6, 1e6)
     reach = camera.position - camera.focus
-    distance = float(np.linalg.norm(reach))
+    distance = length_of(reach)
     wanted = min(max(distance / factor, _NEAREST), _FARTHEST)
     return replace(camera, position=camera.focus + reach * (wanted / distance))
 
@@ -194,8 +199,8 @@ def frame(camera: Camera, centre: ArrayLike, radius: float, aspect: float = 1.0)
 def approach(camera: Camera, centre: ArrayLike, radius: float, aspect: float = 1.0) -> Camera:
     """Look at a ball from near, and never from farther than now; arguments as of `frame`."""
     nearer = frame(camera, centre, radius, aspect)
-    now = float(np.linalg.norm(camera.position - camera.focus))
-    wanted = float(np.linalg.norm(nearer.position - nearer.focus))
+    now = length_of(camera.position - camera.focus)
+    wanted = length_of(nearer.position - nearer.focus)
     return nearer if wanted <= now else dolly(nearer, wanted / now)
 
 
@@ -210,7 +215,7 @@ def look_from(camera: Camera, side: str) -> Camera:
     if side not in SIDES:
         raise UnknownNameError("side", str(side), SIDES)
     towards, up = (np.array(vector) for vector in SIDES[side])
-    distance = float(np.linalg.norm(camera.position - camera.focus))
+    distance = length_of(camera.position - camera.focus)
     return replace(camera, position=camera.focus + distance * towards, up=up)
 
 
@@ -226,7 +231,7 @@ def ray_at(camera: Camera, x: float, y: float, size: tuple[float, float]) -> Ray
 def _mm_per_pixel(camera: Camera, height: float) -> float:
     """Size of a pixel as far off as the focus."""
     height = as_number(height, "height of the picture (pixels)", 1.0)
-    distance = float(np.linalg.norm(camera.position - camera.focus))
+    distance = length_of(camera.position - camera.focus)
     return 2.0 * distance * math.tan(0.5 * camera.view_angle) / height
 
 
@@ -239,7 +244,7 @@ def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
 
 
 def _unit(vector: AnyArray) -> AnyArray:
-    length = float(np.linalg.norm(vector))
+    length = length_of(vector)
     if length < 1e-12:
         raise InputError("the camera stands at its focus, or looks along its own up")
     return vector / length

@@ -16,7 +16,7 @@ from paint3d.brush_engine.tuft import (
     greatest_descent,
     trace_outline,
 )
-from paint3d.core.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number, length_of
 from paint3d.core.types import AnyArray
 
 __all__ = ["any_tangent", "held_over", "lean_of", "root_over", "turned_with"]
@@ -53,7 +53,7 @@ def lean_of(
     x, y = (math.tan(math.radians(_limited(t))) for t in (x_tilt, y_tilt))
     aside = x * as_array(right, "right", (3,)) - y * as_array(up, "up", (3,))
     aside = aside - (aside @ normal) * normal
-    length = float(np.linalg.norm(aside))
+    length = length_of(aside)
     if length < 1e-9:
         return normal
     angle = min(math.atan(length), _MOST_LEAN)
@@ -150,8 +150,8 @@ def any_tangent(normal: AnyArray, wanted: AnyArray) -> AnyArray:
     """The unit vector across the normal that is nearest to the wanted one."""
     for candidate in (wanted, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
         across = candidate - (candidate @ normal) * normal
-        length = float(np.linalg.norm(across))
-        if length > 1e-9 * max(1.0, float(np.linalg.norm(candidate))):
+        length = length_of(across)
+        if length > 1e-9 * max(1.0, length_of(candidate)):
             result: AnyArray = across / length
             return result
     return np.array([0.0, 0.0, 1.0])
