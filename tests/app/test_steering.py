@@ -155,6 +155,25 @@ def test_a_drag_beside_the_object_turns_it_and_one_near_its_edge_paints(window) 
     assert strokes(window) == n + 1
 
 
+def is_brush_seen(window) -> bool:
+    """Whether the brush stands in the picture once it has been drawn."""
+    settled(window)
+    brush = window.stage._brush
+    return brush is not None and brush.screen_box() is not None
+
+
+def test_a_pointer_that_moves_the_view_is_no_brush(window) -> None:
+    canvas = window.canvas
+    mouse(canvas, KIND.MouseMove, 0.5 * canvas.width(), 0.5 * canvas.height())
+    assert is_brush_seen(window)
+    drag(canvas, (0.5, 0.5), (0.6, 0.55), BUTTON.MiddleButton, release=False)
+    assert not is_brush_seen(window)
+    x, y = 0.6 * canvas.width(), 0.55 * canvas.height()
+    mouse(canvas, KIND.MouseButtonRelease, x, y, BUTTON.MiddleButton)
+    mouse(canvas, KIND.MouseMove, x - 2.0, y)
+    assert is_brush_seen(window)
+
+
 @pytest.mark.parametrize(
     ("keys", "what"),
     [

@@ -64,7 +64,7 @@ class CanvasHand(QtCore.QObject):
         canvas.touched.connect(self.touch)
         canvas.taken_back.connect(self._take_back)
         canvas.resized.connect(self._resized)
-        canvas.left.connect(self._leave)
+        canvas.left.connect(self.leave)
 
     @property
     def open_camera(self) -> Camera:
@@ -263,6 +263,7 @@ class CanvasHand(QtCore.QObject):
         self.cancel()
         self._spent = False
 
-    def _leave(self) -> None:
+    def leave(self) -> None:
+        """Let the brush leave the picture until the pointer moves over it again."""
         if not self.in_stroke and self._stage.easel is not None:
             self._stage.hide_brush()

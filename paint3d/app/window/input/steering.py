@@ -114,6 +114,7 @@ class Steering(QtCore.QObject):
             return
         if what == "begin":
             self._from, self._travel = (drag.x, drag.y), 0.0
+            self._hand.leave()  # a pointer that moves the view is no brush
             self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
         elif what == "move":
             dx, dy = drag.x - self._from[0], drag.y - self._from[1]
