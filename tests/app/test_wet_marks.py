@@ -12,6 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtTest
 
 from paint3d.app.model import easel as easels
+from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.window.input import canvas as canvases
 from paint3d.painter.ink_time import PIECE_NS
 from tests.support.app.event_player import (
@@ -31,9 +32,13 @@ WAYS = (("pictures", 5.0), ("pictures", 120.0), ("one by one", 0.0), ("burst", 0
 
 
 class Wall:
-    """A clock for window and painting that goes on when it is told to, on every machine alike."""
+    """A clock for window and painting that goes on when it is told to, on every machine alike.
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    It begins anew for each test, so the window forgets what it knew of devices' times.
+    """
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, window) -> None:
+        monkeypatch.setattr(window.canvas, "_clock", EventClock())
         self.ms = 10_000_000
         names = {name: getattr(time, name) for name in ("monotonic", "thread_time", "sleep")}
         clock = SimpleNamespace(
@@ -72,7 +77,7 @@ def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -
 
 @pytest.mark.parametrize("name", ["mouse_lines", pytest.param("bamboo", marks=pytest.mark.long)])
 def test_wet_ink_does_not_depend_on_how_events_are_handed_over(window, monkeypatch, name) -> None:
-    recording, wall = EventRecording.load(name), Wall(monkeypatch)
+    recording, wall = EventRecording.load(name), Wall(monkeypatch, window)
     recording = recording.part(0, 16 if name == "bamboo" else 3)  # no time for ink after the last
     first = None
     for how, pace in WAYS:

@@ -38,8 +38,8 @@ def window(program):
 
 
 @pytest.fixture
-def wall(monkeypatch):
-    return Wall(monkeypatch)
+def wall(window, monkeypatch):
+    return Wall(monkeypatch, window)
 
 
 def lines() -> EventRecording:
