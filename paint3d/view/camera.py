@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number
+from paint3d.core.arrays import as_array, as_number, cross
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["Camera", "View", "find_view", "fit_camera", "is_flat", "studio_axes", "vertex_areas"]
+__all__ = [
+    "Camera",
+    "View",
+    "find_view",
+    "fit_camera",
+    "is_flat",
+    "picture_axes",
+    "studio_axes",
+    "vertex_areas",
+]
 
 VIEW_ANGLE = np.radians(24.0)  # a long lens: little perspective, as product pictures are taken
 FILL = 0.80  # share of the frame's half-width or half-height that the object may take
@@ -71,6 +81,23 @@ class Camera:
     focus: NDArray[np.float64]
     up: NDArray[np.float64]
     view_angle: float
+
+
+@lru_cache(maxsize=4)  # asked for with every move of a pen
+def picture_axes(camera: Camera) -> tuple[AnyArray, AnyArray, AnyArray]:
+    """Unit vectors right and up in the picture, and back towards the viewer; read-only.
+
+    Raises
+    ------
+    InputError
+        If the camera stands at its focus, or looks along its own up.
+    """
+    back = _unit(camera.position - camera.focus, "camera's way to its focus")
+    right = _unit(cross(camera.up, back), "way across a camera's view and its up")
+    axes = right, cross(back, right), back
+    for axis in axes:
+        axis.flags.writeable = False
+    return axes
 
 
 def vertex_areas(vertices: AnyArray, faces: AnyArray) -> NDArray[np.float64]:

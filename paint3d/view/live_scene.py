@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import cross
 from paint3d.core.filters import maximum_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
-from paint3d.view.camera import Camera
+from paint3d.view.camera import Camera, picture_axes
 from paint3d.view.kernels.facing import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
@@ -33,7 +32,7 @@ __all__ = ["DARK", "LIGHT", "Background", "LiveScene"]
 
 _SQUARES = 20  # along the floor: those without shade are not drawn
 _SHADE = 0.55  # darkest the object's shade on the floor becomes
-_MARGINS = np.array([-4, -4, 5, 5])  # pixels around what has changed: lines are wide
+_MARGINS = np.array([-4, -4, 5, 5])  # pixels around what changed: lines are wide, edges smooth
 _JITTER = tuple((x, y) for y in (-0.25, 0.25) for x in (-0.25, 0.25))  # of a pixel: four samples
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
 _SAMPLES = 4  # a pixel, where a graphics card draws
@@ -108,16 +107,14 @@ class LiveScene:
         self._window.SetMultiSamples(0)
         self._window.SetSize(*size)
         self._window.SetFrameBlitModeToNoBlit()
-        self._window.SetSwapBuffers(
-            False
-        )  # pixels are read where they are drawn: copy them nowhere
+        self._window.SetSwapBuffers(False)  # there is no screen to copy pictures for
         self._size = size
         self._eye = vtkCamera()
         self._backdrop, self.renderer, self._front = (self._layer(n) for n in range(3))
         self._camera = Camera(
             np.array([0.0, -4.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, 1.0]), np.radians(24.0)
         )
-        self._axes = _picture_axes(self._camera)
+        self._axes = _looking_axes(self._camera)
         self.renderer_name = self._start()
         self.is_software = any(word in self.renderer_name.lower() for word in _SOFTWARE)
         if not self.is_software:
@@ -361,7 +358,7 @@ class LiveScene:
 
     def set_camera(self, camera: Camera) -> None:
         """Look from there."""
-        self._camera, self._axes = camera, _picture_axes(camera)
+        self._camera, self._axes = camera, _looking_axes(camera)
         self._pixels = self._boxes = self._seen = None
         eye = self._eye
         eye.SetPosition(*camera.position)
@@ -593,13 +590,10 @@ class LiveScene:
         self._window.Finalize()
 
 
-def _picture_axes(camera: Camera) -> AnyArray:
+def _looking_axes(camera: Camera) -> AnyArray:
     """(3, 3): columns to the right, up and ahead."""
-    back = camera.position - camera.focus
-    back = back / np.linalg.norm(back)
-    right = cross(camera.up, back)
-    right /= np.linalg.norm(right)
-    return np.stack([right, cross(back, right), -back], axis=1)
+    right, up, back = picture_axes(camera)
+    return np.stack([right, up, -back], axis=1)
 
 
 def _box_of(edges: AnyArray) -> Box | None:

@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.model.input.navigation import picture_axes
 from paint3d.app.model.mask import AngleMask, Mask
+from paint3d.view.camera import picture_axes
 from tests.support.app.gestures import drag, live
 from tests.support.app.windows import opened, settled
 

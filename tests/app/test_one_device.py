@@ -9,7 +9,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.input.navigation import picture_axes, roll_of
+from paint3d.app.model.input.navigation import roll_of
+from paint3d.view.camera import picture_axes
 from tests.support.app.gestures import (
     BUTTON,
     KIND,

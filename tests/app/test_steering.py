@@ -13,7 +13,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
-from paint3d.app.model.input.navigation import picture_axes, roll_of
+from paint3d.app.model.input.navigation import roll_of
+from paint3d.view.camera import picture_axes
 from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, type_key, wait_for
 from tests.support.app.pointers import HAND, Touching, pen, pen_drag, tap
 from tests.support.app.windows import faults, opened, settled

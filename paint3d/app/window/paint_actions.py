@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.input.navigation import picture_axes
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
 from paint3d.app.window.jobs.job import Progress, result_of
@@ -17,6 +16,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_names
 from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.view.camera import picture_axes
 
 __all__ = ["PaintActions"]
 

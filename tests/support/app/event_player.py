@@ -21,7 +21,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 from paint3d.app.model.input import navigation
 from paint3d.app.window.studio import StudioWindow
 from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.view.camera import Camera
+from paint3d.view.camera import Camera, picture_axes
 from tests.support.app.gestures import wait_for
 
 __all__ = [
@@ -478,7 +478,7 @@ def pixel_of(
         return 0.5 * width + (place[0] - 0.5) * aspect * height, place[1] * height
     camera = window.hand.camera
     point = np.array([*place, 0.0][:3])
-    right, up, back = navigation.picture_axes(camera)
+    right, up, back = picture_axes(camera)
     off = point - camera.position
     scale = 0.5 * height / math.tan(0.5 * camera.view_angle) / -float(off @ back)
     return 0.5 * width + scale * float(off @ right), 0.5 * height - scale * float(off @ up)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 from paint3d.core.arrays import as_array, as_number, cross, length_of
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, UnknownNameError
-from paint3d.view.camera import Camera
+from paint3d.view.camera import Camera, picture_axes
 
 __all__ = [
     "SIDES",
@@ -28,7 +27,6 @@ __all__ = [
     "look_from",
     "orbit",
     "pan",
-    "picture_axes",
     "ray_at",
     "roll",
     "roll_at",
@@ -59,17 +57,6 @@ class Ray:
 
     origin: AnyArray
     direction: AnyArray
-
-
-@lru_cache(maxsize=4)  # asked for with every move of a pen
-def picture_axes(camera: Camera) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Unit vectors right and up in the picture, and back towards the viewer; read-only."""
-    back = _unit(camera.position - camera.focus)
-    right = _unit(cross(camera.up, back))
-    axes = right, cross(back, right), back
-    for axis in axes:
-        axis.flags.writeable = False
-    return axes
 
 
 def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True) -> Camera:

@@ -18,7 +18,7 @@ from paint3d.app.window.stage import Stage
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.view.camera import Camera, View, fit_camera, is_flat, studio_axes
+from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes, studio_axes
 
 __all__ = ["CanvasHand"]
 
@@ -204,7 +204,7 @@ class CanvasHand(QtCore.QObject):
 
     def _input(self, touch: Touch) -> PointerInput:
         ray = navigation.ray_at(self.open_camera, touch.x, touch.y, self._size())
-        right, up, _ = navigation.picture_axes(self.open_camera)
+        right, up, _ = picture_axes(self.open_camera)
         notches, self._notches = self._notches, 0.0
         return PointerInput(
             touch.time_ns,
