@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import settings
@@ -56,6 +58,15 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 settings.register_profile("same", derandomize=True)
 settings.register_profile("new", print_blob=True)
 settings.load_profile("new" if os.environ.get(_MORE) else "same")
+
+
+@pytest.fixture(autouse=True)
+def garbage_goes() -> Iterator[None]:
+    """Collect garbage where a window has been: it leaves that to its own thread's events."""
+    yield
+    window = sys.modules.get("paint3d.app.window.garbage")
+    if window is not None:
+        window.collect_garbage()
 
 
 @pytest.hookimpl(tryfirst=True)  # before a plugin that shuffles

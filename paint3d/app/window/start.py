@@ -13,6 +13,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.places import stand_in
 from paint3d.app.model.persistence.settings import load_settings
+from paint3d.app.window.garbage import collect_here
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
@@ -63,6 +64,7 @@ def make_program() -> QtWidgets.QApplication:
     for kind in ("AA_CompressHighFrequencyEvents", "AA_CompressTabletEvents"):
         attribute = QtCore.Qt.ApplicationAttribute[kind]
         QtCore.QCoreApplication.setAttribute(attribute, False)
+    collect_here(program)
     return program
 
 

@@ -1,0 +1,40 @@
+"""What a window leaves behind dies in the window's thread, whoever makes garbage meanwhile."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtWidgets
+
+from tests.support.app.gestures import wait_for
+
+
+class _Window(QtWidgets.QWidget):
+    """Of a class of our own: Qt's own ones are handed back to their thread."""
+
+
+def test_closed_windows_die_in_their_own_thread(program) -> None:
+    died: list[threading.Thread] = []
+    for _ in range(40):
+        widget = _Window()
+        widget.itself = widget
+        widget.destroyed.connect(
+            lambda: died.append(threading.current_thread()),
+            QtCore.Qt.ConnectionType.DirectConnection,
+        )
+        del widget
+
+    def litter() -> None:
+        for _ in range(300_000):
+            cycle: list[object] = []
+            cycle.append(cycle)
+
+    beside = threading.Thread(target=litter)
+    beside.start()
+    beside.join()
+    wait_for(lambda: len(died) == 40)
+    assert set(died) == {threading.main_thread()}
