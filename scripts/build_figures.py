@@ -19,9 +19,10 @@ from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.tuft import (
     OUTLINE_CAPACITY,
     SCRATCH_SIZE,
-    bend_angles,
+    STATIONS,
     enclose_tuft,
     trace_outline,
+    trace_spine,
 )
 from paint3d.cli.pads import lay_on
 from paint3d.colour.layers import layer_reflectance
@@ -73,14 +74,14 @@ def draw_spheres() -> plt.Figure:
         for axes, share in zip(axes_row, (0.02, 0.2, 0.35, 0.5), strict=True):
             descent = share * spec.length_mm
             pe = min(1.0, descent / tuft.full_press)
-            angles = np.zeros(spec.n_segments + 1)
-            bend_angles(tuft, descent, tilt, angles)
-            steps = spec.segment_lengths[:, None] * np.c_[-np.cos(angles[:-1]), np.sin(angles[:-1])]
-            nodes = np.vstack([[0, 0], np.cumsum(steps, axis=0)])
-            nodes[:, 0] -= nodes[-1, 0]
-            along, up, radius = enclose_tuft(tuft, descent, tilt, pe, np.zeros(SCRATCH_SIZE))
+            spine = np.zeros((3, STATIONS))
+            trace_spine(tuft, descent, tilt, spine)
+            joints = np.concatenate([[0.0], np.cumsum(spec.segment_lengths)])
+            nodes = np.stack([np.interp(joints, tuft.arcs, part) for part in spine[:2]])
+            along, up, radius = enclose_tuft(tuft, descent, tilt, pe)
             axes.add_patch(Circle((along, up), radius, fill=False, ec="tab:blue"))
-            axes.plot(nodes[:, 0], nodes[:, 1], "o-", color="0.15", ms=3)
+            axes.plot(*spine[:2], color="0.15")
+            axes.plot(*nodes, "o", color="0.15", ms=3)
             axes.axhline(0, color="tab:brown", lw=1)
             axes.set_aspect("equal")
             axes.set_xlim(-22, 38)

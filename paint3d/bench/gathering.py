@@ -15,7 +15,7 @@ from paint3d.bench.stopwatch import alternate, best_of
 from paint3d.bench.strokes import Dab, figure_for, make_dab, make_grid, record_dabs
 from paint3d.brush.bending import build_tuft
 from paint3d.brush_engine.ink_transfer import PAINTED
-from paint3d.brush_engine.tuft import SCRATCH_SIZE, enclose_tuft
+from paint3d.brush_engine.tuft import enclose_tuft
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.core.types import AnyArray
 from paint3d.painter.painter import Painter
@@ -48,9 +48,7 @@ def _balls(dab: Dab) -> dict[str, tuple[AnyArray, float]]:
     corners = dab.footprint.polygon() - [dab.middle, 0.0]
     tight = float(np.linalg.norm(corners, axis=1).max())
     tuft, descent = build_tuft(dab.brush), dab.pressure * dab.brush.full_press_mm
-    along, up, radius = enclose_tuft(
-        tuft, descent, 0.5 * math.pi, dab.pressure, np.zeros(SCRATCH_SIZE)
-    )
+    along, up, radius = enclose_tuft(tuft, descent, 0.5 * math.pi, dab.pressure)
     return {
         "NumPy, ball around the footprint": (dab.middle * _ALONG, tight),
         "NumPy, the paper's sphere": (np.array([along, 0.0, up]), radius),

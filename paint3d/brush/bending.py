@@ -1,8 +1,10 @@
-"""The table of bent shapes of a brush, and the `Tuft` that kernels take.
+"""The table of bent shapes of a tuft, and the `Tuft` that kernels take.
 
-The energy that fills the gap in the papers is described in `paint3d.brush_engine.spine`. A joint's
-stiffness is k_j = (s_j / LE)^q / r_j, with s_j its arc length from the tip and r_j the rest length
-that bends there: the mean of the two segments it joins, and all of the last one at the holder.
+The energy that fills the gap in the papers is described in `paint3d.brush_engine.spine`. The spine
+is followed on fine arcs that crowd towards the tip, where a tuft is weak: k_j = s_j^q / r_j, with
+s_j the joint's arc length from the tip over the tuft's and r_j the length that bends there, the
+mean of the two arcs that it joins, and half of the last one at the holder. Nothing of it depends on
+the tuft but q, so tufts of one q share a table.
 """
 
 from __future__ import annotations
@@ -11,30 +13,44 @@ import functools
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
+from paint3d.brush_engine.enclosing_sphere import tabulate_spheres
 from paint3d.brush_engine.spine import tabulate_bending
-from paint3d.brush_engine.tuft import SHARES, Tuft
+from paint3d.brush_engine.tuft import (
+    RING_STATIONS,
+    SPHERE_SPREADS,
+    SPHERE_STEPS,
+    STATIONS,
+    Tuft,
+)
 from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
-__all__ = ["GREATEST_FRACTION", "LOWEST_TILT", "BendingTable", "build_tuft"]
+__all__ = ["GREATEST_FRACTION", "LOWEST_TILT", "BendingTable", "bending_table", "build_tuft"]
 
 LOWEST_TILT = math.radians(30.0)
 GREATEST_FRACTION = 0.62  # descent over the straight tuft's height; below, the ferrule would touch
 _N_TILTS = 25
 _N_DESCENTS = 129
+_N_ARCS = 2 * (STATIONS - 1)
+_CROWDING = 2.6  # arcs at the tip are so much shorter that the lightest touch bends some of them
+_LEAST_COSINE = 1e-3  # of sections: what stands straighter is clear of the plane
 
 
 class BendingTable:
-    """Least-energy shapes of one brush over tilt and descent.
+    """Least-energy shapes of a tuft of length 1 over tilt and descent.
 
     Columns are even in the square root of the descent, because an upright tuft gives way like one.
-    Building takes some 10 ms for 25 tilts and 129 descents.
+    `n_arcs` is for studies of how fine the spine has to be.
 
     Parameters
     ----------
-    spec : BrushSpec
+    exponent : float
+        q: a joint bends (s / LE)^q times as hard as the root.
+    n_arcs : int
+        On which the spine is solved.
 
     Attributes
     ----------
@@ -42,45 +58,104 @@ class BendingTable:
         30 to 90 degrees, rad.
     fractions : (D,) float64, read-only
         Descent of the root over LE sin(tilt), 0 to `GREATEST_FRACTION`.
+    arcs : (M + 1,) float64, read-only
+        Arc lengths of the joints from the tip, 0 to 1.
     angles : (T, D, M) float64, read-only
-        beta_j, rad, tip first.
+        Of the arcs to the plane, rad, tip first.
 
     Raises
     ------
     BrushError
-        If the bending of this brush cannot be solved.
+        If the bending cannot be solved.
     """
 
-    def __init__(self, spec: BrushSpec) -> None:
+    def __init__(self, exponent: float, n_arcs: int = _N_ARCS) -> None:
         self.tilts = np.linspace(LOWEST_TILT, 0.5 * math.pi, _N_TILTS)
         self.fractions = GREATEST_FRACTION * np.linspace(0.0, 1.0, _N_DESCENTS) ** 2
-        self.angles = np.empty((_N_TILTS, _N_DESCENTS, spec.n_segments))
+        self.arcs = np.linspace(0.0, 1.0, n_arcs + 1) ** _CROWDING
+        self.angles = np.empty((_N_TILTS, _N_DESCENTS, n_arcs))
         failures = tabulate_bending(
-            spec.segment_lengths, joint_stiffness(spec), self.tilts, self.fractions, self.angles
+            self.arcs,
+            joint_stiffness(self.arcs, exponent),
+            float(exponent),
+            self.tilts,
+            self.fractions,
+            self.angles,
         )
         if failures:
             raise BrushError(
-                f"brush {spec.name!r}: {failures} of {_N_TILTS * _N_DESCENTS} bent shapes found no "
-                "resting position; expected none (try a stiffness_exponent nearer to 3.5)"
+                f"stiffness_exponent {exponent:g}: {failures} of {_N_TILTS * _N_DESCENTS} bent "
+                "shapes found no resting position; expected none (try one nearer to 3.5)"
             )
-        for array in (self.tilts, self.fractions, self.angles):
+        for array in (self.tilts, self.fractions, self.arcs, self.angles):
             array.setflags(write=False)
 
+    @functools.cached_property
+    def spine(self) -> tuple[AnyArray, AnyArray, AnyArray]:
+        """Where the joints are and how sections stand there, (T, D, M + 1) each, tip first.
 
-def joint_stiffness(spec: BrushSpec) -> AnyArray:
-    """k_j (M,) of the joints P_1 to P_m in docs/model.md, equation (1), up to a common factor."""
-    lengths = spec.segment_lengths
-    arcs = np.cumsum(lengths)
-    rest = np.append(0.5 * (lengths[:-1] + lengths[1:]), lengths[-1])
-    result: AnyArray = (arcs / spec.length_mm) ** spec.stiffness_exponent / rest
+        Along the plane from the root's foot and up from the plane, both over the tuft's length, and
+        the section's angle (rad): the mean of the arcs that the joint joins, at the root the
+        holder's.
+        """
+        lengths = np.diff(self.arcs)
+        run, rise = lengths * np.cos(self.angles), lengths * np.sin(self.angles)
+        start = np.zeros((*self.angles.shape[:2], 1))
+        along = np.concatenate([start, np.cumsum(run, axis=-1)], axis=-1)
+        up = np.concatenate([start, np.cumsum(rise, axis=-1)], axis=-1)
+        clamp = np.broadcast_to(self.tilts[:, None, None], start.shape)
+        below = np.concatenate([self.angles[..., :1], self.angles], axis=-1)
+        above = np.concatenate([self.angles, clamp], axis=-1)
+        angle = 0.5 * (below + above)
+        angle[..., -1:] = clamp  # in the ferrule
+        return along[..., -1:] - along, up, angle
+
+
+def joint_stiffness(arcs: AnyArray, exponent: float) -> AnyArray:
+    """k_j (M,) of the joints above the arcs in docs/model.md, equation (2), for LE = 1."""
+    lengths = np.diff(arcs)
+    bending = np.append(0.5 * (lengths[:-1] + lengths[1:]), 0.5 * lengths[-1])
+    result: AnyArray = arcs[1:] ** exponent / bending
     return result
 
 
-def _refined_diameters(spec: BrushSpec) -> AnyArray:
-    joints = np.concatenate([[0.0], np.cumsum(spec.segment_lengths)])
-    inner = joints[:-1, None] + SHARES[1:] * spec.segment_lengths[:, None]
-    arcs = np.concatenate([[0.0], inner.ravel()])
-    return spec.diameters(np.minimum(arcs, spec.length_mm))
+@functools.lru_cache(maxsize=16)
+def bending_table(exponent: float) -> BendingTable:
+    """The table of an exponent of stiffness; kept in memory. About .1 s.
+
+    Raises
+    ------
+    BrushError
+        If the bending cannot be solved.
+    """
+    return BendingTable(exponent)
+
+
+@functools.lru_cache(maxsize=16)
+def _shared(exponent: float) -> tuple[NDArray[np.float32], ...]:
+    """What tufts of one exponent share, at the stations: see `Tuft.spine` and `Tuft.reach`."""
+    along, up, angle = (part[..., ::2] for part in bending_table(exponent).spine)
+    spine = np.stack([along, up, angle], axis=2)
+    cosine = np.maximum(np.cos(angle), _LEAST_COSINE)
+    reach = along - up * np.sin(angle) / cosine
+    return (
+        _constant(spine),
+        _constant(reach),
+        _constant(2.0 * up / cosine),
+    )
+
+
+def _constant(values: AnyArray) -> NDArray[np.float32]:
+    result = np.ascontiguousarray(values, np.float32)
+    result.setflags(write=False)
+    return result
+
+
+def _openness(chords: AnyArray, diameters: AnyArray) -> NDArray[np.float32]:
+    """g / (1 + g), with g = 2 z / (cos beta C): see `Tuft.openness`."""
+    gap = chords[..., 1:] / diameters[1:]
+    gap = np.concatenate([gap[..., :1], gap], axis=-1)  # where tip and plane meet, 0 over 0
+    return _constant(gap / (1.0 + gap))
 
 
 @functools.lru_cache(maxsize=64)
@@ -92,16 +167,29 @@ def build_tuft(spec: BrushSpec) -> Tuft:
     BrushError
         If the bending of this brush cannot be solved.
     """
-    table = BendingTable(spec)
-    lengths = spec.segment_lengths
-    diameters = _refined_diameters(spec)
-    for array in (lengths, diameters):
+    exponent = float(spec.stiffness_exponent)
+    spine, reach, chords = _shared(exponent)
+    arcs = bending_table(exponent).arcs[::2] * spec.length_mm
+    diameters = spec.diameters(arcs)
+    rings = np.array(RING_STATIONS)
+    spheres = np.empty((*spine[::2, ::SPHERE_STEPS].shape[:2], len(SPHERE_SPREADS), 3))
+    tabulate_spheres(
+        np.ascontiguousarray(spine[::2, ::SPHERE_STEPS][..., rings], np.float64),
+        0.5 * diameters[rings] / spec.length_mm,
+        np.array(SPHERE_SPREADS),
+        spheres,
+    )
+    for array in (arcs, diameters, spheres):
         array.setflags(write=False)
     return Tuft(
-        segment_lengths=lengths,
+        arcs=arcs,
         diameters=diameters,
+        spine=spine,
+        reach=reach,
+        openness=_openness(chords, diameters / spec.length_mm),
+        spheres=spheres,
         taper=float(spec.taper),
-        angles=table.angles,
+        point=float(spec.point_mm),
         lowest_tilt=LOWEST_TILT,
         greatest_fraction=GREATEST_FRACTION,
         length=float(spec.length_mm),

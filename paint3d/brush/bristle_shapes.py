@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.bending import BendingTable
-from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.bristles.bend import ARCS, SAMPLES
 from paint3d.core.types import AnyArray
 
@@ -52,26 +51,13 @@ tip offset, imprint, upper and lower control length; spread (degrees). FastBrush
 _FINE = 400  # points of a curve that is measured along
 
 
-def energy_shapes(spec: BrushSpec, table: BendingTable) -> tuple[AnyArray, AnyArray]:
-    """Shapes (T, D, 3 SAMPLES) float32 and fans (T, D, 2) float32 of a brush's bending table.
+def energy_shapes(table: BendingTable) -> tuple[AnyArray, AnyArray]:
+    """Shapes (T, D, 3 SAMPLES) float32 and fans (T, D, 2) float32 of a bending table.
 
     The fans are 0: how a tuft spreads is the brush's own law (Guo 2017, Eq. 2).
     """
-    lengths = spec.segment_lengths / spec.length_mm
-    joints = np.concatenate([[0.0], np.cumsum(lengths)])
-    joints[-1] = 1.0
-    angles = table.angles
-    runs, rises = lengths * np.cos(angles), lengths * np.sin(angles)
-    x = np.zeros((*angles.shape[:2], len(joints)))
-    z = np.zeros_like(x)
-    x[..., :-1] = np.cumsum(runs[..., ::-1], axis=-1)[..., ::-1]
-    z[..., 1:] = np.cumsum(rises, axis=-1)
-    clamp = np.broadcast_to(table.tilts[:, None, None], (*angles.shape[:2], 1))
-    above = np.concatenate([angles, clamp], axis=-1)
-    middle = np.concatenate([angles[..., :1], 0.5 * (above[..., 1:] + above[..., :-1])], axis=-1)
-    middle[..., -1] = clamp[..., 0]  # in the ferrule
-    shapes = [_along(joints, values) for values in (x, z, middle)]
-    fans = np.zeros((*angles.shape[:2], 2), np.float32)
+    shapes = [_along(table.arcs, values) for values in table.spine]
+    fans = np.zeros((*table.angles.shape[:2], 2), np.float32)
     return np.ascontiguousarray(np.concatenate(shapes, axis=-1), np.float32), fans
 
 
@@ -79,7 +65,8 @@ def _along(joints: AnyArray, values: AnyArray) -> AnyArray:
     """Values at joints (..., M + 1), linear between them, at `ARCS` (..., SAMPLES)."""
     place = np.clip(np.searchsorted(joints, ARCS, side="right") - 1, 0, len(joints) - 2)
     share = (ARCS - joints[place]) / np.diff(joints)[place]
-    return (1.0 - share) * values[..., place] + share * values[..., place + 1]
+    result: AnyArray = (1.0 - share) * values[..., place] + share * values[..., place + 1]
+    return result
 
 
 def measured_shapes(

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, BendingTable
+from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, bending_table
 from paint3d.brush.bristle_shapes import energy_shapes, measured_shapes
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
@@ -46,9 +46,9 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
     BrushError
         If the bending of this brush cannot be solved.
     """
-    table = BendingTable(spec)
+    table = bending_table(float(spec.stiffness_exponent))
     if hairs.table == "energy":
-        shapes, fans = energy_shapes(spec, table)
+        shapes, fans = energy_shapes(table)
     else:
         shapes, fans = measured_shapes(table.tilts, table.fractions)
     n, noise = hairs.n_hairs, _noise()

@@ -37,6 +37,8 @@ _RANGES = {
 _SEGMENTS = (8, 13)
 _TIP_SEGMENT = (0.8, 1.4)
 _DEEPEST_PRESS = 0.62  # of the length; the table of bent shapes ends there
+_POINT = 2.0  # tip segments
+_LONGEST_POINT = 0.15  # of the length
 _THICKEST_ROOT = 0.42  # of the length: thicker, and the ferrule touches within the table
 
 
@@ -62,6 +64,9 @@ class BrushSpec:
         LE from tip to ferrule.
     root_diameter_mm, taper : float
         The round section at arc length s from the tip has the diameter root (s / LE)^taper.
+    point_mm : float, optional
+        s0, 0 to .15 LE: nearer to the tip the tuft is a cone, (1 - exp(-s / s0))^(1 - taper) times
+        as wide as that. NaN: two tip segments.
     stiffness_exponent : float
         q: a joint bends (s / LE)^q times as hard as the root.
     full_press_mm : float
@@ -106,6 +111,7 @@ class BrushSpec:
     drag_fraction: float
     plasticity: float
     max_force: float = MAX_FORCE_N
+    point_mm: float = math.nan
     bristles: BristleSpec | None = None
     inputs: InputCurves = ()
 
@@ -123,6 +129,9 @@ class BrushSpec:
         self._check("root_diameter_mm", 0.02 * self.length_mm, _THICKEST_ROOT * self.length_mm)
         self._check("full_press_mm", 0.2 * self.length_mm, _DEEPEST_PRESS * self.length_mm)
         self._check("max_force", 0.1, 100.0)
+        if math.isnan(self.point_mm):
+            object.__setattr__(self, "point_mm", _POINT * self.tip_segment_mm)
+        self._check("point_mm", 0.0, _LONGEST_POINT * self.length_mm)
         self._check("n_segments", *_SEGMENTS)
         if self.n_segments != int(self.n_segments):
             raise BrushError(
@@ -172,6 +181,8 @@ class BrushSpec:
     def diameters(self, arc_lengths: ArrayLike) -> AnyArray:
         """Round diameter (N,), mm, of the unbent tuft at arc lengths (N,) from the tip, mm.
 
+        docs/model.md, equation (1).
+
         Raises
         ------
         BrushError
@@ -182,4 +193,9 @@ class BrushSpec:
             raise BrushError(
                 f"arc_lengths span {s.min():g} to {s.max():g}; expected 0 to {self.length_mm:g}"
             )
-        return self.root_diameter_mm * (s / self.length_mm) ** self.taper
+        diameters: AnyArray = self.root_diameter_mm * (s / self.length_mm) ** self.taper
+        if self.point_mm > 0.0:
+            narrowed = -np.expm1(-s / self.point_mm)
+            narrowed[s <= 0.0] = 1.0
+            diameters *= narrowed ** (1.0 - self.taper)
+        return diameters

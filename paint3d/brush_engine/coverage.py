@@ -284,7 +284,7 @@ def _sort(n, block, found, at):
 def weigh_block(n, sweep, block, found, at):
     """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
 
-    The share is w of docs/model.md, equation (7).
+    The share is w of docs/model.md, equation (9).
 
     Parameters
     ----------

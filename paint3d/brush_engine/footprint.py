@@ -31,6 +31,7 @@ __all__ = [
     "hold_point",
     "ink_way",
     "make_stamp",
+    "outline_area",
     "outline_motion",
     "sweep_bounds",
 ]
@@ -132,7 +133,6 @@ def fill_profile(stamp, reach, half_width, n):
     step = (tip - heel) / PROFILE_CELLS
     widest = 0.0
     k = n - 1
-    area = 0.0
     for i in range(PROFILE_CELLS + 1):
         x = heel + i * step
         while k > 1 and reach[k - 1] < x:
@@ -154,12 +154,19 @@ def fill_profile(stamp, reach, half_width, n):
         if half_width[i] > widest:
             widest = half_width[i]
             values.widest_at = reach[i]
-    for i in range(n - 1):
-        area += (half_width[i] + half_width[i + 1]) * (reach[i] - reach[i + 1])
     values.heel = heel
     values.tip = tip
     values.widest = widest
-    values.area = area
+    values.area = outline_area(reach, half_width, n)
+
+
+@uncounted
+def outline_area(reach, half_width, n):
+    """Area (mm2) of an outline of n points, the tip first."""
+    area = 0.0
+    for i in range(n - 1):
+        area += (half_width[i] + half_width[i + 1]) * (reach[i] - reach[i + 1])
+    return area
 
 
 @uncounted

@@ -158,8 +158,8 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
 def _ink_released(before, after, tuft, ink):
     """Ink that leaves the brush on the way between two stamps: R (1 - exp(-eta' pe ds)).
 
-    docs/model.md, equation (8), the continuous form of Guo 2017, Eqs. 12-13, which one step of unit
-    length gives back; `ds` is the way that ink is given for (`ink_way`, mm).
+    docs/model.md, equation (10), the continuous form of Guo 2017, Eqs. 12-13, which one step of
+    unit length gives back; `ds` is the way that ink is given for (`ink_way`, mm).
     """
     pressure = 0.0
     n = 0
@@ -413,7 +413,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
     Conserves: what leaves `ink.load` is on vertices or counted in `ink.off_surface`
-    (docs/model.md, equation (9)).
+    (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
     n = _gather(before, after, field, scratch)

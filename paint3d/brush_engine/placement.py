@@ -16,7 +16,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine.footprint import PROFILE_CELLS, fill_profile, hold_point
+from paint3d.brush_engine.footprint import (
+    PROFILE_CELLS,
+    fill_profile,
+    hold_point,
+    outline_area,
+)
 from paint3d.brush_engine.tuft import (
     drag_length,
     drag_step,
@@ -38,6 +43,7 @@ REACH = 1.05  # of the tuft's length: farther than this the root cannot touch th
 _OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is not over the surface
 _LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
 _OTHER_SIDE = -0.5  # cosine to the foot's normal: what faces farther away is a wall's other side
+_FIRST_DRAG = 0.35  # of the slack: how far a tuft that comes down is dragged towards its bend
 _TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a brush goes
 
 
@@ -116,9 +122,7 @@ def _find_place(pose, up, tuft, tree, values, scratch):
 @uncounted(forceinline=True)
 def _lean_plane(values, tuft, field, scratch):
     """Enclose the bent tuft, and lean the stamp's plane to the surface that it stands on."""
-    along, up, radius = enclose_tuft(
-        tuft, values.descent, values.tilt, values.pressure, scratch.tuft
-    )
+    along, up, radius = enclose_tuft(tuft, values.descent, values.tilt, values.pressure)
     extent = 0.0
     if values.centred > 0.0:
         middle, extent = _trace_extent(values, tuft, scratch)
@@ -142,6 +146,8 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
     if n < 2:
         _flatten(values, _straight_reach(values, tuft))
         return
+    if dragged:
+        _gather(values, tuft, scratch.reach, scratch.half_width, n)
     if values.centred > 0.0:
         middle = 0.5 * (scratch.reach[0] + scratch.reach[n - 1])
         for axis in range(3):
@@ -152,6 +158,37 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
     _hold_outline(values)
     if values.area > 0.0:
         values.touches = 1.0
+
+
+@uncounted
+def _gather(values, tuft, reach, half_width, n):
+    """Let a tuft that is not dragged far lie in a heap under its root: model.md, equation (4).
+
+    Where the dragged point is the root's foot there is no direction to lie in: the outline is a
+    disc of the same area, and grows into the bent one as the paper pulls the tip away.
+    """
+    slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
+    dragged2 = 0.0
+    for axis in range(3):
+        dragged2 += values.drag[axis] ** 2
+    rho = min(1.0, np.sqrt(dragged2) / max(slack, 1e-9))
+    bent = rho * rho * (3.0 - 2.0 * rho)
+    tip, heel = reach[0], reach[n - 1]
+    area = outline_area(reach, half_width, n)
+    if bent >= 1.0 or area <= 0.0:
+        return
+    disc = np.sqrt(area / np.pi)
+    middle, half = 0.5 * (tip + heel), 0.5 * (tip - heel)
+    centre = bent * middle + (1.0 - bent) * tuft.length * np.cos(values.tilt)
+    for i in range(n):
+        share = min(1.0, max(-1.0, (reach[i] - middle) / half))
+        reach[i] = (bent * half + (1.0 - bent) * disc) * share
+        round_ = disc * np.sqrt(1.0 - share * share)
+        half_width[i] = bent * half_width[i] + (1.0 - bent) * round_
+    scale = np.sqrt(area / outline_area(reach, half_width, n))
+    for i in range(n):
+        reach[i] = centre + scale * reach[i]
+        half_width[i] *= scale
 
 
 @uncounted
@@ -262,9 +299,9 @@ def _bend_along_drag(values, was_touching, tuft, scratch):
     slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
     rx, ry, rz = scratch.drag[0], scratch.drag[1], scratch.drag[2]
     if rx * rx + ry * ry + rz * rz == 0.0:
-        rx = 0.2 * slack * values.bend[0]
-        ry = 0.2 * slack * values.bend[1]
-        rz = 0.2 * slack * values.bend[2]
+        rx = _FIRST_DRAG * slack * values.bend[0]
+        ry = _FIRST_DRAG * slack * values.bend[1]
+        rz = _FIRST_DRAG * slack * values.bend[2]
     elif not was_touching:
         rx, ry, rz = release(rx, ry, rz, tuft.plasticity)
     else:
@@ -507,7 +544,7 @@ def _set_normal(values, vector):
 def _sum_normals(pack, patch, values, centre, radius, fade, least):
     """Sum the area-weighted normals of the sheets in a ball that face as the foot's surface does.
 
-    The N of docs/model.md, equation (4), before it is normalised. At the ball's border they fade in
+    The N of docs/model.md, equation (6), before it is normalised. At the ball's border they fade in
     over the way `fade`, mm. `least` is the cosine to the foot's normal, times the sheet's area,
     that a sheet must exceed. `pack` is that of a `SurfaceField`.
     """

@@ -1,16 +1,19 @@
 """The resting shape of a bent tuft: least bending energy over a plane (completes Guo 2017, Eq. 1).
 
-The papers give one condition, the height of the root, for m angles. The missing ones follow from
-the least energy
+The papers give one condition, the height of the root, for the angles of the spine. The missing ones
+follow from the least energy
 
     E = 1/2 sum_j k_j (beta_{j+1} - beta_j)^2,   beta_{m+1} = theta (clamped in the holder)
 
-under sum_j le_j sin(beta_j) = LE sin(theta) - D_s and beta_j >= 0 (hairs lie on the plane, never
+under sum_j l_j sin(beta_j) = LE sin(theta) - D_s and beta_j >= 0 (hairs lie on the plane, never
 under it). With the multiplier lambda of the height (the force on the tip), Newton's method on
 
-    dE/dbeta_j + lambda le_j cos(beta_j) = 0
+    dE/dbeta_j + lambda l_j cos(beta_j) = 0
 
-is a tridiagonal system with one border; segments that the plane holds flat leave the system.
+is a tridiagonal system with one border; arcs that the plane holds flat leave the system.
+
+The stiffness is a power of the arc length and the tip is free, so a tuft that is pressed a little
+less has the same shape, smaller: each shape is the guess of the next one, drawn together.
 """
 
 from __future__ import annotations
@@ -24,8 +27,9 @@ from paint3d.core.kernel import kernel
 __all__ = ["solve_bending", "tabulate_bending"]
 
 _ITERATIONS = 80
-_LONGEST_TURN = 0.3  # rad, the most that one step may turn a segment
+_LONGEST_TURN = 0.3  # rad, the most that one step may turn an arc
 _TOLERANCE = 1e-11
+_LYING = 2.0  # of the descent: arcs so far from the tip stand straight in the first guess
 
 
 @kernel
@@ -47,12 +51,12 @@ def _solve_tridiagonal(diagonal, off, right_a, right_b, ratio, first, m):
 
 
 @kernel
-def _first_free(segment_lengths, joint_stiffness, multiplier, angles):
-    """The lowest segment that the plane does not hold flat: it presses on those below."""
+def _first_free(lengths, stiffness, multiplier, angles):
+    """The lowest arc that the plane does not hold flat: it presses on those below."""
     first = 0
     while first < angles.shape[0] - 1 and angles[first] <= 0.0:
         above = angles[first + 1]
-        if -joint_stiffness[first] * above + multiplier * segment_lengths[first] < 0.0:
+        if -stiffness[first] * above + multiplier * lengths[first] < 0.0:
             break
         first += 1
     return first
@@ -60,7 +64,7 @@ def _first_free(segment_lengths, joint_stiffness, multiplier, angles):
 
 @kernel
 def _turn(angles, first, scale, step):
-    """Turn the segments from `first` on, none below the plane; whether any was held back."""
+    """Turn the arcs from `first` on, none below the plane; whether any was held back."""
     clipped = False
     for j in range(first, angles.shape[0]):
         angles[j] += scale * step[j]
@@ -71,19 +75,20 @@ def _turn(angles, first, scale, step):
 
 
 @kernel
-def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, angles):
+def solve_bending(lengths, stiffness, tilt, height, multiplier, angles):
     """Angles of least bending energy with the root at a height, from a guess.
 
-    The minimum of docs/model.md, equation (1), by the Newton iteration above.
+    The minimum of docs/model.md, equation (2), by the Newton iteration above.
 
     Parameters
     ----------
-    segment_lengths, joint_stiffness : (M,) float64
-        le_j (mm) and k_j, tip first; k_m belongs to the clamp in the holder.
+    lengths, stiffness : (M,) float64
+        l_j of the arcs and k_j of the joints above them, tip first; k_m belongs to the clamp in the
+        holder.
     tilt : float
         theta, rad.
     height : float
-        LE sin(theta) - D_s, mm.
+        LE sin(theta) - D_s, in the lengths' unit.
     multiplier : float
         Guess of lambda.
     angles : (M,) float64
@@ -94,32 +99,31 @@ def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, an
     multiplier : float
         NaN where the iteration did not settle.
     """
-    m = segment_lengths.shape[0]
+    m = lengths.shape[0]
     diagonal, off, ratio = np.empty(m), np.empty(m), np.empty(m)
-    step, border = np.empty(m), np.empty(m)
+    step, border, slopes = np.empty(m), np.empty(m), np.empty(m)
     for _ in range(_ITERATIONS):
-        first = _first_free(segment_lengths, joint_stiffness, multiplier, angles)
+        first = _first_free(lengths, stiffness, multiplier, angles)
         gap = -height
-        for j in range(m):
-            gap += segment_lengths[j] * math.sin(angles[j])
         for j in range(first, m):
+            rise = lengths[j] * math.sin(angles[j])
+            gap += rise
             above = angles[j + 1] if j < m - 1 else tilt
-            slope = segment_lengths[j] * math.cos(angles[j])
-            gradient = -joint_stiffness[j] * (above - angles[j])
-            bend = joint_stiffness[j]
+            gradient = -stiffness[j] * (above - angles[j])
+            bend = stiffness[j]
             if j > 0:
-                gradient += joint_stiffness[j - 1] * (angles[j] - angles[j - 1])
-                bend += joint_stiffness[j - 1]
+                gradient += stiffness[j - 1] * (angles[j] - angles[j - 1])
+                bend += stiffness[j - 1]
+            slopes[j] = lengths[j] * math.cos(angles[j])
             step[j] = -gradient
-            border[j] = slope
-            diagonal[j] = bend - multiplier * segment_lengths[j] * math.sin(angles[j])
-            off[j] = -joint_stiffness[j]
+            border[j] = slopes[j]
+            diagonal[j] = bend - multiplier * rise
+            off[j] = -stiffness[j]
         _solve_tridiagonal(diagonal, off, step, border, ratio, first, m)
         reach, pull = gap, 0.0
         for j in range(first, m):
-            slope = segment_lengths[j] * math.cos(angles[j])
-            reach += slope * step[j]
-            pull += slope * border[j]
+            reach += slopes[j] * step[j]
+            pull += slopes[j] * border[j]
         new_multiplier = reach / pull
         largest = 0.0
         for j in range(first, m):
@@ -134,44 +138,66 @@ def solve_bending(segment_lengths, joint_stiffness, tilt, height, multiplier, an
 
 
 @kernel
-def tabulate_bending(segment_lengths, joint_stiffness, tilts, fractions, out_angles):
-    """Solve the bending over a grid, each tilt followed from the straight tuft downwards.
+def _draw_together(middles, shape, share, tilt, out):
+    """A shape drawn together towards the tip by a share below 1; straight beyond its end."""
+    m = middles.shape[0]
+    k = 0
+    for j in range(m):
+        at = middles[j] / share
+        while k < m - 2 and middles[k + 1] < at:
+            k += 1
+        part = (at - middles[k]) / (middles[k + 1] - middles[k])
+        if at >= middles[m - 1]:
+            out[j] = tilt
+        else:
+            out[j] = shape[k] + max(part, 0.0) * (shape[k + 1] - shape[k])
+
+
+@kernel
+def tabulate_bending(arcs, stiffness, exponent, tilts, fractions, out_angles):
+    """Solve the bending over a grid, each tilt followed from the deepest press upwards.
 
     Parameters
     ----------
-    segment_lengths, joint_stiffness : (M,) float64
+    arcs : (M + 1,) float64
+        Arc lengths of the joints from the tip, 0 to 1.
+    stiffness : (M,) float64
+        k_j of the joints above the arcs.
+    exponent : float
+        q, of the stiffness over the arc length.
     tilts : (T,) float64
         rad.
     fractions : (D,) float64
         Descent over the straight tuft's height, rising from 0.
     out_angles : (T, D, M) float64
+        rad.
 
     Returns
     -------
     failures : int
         How many points of the grid did not settle.
     """
-    m = segment_lengths.shape[0]
-    length = segment_lengths.sum()
-    guess = np.empty(m)
+    m, last = stiffness.shape[0], fractions.shape[0] - 1
+    lengths, middles, guess = np.empty(m), np.empty(m), np.empty(m)
+    for j in range(m):
+        lengths[j] = arcs[j + 1] - arcs[j]
+        middles[j] = 0.5 * (arcs[j + 1] + arcs[j])
     failures = 0
     for i in range(tilts.shape[0]):
-        out_angles[i, 0, :] = tilts[i]
-        tallest = length * math.sin(tilts[i])
+        tilt, tallest = tilts[i], math.sin(tilts[i])
+        out_angles[i, 0, :] = tilt
         multiplier = 0.0
-        for k in range(1, fractions.shape[0]):
-            height = tallest * (1.0 - fractions[k])
-            if k == 1:  # let the tip alone take up the first descent
-                guess[:] = tilts[i]
-                lowered = math.sin(tilts[i]) - tallest * fractions[k] / segment_lengths[0]
-                guess[0] = math.asin(max(lowered, 0.0))
-                turn = joint_stiffness[0] * (tilts[i] - guess[0])
-                multiplier = turn / (segment_lengths[0] * math.cos(guess[0]))
+        for k in range(last, 0, -1):
+            if k == last:
+                for j in range(m):
+                    lying = min(1.0, middles[j] / (_LYING * tallest * fractions[k]))
+                    guess[j] = tilt * lying * lying
             else:
-                guess[:] = out_angles[i, k - 1]
-            multiplier = solve_bending(
-                segment_lengths, joint_stiffness, tilts[i], height, multiplier, guess
-            )
+                share = fractions[k] / fractions[k + 1]
+                _draw_together(middles, out_angles[i, k + 1], share, tilt, guess)
+                multiplier *= share ** (exponent - 2.0)
+            height = tallest * (1.0 - fractions[k])
+            multiplier = solve_bending(lengths, stiffness, tilt, height, multiplier, guess)
             out_angles[i, k] = guess
             if math.isnan(multiplier):
                 failures += 1

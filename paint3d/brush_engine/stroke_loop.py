@@ -321,10 +321,14 @@ def drive(samples, i, t, pose, before, tuft, ink, curves):
     stiffness = _factor(curves, STIFFNESS)
     ink.transfer[0].capacity = tuft.load / _factor(curves, WETNESS)
     return Tuft(
-        tuft.segment_lengths,
+        tuft.arcs,
         tuft.diameters,
+        tuft.spine,
+        tuft.reach,
+        tuft.openness,
+        tuft.spheres,
         tuft.taper,
-        tuft.angles,
+        tuft.point,
         tuft.lowest_tilt,
         tuft.greatest_fraction,
         tuft.length,

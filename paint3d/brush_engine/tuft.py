@@ -1,12 +1,13 @@
-"""The bent tuft: table lookup, outline on the plane, enclosing sphere (Guo 2017, Eqs. 2-11), drag.
+"""The bent tuft: its outline on the plane, its spine, the sphere around it, and its drag.
 
 All of it lies in the bend plane. Its origin is P'_m, the root's foot on the paper; `along` points
 from there to the tip, `up` is the paper's normal, `side` is normal to both. The third angle, the
 azimuth of `along` on the paper, is the pose's, or the paper turns the brush as it drags the tuft.
 
-The spine is evaluated at `REFINEMENT` points on every straight segment, with the section's angle
-interpolated between joints: at the joints that is the papers' Eqs. 6-9, between them the outline
-grows without steps as the brush is pressed.
+A shape is read from tables over tilt and descent at `STATIONS` places along the spine, by cubics
+over the descent and linearly over the tilt. The outline has as many points for every press, at
+fixed shares of the arc between the tip and the heel, where the tuft leaves the plane: so each of
+them is a smooth function of the press, and a lift-off draws no steps (Guo 2017, Eqs. 2, 3, 6-9).
 
 The dragged tuft is a tractrix with slack: with H the handle's foot P'_m and Q the dragged contact,
 r = Q - H. While |r| is below the slack l(D_s) the contact sticks; beyond, it follows at the
@@ -34,17 +35,18 @@ __all__ = [
     "N_SETTINGS",
     "OUTLINE_CAPACITY",
     "PRESSURE",
-    "REFINEMENT",
+    "RING_STATIONS",
     "SCRATCH_SIZE",
-    "SHARES",
     "SPEED",
+    "SPHERE_SPREADS",
+    "SPHERE_STEPS",
     "SPREAD",
+    "STATIONS",
     "STIFFNESS",
     "TILT",
     "WETNESS",
     "Curves",
     "Tuft",
-    "bend_angles",
     "drag_along",
     "drag_length",
     "drag_step",
@@ -52,29 +54,28 @@ __all__ = [
     "greatest_descent",
     "no_curves",
     "release",
+    "round_diameter",
     "trace_outline",
+    "trace_spine",
 ]
 
-_MAX_SEGMENTS = 13  # the papers' largest m
-REFINEMENT = 12  # points on each straight segment of the spine
-_RETRACED = 1  # steps before that of M_d that are traced anew
-_CLOSING_POINTS = 6  # on these steps
-_CROSSING_STEPS = 7
-OUTLINE_CAPACITY = (
-    _MAX_SEGMENTS * REFINEMENT + _CLOSING_POINTS + 2
-)  # what out_reach and out_half_width must hold
-HALF_RING = 5  # surface points on one half of each joint's section, for the enclosing sphere
-SCRATCH_SIZE = 512  # float64 numbers: angles, then x, y, z and square of every surface point
-_POINTS = _MAX_SEGMENTS * HALF_RING + 1
-_X, _Y, _Z, _SQUARE = 32, 32 + _POINTS, 32 + 2 * _POINTS, 32 + 3 * _POINTS
-_TOLERANCE = 3e-3  # an outlier nearer than this (relative) ends the sphere's passes
-_PASSES = 40
+STATIONS = 57  # places along the spine at which shapes are kept, crowded towards the tip
+RING_STATIONS = (0, 15, 21, 28, 33, 38, 43, 47, 51, 56)  # those that the sphere is put around
+SPHERE_STEPS = 8  # every so many descents have their spheres, and every second tilt
+_SPREAD_STEP = 0.25
+SPHERE_SPREADS = tuple(1.0 + _SPREAD_STEP * k for k in range(11))  # of sections, with their spheres
+OUTLINE_CAPACITY = 64  # what out_reach and out_half_width must hold: any outline's points
+_POINTS = 40  # of a solid tuft's outline
+_FALLING = 1e-9  # of the length, least step between two of them
+_HEEL_STEPS = 12
+_FIRST_COLUMN = 6  # of the tables, that has arcs enough under the lightest touch
+SCRATCH_SIZE = 2 * STATIONS  # float64 numbers: openness and reach at the stations
 
-# Where the refined spine is evaluated on a segment: crowded at the joints, where the tuft kinks.
-SHARES = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, REFINEMENT + 1))
-SHARES.setflags(write=False)
-_COS = np.cos(np.linspace(0.0, np.pi, HALF_RING))
-_SIN = np.sin(np.linspace(0.0, np.pi, HALF_RING))
+# Where the outline's points lie between tip and heel, in stations; crowded towards the heel, where
+# the width falls like a root.
+_EVEN = np.linspace(0.0, 1.0, _POINTS)
+_SHARES = 0.35 * _EVEN + 0.65 * np.sin(0.5 * np.pi * _EVEN)
+_SHARES.setflags(write=False)
 MOST_POINTS = 8  # of a curve
 # Rows of the table: settings, and inputs of each; their names are in `brush.dynamics`.
 STIFFNESS, SPREAD, LOAD, WETNESS = 0, 1, 2, 3
@@ -86,19 +87,23 @@ _STEPS_PER_SLACK = 40  # the longest step that a chord may follow is l / 40
 
 
 class Tuft(NamedTuple):
-    """A brush made ready for kernels: plain numbers and float64 arrays (M segments).
+    """A brush made ready for kernels: plain numbers and arrays (N = `STATIONS`).
 
-    Built by `paint3d.brush.bending.build_tuft`; one argument of every kernel here.
+    Built by `paint3d.brush.bending.build_tuft`; one argument of every kernel here. Tables lie over
+    tilt (even in the angle, the last row is pi / 2) and descent (even in its square root).
     """
 
-    segment_lengths: NDArray  # (M,) le_j from the tip to the root, mm (Eq. 1)
-    diameters: (
-        NDArray  # (M * REFINEMENT + 1,) round diameter along the refined spine, tip first, mm
-    )
+    arcs: NDArray  # (N,) float64, of the stations from the tip, mm
+    diameters: NDArray  # (N,) float64, round, there, mm
+    spine: NDArray  # (tilts, descents, 3, N) float32: along and up over the length, angle (rad)
+    reach: NDArray  # (tilts, descents, N) float32: along - up tan(angle), over the length (Eq. 7)
+    openness: NDArray  # (tilts, descents, N) float32: g / (1 + g), where g = 2 z / (cos beta C) is
+    # how high a section is over its round diameter, so that Eq. 8 ends the footprint at g = 1 / S
+    spheres: NDArray  # (tilts, descents, spreads, 3) float64: centre and radius over the length
     taper: float  # exponent of the diameter over the arc length
-    angles: NDArray  # (tilts, descents, M) beta_j over tilt and sqrt(descent), rad
-    lowest_tilt: float  # rad, first row of `angles`; the last row is pi / 2
-    greatest_fraction: float  # last column of `angles`: descent / (length sin tilt)
+    point: float  # mm, length of the pointed tip
+    lowest_tilt: float  # rad, first row of the tables; the last row is pi / 2
+    greatest_fraction: float  # last column of the tables: descent / (length sin tilt)
     length: float  # LE, mm
     full_press: float  # descent at pe = 1, mm
     spring: float  # lambda_c S, N/mm (Eq. 4)
@@ -136,133 +141,116 @@ def greatest_descent(tuft, tilt):
 
 
 @uncounted
-def bend_angles(tuft, descent, tilt, out_angles):
-    """Angles of the segments to the plane, by bilinear lookup.
-
-    Parameters
-    ----------
-    tuft : Tuft
-    descent : float
-        D_s, mm. Beyond `greatest_descent` the ferrule rests on the plane: the last shape holds.
-    tilt : float
-        theta, rad; outside the table's range the nearest row holds.
-    out_angles : (M + 1,) float64
-        beta_1 to beta_m, then beta_{m+1} = theta, the clamp in the holder.
-    """
-    n_tilts, n_descents, m = tuft.angles.shape
-    row = (tilt - tuft.lowest_tilt) * (n_tilts - 1) / (0.5 * math.pi - tuft.lowest_tilt)
-    row = min(max(row, 0.0), n_tilts - 1.0)
-    i = min(int(row), n_tilts - 2)
-    v = row - i
-    fraction = max(descent, 0.0) / (tuft.greatest_fraction * tuft.length * math.sin(tilt))
-    column = min(math.sqrt(fraction), 1.0) * (n_descents - 1)
-    k = min(int(column), n_descents - 2)
-    u = column - k
-    a00, a01 = (1.0 - v) * (1.0 - u), (1.0 - v) * u
-    a10, a11 = v * (1.0 - u), v * u
-    for j in range(m):
-        low = a00 * tuft.angles[i, k, j] + a01 * tuft.angles[i, k + 1, j]
-        out_angles[j] = low + a10 * tuft.angles[i + 1, k, j] + a11 * tuft.angles[i + 1, k + 1, j]
-    out_angles[m] = tilt
-
-
-@uncounted(inline="always")
-def _section(along, up, angle, diameter, spread):
-    """Reach of one section's line on the plane, and its half width squared, with sign (Eqs. 7, 8).
-
-    C_j1 = C_j spread and C_j2 = C_j / spread (Eqs. 2, 3), so that Eq. 8 reads
-    |W_j M_j| = spread^2 / 2 sqrt(C_j2^2 - (2 z / cos)^2).
-    """
-    cosine = math.cos(angle)
-    minor = diameter / spread
-    chord = 2.0 * up / cosine
-    widening = spread * spread
-    square = 0.25 * widening * widening * (minor * minor - chord * chord)
-    return along - up * math.sin(angle) / cosine, square
-
-
-class _Joint(NamedTuple):
-    """The lower end of a segment of the bent spine."""
-
-    segment: int
-    arc: float  # from the tip, mm
-    along: float  # where it is, mm
-    up: float
+def round_diameter(tuft, arc):
+    """Diameter (mm) of the round tuft so far from its tip (mm): docs/model.md, equation (1)."""
+    diameter = tuft.diameters[-1] * (arc / tuft.length) ** tuft.taper
+    if tuft.point > 0.0 and arc > 0.0:
+        diameter *= (-math.expm1(-arc / tuft.point)) ** (1.0 - tuft.taper)
+    return diameter
 
 
 @uncounted
-def _section_at(tuft, angles, pe, joint, t):
-    """`_section` at the share t of the segment above a joint."""
-    j = joint.segment
-    below = angles[j - 1] if j > 0 else angles[0]
-    near = 0.5 * (below + angles[j])
-    far = 0.5 * (angles[j] + angles[j + 1])
-    # The root circle keeps its diameter: the spread fades over the last segment.
-    fade = 1.0 if j < tuft.segment_lengths.shape[0] - 1 else 1.0 - t
-    run = t * tuft.segment_lengths[j]
-    diameter = tuft.diameters[-1] * ((joint.arc + run) / tuft.length) ** tuft.taper
-    return _section(
-        joint.along - run * math.cos(angles[j]),
-        joint.up + run * math.sin(angles[j]),
-        near + t * (far - near),
-        diameter,
-        1.0 + tuft.spread * pe * fade,
+def _cubic(t):
+    """Weights of four even points for a place between the middle two (Catmull-Rom)."""
+    return (
+        ((-0.5 * t + 1.0) * t - 0.5) * t,
+        (1.5 * t - 2.5) * t * t + 1.0,
+        ((-1.5 * t + 2.0) * t + 0.5) * t,
+        (0.5 * t - 0.5) * t * t,
+    )
+
+
+class _Place(NamedTuple):
+    """Where in the tables a pressed tuft is read: two rows, four columns of each, their weights."""
+
+    row: int
+    column: int  # first of the four
+    share: float  # of the second row
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+@uncounted
+def _find_place(tuft, descent, tilt):
+    """The place of a descent (mm) and a tilt (rad); outside the tables their ends hold."""
+    n_tilts, n_columns, _ = tuft.reach.shape
+    row = (tilt - tuft.lowest_tilt) * (n_tilts - 1) / (0.5 * math.pi - tuft.lowest_tilt)
+    row = min(max(row, 0.0), n_tilts - 1.0)
+    i = min(int(row), n_tilts - 2)
+    column = math.sqrt(max(descent, 0.0) / greatest_descent(tuft, tilt))
+    column = min(column, 1.0) * (n_columns - 1)
+    k = min(int(column), n_columns - 2)
+    before, here, after, beyond = _cubic(column - k)
+    if k == 0:  # shapes are even functions of the root of the descent
+        return _Place(i, 0, row - i, here, before + after, beyond, 0.0)
+    if k == n_columns - 2:  # and go on straight where the table ends
+        return _Place(i, k - 2, row - i, 0.0, before, here - beyond, after + 2.0 * beyond)
+    return _Place(i, k - 1, row - i, before, here, after, beyond)
+
+
+@uncounted
+def _blend(table, at, n, out):
+    """The first n numbers of a table's (tilts, descents, N) rows at a place."""
+    low, high = 1.0 - at.share, at.share
+    below, above = table[at.row], table[at.row + 1]
+    k = at.column
+    a0, b0, c0, d0 = below[k], below[k + 1], below[k + 2], below[k + 3]
+    a1, b1, c1, d1 = above[k], above[k + 1], above[k + 2], above[k + 3]
+    for j in range(n):
+        lower = at.a * a0[j] + at.b * b0[j] + at.c * c0[j] + at.d * d0[j]
+        upper = at.a * a1[j] + at.b * b1[j] + at.c * c1[j] + at.d * d1[j]
+        out[j] = low * lower + high * upper
+
+
+@uncounted
+def _between(values, first, weights):
+    """The cubic through four values."""
+    a, b, c, d = weights
+    high = values.shape[0] - 1
+    return (
+        a * values[max(first, 0)]
+        + b * values[first + 1]
+        + c * values[first + 2]
+        + d * values[min(first + 3, high)]
     )
 
 
 @uncounted
-def _close(tuft, angles, pe, joint, i, out_reach, out_half_width, n):
-    """Find M_d, where the tuft leaves the plane in step i above a joint, and end the outline there.
-
-    The half width falls like a square root there, so the last two steps are traced anew,
-    with points that crowd towards M_d.
-    """
-    low, high = SHARES[i - 1], SHARES[i]
-    _, f_low = _section_at(tuft, angles, pe, joint, low)
-    _, f_high = _section_at(tuft, angles, pe, joint, high)
-    side = 0
-    t = low
-    for _ in range(_CROSSING_STEPS):  # the Illinois variant of regula falsi
+def _find_heel(openness, level):
+    """Where, in stations, the openness first comes up to a level; 0 where it begins above it."""
+    n = openness.shape[0]
+    k = 0
+    while k < n and openness[k] < level:
+        k += 1
+    if k == 0 or k == n:
+        return float(max(k - 1, 0))
+    low, high = 0.0, 1.0
+    f_low, f_high = openness[k - 1] - level, openness[k] - level
+    side, t = 0, 0.0
+    for _ in range(_HEEL_STEPS):  # the Illinois variant of regula falsi
         t = low + (high - low) * f_low / (f_low - f_high)
-        _, square = _section_at(tuft, angles, pe, joint, t)
-        if square > 0.0:
-            low, f_low = t, square
+        f = _between(openness, k - 2, _cubic(t)) - level
+        if abs(f) < 1e-13:
+            break
+        if f < 0.0:
+            low, f_low = t, f
             f_high *= 0.5 if side > 0 else 1.0
             side = 1
         else:
-            high, f_high = t, square
+            high, f_high = t, f
             f_low *= 0.5 if side < 0 else 1.0
             side = -1
-    again = min(i - 1, _RETRACED)
-    first = SHARES[i - 1 - again]
-    n = max(n - again, 1)
-    for k in range(1, _CLOSING_POINTS + 1):
-        rest = 1.0 - k / (_CLOSING_POINTS + 1.0)
-        inner = first + (1.0 - rest * rest) * (t - first)
-        reach, square = _section_at(tuft, angles, pe, joint, inner)
-        if square > 0.0 and reach < out_reach[n - 1]:
-            out_reach[n], out_half_width[n] = reach, math.sqrt(square)
-            n += 1
-    reach, _ = _section_at(tuft, angles, pe, joint, t)
-    if reach < out_reach[n - 1]:
-        out_reach[n] = reach
-        n += 1
-    out_half_width[n - 1] = 0.0
-    return n
-
-
-@uncounted
-def _tip_reach(tuft, angles):
-    """Where the tip of the bent spine lies, mm from P'_m."""
-    along = 0.0
-    for j in range(tuft.segment_lengths.shape[0]):
-        along += tuft.segment_lengths[j] * math.cos(angles[j])
-    return along
+    return k - 1 + t
 
 
 @uncounted
 def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
     """Outline of the footprint: its half width against the distance from P'_m (Eqs. 2, 3, 6-9).
+
+    With S = 1 + (d + h mu) pe, a section is C_j1 = S C_j wide and C_j2 = C_j / S thick (Eqs. 2, 3),
+    so that Eq. 8 reads |W_j M_j| = S C_j / 2 sqrt(1 - (S g)^2).
 
     Parameters
     ----------
@@ -286,134 +274,112 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
     """
     if descent <= 0.0:
         return 0
-    m = tuft.segment_lengths.shape[0]
-    bend_angles(tuft, descent, tilt, scratch)
-    along = _tip_reach(tuft, scratch)
-    up, arc = 0.0, 0.0
-    out_reach[0], out_half_width[0] = along, 0.0
-    n = 1
-    spread = 1.0 + tuft.spread * pe
-    near = scratch[0]
-    for j in range(m):
-        far = 0.5 * (scratch[j] + scratch[j + 1])
-        run = tuft.segment_lengths[j] * math.cos(scratch[j])
-        rise = tuft.segment_lengths[j] * math.sin(scratch[j])
-        for i in range(1, REFINEMENT + 1):
-            t = SHARES[i]
-            reach, square = _section(
-                along - t * run,
-                up + t * rise,
-                near + t * (far - near),
-                tuft.diameters[j * REFINEMENT + i],
-                spread if j < m - 1 else spread - t * (spread - 1.0),
-            )
-            if square <= 0.0:
-                if n == 1:
-                    return 0
-                joint = _Joint(j, arc, along, up)
-                return _close(tuft, scratch, pe, joint, i, out_reach, out_half_width, n)
-            if reach < out_reach[n - 1]:
-                out_reach[n], out_half_width[n] = reach, math.sqrt(square)
-                n += 1
-        arc += tuft.segment_lengths[j]
-        along -= run
-        up += rise
-        near = far
+    touch = _FIRST_COLUMN / (tuft.reach.shape[1] - 1.0)
+    touch = touch * touch * greatest_descent(tuft, tilt)
+    at = _find_place(tuft, max(descent, touch), tilt)
+    n = _trace_at(tuft, at, 1.0 + tuft.spread * pe, scratch, out_reach, out_half_width)
+    if descent < touch:  # the same, smaller
+        scale, straight = descent / touch, tuft.length * math.cos(tilt)
+        for k in range(n):
+            out_reach[k] = straight + scale * (out_reach[k] - straight)
+            out_half_width[k] *= scale
+    return n
+
+
+@uncounted
+def _trace_at(tuft, at, spread, scratch, out_reach, out_half_width):
+    """`trace_outline` at a place of the tables."""
+    openness, reach = scratch[:STATIONS], scratch[STATIONS : 2 * STATIONS]
+    _blend(tuft.openness, at, STATIONS, openness)
+    heel = _find_heel(openness, 1.0 / (1.0 + spread))
+    if heel <= 0.0:
+        return 0
+    _blend(tuft.reach, at, min(int(heel) + 3, STATIONS), reach)
+    n = 0
+    least = _FALLING * tuft.length
+    for k in range(_POINTS):
+        place = heel * _SHARES[k]
+        j = min(int(place), STATIONS - 2)
+        weights = _cubic(place - j)
+        x = tuft.length * _between(reach, j - 1, weights)
+        if n > 0 and x > out_reach[n - 1] - least:
+            continue
+        share = max(_between(openness, j - 1, weights), 0.0)
+        height = spread * share / (1.0 - share)
+        half = 0.5 * spread * max(_between(tuft.diameters, j - 1, weights), 0.0)
+        out_reach[n] = x
+        out_half_width[n] = half * math.sqrt(max(1.0 - height * height, 0.0))
+        n += 1
+    if n < 3:
+        return 0
+    out_half_width[0] = 0.0
     out_half_width[n - 1] = 0.0
     return n
 
 
 @uncounted
-def _surface_points(tuft, descent, tilt, pe, scratch):
-    """Put the tip and half a ring of points at every joint into scratch; return their number."""
-    m = tuft.segment_lengths.shape[0]
-    bend_angles(tuft, descent, tilt, scratch)
-    along = _tip_reach(tuft, scratch)
-    up = 0.0
-    spread = 1.0 + tuft.spread * pe
-    scratch[_X], scratch[_Y], scratch[_Z] = along, up, 0.0
-    n = 1
-    for j in range(m):
-        along -= tuft.segment_lengths[j] * math.cos(scratch[j])
-        up += tuft.segment_lengths[j] * math.sin(scratch[j])
-        angle = 0.5 * (scratch[j] + scratch[j + 1])
-        widening = spread if j < m - 1 else 1.0
-        radius = 0.5 * tuft.diameters[(j + 1) * REFINEMENT]
-        major, minor = radius * widening, radius / widening
-        minor_along, minor_up = minor * math.sin(angle), minor * math.cos(angle)
-        for i in range(HALF_RING):
-            scratch[_X + n] = along + minor_along * _COS[i]
-            scratch[_Y + n] = up + minor_up * _COS[i]
-            scratch[_Z + n] = major * _SIN[i]
-            n += 1
-    return n
+def trace_spine(tuft, descent, tilt, out):
+    """The bent spine at the stations: along (mm, from P'_m), up (mm) and the section's angle (rad).
+
+    Parameters
+    ----------
+    tuft : Tuft
+    descent, tilt : float
+        D_s (mm) and theta (rad) of the holder.
+    out : (3, STATIONS) float64
+    """
+    at = _find_place(tuft, descent, tilt)
+    for part in range(3):
+        _blend(tuft.spine[:, :, part], at, STATIONS, out[part])
+    for j in range(STATIONS):
+        out[0, j] *= tuft.length
+        out[1, j] = max(tuft.length * out[1, j], 0.0)
 
 
 @uncounted
-def _farthest(scratch, n, x, y, z):
-    """Which surface point lies farthest from (x, y, z), and the square of how far."""
-    xs, ys, zs = scratch[_X : _X + n], scratch[_Y : _Y + n], scratch[_Z : _Z + n]
-    squares = scratch[_SQUARE : _SQUARE + n]
-    for i in range(n):
-        squares[i] = (xs[i] - x) ** 2 + (ys[i] - y) ** 2 + (zs[i] - z) ** 2
-    index, greatest = 0, -1.0
-    for i in range(n):
-        if squares[i] > greatest:
-            index, greatest = i, squares[i]
-    return index, greatest
+def enclose_tuft(tuft, descent, tilt, pe):
+    """Smallest enclosing sphere of the bent tuft (Eqs. 10, 11), from its table.
 
-
-@uncounted
-def enclose_tuft(tuft, descent, tilt, pe, scratch):
-    """Smallest enclosing sphere of the bent tuft's surface by growing a ball (Eqs. 10, 11).
-
-    The ball starts on the farthest pair and grows towards the farthest outlier. A grown ball need
-    not hold the old one, so passes repeat until no outlier lies more than 0.3 % outside; then the
-    radius takes in what is left. With c the smallest ball's centre and R its radius, Eqs. 10 and 11
-    keep |D - c|^2 + r^2 <= R^2, so the ball never outgrows the smallest one. The tuft is symmetric,
-    c lies in the bend plane, and D moved there by z may have r^2 grow by z^2: this counts an
-    outlier and its mirror image in one step, and half of the surface is enough.
+    A ball between two balls, centre and radius alike, holds all that is between what these hold.
 
     Parameters
     ----------
     tuft : Tuft
     descent, tilt, pe : float
         As for `trace_outline`.
-    scratch : (SCRATCH_SIZE,) float64
-        Overwritten.
 
     Returns
     -------
     centre_along, centre_up, radius : float
         mm, from P'_m.
     """
-    n = _surface_points(tuft, descent, tilt, pe, scratch)
-    b, _ = _farthest(scratch, n, scratch[_X], scratch[_Y], scratch[_Z])
-    c, square = _farthest(scratch, n, scratch[_X + b], scratch[_Y + b], -scratch[_Z + b])
-    x = 0.5 * (scratch[_X + b] + scratch[_X + c])
-    y = 0.5 * (scratch[_Y + b] + scratch[_Y + c])
-    z = 0.5 * (scratch[_Z + b] - scratch[_Z + c])
-    radius = math.sqrt(0.25 * square + z * z)
-    for _ in range(_PASSES):
-        e, square = _farthest(scratch, n, x, y, 0.0)
-        distance = math.sqrt(square)
-        if distance <= radius * (1.0 + _TOLERANCE):
-            break
-        grown = (radius * radius + square) / (2.0 * distance)  # Eq. 10
-        step = math.sqrt(max(grown * grown - radius * radius, 0.0)) / distance  # Eq. 11
-        x += step * (scratch[_X + e] - x)
-        y += step * (scratch[_Y + e] - y)
-        z = step * scratch[_Z + e]
-        radius = math.sqrt(grown * grown + z * z)
-    _, square = _farthest(scratch, n, x, y, 0.0)
-    return x, y, math.sqrt(square)
+    table = tuft.spheres
+    n_tilts, n_columns, n_spreads, _ = table.shape
+    row = (tilt - tuft.lowest_tilt) * (n_tilts - 1) / (0.5 * math.pi - tuft.lowest_tilt)
+    row = min(max(row, 0.0), n_tilts - 1.0)
+    column = math.sqrt(max(descent, 0.0) / greatest_descent(tuft, tilt))
+    column = min(column, 1.0) * (n_columns - 1)
+    layer = tuft.spread * pe / _SPREAD_STEP
+    i, k = min(int(row), n_tilts - 2), min(int(column), n_columns - 2)
+    j = min(int(layer), n_spreads - 2)
+    u, v, w = row - i, column - k, layer - j
+    x, y, radius = 0.0, 0.0, 0.0
+    for a in range(2):
+        for b in range(2):
+            for c in range(2):
+                weight = (u if a else 1.0 - u) * (v if b else 1.0 - v) * (w if c else 1.0 - w)
+                ball = table[i + a, k + b, j + c]
+                x += weight * ball[0]
+                y += weight * ball[1]
+                radius += weight * ball[2]
+    return tuft.length * x, tuft.length * y, tuft.length * radius
 
 
 @uncounted
 def drag_step(rx, ry, rz, dx, dy, dz, slack):
     """r after the handle moved by d: the contact sticks, or follows at the distance `slack`.
 
-    Repeated along a straight way it gives docs/model.md, equation (2).
+    Repeated along a straight way it gives docs/model.md, equation (3).
 
     Parameters
     ----------

@@ -309,7 +309,7 @@ def _single(vector):
 def _project_run(vertices, first, n, sweep, rows, at):
     """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
-    docs/model.md, equations (5) and (6), in straight-line float32 code over consecutive memory, for
+    docs/model.md, equations (7) and (8), in straight-line float32 code over consecutive memory, for
     vector instructions. A vertex that faces away, or lands outside the enclosing sphere, is sent
     far off; where it lands and not where it is, for a convex surface falls away from under the tip.
     So is one that would be carried farther than the sweep says, as from a ridge beside the brush,

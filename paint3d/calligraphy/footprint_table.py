@@ -23,6 +23,7 @@ __all__ = ["FootprintTable", "tabulate_footprints"]
 _SIDE = 15  # boundary points on each side, between tip and heel
 _SUPPORT_DIRECTIONS = 72
 _LEVELS = 64  # rows of the table, even in the footprint's size
+_FINEST = 2e-4  # of the length: how wide the first row is at the least
 _FINE = 600  # descents tried to find where contact begins and where it is wide enough
 
 
@@ -82,7 +83,7 @@ def tabulate_footprints(tuft: Tuft, widest_mm: float) -> FootprintTable:
     descents = tuft.full_press * (np.arange(1, _FINE + 1) / _FINE) ** 1.5
     outlines = [_outline(tuft, float(descent)) for descent in descents]
     widths = np.array([0.0 if o is None else 2.0 * o[1].max() for o in outlines])
-    first = int(np.argmax(widths > 0.0))
+    first = int(np.argmax(widths > _FINEST * tuft.length))
     if widths[first] == 0.0:
         raise InputError("the brush leaves no footprint at any descent")
     last = max(int(np.searchsorted(np.maximum.accumulate(widths), widest_mm)), first + 1)

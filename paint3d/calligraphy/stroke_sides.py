@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["stroke_outlines", "stroke_polygon"]
 
-_STEP = 0.05  # of a footprint's size: how far a footprint moves before the next one counts
+_STEP = 0.02  # of a footprint's size: how far a footprint moves before the next one counts
 _FINEST_MM = 0.02
 _LEFT_OUT = 0.0015  # share of the stroke's area that may stand out of the bands, all together
 _UPRIGHT = math.cos(math.radians(1.0))
@@ -130,9 +130,16 @@ def _four(footprint: Footprint) -> AnyArray:
     return polygon[[0, widest, n - 1, (len(polygon) - widest) % len(polygon)]]
 
 
+def _middle(footprint: Footprint) -> AnyArray:
+    """Half-way between tip and heel (2,)."""
+    half_way = 0.5 * float(footprint.reach[0] + footprint.reach[-1])
+    turn = footprint.azimuth
+    return np.array([half_way * math.cos(turn), half_way * math.sin(turn)])
+
+
 def _headings(feet: AnyArray, prints: list[Footprint]) -> AnyArray:
     """Directions of motion (N, 2) of the footprints' middles."""
-    middles = feet + np.array([f.polygon().mean(axis=0) for f in prints])
+    middles = feet + np.array([_middle(f) for f in prints])
     ways = np.diff(middles, axis=0)
     lengths = np.linalg.norm(ways, axis=1, keepdims=True)
     ways = np.where(lengths > 1e-9, ways / np.maximum(lengths, 1e-9), [1.0, 0.0])

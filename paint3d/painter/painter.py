@@ -505,7 +505,7 @@ class Painter:
     def ledger(self) -> dict[str, float]:
         """Where the ink is, coats x mm2: loaded = in_brush + wet + dry + off_surface.
 
-        The terms of docs/model.md, equation (9). What ran off the surface can be less than 0: by
+        The terms of docs/model.md, equation (11). What ran off the surface can be less than 0: by
         what a mask gave back to the surface and the brush had no longer.
         """
         return {

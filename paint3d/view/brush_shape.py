@@ -18,9 +18,10 @@ from paint3d.brush_engine.contact import Contact
 from paint3d.brush_engine.tuft import (
     OUTLINE_CAPACITY,
     SCRATCH_SIZE,
+    STATIONS,
     Tuft,
-    bend_angles,
     trace_outline,
+    trace_spine,
 )
 from paint3d.core.arrays import cross
 from paint3d.core.types import AnyArray
@@ -29,7 +30,6 @@ from paint3d.view.kernels.rings import ring_normals
 __all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "tuft_rings"]
 
 AROUND = 44  # points around a section of the tuft, and of the handle
-_PER_SEGMENT = 6  # sections to a straight segment of the spine
 _HAIR_RELIEF = 0.05  # of the radius: how far hairs stand out of a section
 _GATHERED = 0.5  # of the length from the root, over which the spread fades
 _POINTED = 0.07  # of the length: the more, the finer the tip of a tuft that hangs free
@@ -91,7 +91,7 @@ class BrushStand:
         side = cross(contact.normal, contact.bend)
         frame = np.stack([contact.bend, side, contact.normal])
         tilt = contact.tilt
-        height = _spine(tuft, contact.descent, tilt)[1][-1]
+        height = tuft.length * np.sin(tilt) - contact.descent
         stand = contact.origin + height * contact.normal
         return cls(stand, frame, contact.origin, contact.descent, tilt, contact.pressure, z)
 
@@ -114,24 +114,6 @@ class BrushStand:
         return self.place(np.stack([along, sides, np.zeros(2 * n)], axis=1))
 
 
-def _spine(tuft: Tuft, descent: float, tilt: float) -> tuple[AnyArray, ...]:
-    """Along, up, angle (R,) and arc length from the tip of the bent spine, tip first."""
-    angles = np.empty(SCRATCH_SIZE)
-    bend_angles(tuft, descent, tilt, angles)
-    m = len(tuft.segment_lengths)
-    beta = angles[: m + 1]
-    joints = np.concatenate([beta[:1], 0.5 * (beta[:-1] + beta[1:])])
-    arcs = np.concatenate([[0.0], np.cumsum(tuft.segment_lengths)])
-    steps = np.arange(m * _PER_SEGMENT + 1) / (m * _PER_SEGMENT)
-    arc = np.interp(m * steps**1.5, np.arange(m + 1), arcs)  # crowded at the tip, which is round
-    angle = np.interp(arc, arcs, joints)
-    middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(arc)
-    run = np.concatenate([[0.0], np.cumsum(step * np.cos(middle))])
-    up = np.concatenate([[0.0], np.cumsum(step * np.sin(middle))])
-    along = float(tuft.segment_lengths @ np.cos(beta[:m])) - run
-    return along - along[-1], up, angle, arc
-
-
 def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
     """The surface of the tuft, hair by hair.
 
@@ -142,10 +124,13 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
     arc : (R,) float64
         How far up the tuft each ring is, 0 to 1.
     """
-    along, up, angle, arc = _spine(tuft, stand.descent, stand.tilt)
-    if not stand.touches:
+    arc = tuft.arcs
+    if stand.touches:
+        along, up, angle = spine = np.empty((3, STATIONS))
+        trace_spine(tuft, stand.descent, stand.tilt, spine)
+    else:
         along, up, angle = np.zeros_like(arc), arc, np.full_like(arc, 0.5 * np.pi)
-    radius = 0.5 * tuft.diameters[-1] * (arc / tuft.length) ** tuft.taper
+    radius = 0.5 * tuft.diameters
     if not stand.touches:  # wet hairs that hang free draw together to a point
         share = arc / tuft.length
         radius = radius * (1.0 + _POINTED) * share / (share + _POINTED)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from paint3d.brush.bending import BendingTable, build_tuft, joint_stiffness
+from paint3d.brush.bending import BendingTable, bending_table, build_tuft, joint_stiffness
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.brush_engine.tuft import bend_angles, greatest_descent
+from paint3d.brush_engine.tuft import STATIONS, greatest_descent, trace_spine
 from paint3d.errors import BrushError, UnknownNameError
 
 
@@ -73,12 +73,14 @@ def test_an_unknown_brush_is_answered_with_the_nearest():
         load_brush("slendr")
 
 
-@pytest.mark.parametrize("name", brush_names())
-def test_bent_shapes_keep_the_height_of_the_root(name):
-    spec = load_brush(name)
-    table = BendingTable(spec)
-    height = (spec.segment_lengths * np.sin(table.angles)).sum(axis=-1)
-    wanted = spec.length_mm * np.sin(table.tilts)[:, None] * (1 - table.fractions)
+EXPONENTS = (2.5, 3.3, 3.5, 4.0, 5.0)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_bent_shapes_keep_the_height_of_the_root(exponent):
+    table = bending_table(exponent)
+    height = (np.diff(table.arcs) * np.sin(table.angles)).sum(axis=-1)
+    wanted = np.sin(table.tilts)[:, None] * (1 - table.fractions)
     assert np.allclose(height, wanted, atol=1e-9)
     assert table.angles.min() >= 0.0
     assert (np.diff(table.angles, axis=-1) >= -1e-12).all()  # bends one way only
@@ -87,67 +89,87 @@ def test_bent_shapes_keep_the_height_of_the_root(name):
 
 @pytest.mark.parametrize(("row", "column"), [(0, 60), (0, 128), (12, 90), (24, 40), (24, 120)])
 def test_bent_shapes_have_the_least_energy(row, column):
-    spec = load_brush("slender")
-    table = BendingTable(spec)
-    lengths, stiffness = spec.segment_lengths, joint_stiffness(spec)
+    table = BendingTable(4.0, n_arcs=16)
+    lengths, stiffness = np.diff(table.arcs), joint_stiffness(table.arcs, 4.0)
     tilt = table.tilts[row]
-    height = spec.length_mm * math.sin(tilt) * (1 - table.fractions[column])
+    height = math.sin(tilt) * (1 - table.fractions[column])
 
     def energy(angles):
         return 500.0 * np.sum(stiffness * np.diff(np.append(angles, tilt)) ** 2)
 
-    start = np.linspace(0.1 * tilt, tilt, spec.n_segments)
+    start = np.linspace(0.1 * tilt, tilt, len(lengths))
     bound = {"type": "eq", "fun": lambda angles: lengths @ np.sin(angles) - height}
     found = minimize(
         energy,
         start,
         method="SLSQP",
         constraints=[bound],
-        bounds=[(0.0, math.pi)] * spec.n_segments,
-        options={"maxiter": 1000, "ftol": 1e-13},
+        bounds=[(0.0, math.pi)] * len(lengths),
+        options={"maxiter": 2000, "ftol": 1e-13},
     )
     ours = table.angles[row, column]
     assert energy(ours) <= found.fun * (1 + 1e-5)
-    assert np.allclose(ours, found.x, atol=0.01)
+    heavy = lengths > 0.02  # the energy hardly feels how the shortest arcs at the tip lie
+    assert np.allclose(ours[heavy], found.x[heavy], atol=0.02)
+
+
+def spine_of(tuft, descent, tilt):
+    out = np.empty((3, STATIONS))
+    trace_spine(tuft, descent, tilt, out)
+    return out
 
 
 def test_lookup_meets_the_table_and_stays_near_the_height_between():
     spec = load_brush("full")
-    tuft, table = build_tuft(spec), BendingTable(spec)
-    out = np.empty(spec.n_segments + 1)
+    tuft, table = build_tuft(spec), bending_table(3.5)
     straight = spec.length_mm * math.sin(table.tilts[7])
-    bend_angles(tuft, straight * table.fractions[50], table.tilts[7], out)
-    assert np.allclose(out[:-1], table.angles[7, 50], atol=1e-9)
-    assert out[-1] == table.tilts[7]
+    along, up, angle = spine_of(tuft, straight * table.fractions[50], table.tilts[7])
+    for ours, theirs in zip((along / 35, up / 35, angle), table.spine, strict=True):
+        assert np.allclose(ours, theirs[7, 50, ::2], atol=1e-6)
     for tilt in np.radians([33.3, 58.1, 77.7, 89.2]):
         for descent in np.linspace(0.3, 10.0, 23):
-            bend_angles(tuft, descent, tilt, out)
-            height = spec.segment_lengths @ np.sin(out[:-1])
+            height = spine_of(tuft, descent, tilt)[1, -1]
             assert height == pytest.approx(35 * math.sin(tilt) - descent, abs=0.01)
 
 
 def test_an_unpressed_tuft_is_straight():
-    tuft = build_tuft(load_brush("full"))
-    out = np.empty(10)
-    bend_angles(tuft, 0.0, 1.1, out)
-    assert np.allclose(out, 1.1)
+    assert np.allclose(spine_of(build_tuft(load_brush("full")), 0.0, 1.1)[2], 1.1, atol=1e-3)
 
 
-@pytest.mark.parametrize("exponent", [2.5, 5.0])
-@pytest.mark.parametrize("n_segments", [8, 13])
-def test_the_ends_of_the_ranges_can_be_bent(exponent, n_segments):
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_the_ends_of_the_ranges_can_be_bent(exponent):
     spec = dataclasses.replace(
-        load_brush("full"),
-        stiffness_exponent=exponent,
-        n_segments=n_segments,
-        root_diameter_mm=0.42 * 35,
-        taper=0.4,
+        load_brush("full"), stiffness_exponent=exponent, root_diameter_mm=0.42 * 35, taper=0.4
     )
     tuft = build_tuft(spec)
     # At the end of the table the ferrule is still clear of the plane, at every tilt.
     for tilt in np.linspace(tuft.lowest_tilt, math.pi / 2, 13):
-        out = np.empty(n_segments + 1)
-        bend_angles(tuft, greatest_descent(tuft, tilt), tilt, out)
-        up = spec.segment_lengths @ np.sin(out[:-1])
-        section = 0.5 * (out[-2] + out[-1])
-        assert 2.0 * up / math.cos(section) > spec.root_diameter_mm
+        _, up, angle = spine_of(tuft, greatest_descent(tuft, tilt), tilt)
+        assert 2.0 * up[-1] / max(math.cos(angle[-1]), 1e-9) > spec.root_diameter_mm
+
+
+def test_twice_as_many_arcs_change_next_to_nothing():
+    """Law 5: width and area within .3 %."""
+    coarse, fine = (
+        dict(zip(("along", "up", "angle"), BendingTable(3.5, n).spine, strict=True))
+        for n in (112, 224)
+    )
+    for part, tolerance in (("along", 3e-4), ("up", 3e-4)):
+        moved = np.abs(coarse[part][:, 20:] - fine[part][:, 20:, ::2])
+        assert moved.max() < tolerance
+
+
+@pytest.mark.parametrize("share", [-0.01, 0.16])
+def test_a_points_length_is_checked(share):
+    with pytest.raises(BrushError, match="point_mm"):
+        dataclasses.replace(load_brush("full"), point_mm=share * 35)
+
+
+def test_a_pointed_tuft_is_a_cone_at_its_tip_and_the_papers_law_above():
+    spec = dataclasses.replace(load_brush("full"), point_mm=2.0)
+    blunt = dataclasses.replace(spec, point_mm=0.0)
+    near = np.array([1e-4, 2e-4])
+    assert spec.diameters(near)[1] == pytest.approx(2.0 * spec.diameters(near)[0], rel=1e-3)
+    assert spec.diameters([15.0, 35.0]) == pytest.approx(blunt.diameters([15.0, 35.0]), rel=1e-3)
+    assert load_brush("full").point_mm == pytest.approx(2.0 * load_brush("full").tip_segment_mm)
+    assert dataclasses.replace(spec, taper=1.0).diameters(near) == pytest.approx(14.0 * near / 35.0)

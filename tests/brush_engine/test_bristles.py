@@ -165,14 +165,12 @@ def test_shapes_change_without_jumps(table):
 def test_the_energy_table_holds_the_solid_tufts_shapes():
     spec = load_brush("zhongkai")
     bristles, tuft = build_bristles(spec, BristleSpec(n_hairs=1)), build_tuft(spec)
-    angles = tuft.angles[-1, 64]  # upright
-    runs = tuft.segment_lengths * np.cos(angles)
-    rises = tuft.segment_lengths * np.sin(angles)
+    along, up, _ = spec.length_mm * tuft.spine[-1, 64]  # upright
     x, z = bristles.shapes[-1, 64, :8], bristles.shapes[-1, 64, 8:16]
-    assert x[0] * spec.length_mm == pytest.approx(runs.sum(), rel=1e-5)
+    assert x[0] * spec.length_mm == pytest.approx(along[0], rel=1e-5)
     assert z[0] == 0.0
     assert x[-1] == pytest.approx(0.0, abs=1e-6)
-    assert z[-1] * spec.length_mm == pytest.approx(rises.sum(), rel=1e-5)
+    assert z[-1] * spec.length_mm == pytest.approx(up[-1], rel=1e-5)
 
 
 def test_the_measured_table_goes_through_what_was_measured():

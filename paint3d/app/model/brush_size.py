@@ -55,6 +55,7 @@ def resized(brush: BrushSpec, length_mm: float) -> BrushSpec:
         length_mm=length,
         root_diameter_mm=factor * brush.root_diameter_mm,
         tip_segment_mm=factor * brush.tip_segment_mm,
+        point_mm=factor * brush.point_mm,
         full_press_mm=factor * brush.full_press_mm,
         load=factor**3 * brush.load,
         transfer_per_mm=brush.transfer_per_mm / factor**2,

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.tuft import round_diameter
 from paint3d.core.arrays import zeros_on_lines
 from paint3d.core.kernel import kernel
 
@@ -276,7 +277,7 @@ def fill_bend(bristles, tuft, cause, bend):
     _lay_ground(bristles, tuft, cause, at, bend)
     _fit_curves(bristles, tuft, at, bend)
     _find_lags(bend)
-    _widen(tuft.length, tuft.taper, bend)
+    _widen(tuft, bend)
 
 
 @kernel(error_model="numpy")
@@ -303,12 +304,12 @@ def _shape_section(bristles, tuft, cause, at, bend):
     length, dryness = tuft.length, cause.dryness
     radius = 0.5 * tuft.diameters[-1]
     for k in range(SAMPLES):
-        bend.side[k] = radius * ARCS[k] ** tuft.taper
+        bend.side[k] = 0.5 * round_diameter(tuft, ARCS[k] * length)
     fan = _row(bristles.fans, at, at.column, 0)
     fan_length = _row(bristles.fans, at, at.column, 1) * length
     pressed = 1.0 + (tuft.spread * cause.pressure if fan_length <= 0.0 else 0.0)
     lift = _find_lift(bristles, length, pressed, at, bend.side)
-    broad = radius * (lift / length) ** tuft.taper * pressed
+    broad = 0.5 * round_diameter(tuft, lift) * pressed
     tilted = _row(bristles.shapes, at, at.column, 3 * SAMPLES - 1)
     bend.reach = _find_reach(length, at.height - radius * abs(np.cos(tilted)), bend.side)
     inset = _INSET * (bristles.hair_mm + (1.0 - dryness) * bristles.film_mm)
@@ -421,7 +422,7 @@ def _find_lags(bend):
 
 
 @kernel(error_model="numpy")
-def _widen(length, taper, bend):
+def _widen(tuft, bend):
     """How much wider the tuft is where its lowest hairs' last points lie, from how far these lag.
 
     Near the tip the tuft widens fast: a hair that ends a millimetre behind it does not come to its
@@ -429,13 +430,14 @@ def _widen(length, taper, bend):
     """
     bend.wider[_NEAR_TIP + 1 :] = 0.0
     for k in range(_NEAR_TIP + 1):
-        at = min(ARCS[k] + bend.wider[k] / length, 1.0)
+        at = min(max(ARCS[k] + bend.wider[k] / tuft.length, 0.0), 1.0)
         i = k
         while i < SAMPLES - 2 and ARCS[i + 1] < at:
             i += 1
         share = max(0.0, (at - ARCS[i]) / (ARCS[i + 1] - ARCS[i]))
         if i == 0:
-            share = share**taper
+            share = round_diameter(tuft, at * tuft.length)
+            share /= round_diameter(tuft, ARCS[1] * tuft.length)
         side = bend.side[i] + share * (bend.side[i + 1] - bend.side[i])
         bend.wider[k] = side - bend.side[k] if share > 0.0 else 0.0
 

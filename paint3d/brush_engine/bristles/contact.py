@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from paint3d.brush_engine.bristles.bend import ARCS, BESIDE, BLOCK, DOWN, SAMPLES
+from paint3d.brush_engine.tuft import round_diameter
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
@@ -253,7 +254,7 @@ def find_landings(tuft, bend, out):
         For either height the place (mm along the bend) by a from 0 to 1, and where the spine's tip
         lies.
     """
-    taper = tuft.taper
+    length = tuft.length
     for height in range(0 if bend.curved > 0.0 else 1, 2):
         t = np.float64(height)
         node = bend.first + t / bend.per_span
@@ -268,7 +269,7 @@ def find_landings(tuft, bend, out):
         out[_BEFORE + _SIDES :] = x_low
         out[_BEFORE : _BEFORE + _SIDES] = z_low - _ground(bend, x_low) - _ON
         sine_low, cosine_low = bend.sine[0], bend.cosine[0]
-        found, power_low = 0, 0.0
+        found, wide_low = 0, 0.0
         for k in range(SAMPLES - 1):
             if found == _SIDES:
                 break
@@ -276,10 +277,11 @@ def find_landings(tuft, bend, out):
             z_high = root_z + own * _at(bend, SAMPLES + k + 1, t)
             sine_high, cosine_high = bend.sine[k + 1], bend.cosine[k + 1]
             step = ARCS[k + 1] - ARCS[k]
-            long, power_high = own * step * tuft.length, ARCS[k + 1] ** taper
+            long, wide_high = own * step * length, round_diameter(tuft, ARCS[k + 1] * length)
             for i in range(1, _STEPS + 1):
                 u = i / _STEPS
-                wide = ((ARCS[k] + u * step) ** taper - power_low) / (power_high - power_low)
+                wide = round_diameter(tuft, (ARCS[k] + u * step) * length) - wide_low
+                wide /= wide_high - wide_low
                 section = _Section(
                     _cubic(u, x_low, -long * cosine_low, x_high, -long * cosine_high),
                     _cubic(u, z_low, long * sine_low, z_high, long * sine_high),
@@ -289,7 +291,7 @@ def find_landings(tuft, bend, out):
                 )
                 found = _land(bend, section, found, first, out)
             x_low, z_low, sine_low, cosine_low = x_high, z_high, sine_high, cosine_high
-            power_low = power_high
+            wide_low = wide_high
     if bend.curved <= 0.0:
         out[:_SIDES] = out[_SIDES:_TIP]
 

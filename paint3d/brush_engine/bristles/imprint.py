@@ -53,7 +53,7 @@ _ADDS, _COVERS, _SUM_X, _SUM_N, _PARTS = (place * BLOCK for place in range(5))
 _ROWS = 5
 _ZERO, _QUARTER, _HALF, _ONE = np.float32([0.0, 0.25, 0.5, 1.0])
 _elementwise = kernel(error_model="numpy", fastmath={"contract"})
-_BINS = 48  # along the imprint, for its outline
+_BINS = 48  # along the imprint, for its outline; with both ends fewer than `OUTLINE_CAPACITY`
 CELLS = 64  # along the imprint, for finding the station of a place
 TIP, PER_CELL = 0, 1  # places in Imprint.numbers
 _OUTER = 96  # hairs that tell how wide the tuft is: the last ones stand at the rim, all around

@@ -1,6 +1,6 @@
 """What passes between single hairs and the vertices under them.
 
-Guo 2017, Eqs. 12, 13 in their continuous form (docs/model.md, equation (8)) hold for the tuft: of
+Guo 2017, Eqs. 12, 13 in their continuous form (docs/model.md, equation (10)) hold for the tuft: of
 the ink R in it, the way ds at the pressure pe takes R (1 - exp(-eta' pe ds)). Here each hair gives
 by that law, those that lie on the surface for all, some more readily than others; neighbours that
 are wet level out. A tuft that is equally wet everywhere thus gives what a solid one gives, and one
@@ -496,7 +496,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     hairs, field, ink, scratch : as for `brush_engine.bristles.stroke_loop`
 
     Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`
-    (docs/model.md, equation (9)).
+    (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
     n, within, weighed = _gather_under_hairs(hairs.imprint, after, field, scratch, hairs.lanes)

@@ -345,7 +345,7 @@ def note_foot(warm, found, place):
 def find_foot(tree, root, up, reach, out, warm):
     """The foot point P'_m of the root node: its interpolated normal passes through it.
 
-    The solution of docs/model.md, equation (3).
+    The solution of docs/model.md, equation (5).
 
     Parameters
     ----------

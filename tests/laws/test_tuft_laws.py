@@ -1,0 +1,109 @@
+"""Laws of the continuous tuft: its footprint is a smooth function of how it is pressed."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import find_peaks
+
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.brush_engine.tuft import greatest_descent
+from tests.support.outlines import UPRIGHT, lift_off, outline_of, sizes_of
+
+FULL = load_brush("full")
+
+
+@st.composite
+def drawn(draw) -> BrushSpec:
+    """A brush anywhere in the ranges, as long as the papers' one."""
+    return dataclasses.replace(
+        FULL,
+        spread_by_pressure=draw(st.floats(1.3, 1.8)),
+        root_diameter_mm=draw(st.floats(3.0, 14.7)),
+        taper=draw(st.floats(0.4, 1.2)),
+        stiffness_exponent=draw(st.sampled_from((2.5, 3.5, 4.5))),
+        full_press_mm=draw(st.floats(10.5, 21.0)),
+        point_mm=draw(st.floats(0.3, 5.0)),
+    )
+
+
+presets = st.sampled_from(brush_names()).map(load_brush)
+brushes = st.one_of(presets, drawn())
+
+
+@settings(deadline=None, max_examples=25)
+@given(spec=brushes, tilt=st.floats(math.radians(45.0), UPRIGHT), start=st.floats(0.0, 1.0))
+def test_it_grows_without_steps(spec, tilt, start):
+    """Law 1, scaled to a tuft of 35 mm: nowhere does the growth of the area change by a step."""
+    tuft, scale = build_tuft(spec), spec.length_mm / 35.0
+    deepest = min(0.6 * tuft.full_press, greatest_descent(tuft, tilt)) / scale
+    first = 0.05 + start * max(0.0, deepest - 2.05)
+    descents = np.arange(first, min(first + 2.0, deepest), 0.01)
+    areas = sizes_of(tuft, descents * scale, tilt)[:, 0] / scale**2
+    assert np.abs(np.diff(areas, n=2)).max() <= 0.004
+
+
+@settings(deadline=None, max_examples=25)
+@given(spec=brushes, share=st.floats(0.02, 0.95))
+def test_it_grows_with_press_and_spread(spec, share):
+    """Law 2."""
+    tuft = build_tuft(spec)
+    descent = share * tuft.full_press
+    steps = np.array([0.0, 0.01, 0.02, 0.03]) * tuft.full_press
+    assert (np.diff(sizes_of(tuft, descent + steps), axis=0) > 0.0).all()
+    areas = [np.trapezoid(*outline_of(tuft, descent, pe=pe)) for pe in (0.0, 0.2, 0.5, 1.0)]
+    # spread, it is flatter, too: a slim one may be shorter by a little more than it is wider
+    assert np.diff(np.log(areas)).min() > (0.0 if spec == load_brush(spec.name) else -0.05)
+
+
+@pytest.mark.parametrize("name", brush_names())
+def test_its_width_has_one_slope(name):
+    """Law 3: between half and twice the mean from a tenth of the full press to six tenths."""
+    tuft = build_tuft(load_brush(name))
+    widths = sizes_of(tuft, np.linspace(0.1, 0.6, 400) * tuft.full_press)[:, 1]
+    slopes = np.diff(widths)
+    assert slopes.min() > 0.5 * slopes.mean()
+    assert slopes.max() < 2.0 * slopes.mean()
+
+
+@settings(deadline=None, max_examples=25)
+@given(spec=drawn(), share=st.floats(0.01, 1.0), factor=st.floats(0.3, 3.0))
+def test_twice_the_brush_twice_the_press_twice_the_outline(spec, share, factor):
+    """Law 4."""
+    lengths = ("length_mm", "root_diameter_mm", "tip_segment_mm", "point_mm", "full_press_mm")
+    scaled = dataclasses.replace(spec, **{name: factor * getattr(spec, name) for name in lengths})
+    small, large = build_tuft(spec), build_tuft(scaled)
+    one = outline_of(small, share * small.full_press, 1.3)
+    other = outline_of(large, share * large.full_press, 1.3)
+    assert np.allclose(np.array(one) * factor, other, atol=1e-9 * spec.length_mm * factor)
+
+
+@pytest.mark.parametrize("name", brush_names())
+def test_a_lift_off_narrows_without_beads(name):
+    """Law 6: one flank, ever narrower, to a point as fine as the tuft's."""
+    spec = load_brush(name)
+    is_pointed = spec.point_mm >= spec.tip_segment_mm
+    places, half = lift_off(build_tuft(spec))
+    if not is_pointed:  # a blunt tip ends round
+        there = places < places[half > 0.0].max() - 0.5
+        places, half = places[there], half[there]
+    flank = half < 0.95 * half.max()  # beyond its shoulder
+    assert np.diff(half[flank & (half > 0.05)]).max() <= 1e-6
+    slope = -np.gradient(gaussian_filter1d(half, 5, mode="nearest"), places)[:-20]
+    flank, thick = flank[:-20], half[:-20]
+    beads, _ = find_peaks(slope[flank & (thick > 0.05)], prominence=0.03)
+    assert len(beads) == 0
+    steep = slope[thick > 0.1]
+    bend = np.abs(np.gradient(steep, places[1] - places[0])) / (1.0 + steep**2) ** 1.5
+    assert bend.max() < 1.0
+    last = places[half > 0.0].max()
+    if is_pointed:
+        assert half[np.searchsorted(places, last - 0.1)] < 0.075
