@@ -22,16 +22,16 @@ USGS = "USGS Spectral Library 7 (Kokaly et al. 2017, Data Series 1035), {}"
 CHART = "drawdown charts of Geldof et al., Heritage Science 6:17 (2018), {}"
 
 LOOKS = ["roughness", "coat", "absorbency", "grain"]
-DRINKS = ["pores_mm", "residual", "advance", "spread_mm2_s", "passing", "drying_mm_s"]
+DRINKS = ["pores_mm", "residual", "advance", "spread_mm2_s", "passing", "drying_mm_s", "tooth_mm"]
 # How each drinks, in the order of DRINKS; chosen by eye. The pores of xuan follow from its
 # grammage and the density of cellulose (0.037 to 0.062 mm); water leaves an open film of it at
 # about 4e-5 mm/s in a room, and xuan by both faces.
 DRINK = {
-    "porcelain": (0.0, 0.3, 0.3, 0.0, 1.0, 4e-5),
-    "bisque": (0.2, 0.08, 0.2, 3.0, 0.9, 4e-5),
-    "xuan": (0.06, 0.15, 0.3, 10.0, 0.8, 8e-5),
-    "plaster": (0.5, 0.08, 0.2, 3.0, 0.9, 4e-5),
-    "terracotta": (0.3, 0.08, 0.2, 3.0, 0.9, 4e-5),
+    "porcelain": (0.0, 0.3, 0.3, 0.0, 1.0, 4e-5, 0.0),
+    "bisque": (0.2, 0.08, 0.2, 3.0, 0.9, 4e-5, 0.35),
+    "xuan": (0.06, 0.15, 0.3, 10.0, 0.8, 8e-5, 0.5),
+    "plaster": (0.5, 0.08, 0.2, 3.0, 0.9, 4e-5, 0.4),
+    "terracotta": (0.3, 0.08, 0.2, 3.0, 0.9, 4e-5, 0.55),
 }
 
 # name, Chinese name, file, column, basis, roughness, coat, absorbency, grain

@@ -19,6 +19,7 @@ __all__ = ["build_bristles", "hair_places"]
 
 _ROOT = math.sqrt(2.0) - 1.0  # steps of lengths: no hair is long because of where it stands
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
+_BUNDLED = 1.3  # times as broad as the room of a hair is a bundle of them
 _CELLS = 512  # places across the tuft that tell clump and appetite
 _CLUMPS = (9, 31)  # across the tuft: when it parts, and when it falls apart
 
@@ -75,6 +76,8 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
         parting=float(hairs.parting),
         splay=float(hairs.splay),
         levelling_mm=float(hairs.levelling_mm),
+        root_mm=float(spec.root_diameter_mm),
+        bundle_mm=_BUNDLED * math.sqrt(0.25 * math.pi / n) * spec.root_diameter_mm,
         set_mm=float(hairs.set_share * spec.length_mm),
     )
     for array in bristles[1:9]:

@@ -65,6 +65,7 @@ GEOMETRY = np.dtype(
         ("touches", "f8"),  # 1 when the tuft leaves a footprint, else 0
         ("drag", *_VECTOR),  # dragged point relative to P'_m, mm; zero until the first contact
         ("foot", *_VECTOR),  # foot point P'_m, or the place that the hand means, mm
+        ("way", "f8"),  # that the outline has gone since it came down, mm
         ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
     ],
     align=True,

@@ -14,6 +14,7 @@ TRANSFER = np.dtype(
         ("pickup", "f8"),  # share of the wet ink under the brush that it takes up per mm, at pe = 1
         ("grain", "f8"),  # of the surface's material, 0 to 1
         ("capacity", "f8"),  # ink in a full brush, coats x mm2
+        ("tooth_mm", "f8"),  # length of that surface's bumps, 0 for none
         ("reservoir_mm", "f8"),  # length of the tuft that one reservoir of its load stands for
     ],
     align=True,
@@ -33,3 +34,4 @@ class InkField(NamedTuple):
     off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
     reservoirs: NDArray  # (N, P) float64, the load along the tuft, tip first; N = 1: alike all over
     transfer: NDArray  # (1,) of TRANSFER
+    noise: NDArray  # (64^3,) int8, of tooth and bundles: see `dry_contact.fill_noise`

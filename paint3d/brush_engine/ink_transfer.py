@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from paint3d.brush_engine.coverage import weigh_block
+from paint3d.brush_engine.dry_contact import BUNDLE_MM, dry_contact, thin_contact
 from paint3d.brush_engine.footprint import Sweep, ink_way, outline_motion
 from paint3d.brush_engine.vertex_query import (
     INSIDE,
@@ -45,13 +46,10 @@ __all__ = [
     "note_covered",
     "sweep_deposit",
     "take_up_ink",
-    "touched_share",
     "weighed_area",
 ]
 
 AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
-_GRAIN_MM = 0.7  # bumps that a dry brush rides on
-_SOFT = 0.2  # of the grain's height, over which contact comes about
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _MOST_PASSES = 1000
@@ -89,33 +87,6 @@ def contact_level(before, after, ink):
         return 1.0
     begins = transfer.grain * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
     return min(1.0, held_ink(ink) / (transfer.capacity * begins))
-
-
-@uncounted(error_model="numpy")
-def touched_share(level, field, v):
-    """Share of a vertex's area that a tuft touches at a contact level; 0 in the grain's hollows.
-
-    The grain (`_grain_at`) is a function of the place alone, whatever the vertices.
-    """
-    height = _grain_at(
-        np.float64(field.px[v]), np.float64(field.py[v]), np.float64(field.pz[v]), _GRAIN_MM
-    )
-    return min(1.0, (height + _SOFT - (1.0 - level) * (1.0 + _SOFT)) / _SOFT)
-
-
-@uncounted(error_model="numpy")
-def _thin_contact(level, found, n, field):
-    """Take vertices in the hollows of the grain out of contact, smoothly; return how many stay."""
-    kept = 0
-    for k in range(n):
-        v = found.ids[k]
-        touched = touched_share(level, field, v)
-        if touched > 0.0:
-            found.ids[kept] = v
-            found.share[kept] = found.share[k] * touched
-            found.cover[kept] = found.cover[k] * touched
-            kept += 1
-    return kept
 
 
 @uncounted(error_model="numpy")
@@ -430,8 +401,10 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         released = 0.0  # a touch finer than the vertices leaves nothing yet
     landing = released * landing_share(area, width, weighed, n)
     level = contact_level(before, after, ink)
+    b.way = a.way * a.touches + outline_motion(before, after)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
-        n = _thin_contact(level, found, n, field)
+        contact = dry_contact(level, before, after, tuft.diameters[-1], BUNDLE_MM, field, ink)
+        n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         whole = weighed
         weighed = weighed_area(field, found.ids, found.share, n)
         released *= weighed / whole

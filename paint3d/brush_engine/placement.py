@@ -64,6 +64,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     trail = _TRAIL * before.values[0].widest if was_touching and centred else 0.0
     values.touches = 0.0
     values.centred = pose[8]
+    values.way = before.values[0].way if was_touching else 0.0
     if not _find_place(pose, up, tuft, tree, values, scratch):
         return
     if centred and not dragged:

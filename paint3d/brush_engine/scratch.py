@@ -55,6 +55,7 @@ class Found(NamedTuple):
     ids: NDArray  # (cap + 1,) int32
     share: NDArray  # (cap + 1,) float32, of the ink: time-mean share covered, times the stretch
     cover: NDArray  # (cap + 1,) float32, greatest share covered, 0 to 1
+    lanes: NDArray  # (cap + 1,) int16, of the hairs' map; a solid tuft has none
 
 
 class Scratch(NamedTuple):
@@ -143,4 +144,9 @@ def _make_block() -> Block:
 
 def _make_found(mesh: PaintMesh) -> Found:
     n = mesh.capacity + 1
-    return Found(np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32))
+    return Found(
+        np.zeros(n, np.int32),
+        np.zeros(n, np.float32),
+        np.zeros(n, np.float32),
+        np.zeros(n, np.int16),
+    )

@@ -30,6 +30,7 @@ _DRINKS = {  # greatest value of each
     "spread_mm2_s": 1000.0,
     "passing": 1.0,
     "drying_mm_s": 1.0,
+    "tooth_mm": 10.0,
 }
 
 WET_COAT_MM = 0.03
@@ -67,6 +68,8 @@ class Material:
         Speed of the pigment over that of the water that carries it, 0 to 1.
     drying_mm_s : float
         Depth of water that evaporates in a second.
+    tooth_mm : float
+        Length of the bumps that break a dry stroke, 0 for none.
     chinese, source, basis, licence : str
         Whose measurement the reflectance is, for what it stands in, and its terms.
 
@@ -88,6 +91,7 @@ class Material:
     spread_mm2_s: float = 0.0
     passing: float = 1.0
     drying_mm_s: float = 4e-5
+    tooth_mm: float = 0.5
     chinese: str = ""
     source: str = ""
     basis: str = ""

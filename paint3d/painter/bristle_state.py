@@ -94,18 +94,16 @@ class HairTuft:
 
     def work(self, surface: PaintedSurface) -> Hairs:
         """Arrays for the kernels, with what the surface says that the brush holds."""
-        ink, capacity = surface.ink, surface.paint_mesh.capacity
+        ink = surface.ink
         if self.load.shape[1] != len(ink.load) or (self.held() != ink.load).any():
             self.hold(ink.load)
             ink.load[:] = self.held()
         work = self._work
         if work is None or work.load is not self.load:
-            new = make_hairs(self.bristles, self.load, self.memory, capacity)
+            new = make_hairs(self.bristles, self.load, self.memory)
             if work is not None and work.load.shape == self.load.shape:  # a stroke goes on
                 for name in ("pace", "roll", "turned", "track"):
                     getattr(new, name)[:] = getattr(work, name)
             work = new
-        elif len(work.lanes) != capacity + 1:
-            work = work._replace(lanes=np.zeros(capacity + 1, np.int16))
         self._work = work
         return work

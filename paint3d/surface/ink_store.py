@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.dry_contact import contact_noise
 from paint3d.brush_engine.ink_field import TRANSFER, InkField
 from paint3d.colour.glazing import GlazeModel, make_ground
 from paint3d.colour.kernels.glazing import Ground, add_between
@@ -83,7 +84,10 @@ class InkStore:
             load=np.zeros(n_pigments),
             off_surface=np.zeros(n_pigments),
             reservoirs=np.zeros((1, n_pigments)),
-            transfer=np.array([(0.0, self.material.grain, 0.0, 1.0)], TRANSFER),
+            transfer=np.array(
+                [(0.0, self.material.grain, 0.0, self.material.tooth_mm, 1.0)], TRANSFER
+            ),
+            noise=contact_noise(),
         )
 
     @cached_property

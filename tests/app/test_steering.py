@@ -159,8 +159,7 @@ def test_a_drag_beside_the_object_turns_it_and_one_near_its_edge_paints(window) 
 def is_brush_seen(window) -> bool:
     """Whether the brush stands in the picture once it has been drawn."""
     settled(window)
-    brush = window.stage._brush
-    return brush is not None and brush.screen_box() is not None
+    return window.stage.brush_box is not None
 
 
 def test_a_pointer_that_moves_the_view_is_no_brush(window) -> None:

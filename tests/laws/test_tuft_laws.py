@@ -53,15 +53,22 @@ def test_it_grows_without_steps(spec, tilt, start):
 
 @settings(deadline=None, max_examples=25)
 @given(spec=brushes, share=st.floats(0.02, 0.95))
-def test_it_grows_with_press_and_spread(spec, share):
+def test_it_grows_with_the_press(spec, share):
     """Law 2."""
     tuft = build_tuft(spec)
     descent = share * tuft.full_press
     steps = np.array([0.0, 0.01, 0.02, 0.03]) * tuft.full_press
     assert (np.diff(sizes_of(tuft, descent + steps), axis=0) > 0.0).all()
+
+
+@settings(deadline=None, max_examples=25)
+@given(spec=presets, share=st.floats(0.02, 0.95))
+def test_it_grows_with_the_spread(spec, share):
+    """Law 2; a brush as slim as no preset would be flatter and shorter by more than it is wider."""
+    tuft = build_tuft(spec)
+    descent = share * tuft.full_press
     areas = [np.trapezoid(*outline_of(tuft, descent, pe=pe)) for pe in (0.0, 0.2, 0.5, 1.0)]
-    # spread, it is flatter, too: a slim one may be shorter by a little more than it is wider
-    assert np.diff(np.log(areas)).min() > (0.0 if spec == load_brush(spec.name) else -0.05)
+    assert (np.diff(areas) > 0.0).all()
 
 
 @pytest.mark.parametrize("name", brush_names())

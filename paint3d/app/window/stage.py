@@ -206,6 +206,11 @@ class Stage:
         return self._drawn.changed
 
     @property
+    def brush_box(self) -> Box | None:
+        """The pixels that the brush is seen in; None where it is not in the picture."""
+        return None if self._brush is None else self._brush.screen_box()
+
+    @property
     def picture_s(self) -> float:
         """What a picture takes that shows something new, s; see `LivePicture`."""
         return self._drawn.picture_s
@@ -346,7 +351,7 @@ class Stage:
         self._stood = stood
         if self._brush is None or self._brush_spec != painter.brush:
             if self._brush is not None:
-                self._drawn.touch_front(self._brush.screen_box())
+                self._drawn.touch_front(self.brush_box)
                 self._brush.remove()
             self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair)
             self._brush_spec = painter.brush

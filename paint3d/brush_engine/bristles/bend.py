@@ -131,6 +131,8 @@ class Bristles(NamedTuple):
     parting: float  # how far clumps part when dry, 0 to 1
     splay: float  # how far a dry tuft's hairs lie side by side to their tips, 0 to 1
     levelling_mm: float  # way over which neighbours share their ink
+    root_mm: float  # diameter of the tuft
+    bundle_mm: float  # breadth of the bundles that a dry stroke shows, at the belly
     set_mm: float  # descent over which a remembered bend is pressed out
 
 

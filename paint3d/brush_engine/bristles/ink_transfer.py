@@ -28,6 +28,7 @@ from paint3d.brush_engine.bristles.contact import (
 )
 from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
 from paint3d.brush_engine.coverage import weigh_standing
+from paint3d.brush_engine.dry_contact import dry_contact, thin_contact
 from paint3d.brush_engine.footprint import Sweep, outline_motion
 from paint3d.brush_engine.ink_transfer import (
     AREA_STEPS,
@@ -36,7 +37,6 @@ from paint3d.brush_engine.ink_transfer import (
     landing_share,
     note_covered,
     take_up_ink,
-    touched_share,
     weighed_area,
 )
 from paint3d.brush_engine.scratch import Found
@@ -52,6 +52,7 @@ __all__ = [
     "sweep_hairs",
 ]
 
+_OWN_GAPS = 1.15  # times as deep into the tooth: hairs leave gaps of their own besides
 LEVEL_BINS = 64  # across the tuft, within which hairs share
 _MOST_PER_HAIR = 4.0  # times its own share that a hair gives for those that do not touch
 _RETENTION = np.float32(0.4)  # of a hair's room: what those keep that hold back most
@@ -391,11 +392,11 @@ def _read_map(n, map_, places, parts, inks, covers):
 
 
 @uncounted(error_model="numpy")
-def _keep(n, places, block, found, lanes):
+def _keep(n, places, block, found):
     """Weigh vertices by what they found, and close up over those that found nothing."""
     ids, share, cover = block.packed_ids, block.packed[2], block.packed[3]
     inks, covers = block.packed[4], block.packed[5]
-    out_ids, out_share, out_cover = found.ids, found.share, found.cover
+    out_ids, out_share, out_cover, lanes = found.ids, found.share, found.cover, found.lanes
     kept = np.uint32(0)
     for k in range(n):
         covered = covers[k]
@@ -408,7 +409,7 @@ def _keep(n, places, block, found, lanes):
 
 
 @uncounted(error_model="numpy")
-def _gather_under_hairs(imprint, stamp, field, scratch, lanes):
+def _gather_under_hairs(imprint, stamp, field, scratch):
     """Find the vertices that hairs lie over, and weigh them by what lies there.
 
     The way from the stamp before is no longer than the vertices lie apart: what the hairs left
@@ -421,9 +422,7 @@ def _gather_under_hairs(imprint, stamp, field, scratch, lanes):
         It touches.
     field : SurfaceField
     scratch : Scratch
-        `found` is filled.
-    lanes : (cap + 1,) int16
-        Filled: each one's lane of the map.
+        `found` is filled, with the lane of the map of each.
 
     Returns
     -------
@@ -454,15 +453,16 @@ def _gather_under_hairs(imprint, stamp, field, scratch, lanes):
         _find_lanes(m, packed[1], places, parts)
         _read_map(m, map_, places, parts, packed[4], packed[5])
         all_ = scratch.found
-        rest = Found(all_.ids[found:], all_.share[found:], all_.cover[found:])
-        found += _keep(m, places, block, rest, lanes[found:])
+        rest = Found(all_.ids[found:], all_.share[found:], all_.cover[found:], all_.lanes[found:])
+        found += _keep(m, places, block, rest)
 
 
 @uncounted(error_model="numpy")
-def _leave(mix, landing, found, n, lanes, field, weights, ink):
+def _leave(mix, landing, found, n, field, weights, ink):
     """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
     n_pigments = landing.shape[0]
-    ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
+    ids, share, lanes = found.ids, found.share, found.lanes
+    areas, unit = field.area_units, field.area_unit
     for p in range(n_pigments):
         weights[p] = 0.0
         if landing[p] <= 0.0:
@@ -499,16 +499,21 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
-    n, within, weighed = _gather_under_hairs(hairs.imprint, after, field, scratch, hairs.lanes)
+    n, within, weighed = _gather_under_hairs(hairs.imprint, after, field, scratch)
     if n < 0:
         return False
     area = after.values[0].area
     scale = 0.0 if area < width * width and within == 0 else 1.0
     lands = landing_share(area, width, weighed, within)
+    come_from = before.values[0]
+    after.values[0].way = come_from.way * come_from.touches + outline_motion(before, after)
     level = contact_level(before, after, ink)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
         whole = weighed_area(field, found.ids, found.share, n)
-        n = _thin(level, found, hairs.lanes, n, field)
+        root, bundle = hairs.bristles.root_mm, hairs.bristles.bundle_mm
+        reached = min(1.0, _OWN_GAPS * level)
+        contact = dry_contact(reached, before, after, root, bundle, field, ink)
+        n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         rest = weighed_area(field, found.ids, found.share, n)
         scale *= rest / whole if whole > 0.0 else 0.0
     scratch.taken[:] = 0.0
@@ -518,7 +523,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     for p in range(hairs.left.shape[0]):
         hairs.left[p] = hairs.released[p] * lands
         ink.off_surface[p] += hairs.released[p] - hairs.left[p]
-    _leave(hairs.imprint.mix, hairs.left, found, n, hairs.lanes, field, scratch.part, ink)
+    _leave(hairs.imprint.mix, hairs.left, found, n, field, scratch.part, ink)
     for p in range(hairs.left.shape[0]):  # what found no vertex
         ink.off_surface[p] += hairs.left[p]
     if ink.transfer[0].pickup > 0.0:
@@ -538,18 +543,3 @@ def _level(hairs, capacity, way):
         each = capacity / hairs.load.shape[0]
         _level_hairs(hairs.bristles, hairs.turned, hairs.load, each, memory.unlevelled, hairs.bins)
         memory.unlevelled = 0.0
-
-
-@uncounted(error_model="numpy")
-def _thin(level, found, lanes, n, field):
-    """`thin_contact`, with the lanes of the vertices that stay."""
-    ids, share, cover = found.ids, found.share, found.cover
-    kept = 0
-    for k in range(n):
-        touched = touched_share(level, field, ids[k])
-        if touched > 0.0:
-            ids[kept], lanes[kept] = ids[k], lanes[k]
-            share[kept] = share[k] * touched
-            cover[kept] = cover[k] * touched
-            kept += 1
-    return kept

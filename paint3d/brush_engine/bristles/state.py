@@ -93,12 +93,11 @@ class Hairs(NamedTuple):
     released: NDArray  # (P,)
     left: NDArray  # (P,)
     track: NDArray  # (2, TRACKED, TRACKED_POINTS, 4): where outer hairs were and are; near or not
-    lanes: NDArray  # (cap + 1,) int16, lanes of the vertices found
     imprint: Imprint
 
 
-def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: int) -> Hairs:
-    """Arrays for painting with these hairs on a mesh with room for `capacity` vertices."""
+def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray) -> Hairs:
+    """Arrays for painting with these hairs."""
     n_pigments = load.shape[1]
     blocks = len(bristles.lengths)
     return Hairs(
@@ -127,6 +126,5 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray, capacity: 
         released=np.zeros(n_pigments),
         left=np.zeros(n_pigments),
         track=np.zeros((2, TRACKED, TRACKED_POINTS, 4)),
-        lanes=np.zeros(capacity + 1, np.int16),
         imprint=make_imprint(n_pigments),
     )

@@ -1,0 +1,360 @@
+"""Where a brush that runs dry touches: bundles of hairs against the tooth of the sheet (feibai).
+
+The supply of every bundle varies across the tuft and slowly along its way; the sheet's tooth breaks
+it. Both are gradient noise (Perlin 1985): no state, no seed, so a painting is repeatable. Bundles
+are told by their place across the way, at the belly's scale, for hairs draw together towards the
+tip; along it they are anchored to the surface, so that a passing footprint does not smear them. The
+tooth is a function of the place in space alone, whatever the vertices, and its lattice lies askew,
+so that no direction of the object shows. A film drags on a little behind what it has wetted.
+
+Bumps that the vertices are too far apart to show are left out, and their spread goes into the
+softness of the contact: coarse vertices show the grey of what fine ones show as streaks.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.kernel import kernel, uncounted
+from paint3d.mesh.kernels.refine import mix
+
+__all__ = [
+    "BUNDLE_MM",
+    "DryContact",
+    "contact_noise",
+    "dry_contact",
+    "fill_noise",
+    "thin_contact",
+]
+
+_CELLS, _STEPS = 8, 8  # of the noise's lattice to a period, and of the table to a cell
+_SIDE = _CELLS * _STEPS
+_MASK = _SIDE - 1
+_SHIFT, _SHIFT2 = 6, 12  # powers of 2 in the side of the table, and in a layer
+_LEVELS = 32.0  # of the table, to a standard deviation
+_ASKEW = np.array(  # a turn by 1 rad about (1, 2, 3): how the tooth lies in space
+    [
+        [0.573138, -0.609007, 0.548292],
+        [0.740349, 0.671645, -0.027879],
+        [-0.351279, 0.421906, 0.835822],
+    ]
+)
+_TOOTH = (0.55, 0.35)  # standard deviations of its bumps, coarse and fine
+_FINER = 0.42  # length of the fine bumps over that of the coarse ones
+_DRAGGED = 0.24  # of the coarse bumps: how far apart the film is looked for
+_LOOKS = 3  # places along the way where it is
+_THINS = 0.4  # what it loses from one to the next
+_TOOTH_MEAN, _TOOTH_SPREAD = 0.16, 0.56  # of the highest of them, all bumps seen
+_BROAD, _BROAD_WAY, _BROAD_SPREAD = 1.25, 19.0, 0.72  # bundles: mm across, mm along, std. deviation
+BUNDLE_MM, _WAY, _SPREAD = 0.45, 9.0, 0.50  # the narrow ones of a solid tuft
+_BROADER = 2.2  # broad ones are at least so much broader than narrow ones
+_BELLY = 0.32  # of the root's diameter: half the width of a belly at whose scale bundles are told
+_NARROWEST = 0.35  # of it, below which hairs draw together no more
+_RIM = 0.35  # how much worse hairs at the rim are supplied
+_SOFT = 0.2  # standard deviation of the softness: contact comes about over .7
+_GAIN, _OFFSET = 2.4, 0.1  # of the contact level
+_FLOODED, _FLOOD = 0.8, 1.5  # level from which the tuft begins to flood the rest, and by how much
+_LEAST = np.float32(0.02)  # share below which nothing is touched
+_SEEN = 1.6  # wavelength of bumps over their length
+
+
+class DryContact(NamedTuple):
+    """What a sweep's vertices share."""
+
+    supply: float  # of the whole tuft, standard deviations over the mean height
+    per_soft: float
+    ahead_x: float  # direction of the way in the stamp's frame, along the bend and across
+    ahead_y: float
+    way: float  # mm that the tuft has gone
+    per_broad: float  # steps of the noise to the mm across the way, for broad bundles
+    per_narrow: float
+    coarse: float  # how much of the bumps and bundles the vertices show
+    fine: float
+    broad: float
+    narrow: float
+    step: float  # of the tooth's table to the mm, 0 for none
+    step_fine: float
+    drag_x: float  # mm against the way, from one look for the film to the next
+    drag_y: float
+    drag_z: float
+
+
+@cache
+def contact_noise() -> NDArray[np.int8]:
+    """The noise of tooth and bundles, always the same: see `fill_noise`."""
+    noise = np.empty(_SIDE**3, np.int8)
+    fill_noise(noise)
+    noise.setflags(write=False)
+    return noise
+
+
+@uncounted
+def _gradient(i, j, k, axis):
+    """A number in [-1, 1) for a lattice point and an axis; the lattice repeats."""
+    code = np.uint64((i % _CELLS) + _CELLS * ((j % _CELLS) + _CELLS * (k % _CELLS)))
+    code = mix(code * np.uint64(0x9E3779B97F4A7C15) + np.uint64(axis + 1))
+    return np.float64(mix(code) >> np.uint64(11)) * 2.0**-52 - 1.0
+
+
+@kernel
+def fill_noise(out):
+    """Tabulate gradient noise that repeats: (S^3,) int8, `_LEVELS` to a standard deviation."""
+    values = np.empty(out.shape[0])
+    total = 0.0
+    for n in range(out.shape[0]):
+        a, b, c = n >> _SHIFT2, (n >> _SHIFT) & _MASK, n & _MASK
+        values[n] = _noise(a / _STEPS, b / _STEPS, c / _STEPS)
+        total += values[n] * values[n]
+    scale = _LEVELS / np.sqrt(total / out.shape[0])
+    for n in range(out.shape[0]):
+        out[n] = np.int8(min(max(scale * values[n], -127.0), 127.0))
+
+
+@uncounted
+def _noise(x, y, z):
+    """Gradient noise with lattice points at whole numbers."""
+    i, j, k = int(np.floor(x)), int(np.floor(y)), int(np.floor(z))
+    u, v, w = x - i, y - j, z - k
+    a = u * u * u * (u * (6.0 * u - 15.0) + 10.0)
+    b = v * v * v * (v * (6.0 * v - 15.0) + 10.0)
+    c = w * w * w * (w * (6.0 * w - 15.0) + 10.0)
+    total = 0.0
+    for p in range(2):
+        for q in range(2):
+            for r in range(2):
+                share = (a if p else 1.0 - a) * (b if q else 1.0 - b) * (c if r else 1.0 - c)
+                slope = _gradient(i + p, j + q, k + r, 0) * (u - p)
+                slope += _gradient(i + p, j + q, k + r, 1) * (v - q)
+                slope += _gradient(i + p, j + q, k + r, 2) * (w - r)
+                total += share * slope
+    return total
+
+
+@uncounted(error_model="numpy")
+def _seen(length, apart):
+    """How much of bumps of a length (mm) vertices show that lie so far apart (mm), 0 to 1."""
+    t = min(1.0, max(0.0, 0.5 * _SEEN * length / apart - 1.0))
+    return t * t * (3.0 - 2.0 * t)
+
+
+@uncounted(error_model="numpy")
+def dry_contact(level, before, after, root, bundle, field, ink):
+    """What the vertices of a sweep share; docs/model.md, equation (12).
+
+    Parameters
+    ----------
+    level : float
+        How deep into the tooth the tuft reaches, 0 to 1.
+    before, after : Stamp
+    root : float
+        Diameter of the tuft, mm.
+    bundle : float
+        How broad the narrow bundles are at the belly, mm.
+    field, ink : SurfaceField, InkField
+    """
+    a, b = after.values[0], before.values[0]
+    ahead_x, ahead_y = 0.0, 0.0
+    for axis in range(3):
+        d = a.origin[axis] - b.origin[axis]
+        ahead_x += d * a.bend[axis]
+        ahead_y += d * a.cross[axis]
+    moved = np.sqrt(ahead_x * ahead_x + ahead_y * ahead_y)
+    if moved > 1e-9:
+        ahead_x, ahead_y = ahead_x / moved, ahead_y / moved
+    else:
+        ahead_x, ahead_y = -1.0, 0.0
+    apart, tooth = field.soft_edge, ink.transfer[0].tooth_mm
+    coarse, fine = _seen(tooth, apart), _seen(_FINER * tooth, apart)
+    widest, belly = max(a.widest, 1e-6), _BELLY * root
+    per_width = belly / max(widest, _NARROWEST * belly)
+    broad_mm = max(_BROAD, _BROADER * bundle)
+    broad, narrow = _seen(broad_mm / per_width, apart), _seen(bundle / per_width, apart)
+    supply = _GAIN * (2.0 * level - 1.0) + _OFFSET
+    supply += _FLOOD * max(0.0, level - _FLOODED) / (1.0 - _FLOODED)
+    unseen2 = 0.0
+    if tooth > 0.0:
+        shown = (_TOOTH[0] * coarse) ** 2 + (_TOOTH[1] * fine) ** 2
+        shown /= _TOOTH[0] ** 2 + _TOOTH[1] ** 2
+        supply += _TOOTH_MEAN * (1.0 - shown)
+        unseen2 += _TOOTH_SPREAD**2 * (1.0 - shown)
+    unseen2 += _BROAD_SPREAD**2 * (1.0 - broad * broad) + _SPREAD**2 * (1.0 - narrow * narrow)
+    step = _STEPS / tooth if tooth > 0.0 else 0.0
+    back = -_DRAGGED * tooth
+    return DryContact(
+        supply,
+        0.5 / (np.sqrt(3.0) * np.sqrt(_SOFT * _SOFT + unseen2)),
+        ahead_x,
+        ahead_y,
+        a.way,
+        _STEPS * per_width / broad_mm,
+        _STEPS * per_width / bundle,
+        _TOOTH[0] * coarse / _LEVELS,
+        _TOOTH[1] * fine / _LEVELS,
+        _BROAD_SPREAD * broad / _LEVELS,
+        _SPREAD * narrow / _LEVELS,
+        step,
+        step / _FINER,
+        back * (ahead_x * a.bend[0] + ahead_y * a.cross[0]),
+        back * (ahead_x * a.bend[1] + ahead_y * a.cross[1]),
+        back * (ahead_x * a.bend[2] + ahead_y * a.cross[2]),
+    )
+
+
+@uncounted(error_model="numpy")
+def _place_on_lattice(n, xs, ys, zs, step, turn, out):
+    """Numbers in the table of the noise at places (mm); `turn` picks the order of its axes."""
+    a, b, c = turn % 3, (turn + 1) % 3, (turn + 2) % 3
+    scale = np.float32(step)
+    a0, a1, a2 = np.float32(_ASKEW[a, 0]), np.float32(_ASKEW[a, 1]), np.float32(_ASKEW[a, 2])
+    b0, b1, b2 = np.float32(_ASKEW[b, 0]), np.float32(_ASKEW[b, 1]), np.float32(_ASKEW[b, 2])
+    c0, c1, c2 = np.float32(_ASKEW[c, 0]), np.float32(_ASKEW[c, 1]), np.float32(_ASKEW[c, 2])
+    for k in range(n):
+        x, y, z = scale * xs[k], scale * ys[k], scale * zs[k]
+        i = np.int32(np.floor(a0 * x + a1 * y + a2 * z)) & _MASK
+        j = np.int32(np.floor(b0 * x + b1 * y + b2 * z)) & _MASK
+        h = np.int32(np.floor(c0 * x + c1 * y + c2 * z)) & _MASK
+        out[k] = (i << _SHIFT2) | (j << _SHIFT) | h
+
+
+@uncounted(error_model="numpy")
+def _add_tooth(n, contact, noise, block):
+    """Fill row 3 of a block with how high the sheet stands, with the film that drags on."""
+    xs, ys, zs, high = block.rows[0], block.rows[1], block.rows[2], block.rows[3]
+    coarse_at, fine_at = block.near[0], block.near[1]
+    coarse, fine = np.float32(contact.coarse), np.float32(contact.fine)
+    for look in range(_LOOKS):
+        if look > 0:
+            dx, dy, dz = contact.drag_x, contact.drag_y, contact.drag_z
+            for k in range(n):
+                xs[k] += np.float32(dx)
+                ys[k] += np.float32(dy)
+                zs[k] += np.float32(dz)
+        _place_on_lattice(n, xs, ys, zs, contact.step, 0, coarse_at)
+        _place_on_lattice(n, xs, ys, zs, contact.step_fine, 1, fine_at)
+        less = np.float32(look * _THINS)
+        if look == 0:
+            for k in range(n):
+                high[k] = coarse * noise[coarse_at[k]] + fine * noise[fine_at[k]]
+        else:
+            for k in range(n):
+                behind = coarse * noise[coarse_at[k]] + fine * noise[fine_at[k]] - less
+                high[k] = max(high[k], behind)
+
+
+@uncounted(error_model="numpy")
+def _place_on_tuft(n, contact, values, block):
+    """Fill rows 4 and 5 with places across the way and along it, mm."""
+    xs, ys, zs = block.rows[0], block.rows[1], block.rows[2]
+    across, along = block.rows[4], block.rows[5]
+    fx, fy = contact.ahead_x, contact.ahead_y
+    ahead_0, aside_0, ahead_1, aside_1, ahead_2, aside_2 = (
+        np.float32(fx * values.bend[0] + fy * values.cross[0]),
+        np.float32(fx * values.cross[0] - fy * values.bend[0]),
+        np.float32(fx * values.bend[1] + fy * values.cross[1]),
+        np.float32(fx * values.cross[1] - fy * values.bend[1]),
+        np.float32(fx * values.bend[2] + fy * values.cross[2]),
+        np.float32(fx * values.cross[2] - fy * values.bend[2]),
+    )
+    ox, oy, oz = (
+        np.float32(values.origin[0]),
+        np.float32(values.origin[1]),
+        np.float32(values.origin[2]),
+    )
+    way = np.float32(contact.way)
+    for k in range(n):
+        dx, dy, dz = xs[k] - ox, ys[k] - oy, zs[k] - oz
+        across[k] = aside_0 * dx + aside_1 * dy + aside_2 * dz
+        along[k] = way + ahead_0 * dx + ahead_1 * dy + ahead_2 * dz
+
+
+@uncounted(error_model="numpy")
+def _add_bundles(n, noise, layer, per_across, per_along, strength, block):
+    """Add to row 6 how well the bundles are supplied, from one layer of the noise."""
+    across, along, supply = block.rows[4], block.rows[5], block.rows[6]
+    side, ahead = block.work[0], block.work[1]
+    i_at, j_at = block.near[0], block.near[1]
+    a, b = np.float32(per_across), np.float32(per_along)
+    for k in range(n):
+        x, y = a * across[k], b * along[k]
+        p, q = np.floor(x), np.floor(y)
+        side[k], ahead[k] = x - p, y - q
+        i_at[k], j_at[k] = np.int32(p) & _MASK, np.int32(q) & _MASK
+    first, factor = layer << _SHIFT2, np.float32(strength)
+    for k in range(n):
+        i, j = i_at[k], j_at[k]
+        low, high = first + (i << _SHIFT), first + (((i + 1) & _MASK) << _SHIFT)
+        j1 = (j + 1) & _MASK
+        t, s = side[k], ahead[k]
+        near = noise[low + j] + t * (np.float32(noise[high + j]) - noise[low + j])
+        far = noise[low + j1] + t * (np.float32(noise[high + j1]) - noise[low + j1])
+        supply[k] += factor * (near + s * (far - near))
+
+
+@uncounted(error_model="numpy")
+def _touch(n, contact, after, ink, block):
+    """Fill row 6 of a block with the share that the tuft touches.
+
+    The first three rows hold the vertices' places (mm), and are lost.
+    """
+    supply, high = block.rows[6], block.rows[3]
+    values = after.values[0]
+    begin = np.float32(contact.supply)
+    for k in range(n):
+        supply[k] = begin
+    _place_on_tuft(n, contact, values, block)
+    across = block.rows[4]
+    noise, per_way = ink.noise, _STEPS / _BROAD_WAY
+    _add_bundles(n, noise, 3, contact.per_broad, per_way, contact.broad, block)
+    per_way = _STEPS / _WAY
+    _add_bundles(n, noise, 35, contact.per_narrow, per_way, contact.narrow, block)
+    per_rim = np.float32(1.0 / max(values.widest, 0.15))
+    worse = np.float32(_RIM)
+    for k in range(n):
+        rim = across[k] * per_rim
+        rim *= rim
+        supply[k] -= worse * rim * rim
+    if contact.step > 0.0:
+        _add_tooth(n, contact, ink.noise, block)
+        for k in range(n):
+            supply[k] += high[k]
+    per_soft, half = np.float32(contact.per_soft), np.float32(0.5)
+    for k in range(n):
+        supply[k] = min(np.float32(1.0), max(np.float32(0.0), half + supply[k] * per_soft))
+
+
+@uncounted(error_model="numpy")
+def thin_contact(contact, after, found, n, field, ink, block):
+    """Take what the tuft does not touch out of the vertices found; return how many stay.
+
+    The share touched is docs/model.md, equation (12).
+
+    Parameters
+    ----------
+    contact : DryContact
+    after : Stamp
+    found : Found
+        The first `n` of it; those that stay are moved to the front.
+    n : int
+    field, ink : SurfaceField, InkField
+    block : Block
+        Overwritten.
+    """
+    ids, share, cover, lanes = found.ids, found.share, found.cover, found.lanes
+    xs, ys, zs, touched = block.rows[0], block.rows[1], block.rows[2], block.rows[6]
+    kept = 0
+    for first in range(0, n, xs.shape[0]):
+        m = min(xs.shape[0], n - first)
+        for k in range(m):
+            v = ids[first + k]
+            xs[k], ys[k], zs[k] = field.px[v], field.py[v], field.pz[v]
+        _touch(m, contact, after, ink, block)
+        for k in range(m):
+            ids[kept], lanes[kept] = ids[first + k], lanes[first + k]
+            share[kept] = share[first + k] * touched[k]
+            cover[kept] = cover[first + k] * touched[k]
+            kept += np.int64(touched[k] > _LEAST)
+    return kept

@@ -1,0 +1,93 @@
+"""Laws of a brush that runs dry: streaks along its way, on any mesh and in any direction."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import griddata
+
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.surface_cases import flat, sheet
+
+BOX = (-12.0, 12.0, -2.0, 2.0)  # along the stroke and across, mm
+
+
+def stroke(turn: float, pressure: float) -> Recording:
+    """Straight, the tuft trailing."""
+    n = 160
+    x = np.linspace(-20.0, 20.0, n)
+    position = np.stack([math.cos(turn) * x, math.sin(turn) * x, np.full(n, 30.0)], axis=1)
+    half = 0.5 * (turn + math.pi)
+    turned = np.tile([math.cos(half), 0.0, 0.0, math.sin(half)], (n, 1))
+    return Recording(np.arange(n) * 4_000_000, position, turned, np.full(n, pressure))
+
+
+@functools.cache
+def covered(
+    resolution: float = 0.1, turn: float = 0.0, load: float = 0.16, pressure: float = 0.4,
+    hairs: int | None = None,
+) -> np.ndarray:  # fmt: skip
+    """Coverage on a grid of .05 mm, rows across the stroke."""
+    surface = PaintedSurface(sheet(flat, (35.0, 35.0), 4.0), resolution, "xuan")
+    painter = Painter(surface, "full", "pine soot", hairs=hairs)
+    painter.wipe(1.0 - load)
+    painter.replay(stroke(turn, pressure))
+    ledger = painter.report()["ink_ledger"]
+    kept = sum(ledger[name] for name in ("in_brush", "wet", "dry", "off_surface"))
+    assert kept == pytest.approx(ledger["loaded"], rel=1e-8)
+    vertices = np.asarray(surface.mesh.vertices, float)
+    x = math.cos(turn) * vertices[:, 0] + math.sin(turn) * vertices[:, 1]
+    y = math.cos(turn) * vertices[:, 1] - math.sin(turn) * vertices[:, 0]
+    near = (x > BOX[0] - 1) & (x < BOX[1] + 1) & (y > BOX[2] - 1) & (y < BOX[3] + 1)
+    at_x, at_y = np.meshgrid(np.arange(*BOX[:2], 0.05), np.arange(*BOX[2:], 0.05))
+    return griddata((x[near], y[near]), surface.coverage[near], (at_x, at_y), method="linear")
+
+
+def correlation_mm(picture: np.ndarray, axis: int) -> float:
+    """Way over which the autocorrelation falls to 1/e."""
+    picture = picture - picture.mean()
+    n = picture.shape[axis]
+    for k in range(1, n // 2):
+        a, b = np.take(picture, range(n - k), axis), np.take(picture, range(k, n), axis)
+        if (a * b).mean() < (picture**2).mean() / math.e:
+            return 0.05 * k
+    return 0.05 * (n // 2)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5, 0.785])
+def test_streaks_are_long_and_narrow_in_any_direction(turn) -> None:
+    """Law 10: no lattice shows. Square speckle has a ratio of 1."""
+    picture = covered(turn=turn)
+    assert correlation_mm(picture, 1) > 3.0 * correlation_mm(picture, 0)
+    assert picture.mean() == pytest.approx(covered().mean(), abs=0.05)
+
+
+@pytest.mark.parametrize("resolution", [0.2, 0.4])
+def test_coarse_vertices_show_the_grey_of_the_streaks(resolution) -> None:
+    """Law 10."""
+    assert covered(resolution).mean() == pytest.approx(covered().mean(), abs=0.03)
+    assert covered(resolution).std() < covered().std()
+
+
+def test_less_ink_and_less_pressure_cover_less() -> None:
+    """Law 12."""
+    by_load = [covered(load=load).mean() for load in (0.08, 0.12, 0.16, 0.24)]
+    by_pressure = [covered(load=0.14, pressure=p).mean() for p in (0.2, 0.35, 0.5)]
+    assert (np.diff(by_load) > 0.0).all()
+    assert (np.diff(by_pressure) > 0.0).all()
+
+
+def test_more_hairs_leave_finer_gaps() -> None:
+    """Law 11."""
+    gaps = []
+    for hairs in (100, 1000, 10000):
+        bare = covered(hairs=hairs) < 0.5
+        edges = (np.diff(bare.astype(np.int8), axis=0) != 0).sum() / 2.0
+        gaps.append(0.05 * bare.sum() / edges)
+    assert gaps[1] < 0.75 * gaps[0]
+    assert gaps[2] < 0.75 * gaps[1]
