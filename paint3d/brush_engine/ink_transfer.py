@@ -1,12 +1,8 @@
 """What passes between the brush and the vertices that a footprint swept (Guo 2017, Eqs. 12-13).
 
-One sweep gathers the vertices that it covers, and leaves ink on them: on all alike, on the heights
-of the grain where the brush runs dry, and from where on the tuft they are touched if it is loaded
-differently along its length.
-
-The grain of a surface is smooth noise in space, the same whatever the vertices: value noise (random
-numbers on a lattice, blended between) of a hash of the place alone: no seed, no state, so a
-painting is repeatable, and two meshings of one object have the same grain.
+One sweep gathers the vertices that it covers, and leaves ink on them: on all alike, in streaks
+where the brush runs dry, and from where on the tuft they are touched if it is loaded differently
+along its length.
 
 The classic loading, tip dark and belly light: the load lies in reservoirs from the tip to the root,
 all filled alike: when the part that touches gives ink, the rest flows down to it, as in a wet tuft
@@ -32,13 +28,11 @@ from paint3d.brush_engine.vertex_query import (
     vertices_of,
 )
 from paint3d.core.kernel import kernel, uncounted
-from paint3d.mesh.kernels.refine import mix
 
 __all__ = [
     "AREA_STEPS",
     "PAINTED",
     "contact_level",
-    "fill_grain",
     "held_ink",
     "landing_share",
     "level_reservoirs",
@@ -198,46 +192,6 @@ def note_covered(found, n, ink):
             dirty_ids[count] = v
             count += 1
     ink.n_dirty[0] = count
-
-
-@uncounted
-def _corner(i, j, k):
-    """A number in [0, 1) for a lattice point."""
-    code = np.uint64(i) * np.uint64(0x9E3779B97F4A7C15)
-    code ^= mix(np.uint64(j) + np.uint64(0xD1B54A32D192ED03))
-    code ^= mix(mix(np.uint64(k) + np.uint64(0x8CB92BA72F3D8DD7)))
-    return np.float64(mix(code) >> np.uint64(11)) * 2.0**-53
-
-
-@uncounted
-def _noise(x, y, z):
-    """Value noise in [0, 1] with lattice points at whole numbers."""
-    i, j, k = int(np.floor(x)), int(np.floor(y)), int(np.floor(z))
-    u, v, w = x - i, y - j, z - k
-    u = u * u * (3.0 - 2.0 * u)
-    v = v * v * (3.0 - 2.0 * v)
-    w = w * w * (3.0 - 2.0 * w)
-    total = 0.0
-    for a in range(2):
-        for b in range(2):
-            for c in range(2):
-                share = (u if a else 1.0 - u) * (v if b else 1.0 - v) * (w if c else 1.0 - w)
-                total += share * _corner(i + a, j + b, k + c)
-    return total
-
-
-@uncounted
-def _grain_at(x, y, z, length):
-    """Height of the grain at a place (mm), 0 to 1, mean 1/2: bumps of `length` mm and half that."""
-    x, y, z = x / length, y / length, z / length
-    return 0.67 * _noise(x, y, z) + 0.33 * _noise(2.0 * x + 7.3, 2.0 * y + 1.9, 2.0 * z + 4.1)
-
-
-@uncounted
-def fill_grain(points, length, out):
-    """`_grain_at` of points (N, 3)."""
-    for n in range(points.shape[0]):
-        out[n] = _grain_at(points[n, 0], points[n, 1], points[n, 2], length)
 
 
 @uncounted(error_model="numpy")

@@ -89,7 +89,8 @@ class PaintedSurface(InkStore):
                 self.layers.colour(self.glaze, ids, self.codes)
             else:
                 self.colour_as_one(ids)
-            self._water.note(ids)
+            if self._water.fresh is not None:
+                self._water.fresh.append(ids)
             if self._changed is not None:
                 self._changed.append(ids)
             self.ink.dirty[ids] = 0

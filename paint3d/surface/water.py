@@ -20,13 +20,18 @@ class Water:
     Parameters
     ----------
     store : InkStore
+
+    Attributes
+    ----------
+    fresh : list of (N,) int32, or None
+        Vertices whose ink may have changed since the water was told; None while there is none.
     """
 
     def __init__(self, store: InkStore) -> None:
         self._store = store
         self._flow: Flow | None = None
         self._still: Flow | None = None  # one that was dropped: its graph may serve again
-        self._fresh: list[AnyArray] = []
+        self.fresh: list[AnyArray] | None = None
 
     @property
     def flow(self) -> Flow:
@@ -34,7 +39,7 @@ class Water:
         if self._flow is None:
             self._flow, self._still = self._still or Flow(self._store), None
             self._flow.clear()
-            self._fresh = [np.flatnonzero(self._store.coverage > 0.0).astype(np.int32)]
+            self.fresh = [np.flatnonzero(self._store.coverage > 0.0).astype(np.int32)]
         return self._flow
 
     @property
@@ -43,13 +48,8 @@ class Water:
         n_dirty = self._store.ink.n_dirty[0]
         if self._flow is None:
             return 0.0 if n_dirty or self._store.coverage.any() else np.inf
-        is_fresh = n_dirty > 0 or any(len(ids) for ids in self._fresh)
+        is_fresh = n_dirty > 0 or any(len(ids) for ids in self.fresh or ())
         return 0.0 if is_fresh else self._flow.patience
-
-    def note(self, vertex_ids: AnyArray) -> None:
-        """Hear of vertices (N,) int32 whose ink may have changed."""
-        if self._flow is not None:
-            self._fresh.append(vertex_ids)
 
     def advance(self, seconds: float, step: float | None) -> None:
         """See `Flow.advance`."""
@@ -58,7 +58,7 @@ class Water:
     def follow(self, seconds: float, most_nodes: int) -> bool:
         """See `Flow.follow`."""
         keeps_up = self.flow.follow(seconds, self._take_fresh(), most_nodes)
-        self._fresh.append(self.flow.waiting)
+        self.fresh = [*(self.fresh or ()), self.flow.waiting]
         return keeps_up
 
     def keep(self) -> dict[str, AnyArray] | None:
@@ -68,7 +68,7 @@ class Water:
         """
         if self._flow is None:
             return None
-        fresh = [*self._fresh, self._dirty()]
+        fresh = [*(self.fresh or ()), self._dirty()]
         return {**self._flow.keep(), "fresh": union(fresh, self._store.paint_mesh.capacity)}
 
     def restore(self, kept: Mapping[str, AnyArray]) -> None:
@@ -78,17 +78,17 @@ class Water:
             missing = count - kept[name].shape[1]
             kept[name] = np.pad(kept[name], ((0, 0), (0, missing)))
         self.flow.restore(kept)
-        self._fresh = [kept["fresh"]]
+        self.fresh = [kept["fresh"]]
 
     def drop(self) -> None:
         """Let there be none in motion."""
         self._still = self._flow or self._still
-        self._flow, self._fresh = None, []
+        self._flow, self.fresh = None, None
 
     def _take_fresh(self) -> AnyArray:
         """Vertices (N,) int32 whose ink may have changed since the water was told."""
-        fresh = [*self._fresh, self._dirty()]
-        self._fresh = []
+        fresh = [*(self.fresh or ()), self._dirty()]
+        self.fresh = []
         return np.concatenate(fresh)
 
     def _dirty(self) -> AnyArray:

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.ink_transfer import fill_grain
 from paint3d.colour.materials import WET_COAT_MM
 from paint3d.colour.pigments import WATER
 from paint3d.core.types import AnyArray
 from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
+from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_step import WetFields
 
 __all__ = ["FIRST_PACE", "WetPatch"]

@@ -11,13 +11,13 @@ from scipy.spatial import Delaunay
 
 import paint3d
 import paint3d.surface.flow as flows
-from paint3d.brush_engine.ink_transfer import fill_grain
 from paint3d.colour.materials import WET_COAT_MM, Material, load_material
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, PigmentError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow_graph import graph_of_triangles
 from paint3d.surface.kernels.diffusion import activate_cells
+from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_step import WetFields, move_water
 from paint3d.surface.painted_surface import PaintedSurface
 

@@ -251,9 +251,11 @@ class Stencil:
             return np.zeros(len(ink.load))
         amounts, coverage = before(ids)
         came = ink.amounts[ids].astype(np.float64) - amounts
-        if not came.any() and np.array_equal(ink.coverage[ids], coverage):
+        moved = came.any(axis=1)
+        if not moved.any() and np.array_equal(ink.coverage[ids], coverage):
             return np.zeros(len(ink.load))
-        caught = self._surface.vertex_areas[ids] @ came
+        parts = self._surface.vertex_areas[ids[moved], None] * came[moved]
+        caught = np.array([math.fsum(part) for part in parts.T])  # the same in any order
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
         return self._give_back(caught)
 
