@@ -3,6 +3,7 @@
     python scripts/calibrate_brush.py TABLE.csv [--brush NAME]
 
 The table has the columns depth_mm, width_mm, drag_mm and offset_mm (presses of an upright brush).
+The offset is where the footprint begins behind the handle, the drag how long it is from there.
 Readings of one depth are averaged first: they scatter by more than the model is wrong.
 """
 

@@ -76,6 +76,7 @@ class DryContact(NamedTuple):
     fine: float
     broad: float
     narrow: float
+    hairs: float
     step: float  # of the tooth's table to the mm, 0 for none
     step_fine: float
     drag_x: float  # mm against the way, from one look for the film to the next
@@ -142,7 +143,21 @@ def _seen(length, apart):
 
 
 @uncounted(error_model="numpy")
-def dry_contact(level, before, after, root, bundle, field, ink):
+def _find_way(before, after):
+    """Direction of the way in a stamp's frame, along the bend and across; at rest against it."""
+    ahead_x, ahead_y = 0.0, 0.0
+    for axis in range(3):
+        d = after.origin[axis] - before.origin[axis]
+        ahead_x += d * after.bend[axis]
+        ahead_y += d * after.cross[axis]
+    moved = np.sqrt(ahead_x * ahead_x + ahead_y * ahead_y)
+    if moved <= 1e-9:
+        return -1.0, 0.0
+    return ahead_x / moved, ahead_y / moved
+
+
+@uncounted(error_model="numpy")
+def dry_contact(level, before, after, bundles, field, ink):
     """What the vertices of a sweep share; docs/model.md, equation (12).
 
     Parameters
@@ -150,23 +165,14 @@ def dry_contact(level, before, after, root, bundle, field, ink):
     level : float
         How deep into the tooth the tuft reaches, 0 to 1.
     before, after : Stamp
-    root : float
-        Diameter of the tuft, mm.
-    bundle : float
-        How broad the narrow bundles are at the belly, mm.
+    bundles : (float, float, float, float)
+        Diameter of the tuft, how broad the narrow bundles are at the belly, mm, how far bundles
+        differ: 1 where nothing else makes streaks, and how far what hairs cover does.
     field, ink : SurfaceField, InkField
     """
     a, b = after.values[0], before.values[0]
-    ahead_x, ahead_y = 0.0, 0.0
-    for axis in range(3):
-        d = a.origin[axis] - b.origin[axis]
-        ahead_x += d * a.bend[axis]
-        ahead_y += d * a.cross[axis]
-    moved = np.sqrt(ahead_x * ahead_x + ahead_y * ahead_y)
-    if moved > 1e-9:
-        ahead_x, ahead_y = ahead_x / moved, ahead_y / moved
-    else:
-        ahead_x, ahead_y = -1.0, 0.0
+    root, bundle, differ, hairs = bundles
+    ahead_x, ahead_y = _find_way(b, a)
     apart, tooth = field.soft_edge, ink.transfer[0].tooth_mm
     coarse, fine = _seen(tooth, apart), _seen(_FINER * tooth, apart)
     widest, belly = max(a.widest, 1e-6), _BELLY * root
@@ -181,7 +187,8 @@ def dry_contact(level, before, after, root, bundle, field, ink):
         shown /= _TOOTH[0] ** 2 + _TOOTH[1] ** 2
         supply += _TOOTH_MEAN * (1.0 - shown)
         unseen2 += _TOOTH_SPREAD**2 * (1.0 - shown)
-    unseen2 += _BROAD_SPREAD**2 * (1.0 - broad * broad) + _SPREAD**2 * (1.0 - narrow * narrow)
+    broad_spread, spread = differ * _BROAD_SPREAD, differ * _SPREAD
+    unseen2 += broad_spread**2 * (1.0 - broad * broad) + spread**2 * (1.0 - narrow * narrow)
     step = _STEPS / tooth if tooth > 0.0 else 0.0
     back = -_DRAGGED * tooth
     return DryContact(
@@ -194,8 +201,9 @@ def dry_contact(level, before, after, root, bundle, field, ink):
         _STEPS * per_width / bundle,
         _TOOTH[0] * coarse / _LEVELS,
         _TOOTH[1] * fine / _LEVELS,
-        _BROAD_SPREAD * broad / _LEVELS,
-        _SPREAD * narrow / _LEVELS,
+        broad_spread * broad / _LEVELS,
+        spread * narrow / _LEVELS,
+        hairs,
         step,
         step / _FINER,
         back * (ahead_x * a.bend[0] + ahead_y * a.cross[0]),
@@ -295,16 +303,24 @@ def _add_bundles(n, noise, layer, per_across, per_along, strength, block):
 
 
 @uncounted(error_model="numpy")
+def _begin_supply(n, contact, under, supply):
+    """Fill `supply` with what the tuft brings, by what its hairs cover."""
+    begin, hairs = np.float32(contact.supply), np.float32(contact.hairs)
+    for k in range(n):
+        supply[k] = begin
+    if contact.hairs > 0.0:
+        for k in range(n):
+            supply[k] += hairs * (under[k] - np.float32(0.5))
+
+
+@uncounted(error_model="numpy")
 def _touch(n, contact, after, ink, block):
-    """Fill row 6 of a block with the share that the tuft touches.
+    """Make of the supply in row 6 of a block the share that the tuft touches.
 
     The first three rows hold the vertices' places (mm), and are lost.
     """
     supply, high = block.rows[6], block.rows[3]
     values = after.values[0]
-    begin = np.float32(contact.supply)
-    for k in range(n):
-        supply[k] = begin
     _place_on_tuft(n, contact, values, block)
     across = block.rows[4]
     noise, per_way = ink.noise, _STEPS / _BROAD_WAY
@@ -351,6 +367,7 @@ def thin_contact(contact, after, found, n, field, ink, block):
         for k in range(m):
             v = ids[first + k]
             xs[k], ys[k], zs[k] = field.px[v], field.py[v], field.pz[v]
+        _begin_supply(m, contact, found.under[first : first + m], touched)
         _touch(m, contact, after, ink, block)
         for k in range(m):
             ids[kept], lanes[kept] = ids[first + k], lanes[first + k]

@@ -30,6 +30,7 @@ __all__ = [
     "fill_sweep",
     "hold_point",
     "ink_way",
+    "keep_profile",
     "make_stamp",
     "outline_area",
     "outline_motion",
@@ -132,7 +133,6 @@ def fill_profile(stamp, reach, half_width, n):
     heel = reach[n - 1]
     tip = reach[0]
     step = (tip - heel) / PROFILE_CELLS
-    widest = 0.0
     k = n - 1
     for i in range(PROFILE_CELLS + 1):
         x = heel + i * step
@@ -142,23 +142,35 @@ def fill_profile(stamp, reach, half_width, n):
         t = (x - reach[k]) / span if span > 0.0 else 0.0
         t = min(1.0, max(0.0, t))
         stamp.half_widths[i] = (1.0 - t) * half_width[k] + t * half_width[k - 1]
-    stamp.half_widths[0] = 0.0
-    stamp.half_widths[PROFILE_CELLS] = 0.0
     stamp.half_widths[PROFILE_CELLS + 1] = 0.0
-    for i in range(PROFILE_CELLS):
-        rise = stamp.half_widths[i + 1] - stamp.half_widths[i]
-        slope = rise / step if step > 0.0 else 0.0
-        stamp.lines[i, 0] = stamp.half_widths[i] - i * rise
-        stamp.lines[i, 1] = rise
-        stamp.lines[i, 2] = 1.0 / np.sqrt(1.0 + slope * slope)
+    keep_profile(stamp, heel, tip)
+    widest = 0.0
     for i in range(n):
         if half_width[i] > widest:
             widest = half_width[i]
             values.widest_at = reach[i]
-    values.heel = heel
-    values.tip = tip
     values.widest = widest
     values.area = outline_area(reach, half_width, n)
+
+
+@uncounted
+def keep_profile(stamp, heel, tip):
+    """Make the half widths that stand in a stamp its outline, from the heel to the tip (mm)."""
+    values, widths = stamp.values[0], stamp.half_widths
+    step = (tip - heel) / PROFILE_CELLS
+    widths[0] = 0.0
+    widths[PROFILE_CELLS] = 0.0
+    values.heel, values.tip = heel, tip
+    values.widest, values.area = 0.0, 0.0
+    for i in range(PROFILE_CELLS):
+        rise = widths[i + 1] - widths[i]
+        slope = rise / step if step > 0.0 else 0.0
+        stamp.lines[i, 0] = widths[i] - i * rise
+        stamp.lines[i, 1] = rise
+        stamp.lines[i, 2] = 1.0 / np.sqrt(1.0 + slope * slope)
+        values.area += (widths[i] + widths[i + 1]) * step
+        if widths[i] > values.widest:
+            values.widest, values.widest_at = widths[i], heel + i * step
 
 
 @uncounted

@@ -357,7 +357,8 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     level = contact_level(before, after, ink)
     b.way = a.way * a.touches + outline_motion(before, after)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
-        contact = dry_contact(level, before, after, tuft.diameters[-1], BUNDLE_MM, field, ink)
+        bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
+        contact = dry_contact(level, before, after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         whole = weighed
         weighed = weighed_area(field, found.ids, found.share, n)

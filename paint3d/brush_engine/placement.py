@@ -35,7 +35,8 @@ from paint3d.core.quaternion import compiled_x_axis, compiled_y_axis, compiled_z
 from paint3d.mesh.kernels.bvh import find_foot, find_meant
 from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
 
-__all__ = ["OVERPRESSED", "REACH", "TILT_LIMITED", "lean_plane", "place_stamp", "start_sheet"]
+__all__ = ["OVERPRESSED", "REACH", "TILT_LIMITED", "bent_share", "gather_outline", "lean_plane",
+           "place_stamp", "start_sheet"]  # fmt: skip
 
 TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
 OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
@@ -148,7 +149,9 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
         _flatten(values, _straight_reach(values, tuft))
         return
     if dragged:
-        _gather(values, tuft, scratch.reach, scratch.half_width, n)
+        share = bent_share(values, tuft)
+        straight = tuft.length * np.cos(values.tilt)
+        gather_outline(share, straight, scratch.reach, scratch.half_width, n)
     if values.centred > 0.0:
         middle = 0.5 * (scratch.reach[0] + scratch.reach[n - 1])
         for axis in range(3):
@@ -162,25 +165,41 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
 
 
 @uncounted
-def _gather(values, tuft, reach, half_width, n):
-    """Let a tuft that is not dragged far lie in a heap under its root: model.md, equation (4).
-
-    Where the dragged point is the root's foot there is no direction to lie in: the outline is a
-    disc of the same area, and grows into the bent one as the paper pulls the tip away.
-    """
+def bent_share(values, tuft):
+    """How far a dragged tuft lies in its bend, from 0, in a heap under its root, to 1."""
     slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
     dragged2 = 0.0
     for axis in range(3):
         dragged2 += values.drag[axis] ** 2
     rho = min(1.0, np.sqrt(dragged2) / max(slack, 1e-9))
-    bent = rho * rho * (3.0 - 2.0 * rho)
+    return rho * rho * (3.0 - 2.0 * rho)
+
+
+@uncounted
+def gather_outline(bent, straight, reach, half_width, n):
+    """Let a tuft that is not dragged far lie in a heap under its root: model.md, equation (4).
+
+    Where the dragged point is the root's foot there is no direction to lie in: the outline is a
+    disc of the same area, and grows into the bent one as the paper pulls the tip away.
+
+    Parameters
+    ----------
+    bent : float
+        From `bent_share`.
+    straight : float
+        Where the straight tip would be, along the bend, mm.
+    reach, half_width : arrays as for `tuft.trace_outline`
+        Changed.
+    n : int
+        Points of the outline.
+    """
     tip, heel = reach[0], reach[n - 1]
     area = outline_area(reach, half_width, n)
     if bent >= 1.0 or area <= 0.0:
         return
     disc = np.sqrt(area / np.pi)
     middle, half = 0.5 * (tip + heel), 0.5 * (tip - heel)
-    centre = bent * middle + (1.0 - bent) * tuft.length * np.cos(values.tilt)
+    centre = bent * middle + (1.0 - bent) * straight
     for i in range(n):
         share = min(1.0, max(-1.0, (reach[i] - middle) / half))
         reach[i] = (bent * half + (1.0 - bent) * disc) * share

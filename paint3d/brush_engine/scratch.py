@@ -56,6 +56,7 @@ class Found(NamedTuple):
     share: NDArray  # (cap + 1,) float32, of the ink: time-mean share covered, times the stretch
     cover: NDArray  # (cap + 1,) float32, greatest share covered, 0 to 1
     lanes: NDArray  # (cap + 1,) int16, of the hairs' map; a solid tuft has none
+    under: NDArray  # (cap + 1,) float32, share that hairs cover there; a solid tuft has none
 
 
 class Scratch(NamedTuple):
@@ -149,4 +150,5 @@ def _make_found(mesh: PaintMesh) -> Found:
         np.zeros(n, np.float32),
         np.zeros(n, np.float32),
         np.zeros(n, np.int16),
+        np.zeros(n, np.float32),
     )

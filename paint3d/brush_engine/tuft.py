@@ -63,6 +63,7 @@ STATIONS = 57  # places along the spine at which shapes are kept, crowded toward
 RING_STATIONS = (0, 15, 21, 28, 33, 38, 43, 47, 51, 56)  # those that the sphere is put around
 SPHERE_STEPS = 8  # every so many descents have their spheres, and every second tilt
 _SPREAD_STEP = 0.25
+_SPHERE_MARGIN = 1.003  # times the radius: a tuft between its table's shapes is not their mean
 SPHERE_SPREADS = tuple(1.0 + _SPREAD_STEP * k for k in range(11))  # of sections, with their spheres
 OUTLINE_CAPACITY = 64  # what out_reach and out_half_width must hold: any outline's points
 _POINTS = 40  # of a solid tuft's outline
@@ -340,7 +341,8 @@ def trace_spine(tuft, descent, tilt, out):
 def enclose_tuft(tuft, descent, tilt, pe):
     """Smallest enclosing sphere of the bent tuft (Eqs. 10, 11), from its table.
 
-    A ball between two balls, centre and radius alike, holds all that is between what these hold.
+    A ball between two balls, centre and radius alike, holds all that is between what these hold;
+    a margin holds how far the bent tuft is from being that.
 
     Parameters
     ----------
@@ -372,7 +374,7 @@ def enclose_tuft(tuft, descent, tilt, pe):
                 x += weight * ball[0]
                 y += weight * ball[1]
                 radius += weight * ball[2]
-    return tuft.length * x, tuft.length * y, tuft.length * radius
+    return tuft.length * x, tuft.length * y, _SPHERE_MARGIN * tuft.length * radius
 
 
 @uncounted

@@ -26,8 +26,8 @@ def calibration():
 @pytest.mark.skipif(not TABLE.exists(), reason="the measured presses are not here")
 def test_calibrated_brush_is_as_near_as_the_model_says(calibration):
     width, heel, length = calibration.rms_errors("calibrated", TABLE)
-    assert width < 0.62
-    assert heel < 0.9
+    assert width < 0.72  # readings of one depth scatter by 1.06
+    assert heel < 0.86
     assert length < 2.5
 
 

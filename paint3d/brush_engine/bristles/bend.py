@@ -86,6 +86,8 @@ BEND = np.dtype(
         ("thin", "f8", SAMPLES),  # half the tuft's thickness
         ("sine", "f8", SAMPLES),  # of its angle to the plane
         ("cosine", "f8", SAMPLES),
+        ("film", "f8", SAMPLES),  # how thick films are, 1 but in the tuft's point
+        ("own", "f8"),  # 1.0 where hairs lie otherwise than Guo 2017, Eq. 8, has the tuft
     ],
     align=True,
 )
@@ -310,6 +312,7 @@ def _shape_section(bristles, tuft, cause, at, bend):
     fan = _row(bristles.fans, at, at.column, 0)
     fan_length = _row(bristles.fans, at, at.column, 1) * length
     pressed = 1.0 + (tuft.spread * cause.pressure if fan_length <= 0.0 else 0.0)
+    bend.own = 0.0 if fan_length <= 0.0 else 1.0
     lift = _find_lift(bristles, length, pressed, at, bend.side)
     broad = 0.5 * round_diameter(tuft, lift) * pressed
     tilted = _row(bristles.shapes, at, at.column, 3 * SAMPLES - 1)
@@ -332,6 +335,7 @@ def _shape_section(bristles, tuft, cause, at, bend):
             side += bristles.splay * dryness * (broad - side)
         side += np.tan(fan) * max(0.0, fan_length - arc)
         tip = min(1.0, max(0.0, (_INSET_TO[1] - ARCS[k]) / (_INSET_TO[1] - _INSET_TO[0])))
+        bend.film[k] = min(1.0, arc / tuft.point) if tuft.point > 0.0 else 1.0
         bend.side[k] = max(side - inset * tip, 0.25 * side)
         if k < SAMPLES - 1:
             bend.per_step[k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
@@ -363,6 +367,7 @@ def _lay_ground(bristles, tuft, cause, at, bend):
         bend.patch[k] = patch[k]
         curved = max(curved, abs(patch[k]) * (1.0 if k == 0 else reach if k < 3 else reach * reach))
     bend.curved = 1.0 if curved > 1e-3 else 0.0
+    bend.own = max(bend.own, bend.curved)
     belly = length * _row(bristles.shapes, at, at.column, 2)
     side = bend.side[2]
     # what hairs bend over: the belly of the tuft; and where the surface falls away from there,

@@ -8,7 +8,10 @@ thickness and a film that grows with its ink; where hairs and films are close, t
 Hairs are laid into the map a station and a block at a time: where they lie and what they leave
 there in vector instructions, and only the adding to the lanes hair by hair.
 
-The stamp gets the outline of the hairs that touch, and the stations' places in it are tabulated.
+A wet tuft is one film from rim to rim: its outline is the tuft's (Guo 2017, Eq. 8), and nothing
+within it is bare. The drier it is, or the farther its clumps have parted, the more the outline is
+that of the hairs that touch, and the more the film is theirs. The stations' places in the outline
+are tabulated.
 """
 
 from __future__ import annotations
@@ -20,7 +23,13 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
 from paint3d.brush_engine.bristles.contact import BEGIN, DOT, END, GIVES, LAID, THICK, add_up
-from paint3d.brush_engine.footprint import fill_profile, hold_point
+from paint3d.brush_engine.footprint import (
+    PROFILE_CELLS,
+    fill_profile,
+    hold_point,
+    keep_profile,
+)
+from paint3d.brush_engine.placement import gather_outline
 from paint3d.core.arrays import zeros_on_lines
 from paint3d.core.kernel import kernel, uncounted
 
@@ -43,7 +52,13 @@ LANES = 128  # across the tuft
 _Y = BLOCK
 _BARE = (0.25, 0.4)  # share of a lane's width below which films leave it bare: wet, and dry
 _JOINED = (0.65, 1.0)  # share from which they join
-_EVEN = (0.2, 0.6)  # of it: from streaks of their own to one film of even thickness
+_EVEN = (0.2, 0.6)  # how full hairs are: from streaks of their own to one film of even thickness
+_OWN_INK = 0.3  # how far what a dry hair leaves varies: where it touches, it leaves its film
+_FILM = (0.45, 0.75)  # the same: from films of their own to one
+_LAYERS = (1.0, 3.0)  # of films that lie over one another, for that
+_STRAIGHT = 1.0  # mm, and at least half its width: so far aside is no longer straight
+_SPLITS = 0.5  # how far clumps part until the film between them is broken
+_ANY = np.float32(1e6)  # half the width of a map that is the same all over, mm
 _MOST_INK = np.float32(4.0)  # times what the share covered would hold
 _FEW = 0.1  # of the most hairs at a station: so few tell nothing of the tuft's width
 _EDGE = LANES // 2  # lanes that films may spread over, at the most
@@ -79,6 +94,7 @@ class Imprint(NamedTuple):
     places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm; NaN: few
     reaches: NDArray  # (BINS,) float64: half widths of the outline
     running: NDArray  # (2, LANES + 2 EDGE + 1) float64, scratch
+    tuft_widths: NDArray  # (PROFILE_CELLS + 2,) float64: of the tuft's own outline
 
 
 def make_imprint(n_pigments: int) -> Imprint:
@@ -95,19 +111,21 @@ def make_imprint(n_pigments: int) -> Imprint:
         places=np.zeros(STATIONS),
         reaches=np.zeros(_BINS),
         running=np.zeros((2, LANES + 2 * _EDGE + 1)),
+        tuft_widths=np.zeros(PROFILE_CELLS + 2),
     )
 
 
 @kernel(error_model="numpy")
-def _widest(points, count, widths, margin, last):
-    """Half the tuft's width at the stations, by its outermost hairs, with a margin."""
+def _widest(points, count, widths, bristles, film, finest, last):
+    """Half the tuft's width at the stations, by its outermost hairs, with their films."""
     pieces = min(last // SUB + 2, SAMPLES - 1)
     for k in range(pieces + 1):
         most = np.float32(0.0)
         for i in range(max(0, count - _OUTER), count):
             y = abs(points[i // BLOCK, k, _Y + i % BLOCK])
             most = y if y > most else most
-        widths[k * SUB, 0] = np.float32(1.03) * most + margin
+        margin = bristles.hair_mm + bristles.film_mm * film[k] + finest
+        widths[k * SUB, 0] = np.float32(1.03) * most + np.float32(margin)
     for k in range(pieces):
         a, b = widths[k * SUB, 0], widths[(k + 1) * SUB, 0]
         for s in range(SUB):
@@ -198,47 +216,141 @@ def _lay_hairs(hairs, count, last):
 
 
 @uncounted(error_model="numpy")
-def draw_imprint(stamp, hairs, wet, dot, resolution, scratch):
+def draw_imprint(stamp, tuft, hairs, bent, sums, finest, scratch):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
     Parameters
     ----------
     stamp : Stamp
-        Gets the outline.
+        With the tuft's own outline; gets that of the hairs.
+    tuft : Tuft
     hairs : Hairs
         With the hairs' points and what was found of them; its imprint is drawn.
-    wet, dot : float
-        Means over the hairs that touch: how full they are, and their radius with their film, mm.
-    resolution : float
-        Vertex spacing, mm: nothing finer than a quarter of it is drawn.
+    bent : float
+        How far they lie in the bend, of `placement.bent_share`.
+    sums : (float, float, float)
+        How many hairs touch, and over these the sums of how full they are, and of their radius with
+        their film, mm.
+    finest : float
+        Nothing finer is drawn, mm.
     scratch : Scratch
     """
-    imprint, load, bristles = hairs.imprint, hairs.load, hairs.bristles
+    imprint, load, bend = hairs.imprint, hairs.load, hairs.bend[0]
+    wet, dot = sums[1] / sums[0], sums[2] / sums[0]
+    joined = _joined(stamp, wet, sums[2], hairs)
+    values = stamp.values[0]
+    values.tip += bend.shift_x[0]  # as far as it has set
+    values.heel += bend.shift_x[0]
+    values.widest_at += bend.shift_x[0]
+    if joined >= 1.0 and load.shape[1] == 1:
+        _fill_evenly(imprint)
+        if bend.own <= 0.0:
+            hold_outline(values)
+            return
+    tip, heel, widest = values.tip, values.heel, values.widest
+    for i in range(PROFILE_CELLS + 1):
+        imprint.tuft_widths[i] = stamp.half_widths[i]
+    rim = max(dot, finest)
+    n, foremost, hindmost = _draw_outline(hairs, tuft.point, rim, scratch.reach, scratch.half_width)
+    if bent < 1.0:
+        straight = tuft.length * np.cos(values.tilt)
+        gather_outline(bent, straight, scratch.reach, scratch.half_width, n)
+    fill_profile(stamp, scratch.reach, scratch.half_width, n)
+    _blend_outlines(stamp, imprint.tuft_widths, joined, bend.own > 0.0, tip, heel, widest)
+    hold_outline(values)
+    if joined >= 1.0 and load.shape[1] == 1:
+        return
+    _draw_map(stamp, hairs, joined, wet, rim, finest, (foremost, hindmost, bent))
+
+
+@kernel(error_model="numpy")
+def _ramp(x, limits):
+    """From 0 at the first limit to 1 at the second."""
+    return min(1.0, max(0.0, (x - limits[0]) / (limits[1] - limits[0])))
+
+
+@kernel(error_model="numpy")
+def _joined(stamp, wet, films, hairs):
+    """How far the tuft is one film, from 0, hairs of their own, to 1.
+
+    So many films (mm, their radii's sum) must lie over one another on its width. A tuft that has
+    set to a side is drawn by its hairs: the outline of one that has not is no use.
+    """
+    widest = max(stamp.values[0].widest, 1e-9)
+    joined = _ramp(wet, _FILM) * _ramp(films / widest, _LAYERS)
+    joined *= max(0.0, 1.0 - hairs.memory[0].parted / _SPLITS)
+    return joined * max(0.0, 1.0 - abs(hairs.bend[0].shift_y[0]) / max(widest, _STRAIGHT))
+
+
+@kernel(error_model="numpy")
+def _fill_evenly(imprint):
+    """Let the map be one film."""
+    imprint.map[:2] = _ONE
+    imprint.mix[:] = _ONE
+    imprint.cells[:] = _ZERO
+    imprint.widths[0, 0], imprint.widths[0, 1] = _ANY, _ZERO
+    imprint.numbers[TIP], imprint.numbers[PER_CELL] = 0.0, 0.0
+
+
+@kernel(error_model="numpy")
+def _blend_outlines(stamp, tuft_widths, joined, own, tip, heel, widest):
+    """From the outline of hairs, which the stamp has, to the tuft's own, which is given.
+
+    Where hairs lie otherwise than the tuft's outline has them (`own`), theirs tells how long and
+    how wide it is, and the tuft's its shape.
+    """
+    values, widths = stamp.values[0], stamp.half_widths
+    scale = values.widest / max(widest, 1e-9) if own else 1.0
+    for i in range(PROFILE_CELLS + 1):
+        widths[i] = joined * scale * tuft_widths[i] + (1.0 - joined) * widths[i]
+    if own:
+        tip, heel = values.tip, values.heel
+    tip = joined * tip + (1.0 - joined) * values.tip
+    heel = joined * heel + (1.0 - joined) * values.heel
+    keep_profile(stamp, heel, tip)
+
+
+@uncounted(error_model="numpy")
+def _draw_map(stamp, hairs, joined, wet, dot, finest, lie):
+    """Lay the hairs into the map. `lie`: from where to where along the bend they do, mm, and how
+    far they lie in it."""
+    imprint, load, bend = hairs.imprint, hairs.load, hairs.bend[0]
     count = load.shape[0]
     deepest = np.float64(hairs.depths[0])
     for g in range(1, hairs.depths.shape[0]):
         deepest = max(deepest, np.float64(hairs.depths[g]))
     last = min(int(deepest * SUB + 0.75), STATIONS - 1)
-    finest = 0.25 * resolution
-    margin = np.float32(bristles.hair_mm + bristles.film_mm + finest)
-    _widest(hairs.points, count, imprint.widths, margin, last)
+    _widest(hairs.points, count, imprint.widths, hairs.bristles, bend.film, finest, last)
     _lay_hairs(hairs, count, last)
     if load.shape[1] > 1:
         imprint.mix[:] = _ZERO
         _lay_mix(hairs, load)
     _fill_mix(imprint.mix)
-    _finish_map(imprint, last, wet, max(dot, finest))
-    _draw_outline(
-        stamp,
-        imprint,
-        hairs.points,
-        hairs.hair_contacts,
-        count,
-        dot,
-        scratch.reach,
-        scratch.half_width,
-    )
+    _finish_map(imprint, bend.film, last, joined, wet, max(dot, finest))
+    _move_stations(stamp, imprint, last, joined, finest, lie)
     _index_stations(imprint, last, stamp.values[0].tip, stamp.values[0].heel)
+
+
+@kernel(error_model="numpy")
+def _move_stations(stamp, imprint, last, joined, finest, lie):
+    """Bring the stations from where the hairs lie to where the outline that was made of them has
+    them: as far towards its tip, and as wide as it is there."""
+    foremost, hindmost, bent = lie
+    values, places, widths = stamp.values[0], imprint.places, imprint.widths
+    half, own = 0.5 * (foremost - hindmost), (1.0 - joined) * bent
+    middle, final = 0.5 * (foremost + hindmost), 0.5 * (values.tip - values.heel)
+    at = 0.0
+    for s in range(last + 1):
+        if not np.isnan(places[s]):
+            at = min(1.0, max(-1.0, (places[s] - middle) / half))
+            places[s] = 0.5 * (values.tip + values.heel) + final * at
+        cell = 0.5 * (at + 1.0) * PROFILE_CELLS
+        i = min(int(cell), PROFILE_CELLS - 1)
+        here = stamp.half_widths[i]
+        here += (cell - i) * (stamp.half_widths[i + 1] - here)
+        widths[s, 0] = own * widths[s, 0] + (1.0 - own) * np.float32(1.03 * here + finest)
+    for s in range(last):
+        widths[s, 1] = widths[s + 1, 0] - widths[s, 0]
 
 
 @kernel(error_model="numpy")
@@ -282,33 +394,39 @@ def _join(least, per_join, ink, cover, sums):
 
 
 @_elementwise
-def _level(even, scale, ink, cover, out):
+def _level(even, joined, scale, ink, cover, out):
     """Ink of mean 1, from streaks of their own to one film, beside the share covered."""
     for v in range(LANES):
-        covered = cover[v]
+        covered = cover[v] + joined * (_ONE - cover[v])
         here, most = ink[v] * scale, _MOST_INK * covered
         out[v, 0] = (_ONE - even) * (here if here < most else most) + even * covered
         out[v, 1] = covered
 
 
 @kernel(error_model="numpy")
-def _finish_map(imprint, last, wet, dot):
-    """Give hairs their width, let what is close flow together, and bring the ink to mean 1."""
+def _finish_map(imprint, films, last, joined, wet, dot):
+    """Give hairs their width, let what is close flow together, and bring the ink to mean 1.
+
+    `films` is how thick films are at the hairs' points, `dot` their radius with it, mm.
+    """
     ink, cover, sums = imprint.laid[0], imprint.laid[1], imprint.rows[: 2 * LANES]
-    even = min(1.0, max(0.0, (wet - _EVEN[0]) / (_EVEN[1] - _EVEN[0])))
+    even = _ramp(wet, _EVEN)
     least = _BARE[0] * even + _BARE[1] * (1.0 - even)
-    joined = _JOINED[0] * even + _JOINED[1] * (1.0 - even)
+    whole = _JOINED[0] * even + _JOINED[1] * (1.0 - even)
     sums[:] = _ZERO
     for s in range(last + 1):
-        half = dot * 0.5 * LANES / np.float64(imprint.widths[s, 0])
+        k = min(s // SUB, SAMPLES - 2)
+        thick = films[k] + (s / SUB - k) * (films[k + 1] - films[k])
+        half = dot * thick * 0.5 * LANES / np.float64(imprint.widths[s, 0])
         _run_up(imprint.running, ink[s], cover[s])
         _spread(imprint.running[0], half, ink[s])
         _spread(imprint.running[1], half, cover[s])
-        _join(np.float32(least), np.float32(1.0 / (joined - least)), ink[s], cover[s], sums)
+        _join(np.float32(least), np.float32(1.0 / (whole - least)), ink[s], cover[s], sums)
     total_ink, total_cover = add_up(sums[:LANES], LANES), add_up(sums[LANES:], LANES)
     scale = total_cover / total_ink if total_ink > _ZERO else _ZERO
+    smooth, film = np.float32(1.0 - _OWN_INK * (1.0 - even)), np.float32(joined)
     for s in range(last + 1):
-        _level(np.float32(even), scale, ink[s], cover[s], imprint.map[s])
+        _level(smooth, film, scale, ink[s], cover[s], imprint.map[s])
     if last + 1 < STATIONS:
         imprint.map[last + 1] = imprint.map[last]
 
@@ -390,17 +508,30 @@ def _draw_piece(x0, y0, x1, y1, low, per_bin, reaches):
 
 
 @kernel(error_model="numpy")
-def _draw_hairs(points, hair_contacts, some, pieces, low, per_bin, reaches):
-    """Let the outline hold the first pieces that touch of some hairs, with their films."""
+def _film_at(film, at):
+    """How thick films are at a place between a hair's points."""
+    k = min(int(at), SAMPLES - 2)
+    return film[k] + (np.float64(at) - k) * (film[k + 1] - film[k])
+
+
+@kernel(error_model="numpy")
+def _draw_hairs(points, hair_contacts, film, some, pieces, low, per_bin, reaches):
+    """Let the outline hold the first pieces that touch of some hairs, with their films.
+
+    `film` is how thick these are at the hairs' points.
+    """
     for i in range(some[0], some[1], some[2]):
         row, j = hair_contacts[i // BLOCK], i % BLOCK
         begin, end, dot = row[BEGIN + j], row[END + j], np.float64(row[DOT + j])
         if end < 0.0:
             continue
         x0, y0 = _place_on(points, i, begin)
+        y0 += dot * _film_at(film, begin)
         for k in range(int(begin) + 1, int(begin) + 1 + pieces):
-            x1, y1 = _place_on(points, i, min(np.float32(k), end))
-            _draw_piece(x0, y0 + dot, x1, y1 + dot, low, per_bin, reaches)
+            at = min(np.float32(k), end)
+            x1, y1 = _place_on(points, i, at)
+            y1 += dot * _film_at(film, at)
+            _draw_piece(x0, y0, x1, y1, low, per_bin, reaches)
             if k >= end:
                 break
             x0, y0 = x1, y1
@@ -415,25 +546,30 @@ def hold_outline(values):
 
 
 @kernel(error_model="numpy")
-def _draw_outline(stamp, imprint, points, hair_contacts, count, margin, reach, half_width):
-    """Let the stamp's outline be that of the touching hairs: what those at the tuft's rim enclose.
+def _draw_outline(hairs, point, margin, reach, half_width):
+    """The outline of the touching hairs: what those at the tuft's rim enclose.
 
     Within the outline the map says what is covered.
 
     Parameters
     ----------
-    stamp : Stamp
-    imprint : Imprint
-        Its `reaches` are filled.
-    points, findings : arrays of `Hairs`
-    count : int
-        Hairs; one of them touches at least.
+    hairs : Hairs
+        One of them touches at least.
+    point : float
+        How long the tuft's point is, mm.
     margin : float
         That is left beside the hairs, mm, and a quarter of it before and behind.
     reach, half_width : arrays as for `tuft.trace_outline`
+
+    Returns
+    -------
+    n : int
+        Points of the outline.
+    foremost, hindmost : float
+        Between which places along the bend it lies, mm.
     """
-    reaches = imprint.reaches
-    reaches[:] = margin
+    points, hair_contacts, count = hairs.points, hairs.hair_contacts, hairs.load.shape[0]
+    reaches = hairs.imprint.reaches
     first = max(0, count - _OUTER)
     rim, inner = (first, count, 1), (0, first, max(1, first // _INNER))
     low, high = _find_ends(points, hair_contacts, rim)
@@ -443,21 +579,23 @@ def _draw_outline(stamp, imprint, points, hair_contacts, count, margin, reach, h
         inner = (0, first, 1)
         low, high = _find_ends(points, hair_contacts, (0, count, 1))
     high = max(high, low + _SHORTEST)
-    per_bin = _BINS / (high - low)
-    _draw_hairs(points, hair_contacts, rim, SAMPLES, low, per_bin, reaches)
-    _draw_hairs(points, hair_contacts, inner, 1, low, per_bin, reaches)
-    wide = (high - low) / _BINS
-    ends = _ENDS * margin
+    per_bin, wide, film = _BINS / (high - low), (high - low) / _BINS, hairs.bend[0].film
+    for b in range(_BINS):
+        behind = (_BINS - 0.5 - b) * wide
+        reaches[b] = margin * (min(1.0, behind / point) if point > 0.0 else 1.0)
+    _draw_hairs(points, hair_contacts, film, rim, SAMPLES, low, per_bin, reaches)
+    _draw_hairs(points, hair_contacts, film, inner, 1, low, per_bin, reaches)
+    foremost = high + _ENDS * margin * film[0]
+    hindmost = low - _ENDS * margin
     n = 0
-    reach[n], half_width[n] = high + ends, 0.0
+    reach[n], half_width[n] = foremost, 0.0
     n += 1
     for b in range(_BINS - 1, -1, -1):
         beside = 0.5 * (reaches[max(b - 1, 0)] + reaches[min(b + 1, _BINS - 1)])
         reach[n], half_width[n] = low + (b + 0.5) * wide, max(reaches[b], beside)
         n += 1
-    reach[n], half_width[n] = low - ends, 0.0
-    fill_profile(stamp, reach, half_width, n + 1)
-    hold_outline(stamp.values[0])
+    reach[n], half_width[n] = hindmost, 0.0
+    return n + 1, foremost, hindmost
 
 
 @kernel(error_model="numpy")

@@ -52,13 +52,17 @@ __all__ = [
     "sweep_hairs",
 ]
 
-_OWN_GAPS = 1.15  # times as deep into the tooth: hairs leave gaps of their own besides
+_BUNDLES = 0.85  # how far bundles differ, besides hairs
+_DIFFER = 0.45  # and how far what these cover does
+_DRIES = 0.2  # how far the contact level falls until tooth and hairs together say what is touched
+_WHOLE = 0.12  # share that dry hairs cover, from which on all of it may be touched
+_OWN_GAPS = 1.03  # times as deep into the tooth: hairs leave gaps of their own besides
 LEVEL_BINS = 64  # across the tuft, within which hairs share
-_MOST_PER_HAIR = 4.0  # times its own share that a hair gives for those that do not touch
+_MOST_PER_HAIR = 8.0  # times its own share that a hair gives for those that do not touch
 _RETENTION = np.float32(0.4)  # of a hair's room: what those keep that hold back most
 _PER_SOFT = np.float32(1.0 / 0.06)  # of it, over which they do so
-_PASSING = np.float32(0.2)  # share of the retention that changes along the way
-_STAGE = 7.0  # mm of way, over which it becomes another
+_PASSING = np.float32(0.45)  # share of the retention that changes along the way
+_STAGE = 5.0  # mm of way, over which it becomes another
 _STEP = 6  # places that change alike
 _FLOWS = (0.08, 0.35)  # of a hair's room for ink: where ink begins to move, and moves freely
 _SIDE = BLOCK  # place of b in the rows of `turned`
@@ -392,7 +396,7 @@ def _read_map(n, map_, places, parts, inks, covers):
 
 
 @uncounted(error_model="numpy")
-def _keep(n, places, block, found):
+def _keep(n, places, whole_from, block, found):
     """Weigh vertices by what they found, and close up over those that found nothing."""
     ids, share, cover = block.packed_ids, block.packed[2], block.packed[3]
     inks, covers = block.packed[4], block.packed[5]
@@ -400,16 +404,18 @@ def _keep(n, places, block, found):
     kept = np.uint32(0)
     for k in range(n):
         covered = covers[k]
+        most = covered if covered > whole_from else whole_from
         out_ids[kept] = ids[k]
-        out_share[kept] = share[k] * inks[k]
-        out_cover[kept] = cover[k] * covered
+        out_share[kept] = share[k] * inks[k] / most
+        out_cover[kept] = cover[k] * covered / most
+        found.under[kept] = covered
         lanes[kept] = places[k] & _LANE
         kept += np.uint32(covered > _FAINTEST)
     return np.int64(kept)
 
 
 @uncounted(error_model="numpy")
-def _gather_under_hairs(imprint, stamp, field, scratch):
+def _gather_under_hairs(imprint, whole_from, stamp, field, scratch):
     """Find the vertices that hairs lie over, and weigh them by what lies there.
 
     The way from the stamp before is no longer than the vertices lie apart: what the hairs left
@@ -418,6 +424,8 @@ def _gather_under_hairs(imprint, stamp, field, scratch):
     Parameters
     ----------
     imprint : Imprint
+    whole_from : float
+        Share that hairs cover from which on all is.
     stamp : Stamp
         It touches.
     field : SurfaceField
@@ -453,8 +461,14 @@ def _gather_under_hairs(imprint, stamp, field, scratch):
         _find_lanes(m, packed[1], places, parts)
         _read_map(m, map_, places, parts, packed[4], packed[5])
         all_ = scratch.found
-        rest = Found(all_.ids[found:], all_.share[found:], all_.cover[found:], all_.lanes[found:])
-        found += _keep(m, places, block, rest)
+        rest = Found(
+            all_.ids[found:],
+            all_.share[found:],
+            all_.cover[found:],
+            all_.lanes[found:],
+            all_.under[found:],
+        )
+        found += _keep(m, places, whole_from, block, rest)
 
 
 @uncounted(error_model="numpy")
@@ -499,20 +513,24 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
-    n, within, weighed = _gather_under_hairs(hairs.imprint, after, field, scratch)
+    level = contact_level(before, after, ink)
+    dry = min(1.0, (1.0 - level) / _DRIES)
+    whole_from = np.float32(1.0 + dry * (_WHOLE - 1.0))
+    n, within, weighed = _gather_under_hairs(hairs.imprint, whole_from, after, field, scratch)
     if n < 0:
         return False
     area = after.values[0].area
-    scale = 0.0 if area < width * width and within == 0 else 1.0
+    bare = within > 0 if n == 0 else False  # no hair lies over the vertices that the outline covers
+    scale = 0.0 if bare or (area < width * width and within == 0) else 1.0
     lands = landing_share(area, width, weighed, within)
     come_from = before.values[0]
     after.values[0].way = come_from.way * come_from.touches + outline_motion(before, after)
-    level = contact_level(before, after, ink)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
         whole = weighed_area(field, found.ids, found.share, n)
-        root, bundle = hairs.bristles.root_mm, hairs.bristles.bundle_mm
+        bristles = hairs.bristles
+        bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
         reached = min(1.0, _OWN_GAPS * level)
-        contact = dry_contact(reached, before, after, root, bundle, field, ink)
+        contact = dry_contact(reached, before, after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         rest = weighed_area(field, found.ids, found.share, n)
         scale *= rest / whole if whole > 0.0 else 0.0

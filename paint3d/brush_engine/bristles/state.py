@@ -39,7 +39,7 @@ MEMORY = np.dtype(
 )
 """What a tuft of hairs remembers."""
 
-CAUSES = 14  # numbers that hairs are bent by
+CAUSES = 15  # numbers that hairs are bent by
 
 KEPT = np.dtype(
     [

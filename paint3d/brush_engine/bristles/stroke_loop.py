@@ -35,6 +35,7 @@ from paint3d.brush_engine.bristles.ink_transfer import (
 from paint3d.brush_engine.bristles.state import CAUSES, TRACKED, TRACKED_POINTS
 from paint3d.brush_engine.footprint import ink_way, outline_motion
 from paint3d.brush_engine.ink_transfer import held_ink, mean_pressure
+from paint3d.brush_engine.placement import bent_share
 from paint3d.brush_engine.stroke_loop import (
     FINISHED,
     FOOTPRINTS,
@@ -58,6 +59,7 @@ _PARTS_OVER = 6.0  # mm of way over which clumps part
 _JOINS_OVER = 25.0  # mm over which wet ones join
 _SETS_OVER = 12.0  # mm of way over which a tuft takes on the bend that it has
 _SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
+_FINEST = 0.25  # of the vertex spacing: nothing finer is drawn
 _LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in the handle
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
 _MOST_WAY = 0.5  # of the vertex spacing
@@ -122,8 +124,11 @@ def _find_cause(values, tuft, cosine, sine, hairs, ink):
 
 
 @kernel(error_model="numpy")
-def _note_cache_key(cause, radius, tuft, kept):
-    """Note what the hairs would be bent by, in mm at the border of a tuft in such a sphere (mm)."""
+def _note_cache_key(cause, bent, radius, tuft, kept):
+    """Note what the hairs would be bent by, in mm at the border of a tuft in such a sphere (mm).
+
+    `bent` is how far they lie in the bend, of `placement.bent_share`.
+    """
     patch, now = cause.patch, kept.now
     now[0] = cause.descent
     now[1] = cause.tilt * tuft.length
@@ -135,6 +140,7 @@ def _note_cache_key(cause, radius, tuft, kept):
         now[4 + k] = patch[k] * radius * radius
     now[10], now[11] = cause.dryness * radius, cause.parted * radius
     now[12], now[13] = cause.set_x, cause.set_y
+    now[14] = bent * radius
 
 
 @kernel(error_model="numpy")
@@ -196,21 +202,27 @@ def _carry_outline(stamp, kept, lines):
 
 
 @uncounted(error_model="numpy")
-def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, scratch):
+def _bent_share(stamp, tuft, brush):
+    """How far the hairs under a stamp lie in its bend; all of them where it is commanded."""
+    return bent_share(stamp.values[0], tuft) if brush.dragged else 1.0
+
+
+@uncounted(error_model="numpy")
+def _place_hairs(pose, bent, before, stamp, tuft, hairs, canvas, scratch):
     """Bend the hairs under a stamp that touches and find where they do; return how many.
 
     Where they would hardly lie otherwise, they stay as they are.
     """
     values, kept, bristles = stamp.values[0], hairs.kept[0], hairs.bristles
-    way = hairs.memory[0].way
+    way, field = hairs.memory[0].way, canvas.field
     cosine, sine = _find_roll(pose, values)
     turned = abs(cosine - hairs.roll[0]) + abs(sine - hairs.roll[1])
     same = turned < (_LEAST_TURN if kept.touching > 0.0 else 1e-6)
     if same:
         cosine, sine = hairs.roll[0], hairs.roll[1]
     fit_patch(values, field, scratch, hairs.patch_work, hairs.patch)
-    cause = _find_cause(values, tuft, cosine, sine, hairs, ink)
-    _note_cache_key(cause, values.radius, tuft, kept)
+    cause = _find_cause(values, tuft, cosine, sine, hairs, canvas.ink)
+    _note_cache_key(cause, bent, values.radius, tuft, kept)
     if same and _may_keep(before, values, way, field.resolution, kept):
         return int(kept.touching)
     if not same:
@@ -224,10 +236,10 @@ def _place_hairs(pose, before, stamp, tuft, hairs, field, ink, scratch):
 
 
 @uncounted(error_model="numpy")
-def _draw(stamp, touching, hairs, resolution, ink, scratch):
+def _draw(stamp, touching, bent, tuft, hairs, canvas, scratch):
     """What the hairs would give, and the imprint; returns how much they wish to."""
     count, bristles, kept = hairs.load.shape[0], hairs.bristles, hairs.kept[0]
-    way = hairs.memory[0].way
+    way, ink = hairs.memory[0].way, canvas.ink
     know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.hair_contacts)
     full = ink.transfer[0].capacity / count  # of a hair
     wanted, wet, dot = ask_hairs(
@@ -236,7 +248,8 @@ def _draw(stamp, touching, hairs, resolution, ink, scratch):
     if kept.drawn > 0.0:
         _carry_outline(stamp, kept, hairs.kept_lines)
     else:
-        draw_imprint(stamp, hairs, wet / touching, dot / touching, resolution, scratch)
+        finest = _FINEST * canvas.field.resolution
+        draw_imprint(stamp, tuft, hairs, bent, (touching, wet, dot), finest, scratch)
         _keep_outline(stamp, kept, hairs.kept_lines)
     return wanted
 
@@ -310,13 +323,13 @@ def _begin(samples, i, brush, canvas, progress, scratch, hairs):
     progress.at[2] = 1
     if before.values[0].touches > 0.0:
         return
-    field, ink = canvas.field, canvas.ink
     tuft = place_at(samples, i, 0.0, brush, canvas, before, before, scratch)
     hairs.kept[0].touching = 0.0
     if before.values[0].touches > 0.0:
-        touching = _place_hairs(pose, before, before, tuft, hairs, field, ink, scratch)
+        bent = _bent_share(before, tuft, brush)
+        touching = _place_hairs(pose, bent, before, before, tuft, hairs, canvas, scratch)
         if touching > 0:
-            _draw(before, touching, hairs, field.resolution, ink, scratch)
+            _draw(before, touching, bent, tuft, hairs, canvas, scratch)
         _track(before, hairs, hairs.track[0])
     if samples.joined[i]:
         before.values[0].touches = 0.0
@@ -338,14 +351,14 @@ def _find_step(samples, i, brush, canvas, progress, scratch, hairs):
         How far in the interval it lies from the last, as a share of it.
     """
     before, after, pose, pace = progress.before, progress.after, scratch.pose, hairs.pace
-    field, ink = canvas.field, canvas.ink
-    most = _SPACING * field.resolution
+    most = _SPACING * canvas.field.resolution
     step = min(pace[1], 1.0 - pace[0])
     while True:
         tuft = place_at(samples, i, pace[0] + step, brush, canvas, before, after, scratch)
         touching = 0
         if after.values[0].touches > 0.0:
-            touching = _place_hairs(pose, before, after, tuft, hairs, field, ink, scratch)
+            bent = _bent_share(after, tuft, brush)
+            touching = _place_hairs(pose, bent, before, after, tuft, hairs, canvas, scratch)
             _track(after, hairs, hairs.track[1])
         touches = after.values[0].touches > 0.0 or before.values[0].touches > 0.0
         moved = _fastest(before, after, hairs.track) if touches else 0.0
@@ -355,10 +368,10 @@ def _find_step(samples, i, brush, canvas, progress, scratch, hairs):
 
 
 @uncounted
-def _deposit(before, after, tuft, touching, hairs, canvas, scratch):
+def _deposit(before, after, tuft, touching, bent, hairs, canvas, scratch):
     """Leave what the hairs of an imprint wish to give; False where the mesh has no room."""
     field, ink = canvas.field, canvas.ink
-    wanted = _draw(after, touching, hairs, field.resolution, ink, scratch)
+    wanted = _draw(after, touching, bent, tuft, hairs, canvas, scratch)
     if wanted <= 0.0:
         return True
     rate = tuft.transfer_per_mm * mean_pressure(before, after)
@@ -399,9 +412,11 @@ def paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs):
             tuft, touching, moved, step = _find_step(
                 samples, i, brush, canvas, progress, scratch, hairs
             )
-            if touching > 0 and not _deposit(before, after, tuft, touching, hairs, canvas, scratch):
-                pace[1] = step
-                return NEEDS_ROOM
+            if touching > 0:
+                bent = _bent_share(after, tuft, brush)
+                if not _deposit(before, after, tuft, touching, bent, hairs, canvas, scratch):
+                    pace[1] = step
+                    return NEEDS_ROOM
             copy_stamp(after, before)
             _keep_track(hairs.track)
             pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step
