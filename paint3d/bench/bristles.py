@@ -71,6 +71,7 @@ class HairBend:
             patch=patch,
             dryness=0.0,
             parted=0.0,
+            split=0.0,
             set_x=0.0,
             set_y=0.0,
         )

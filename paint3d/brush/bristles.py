@@ -21,7 +21,7 @@ _ROOT = math.sqrt(2.0) - 1.0  # steps of lengths: no hair is long because of whe
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 _BUNDLED = 1.3  # times as broad as the room of a hair is a bundle of them
 _CELLS = 512  # places across the tuft that tell clump and appetite
-_CLUMPS = (9, 31)  # across the tuft: when it parts, and when it falls apart
+_CLUMPS = (9, 31, 3)  # across the tuft: when it parts, when it falls apart, when it splits
 
 
 def hair_places(n: int) -> AnyArray:

@@ -45,10 +45,10 @@ _ASKEW = np.array(  # a turn by 1 rad about (1, 2, 3): how the tooth lies in spa
 )
 _TOOTH = (0.55, 0.35)  # standard deviations of its bumps, coarse and fine
 _FINER = 0.42  # length of the fine bumps over that of the coarse ones
-_DRAGGED = 0.24  # of the coarse bumps: how far apart the film is looked for
+_DRAGGED = 0.18  # of the coarse bumps: how far apart the film is looked for
 _LOOKS = 3  # places along the way where it is
 _THINS = 0.4  # what it loses from one to the next
-_TOOTH_MEAN, _TOOTH_SPREAD = 0.16, 0.56  # of the highest of them, all bumps seen
+_TOOTH_MEAN, _TOOTH_SPREAD = 0.13, 0.56  # of the highest of them, all bumps seen
 _BROAD, _BROAD_WAY, _BROAD_SPREAD = 1.25, 19.0, 0.72  # bundles: mm across, mm along, std. deviation
 BUNDLE_MM, _WAY, _SPREAD = 0.45, 9.0, 0.50  # the narrow ones of a solid tuft
 _BROADER = 2.2  # broad ones are at least so much broader than narrow ones

@@ -67,6 +67,8 @@ GEOMETRY = np.dtype(
         ("drag", *_VECTOR),  # dragged point relative to P'_m, mm; zero until the first contact
         ("foot", *_VECTOR),  # foot point P'_m, or the place that the hand means, mm
         ("way", "f8"),  # that the outline has gone since it came down, mm
+        ("twist", "f8"),  # angle by which a commanded tuft lags behind its azimuth, rad
+        ("bent", "f8"),  # how far the tuft lies in its bend, from 0, in a heap under its root, to 1
         ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
     ],
     align=True,

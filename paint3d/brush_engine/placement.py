@@ -20,23 +20,32 @@ from paint3d.brush_engine.footprint import (
     PROFILE_CELLS,
     fill_profile,
     hold_point,
-    outline_area,
 )
 from paint3d.brush_engine.tuft import (
+    bent_by_twist,
     drag_length,
     drag_step,
     enclose_tuft,
+    gather_outline,
     greatest_descent,
     release,
+    smooth_step,
     trace_outline,
+    twist_step,
 )
 from paint3d.core.kernel import uncounted
 from paint3d.core.quaternion import compiled_x_axis, compiled_y_axis, compiled_z_axis
 from paint3d.mesh.kernels.bvh import find_foot, find_meant
 from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
 
-__all__ = ["OVERPRESSED", "REACH", "TILT_LIMITED", "bent_share", "gather_outline", "lean_plane",
-           "place_stamp", "start_sheet"]  # fmt: skip
+__all__ = [
+    "OVERPRESSED",
+    "REACH",
+    "TILT_LIMITED",
+    "lean_plane",
+    "place_stamp",
+    "start_sheet",
+]
 
 TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
 OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
@@ -61,6 +70,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     for axis in range(3):
         scratch.vector[axis] = before.values[0].foot[axis]
         scratch.drag[axis] = before.values[0].drag[axis]
+    twist = before.values[0].twist if was_touching else 0.0
+    last_bend = (before.values[0].bend[0], before.values[0].bend[1], before.values[0].bend[2])
     centred = pose[8] > 0.0
     trail = _TRAIL * before.values[0].widest if was_touching and centred else 0.0
     values.touches = 0.0
@@ -87,6 +98,11 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     if not centred:
         _settle(values, up, tuft)
     _count_limits(up, values, tuft, scratch.counters)
+    if dragged:
+        values.bent = _bent_by_drag(values, tuft)
+    else:
+        values.twist = _twist(values, last_bend, twist, was_touching, tuft, scratch)
+        values.bent = bent_by_twist(values.twist)
     _lay_outline(after, dragged, trail, tuft, scratch)
 
 
@@ -148,10 +164,8 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
     if n < 2:
         _flatten(values, _straight_reach(values, tuft))
         return
-    if dragged:
-        share = bent_share(values, tuft)
-        straight = tuft.length * np.cos(values.tilt)
-        gather_outline(share, straight, scratch.reach, scratch.half_width, n)
+    straight = tuft.length * np.cos(values.tilt)
+    gather_outline(values.bent, straight, scratch.reach, scratch.half_width, n)
     if values.centred > 0.0:
         middle = 0.5 * (scratch.reach[0] + scratch.reach[n - 1])
         for axis in range(3):
@@ -165,50 +179,27 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
 
 
 @uncounted
-def bent_share(values, tuft):
-    """How far a dragged tuft lies in its bend, from 0, in a heap under its root, to 1."""
+def _bent_by_drag(values, tuft):
+    """How far a dragged tuft lies in its bend: as far as the paper has pulled its tip aside."""
     slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
     dragged2 = 0.0
     for axis in range(3):
         dragged2 += values.drag[axis] ** 2
-    rho = min(1.0, np.sqrt(dragged2) / max(slack, 1e-9))
-    return rho * rho * (3.0 - 2.0 * rho)
+    return smooth_step(np.sqrt(dragged2) / max(slack, 1e-9))
 
 
 @uncounted
-def gather_outline(bent, straight, reach, half_width, n):
-    """Let a tuft that is not dragged far lie in a heap under its root: model.md, equation (4).
-
-    Where the dragged point is the root's foot there is no direction to lie in: the outline is a
-    disc of the same area, and grows into the bent one as the paper pulls the tip away.
-
-    Parameters
-    ----------
-    bent : float
-        From `bent_share`.
-    straight : float
-        Where the straight tip would be, along the bend, mm.
-    reach, half_width : arrays as for `tuft.trace_outline`
-        Changed.
-    n : int
-        Points of the outline.
-    """
-    tip, heel = reach[0], reach[n - 1]
-    area = outline_area(reach, half_width, n)
-    if bent >= 1.0 or area <= 0.0:
-        return
-    disc = np.sqrt(area / np.pi)
-    middle, half = 0.5 * (tip + heel), 0.5 * (tip - heel)
-    centre = bent * middle + (1.0 - bent) * straight
-    for i in range(n):
-        share = min(1.0, max(-1.0, (reach[i] - middle) / half))
-        reach[i] = (bent * half + (1.0 - bent) * disc) * share
-        round_ = disc * np.sqrt(1.0 - share * share)
-        half_width[i] = bent * half_width[i] + (1.0 - bent) * round_
-    scale = np.sqrt(area / outline_area(reach, half_width, n))
-    for i in range(n):
-        reach[i] = centre + scale * reach[i]
-        half_width[i] *= scale
+def _twist(values, last_bend, twist, was_touching, tuft, scratch):
+    """The twist (rad) of a commanded tuft that came from a foot and a bend."""
+    if not was_touching:
+        return 0.0
+    cosine, sine, way2 = 0.0, 0.0, 0.0
+    for axis in range(3):
+        cosine += last_bend[axis] * values.bend[axis]
+        sine -= last_bend[axis] * values.cross[axis]
+        way2 += (values.foot[axis] - scratch.vector[axis]) ** 2
+    slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
+    return twist_step(twist, np.arctan2(sine, cosine), np.sqrt(way2), slack)
 
 
 @uncounted

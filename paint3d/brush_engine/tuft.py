@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.footprint import outline_area
 from paint3d.core.kernel import uncounted
 
 __all__ = [
@@ -47,16 +48,20 @@ __all__ = [
     "WETNESS",
     "Curves",
     "Tuft",
+    "bent_by_twist",
     "drag_along",
     "drag_length",
     "drag_step",
     "enclose_tuft",
+    "gather_outline",
     "greatest_descent",
     "no_curves",
     "release",
     "round_diameter",
+    "smooth_step",
     "trace_outline",
     "trace_spine",
+    "twist_step",
 ]
 
 STATIONS = 57  # places along the spine at which shapes are kept, crowded towards the tip
@@ -84,6 +89,8 @@ N_SETTINGS = 4
 PRESSURE, TILT, SPEED, INK_LEFT, CURVATURE = 0, 1, 2, 3, 4
 N_INPUTS = 5
 MEASURED_LENGTH = 30.0  # mm, the tuft on which `drag_length` was measured
+_UNTWISTS = 0.12  # of the slack: over this way a tuft comes round to its azimuth
+_TWISTED = (0.4, 1.4)  # rad that it lags behind: from lying in its bend to lying in a heap
 _STEPS_PER_SLACK = 40  # the longest step that a chord may follow is l / 40
 
 
@@ -403,6 +410,83 @@ def drag_step(rx, ry, rz, dx, dy, dz, slack):
         scale = slack / math.sqrt(square)
         return rx * scale, ry * scale, rz * scale
     return rx, ry, rz
+
+
+@uncounted
+def smooth_step(x):
+    """From 0 at 0 to 1 at 1, level at both."""
+    x = min(1.0, max(0.0, x))
+    return x * x * (3.0 - 2.0 * x)
+
+
+@uncounted
+def twist_step(twist, turned, way, slack):
+    """The angle by which the paper holds a commanded tuft back behind its azimuth.
+
+    What the handle turns by on the spot stays; over a way the tuft comes round. See
+    docs/model.md, section 2.
+
+    Parameters
+    ----------
+    twist : float
+        Before the step, rad.
+    turned : float
+        How far the azimuth turns, rad, with its sign.
+    way : float
+        Of H, mm.
+    slack : float
+        l, mm.
+
+    Returns
+    -------
+    twist : float
+        After it, rad; no more than what makes a heap of the tuft.
+    """
+    twist = (twist + turned) * math.exp(-way / max(_UNTWISTS * slack, 1e-9))
+    return min(_TWISTED[1], max(-_TWISTED[1], twist))
+
+
+@uncounted
+def bent_by_twist(twist):
+    """How far a tuft with such a twist (rad) lies in its bend, 0 to 1."""
+    return 1.0 - smooth_step((abs(twist) - _TWISTED[0]) / (_TWISTED[1] - _TWISTED[0]))
+
+
+@uncounted
+def gather_outline(bent, straight, reach, half_width, n):
+    """Let a tuft that is not bent lie in a heap under its root: docs/model.md, equation (4).
+
+    Where the dragged point is the root's foot there is no direction to lie in: the outline is a
+    disc of the same area, and grows into the bent one as the paper pulls the tip away.
+
+    Parameters
+    ----------
+    bent : float
+        How far the tuft lies in its bend, 0 to 1.
+    straight : float
+        Where the straight tip would be, along the bend, mm.
+    reach, half_width : arrays as for `trace_outline`
+        Changed.
+    n : int
+        Points of the outline.
+    """
+    tip, heel = reach[0], reach[n - 1]
+    area = outline_area(reach, half_width, n)
+    if bent >= 1.0 or area <= 0.0:
+        return
+    disc = math.sqrt(area / math.pi)
+    middle, half = 0.5 * (tip + heel), 0.5 * (tip - heel)
+    centre = bent * middle + (1.0 - bent) * straight
+    for i in range(n):
+        share = min(1.0, max(-1.0, (reach[i] - middle) / half))
+        reach[i] = (bent * half + (1.0 - bent) * disc) * share
+        round_ = disc * math.sqrt(1.0 - share * share)
+        half_width[i] = bent * half_width[i] + (1.0 - bent) * round_
+    half_width[0], half_width[n - 1] = 0.0, 0.0
+    scale = math.sqrt(area / outline_area(reach, half_width, n))
+    for i in range(n):
+        reach[i] = centre + scale * reach[i]
+        half_width[i] *= scale
 
 
 @uncounted

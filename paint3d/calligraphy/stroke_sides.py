@@ -20,6 +20,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.effective_footprint import back_zone, effective_points, front_zone
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.spec import BrushSpec
+from paint3d.brush_engine.tuft import bent_by_twist, drag_length, gather_outline, twist_step
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
@@ -70,15 +71,31 @@ def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[AnyArra
     outlines = []
     for first, last in _runs(down):
         feet, prints = [], []
+        twist = 0.0
         for k in range(first, last):
             descent = path.pressure[k] * tuft.full_press
-            footprint = make_footprint(tuft, descent, 0.5 * math.pi, azimuth[k])
+            if k > first:
+                turned = math.remainder(azimuth[k] - azimuth[k - 1], 2.0 * math.pi)
+                way = math.dist(path.position[k, :2], path.position[k - 1, :2])
+                slack = drag_length(descent, tuft.length, tuft.drag_fraction)
+                twist = twist_step(twist, turned, way, slack)
+            footprint = _gathered(make_footprint(tuft, descent, 0.5 * math.pi, azimuth[k]), twist)
             if not footprint.is_empty:
                 feet.append(path.position[k, :2])
                 prints.append(footprint)
         if prints:
             outlines.append(_rings(stroke_polygon(np.array(feet), prints)))
     return outlines
+
+
+def _gathered(footprint: Footprint, twist: float) -> Footprint:
+    """A footprint under an upright holder as it lies with a twist (rad)."""
+    bent = bent_by_twist(twist)
+    if bent >= 1.0 or footprint.is_empty:
+        return footprint
+    reach, half_width = footprint.reach.copy(), footprint.half_width.copy()
+    gather_outline(bent, 0.0, reach, half_width, len(reach))
+    return Footprint(reach, half_width, footprint.azimuth)
 
 
 def stroke_polygon(feet: AnyArray, prints: list[Footprint]) -> Polygon:

@@ -10,11 +10,16 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.bristles.ink_transfer import sum_hairs
-from paint3d.brush_engine.bristles.state import MEMORY_SIZE, WAY, Hairs, make_hairs
+from paint3d.brush_engine.bristles.state import MEMORY_SIZE, SPLIT, WAY, Hairs, make_hairs
 from paint3d.core.types import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["HairTuft"]
+__all__ = ["HairTuft", "complete_memory"]
+
+
+def complete_memory(memory: AnyArray) -> AnyArray:
+    """What hairs remember, of which saved paintings lack what came last: a split tuft."""
+    return np.append(memory, 0.0) if len(memory) == MEMORY_SIZE - 1 else memory
 
 
 class HairTuft:
@@ -29,7 +34,7 @@ class HairTuft:
     ----------
     load : (B, P) float64
         Ink in each hair, coats x mm2.
-    memory : (5,) float64
+    memory : (6,) float64
         See `brush_engine.bristles.state`: the bend that stays, how far clumps have parted, and
         ways.
 
@@ -49,6 +54,7 @@ class HairTuft:
     def shape(self) -> None:
         """Bring the tuft to a point: no bend is left in it, and its clumps join."""
         self.memory[:WAY] = 0.0
+        self.memory[SPLIT] = 0.0
 
     def dip(self, load: AnyArray, reach: float = 1.0) -> AnyArray:
         """Let every hair hold its share of `load` (P,) up to `reach` of its length.

@@ -80,6 +80,19 @@ def test_a_session_keeps_every_hair(tmp_path):
             Document.open(tmp_path / "b.p3d")
 
 
+def test_a_session_from_before_tufts_could_split_opens(tmp_path):
+    document = hairy_plane()
+    paint(document, (-20, 0), (20, 0))
+    load, memory = hairs_of(document)
+    document.painter.hairs.keep = lambda: {"load": load, "memory": memory[:-1]}
+    document.save(tmp_path / "a.p3d")
+    again = Document.open(tmp_path / "a.p3d")
+    np.testing.assert_array_equal(hairs_of(again)[1], np.append(memory[:-1], 0.0))
+    again.undo()
+    again.redo()
+    np.testing.assert_array_equal(hairs_of(again)[0], load)
+
+
 def test_a_kill_gives_every_hair_back(tmp_path):
     document = hairy_plane()
     easel = Easel(document, sitting=Sitting(document, tmp_path))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
-from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, region_faces
+from paint3d.app.model.mask import AngleMask, Mask, RegionPick, Stencil, face_at, region_faces
 from paint3d.errors import InputError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.app.hands import line, paint, same_vertices, small_plane
@@ -179,6 +179,26 @@ def test_how_samples_come_in_batches_makes_no_difference_under_a_mask(retention,
     for other in ends[1:]:
         same_vertices(ends[0].surface, other.surface)
         np.testing.assert_array_equal(ends[0].surface.ink.load, other.surface.ink.load)
+
+
+def test_what_a_stencil_catches_is_the_same_in_any_order():
+    document = small_plane()
+    document.begin_stroke()
+    document.feed(line((-30, -12), (30, 8), n=40))
+    ink = document.surface.ink
+    amounts, coverage, load = ink.amounts.copy(), ink.coverage.copy(), ink.load.copy()
+    dirty = ink.dirty_ids[: int(ink.n_dirty[0])]
+    given, random = set(), np.random.default_rng(4)
+    for _ in range(10):
+        ink.amounts[:], ink.coverage[:], ink.load[:] = amounts, coverage, load
+        dirty[:] = random.permutation(dirty)
+        stencil = Stencil(document.surface, COVERED)
+        back = stencil.wipe(
+            lambda ids: (np.zeros((len(ids), amounts.shape[1])), np.zeros(len(ids)))
+        )
+        given.add(back.tobytes())
+    assert back.sum() > 0.0
+    assert len(given) == 1
 
 
 def test_what_is_no_mask_is_told():

@@ -38,7 +38,7 @@ def hairs_of(brush="full", n=300, descent=8.0, tilt=90.0, patch=bt.FLAT, turn=0.
     bt.turn_hairs(bristles, math.cos(turn), math.sin(turn), turned)
     bend, block = np.zeros(1, bt.BEND), bt.make_block()
     pe = min(1.0, max(0.0, descent / spec.full_press_mm))
-    cause = bt.Cause(descent, math.radians(tilt), pe, patch, 0.0, 0.0, 0.0, 0.0)
+    cause = bt.Cause(descent, math.radians(tilt), pe, patch, 0.0, 0.0, 0.0, 0.0, 0.0)
     bt.fill_bend(bristles, tuft, cause, bend[0])
     out = bt.make_points(len(turned))
     bt.bend_hairs(bristles.rests, turned, bend[0], block, out)
@@ -109,7 +109,7 @@ def test_points_too_near_the_root_to_come_to_the_plane_never_do(press, tilt, upp
     bt.turn_hairs(bristles, 1.0, 0.0, turned)
     descent = press * spec.length_mm * math.sin(slope)
     pe = min(1.0, descent / spec.full_press_mm)
-    cause = bt.Cause(descent, slope, pe, bt.FLAT, 0.5, 0.5, upper, upper)
+    cause = bt.Cause(descent, slope, pe, bt.FLAT, 0.5, 0.5, 0.5, upper, upper)
     bt.fill_bend(bristles, tuft, cause, bend[0])
     assert bend["reach"][0] < bt.SAMPLES or press > 0.3
     points, asked = bt.make_points(2), bt.make_points(2)
@@ -127,7 +127,7 @@ def test_pressed_flat_the_hairs_lie_evenly_side_by_side():
     bristles = bristles._replace(places=places)
     turned = bt.make_turned(1)
     bt.turn_hairs(bristles, 1.0, 0.0, turned)
-    rows = turned.reshape(8, bt.BLOCK).astype(np.float64)
+    rows = turned.reshape(9, bt.BLOCK).astype(np.float64)
     even = rows[1] + rows[6]  # where they are, and how far they move
     np.testing.assert_array_equal(rows[1], b)
     b = b.astype(np.float64)

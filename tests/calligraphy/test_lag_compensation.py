@@ -6,7 +6,7 @@ import pytest
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.footprint_table import tabulate_footprints
+from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.planning import PlanSettings, plan_stroke
 from paint3d.errors import InputError
 from tests.support.planned_strokes import EM, band, boundary, overlap, signed_distance
@@ -77,6 +77,22 @@ def test_brush_rises_towards_its_tip_where_the_stroke_turns_back():
     assert planned.level[corner].min() < 0.5 * planned.level.max()
     turned = np.abs(np.diff(planned.azimuth))
     assert planned.level[1:][turned > 0.5].max(initial=0.0) < 0.5 * planned.level.max()
+    assert np.abs(np.diff(planned.level[1:-1])).max() < 1.5  # and gently
+
+
+def test_a_tuft_too_blunt_to_turn_under_way_turns_over_on_its_tip():
+    # Its lightest footprint has slack enough that landing and turning back take some way.
+    blunt = FootprintTable(**{name: values[6:] for name, values in vars(footprints()).items()})
+    outline, median = hook()
+    planned = plan_stroke(outline, median, EM, blunt, DRAGGED)
+    corner = np.linalg.norm(planned.centre - [10.0, 6.0], axis=1) < 1.2
+    assert planned.level[corner].min() < 0.01 * planned.level.max()
+    turned = np.abs(np.diff(planned.azimuth))
+    assert planned.level[1:][turned > 0.3].max() < 0.01 * planned.level.max()
+    way = np.cumsum(np.linalg.norm(np.diff(planned.handle[1:-1], axis=0), axis=1))
+    landing = planned.level[2:-1][way < 5.0 * blunt.slack[0]]
+    assert len(landing) > 10
+    assert landing.max() < 0.05 * planned.level.max()
 
 
 def test_only_trailing_can_be_asked_of_a_dragged_tuft():

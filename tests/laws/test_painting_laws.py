@@ -313,17 +313,29 @@ def test_noise_of_a_quick_device_gives_no_ink(rate, hairs):
 # -- 5. no gaps -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("n", [3, 20])
-def test_turning_on_the_spot_leaves_no_gaps(n):
-    """Half a turn in 2 or 19 steps paints the same ring: no spokes."""
-    turn = np.linspace(0.0, np.pi, n)
+def turning(n, angle):
+    """A press that turns on the spot in n - 1 steps, painted."""
+    turn = np.linspace(0.0, angle, n)
     along = np.stack([np.cos(turn), np.sin(turn), np.zeros(n)], axis=1)
-    painter = paint(plane(20.0), poses(np.zeros((n, 3)), (0.0, 0.0, 1.0), along, np.full(n, 0.4)))
+    return paint(plane(20.0), poses(np.zeros((n, 3)), (0.0, 0.0, 1.0), along, np.full(n, 0.4)))
+
+
+@pytest.mark.parametrize("n", [2, 3, 20])
+def test_turning_on_the_spot_leaves_no_gaps(n):
+    """What a tuft turns by before it heaps is painted as a fan without spokes, in any steps."""
+    painter = turning(n, 0.7)
     vertices, coverage = painter.surface.paint_mesh.vertices, painter.surface.coverage
     radius = np.linalg.norm(vertices[:, :2], axis=1)
-    ring = (radius > 4.5) & (radius < 9.5) & (vertices[:, 1] > 0.0)
-    assert ring.sum() > 200
+    turned = np.arctan2(vertices[:, 1], vertices[:, 0])
+    ring = (radius > 4.5) & (radius < 9.5) & (turned > 0.0) & (turned < 0.65)
+    assert ring.sum() > 150
     assert coverage[ring].min() == 1.0
+
+
+def test_half_a_turn_on_the_spot_is_the_same_in_any_steps():
+    first, *others = (turning(n, np.pi) for n in (400, 20, 3))
+    areas = [float((p.surface.coverage * p.surface.vertex_areas).sum()) for p in (first, *others)]
+    assert areas[1:] == pytest.approx(areas[:1] * 2, rel=0.02)
 
 
 def test_a_fast_stroke_leaves_no_gaps():

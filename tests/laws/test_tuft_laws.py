@@ -51,6 +51,25 @@ def test_it_grows_without_steps(spec, tilt, start):
     assert np.abs(np.diff(areas, n=2)).max() <= 0.004
 
 
+@pytest.mark.parametrize("name", brush_names())
+def test_it_grows_without_steps_to_the_end_of_its_table(name):
+    """Law 1, lying low, where less than the full press is the deepest."""
+    tuft = build_tuft(load_brush(name))
+    scale, deepest = tuft.length / 35.0, greatest_descent(tuft, 1.0)
+    descents = deepest + scale * np.arange(-0.6, 0.0, 0.005)
+    areas = sizes_of(tuft, descents, 1.0)[:, 0] / scale**2
+    assert np.abs(np.diff(areas, n=2)).max() <= 0.001
+
+
+@pytest.mark.parametrize("name", brush_names())
+@pytest.mark.parametrize("tilt", [1.0, UPRIGHT])
+def test_the_lightest_touch_leaves_a_mark_that_grows(name, tilt):
+    tuft = build_tuft(load_brush(name))
+    sizes = sizes_of(tuft, np.geomspace(2e-3, 0.2, 60) * tuft.length / 35.0, tilt)
+    assert (sizes[0] > 0.0).all()
+    assert (np.diff(sizes, axis=0) > 0.0).all()
+
+
 @settings(deadline=None, max_examples=25)
 @given(spec=brushes, share=st.floats(0.02, 0.95))
 def test_it_grows_with_the_press(spec, share):

@@ -12,13 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.bristles.bend import BLOCK
 from paint3d.brush_engine.bristles.contact import FINDINGS, GIVES, HELD
 from paint3d.brush_engine.bristles.ink_transfer import settle_deposits, sum_hairs
-from paint3d.brush_engine.bristles.state import PARTED
+from paint3d.brush_engine.bristles.state import PARTED, SPLIT
 from paint3d.cli.options import parse_hairs
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.core.quaternion import quaternions_from_matrices
@@ -280,9 +281,10 @@ def test_hairs_that_hardly_move_are_kept_and_paint_the_same(wipe):
     assert np.percentile(differences, 99) < 4.0
 
 
-def turning(angle=1.5, n=4, press=0.5):
-    """A pressed brush that turns where it stands."""
-    azimuth = np.linspace(0.0, angle, n)
+def turning(angle=1.5, n=4, press=0.5, swings=0):
+    """A pressed brush that turns where it stands; then so often back and forth."""
+    azimuth = np.concatenate([np.linspace(0.0, angle, n), np.tile([0.0, angle], swings)])
+    n = len(azimuth)
     bend = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(n)], axis=1)
     up = np.tile(UP, (n, 1))
     frames = np.stack([bend, np.cross(up, bend), up], axis=2)
@@ -294,13 +296,83 @@ def turning(angle=1.5, n=4, press=0.5):
     )  # fmt: skip
 
 
+def pushed_back(press=0.4):
+    """Pressed, pushed 8 mm towards its tip, and drawn away over 60 mm."""
+    x = np.concatenate([np.linspace(-22.0, -30.0, 20), np.linspace(-30.0, 30.0, 60)])
+    points = np.stack([x, np.zeros(80), np.zeros(80)], axis=1)
+    return poses(points, UP, (-1.0, 0.0, 0.0), np.full(80, press), "full", rate=125.0)
+
+
+def test_a_dry_tuft_that_is_pushed_back_splits_until_it_is_brought_to_a_point():
+    painters = [paint(r, surface=plane(0.25), hairs=1000, wipe=0.85) for r in
+                (stroke(), pushed_back())]  # fmt: skip
+    split = [painter.hairs.memory[SPLIT] for painter in painters]
+    assert split[0] < 0.02
+    assert split[1] > 0.3
+    bare = []
+    for painter in painters:  # widest gap across the way, over 20 mm of it
+        x, y = painter.surface.mesh.vertices[:, :2].T
+        here = (np.abs(x - 10.0) < 10.0) & (np.abs(y) < 3.0)
+        by_lane = [painter.surface.coverage[here & (np.abs(y - lane) < 0.15)].mean()
+                   for lane in np.arange(-2.7, 2.8, 0.3)]  # fmt: skip
+        bare.append(min(by_lane) / max(by_lane))
+    assert bare[1] < 0.8 * bare[0]
+    painters[1].shape()
+    assert painters[1].hairs.memory[SPLIT] == 0.0
+    painters[1].replay(pushed_back())
+    painters[1].dip()
+    assert painters[1].hairs.memory[SPLIT] == 0.0
+
+
+def test_a_wet_tuft_does_not_split():
+    painter = paint(pushed_back(), hairs=400)
+    assert painter.hairs.memory[SPLIT] == 0.0
+
+
+def covered_area(painter):
+    return (painter.surface.coverage * painter.surface.vertex_areas).sum()
+
+
+@pytest.mark.parametrize("hairs", [0, 300])
+def test_a_brush_turned_on_the_spot_lies_in_a_heap_and_draws_no_fan(hairs):
+    by_angle = [covered_area(paint(turning(a, 60), hairs=hairs)) for a in (0.2, 1.5, 3.0, 6.0)]
+    assert by_angle[1] < 2.2 * by_angle[0]  # a fan of 1.5 rad has 2.5 times as much
+    assert by_angle[2:] == pytest.approx([by_angle[1]] * 2, rel=0.02)
+
+
+@pytest.mark.parametrize("hairs", [0, 300])
+def test_a_hand_that_trembles_does_not_heap_a_tuft(hairs):
+    once, often = (covered_area(paint(turning(0.1, swings=n), hairs=hairs)) for n in (0, 40))
+    assert often == pytest.approx(once, rel=0.05)
+
+
+@pytest.mark.parametrize(("plasticity", "apart"), [(0.0, 0.005), (0.8, 0.02)])
+@pytest.mark.parametrize("azimuth", ["commanded", "dragged"])
+@pytest.mark.parametrize("press", [0.2, 0.5])
+def test_wet_hairs_are_one_film_that_covers_what_a_solid_tuft_does(
+    plasticity, apart, azimuth, press
+):
+    """Hairs remember their bend, and lift off a little behind where a solid tuft does."""
+    brush = dataclasses.replace(load_brush("full"), plasticity=plasticity)
+    at = np.stack(np.meshgrid(np.arange(-45.0, 40.0, 0.3), np.arange(-10.0, 10.0, 0.3)), axis=-1)
+    covered = []
+    for n in (0, 1000):
+        painter = paint(stroke(press), surface=plane(0.3), brush=brush, hairs=n, azimuth=azimuth)
+        vertices = painter.surface.mesh.vertices[:, :2].astype(float)
+        away, nearest = cKDTree(vertices).query(at, k=3)
+        share = 1.0 / (away + 1e-6)
+        covered.append((painter.surface.coverage[nearest] * share).sum(-1) / share.sum(-1))
+    solid, hairs = covered
+    assert np.abs(hairs - solid).sum() < apart * solid.sum()
+
+
 def test_no_two_imprints_are_further_apart_than_vertices_at_the_fastest_hair():
     painter = paint(turning(), surface=plane(0.5), hairs=300)
     tip = np.hypot(*covered(painter)[:, :2].T).max()
     assert tip > 10.0
     assert painter.report()["footprints"] * 0.5 >= 0.95 * 1.5 * (tip - 1.0)
-    points, angles = covered(painter, 0.9), np.linspace(0.2, 1.3, 12)
-    for radius in (6.0, 9.0):  # the fan has no gaps
+    points, angles = covered(painter, 0.9), np.linspace(0.2, 0.8, 8)
+    for radius in (6.0, 9.0):  # the fan has no gaps, until the tuft lies in a heap
         wanted = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         near = np.linalg.norm(points[None, :, :2] - wanted[:, None], axis=2).min(axis=1)
         assert near.max() < 0.5

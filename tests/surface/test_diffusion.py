@@ -382,6 +382,9 @@ def test_grain_depends_on_the_place_alone():
     near = np.empty(2000)
     fill_grain(points + 0.01, 0.8, near)
     assert np.abs(near - height).max() < 0.1
+    for axis in range(3):  # it varies along each of them
+        fill_grain(points + 5.0 * np.eye(3)[axis], 0.8, near)
+        assert abs(np.corrcoef(near, height)[0, 1]) < 0.2
 
 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), "soon"])

@@ -41,6 +41,7 @@ _INSET = 0.75  # of a hair's radius with its film: kept within the tuft
 _INSET_TO = (0.17, 0.3)  # of the length, from the tip: whole, and no more
 _REACHES = (0.35, 2.2)  # of the fall under its tip, what a pressed tuft makes up for at the least,
 # and how much less for the pressure
+_POINTED = 0.5  # of the way to the middles of its points: how far hairs of a split tuft come
 _LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
 
 _ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
@@ -54,8 +55,10 @@ _elementwise = kernel(error_model="numpy", fastmath={"contract", "arcp", "afn"})
 # Rows of a block, one after another in one array: places that the compiler knows to be apart, so
 # that it can use vector instructions without asking.
 _X, _Y, _Z = 0, BLOCK, 2 * BLOCK  # of points
-_KNOWN = 8  # of hairs:
-DOWN, BESIDE, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT, _UP = (at * BLOCK for at in range(_KNOWN))
+_KNOWN = 9  # of hairs:
+DOWN, BESIDE, _PULL, _PULL2, _OWN, _PER_OWN, _FLAT, _UP, _PULL3 = (
+    at * BLOCK for at in range(_KNOWN)
+)
 _NODE, _PART, _RUN, _LIFTED = (at * BLOCK for at in range(4))  # scratch
 BLOCK_SIZE = 4 * BLOCK
 _TRIFLE = np.float32(-0.02)  # mm, height from which a point may be lifted to the plane off-hand
@@ -79,7 +82,7 @@ BEND = np.dtype(
         ("free", "f8", SAMPLES),  # how freely a point moves aside, 0 in the ferrule to 1
         ("shift_x", "f8", SAMPLES),  # remembered bend
         ("shift_y", "f8", SAMPLES),
-        ("part", "f8", 2),  # how far large and small clumps have parted
+        ("part", "f8", 3),  # how far large and small clumps have parted, and points
         ("flat", "f8"),  # how flat the tuft is pressed, 0 to 1
         ("per_step", "f8", SAMPLES - 1),  # 4 over the length of the piece above a point, 1/mm
         ("wider", "f8", SAMPLES),  # how much wider the tuft is where its lowest hairs' points lie
@@ -121,7 +124,7 @@ class Bristles(NamedTuple):
     rests: NDArray  # (B / BLOCK, SAMPLES - 1, BLOCK) float32, of the pieces from the tip up, mm
     shapes: NDArray  # (tilts, heights, 3 SAMPLES) float32: x, z over the length, angle (rad)
     fans: NDArray  # (tilts, heights, 2) float32: measured spread (rad), from which length on
-    clumps: NDArray  # (2, cells) float32: where in [-1, 1] the middle of a place's clump is
+    clumps: NDArray  # (3, cells) float32: where in [-1, 1] the middle of a place's clump is
     appetite: NDArray  # (cells,) float32: how readily the hairs at a place give, mean 1
     retention: NDArray  # (cells,) float32: how wet they must be to give at all, 0 to 1, evenly
     shortest: float  # of `lengths`
@@ -147,6 +150,7 @@ class Cause(NamedTuple):
     patch: NDArray  # (6,) height of the surface over the plane, mm: by 1, x, y, x^2, x y, y^2
     dryness: float  # of the tuft, 0 to 1
     parted: float  # how far its clumps have parted, 0 to 1
+    split: float  # and how far it has split into points, 0 to 1
     set_x: float  # bend that it remembers: where that carries the tip, mm
     set_y: float
 
@@ -199,13 +203,13 @@ def turn_hairs(bristles, cosine, sine, out):
     bristles : Bristles
     cosine, sine : float
         Of the angle from the ferrule's first axis to the bend.
-    out : (B / BLOCK, 8 BLOCK) float32
+    out : (B / BLOCK, 9 BLOCK) float32
         For a block of hairs: a (down), b (to the side), how far the middles of their clumps are,
         large and small, their lengths, one over these, how far they move where the tuft is pressed
-        flat, and how far they are on its upper side.
+        flat, how far they are on its upper side, and how far the middles of their points are.
     """
     c, s = np.float32(cosine), np.float32(sine)
-    wide, narrow = bristles.clumps[0], bristles.clumps[1]
+    wide, narrow, points = bristles.clumps[0], bristles.clumps[1], bristles.clumps[2]
     cells = wide.shape[0]
     half, one = np.float32(0.5 * cells), np.float32(1.0)
     top = np.int32(cells - 1)
@@ -228,6 +232,7 @@ def turn_hairs(bristles, cosine, sine, out):
             cell = min(top, np.int32((even + one) * half))
             row[_PULL + j] = wide[cell] - even
             row[_PULL2 + j] = narrow[cell] - even
+            row[_PULL3 + j] = points[cell] - even
         for j in range(BLOCK):
             row[_FLAT + j] -= row[BESIDE + j]
 
@@ -354,6 +359,7 @@ def _remember_bend(bristles, cause, bend):
         bend.shift_y[k] = cause.set_y * keep
     bend.part[0] = 0.5 * parted
     bend.part[1] = (1.0 - 0.5 * parted) * 0.85 * parted
+    bend.part[2] = _POINTED * cause.split
     bend.flat = min(1.0, 3.0 * cause.pressure)
 
 
@@ -472,7 +478,11 @@ def _start_block(bend, known, w, here):
     g1, g2 = np.float32(bend.ground[1]), np.float32(bend.ground[2])
     dx, dz = np.float32(bend.offset_x[SAMPLES - 1]), np.float32(bend.offset_z[SAMPLES - 1])
     side = np.float32(bend.side[SAMPLES - 1])
-    part, part2 = np.float32(bend.part[0]), np.float32(bend.part[1])
+    part, part2, part3 = (
+        np.float32(bend.part[0]),
+        np.float32(bend.part[1]),
+        np.float32(bend.part[2]),
+    )
     flat = np.float32(bend.flat)
     for j in range(BLOCK):
         b = known[BESIDE + j]
@@ -486,6 +496,7 @@ def _start_block(bend, known, w, here):
         t = t if t < _ONE else _ONE
         w[_NODE + j] = t
         w[_PART + j] = known[_PULL + j] * part + known[_PULL2 + j] * part2 + known[_FLAT + j] * flat
+        w[_PART + j] += known[_PULL3 + j] * part3
         here[_X + j] = a * dx
         here[_Y + j] = b * side
         here[_Z + j] = height + a * dz
@@ -694,7 +705,7 @@ def bend_hairs(rests, turned, bend, block, out):
     ----------
     rests : (B / BLOCK, SAMPLES - 1, BLOCK) float32
         Of `Bristles`.
-    turned : (B / BLOCK, 8 BLOCK) float32
+    turned : (B / BLOCK, 9 BLOCK) float32
         From `turn_hairs`.
     bend : record of BEND
         From `fill_bend`.

@@ -374,7 +374,7 @@ def _end_where_they_land(bend, landing, known, points, highest, scratch, begins,
     bend : record of BEND
     landing : (LANDING_SIZE,) float64
         From `find_landings`.
-    known : (8 BLOCK,) float32
+    known : (9 BLOCK,) float32
         From `bend.turn_hairs`.
     points : (SAMPLES, 3 BLOCK) float32
     highest : int

@@ -29,7 +29,7 @@ from paint3d.brush_engine.footprint import (
     hold_point,
     keep_profile,
 )
-from paint3d.brush_engine.placement import gather_outline
+from paint3d.brush_engine.tuft import gather_outline
 from paint3d.core.arrays import zeros_on_lines
 from paint3d.core.kernel import kernel, uncounted
 
@@ -56,7 +56,6 @@ _EVEN = (0.2, 0.6)  # how full hairs are: from streaks of their own to one film 
 _OWN_INK = 0.3  # how far what a dry hair leaves varies: where it touches, it leaves its film
 _FILM = (0.45, 0.75)  # the same: from films of their own to one
 _LAYERS = (1.0, 3.0)  # of films that lie over one another, for that
-_STRAIGHT = 1.0  # mm, and at least half its width: so far aside is no longer straight
 _SPLITS = 0.5  # how far clumps part until the film between them is broken
 _ANY = np.float32(1e6)  # half the width of a map that is the same all over, mm
 _MOST_INK = np.float32(4.0)  # times what the share covered would hold
@@ -216,7 +215,7 @@ def _lay_hairs(hairs, count, last):
 
 
 @uncounted(error_model="numpy")
-def draw_imprint(stamp, tuft, hairs, bent, sums, finest, scratch):
+def draw_imprint(stamp, tuft, hairs, sums, finest, scratch):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
     Parameters
@@ -226,8 +225,6 @@ def draw_imprint(stamp, tuft, hairs, bent, sums, finest, scratch):
     tuft : Tuft
     hairs : Hairs
         With the hairs' points and what was found of them; its imprint is drawn.
-    bent : float
-        How far they lie in the bend, of `placement.bent_share`.
     sums : (float, float, float)
         How many hairs touch, and over these the sums of how full they are, and of their radius with
         their film, mm.
@@ -242,7 +239,8 @@ def draw_imprint(stamp, tuft, hairs, bent, sums, finest, scratch):
     values.tip += bend.shift_x[0]  # as far as it has set
     values.heel += bend.shift_x[0]
     values.widest_at += bend.shift_x[0]
-    if joined >= 1.0 and load.shape[1] == 1:
+    film = joined >= 1.0 and load.shape[1] == 1  # the same all over: nothing to map
+    if film:
         _fill_evenly(imprint)
         if bend.own <= 0.0:
             hold_outline(values)
@@ -252,15 +250,13 @@ def draw_imprint(stamp, tuft, hairs, bent, sums, finest, scratch):
         imprint.tuft_widths[i] = stamp.half_widths[i]
     rim = max(dot, finest)
     n, foremost, hindmost = _draw_outline(hairs, tuft.point, rim, scratch.reach, scratch.half_width)
-    if bent < 1.0:
-        straight = tuft.length * np.cos(values.tilt)
-        gather_outline(bent, straight, scratch.reach, scratch.half_width, n)
+    straight = tuft.length * np.cos(values.tilt)
+    gather_outline(values.bent, straight, scratch.reach, scratch.half_width, n)
     fill_profile(stamp, scratch.reach, scratch.half_width, n)
     _blend_outlines(stamp, imprint.tuft_widths, joined, bend.own > 0.0, tip, heel, widest)
     hold_outline(values)
-    if joined >= 1.0 and load.shape[1] == 1:
-        return
-    _draw_map(stamp, hairs, joined, wet, rim, finest, (foremost, hindmost, bent))
+    if not film:
+        _draw_map(stamp, hairs, joined, wet, rim, finest, (foremost, hindmost))
 
 
 @kernel(error_model="numpy")
@@ -273,13 +269,12 @@ def _ramp(x, limits):
 def _joined(stamp, wet, films, hairs):
     """How far the tuft is one film, from 0, hairs of their own, to 1.
 
-    So many films (mm, their radii's sum) must lie over one another on its width. A tuft that has
-    set to a side is drawn by its hairs: the outline of one that has not is no use.
+    So many films (mm, their radii's sum) must lie over one another on its width.
     """
     widest = max(stamp.values[0].widest, 1e-9)
     joined = _ramp(wet, _FILM) * _ramp(films / widest, _LAYERS)
-    joined *= max(0.0, 1.0 - hairs.memory[0].parted / _SPLITS)
-    return joined * max(0.0, 1.0 - abs(hairs.bend[0].shift_y[0]) / max(widest, _STRAIGHT))
+    memory = hairs.memory[0]
+    return joined * max(0.0, 1.0 - (memory.parted + memory.split) / _SPLITS)
 
 
 @kernel(error_model="numpy")
@@ -312,8 +307,7 @@ def _blend_outlines(stamp, tuft_widths, joined, own, tip, heel, widest):
 
 @uncounted(error_model="numpy")
 def _draw_map(stamp, hairs, joined, wet, dot, finest, lie):
-    """Lay the hairs into the map. `lie`: from where to where along the bend they do, mm, and how
-    far they lie in it."""
+    """Lay the hairs into the map. `lie`: from where to where along the bend they do, mm."""
     imprint, load, bend = hairs.imprint, hairs.load, hairs.bend[0]
     count = load.shape[0]
     deepest = np.float64(hairs.depths[0])
@@ -335,9 +329,9 @@ def _draw_map(stamp, hairs, joined, wet, dot, finest, lie):
 def _move_stations(stamp, imprint, last, joined, finest, lie):
     """Bring the stations from where the hairs lie to where the outline that was made of them has
     them: as far towards its tip, and as wide as it is there."""
-    foremost, hindmost, bent = lie
+    foremost, hindmost = lie
     values, places, widths = stamp.values[0], imprint.places, imprint.widths
-    half, own = 0.5 * (foremost - hindmost), (1.0 - joined) * bent
+    half, own = 0.5 * (foremost - hindmost), (1.0 - joined) * values.bent
     middle, final = 0.5 * (foremost + hindmost), 0.5 * (values.tip - values.heel)
     at = 0.0
     for s in range(last + 1):

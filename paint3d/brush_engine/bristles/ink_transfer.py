@@ -55,7 +55,7 @@ __all__ = [
 _BUNDLES = 0.85  # how far bundles differ, besides hairs
 _DIFFER = 0.45  # and how far what these cover does
 _DRIES = 0.2  # how far the contact level falls until tooth and hairs together say what is touched
-_WHOLE = 0.12  # share that dry hairs cover, from which on all of it may be touched
+_WHOLE = 0.07  # share that dry hairs cover, from which on all of it may be touched
 _OWN_GAPS = 1.03  # times as deep into the tooth: hairs leave gaps of their own besides
 LEVEL_BINS = 64  # across the tuft, within which hairs share
 _MOST_PER_HAIR = 8.0  # times its own share that a hair gives for those that do not touch
@@ -520,7 +520,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     if n < 0:
         return False
     area = after.values[0].area
-    bare = within > 0 if n == 0 else False  # no hair lies over the vertices that the outline covers
+    bare = n == 0 and within > 0  # no hair lies over the vertices that the outline covers
     scale = 0.0 if bare or (area < width * width and within == 0) else 1.0
     lands = landing_share(area, width, weighed, within)
     come_from = before.values[0]

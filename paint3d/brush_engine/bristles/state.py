@@ -21,6 +21,7 @@ __all__ = [
     "MEMORY",
     "MEMORY_SIZE",
     "PARTED",
+    "SPLIT",
     "TRACKED",
     "TRACKED_POINTS",
     "WAY",
@@ -35,11 +36,12 @@ MEMORY = np.dtype(
         ("parted", "f8"),  # how far clumps have parted, 0 to 1
         ("way", "f8"),  # since the last dip, mm
         ("unlevelled", "f8"),  # since hairs last shared their ink, mm
+        ("split", "f8"),  # how far the tuft has split into points, 0 to 1
     ]
 )
 """What a tuft of hairs remembers."""
 
-CAUSES = 15  # numbers that hairs are bent by
+CAUSES = 16  # numbers that hairs are bent by
 
 KEPT = np.dtype(
     [
@@ -60,7 +62,7 @@ KEPT = np.dtype(
 """How the hairs were bent and drawn last."""
 
 MEMORY_SIZE = len(MEMORY.names)
-PARTED, WAY = MEMORY.names.index("parted"), MEMORY.names.index("way")  # places, as plain numbers
+PARTED, WAY, SPLIT = (MEMORY.names.index(name) for name in ("parted", "way", "split"))
 TRACKED = 48  # hairs whose motion is watched: the outermost ones, all around
 TRACKED_POINTS = 5  # of each, from the tip
 

@@ -35,7 +35,6 @@ from paint3d.brush_engine.bristles.ink_transfer import (
 from paint3d.brush_engine.bristles.state import CAUSES, TRACKED, TRACKED_POINTS
 from paint3d.brush_engine.footprint import ink_way, outline_motion
 from paint3d.brush_engine.ink_transfer import held_ink, mean_pressure
-from paint3d.brush_engine.placement import bent_share
 from paint3d.brush_engine.stroke_loop import (
     FINISHED,
     FOOTPRINTS,
@@ -56,6 +55,7 @@ _NEAR = 0.5  # mm over the surface: nearer points of hairs count
 _SHORTEST = 1.0 / 128.0  # of the way between two samples
 _EASE = 1.6  # how much a step may grow on the last
 _PARTS_OVER = 6.0  # mm of way over which clumps part
+_SPLITS_OVER = 4.0  # mm against the hairs over which it splits
 _JOINS_OVER = 25.0  # mm over which wet ones join
 _SETS_OVER = 12.0  # mm of way over which a tuft takes on the bend that it has
 _SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
@@ -119,17 +119,14 @@ def _find_cause(values, tuft, cosine, sine, hairs, ink):
     set_y = cosine * memory.set_y - sine * memory.set_x
     return Cause(
         values.descent, values.tilt, values.pressure, patch, 1.0 - _wet_share(ink), memory.parted,
-        set_x, set_y,
+        memory.split, set_x, set_y,
     )  # fmt: skip
 
 
 @kernel(error_model="numpy")
-def _note_cache_key(cause, bent, radius, tuft, kept):
-    """Note what the hairs would be bent by, in mm at the border of a tuft in such a sphere (mm).
-
-    `bent` is how far they lie in the bend, of `placement.bent_share`.
-    """
-    patch, now = cause.patch, kept.now
+def _note_cache_key(cause, values, tuft, kept):
+    """Note what the hairs under a stamp would be bent by, in mm at the border of the tuft."""
+    patch, radius, now = cause.patch, values.radius, kept.now
     now[0] = cause.descent
     now[1] = cause.tilt * tuft.length
     now[2] = cause.pressure * radius
@@ -140,7 +137,7 @@ def _note_cache_key(cause, bent, radius, tuft, kept):
         now[4 + k] = patch[k] * radius * radius
     now[10], now[11] = cause.dryness * radius, cause.parted * radius
     now[12], now[13] = cause.set_x, cause.set_y
-    now[14] = bent * radius
+    now[14], now[15] = values.bent * radius, cause.split * radius
 
 
 @kernel(error_model="numpy")
@@ -201,14 +198,28 @@ def _carry_outline(stamp, kept, lines):
     hold_outline(values)
 
 
-@uncounted(error_model="numpy")
-def _bent_share(stamp, tuft, brush):
-    """How far the hairs under a stamp lie in its bend; all of them where it is commanded."""
-    return bent_share(stamp.values[0], tuft) if brush.dragged else 1.0
+@kernel(error_model="numpy")
+def _centre_hairs(hairs):
+    """Count the hairs' places across the tuft from where it has set to."""
+    points, aside = hairs.points, np.float32(hairs.bend[0].shift_y[0])
+    if aside == 0.0:
+        return
+    for g in range(points.shape[0]):
+        for k in range(SAMPLES):
+            across = points[g, k, BLOCK : 2 * BLOCK]
+            for j in range(BLOCK):
+                across[j] -= aside
 
 
 @uncounted(error_model="numpy")
-def _place_hairs(pose, bent, before, stamp, tuft, hairs, canvas, scratch):
+def _move_aside(values, aside):
+    """Let a stamp stand so far to the side (mm) of its bend."""
+    for axis in range(3):
+        values.origin[axis] += aside * values.cross[axis]
+
+
+@uncounted(error_model="numpy")
+def _place_hairs(pose, before, stamp, tuft, hairs, canvas, scratch):
     """Bend the hairs under a stamp that touches and find where they do; return how many.
 
     Where they would hardly lie otherwise, they stay as they are.
@@ -222,8 +233,9 @@ def _place_hairs(pose, bent, before, stamp, tuft, hairs, canvas, scratch):
         cosine, sine = hairs.roll[0], hairs.roll[1]
     fit_patch(values, field, scratch, hairs.patch_work, hairs.patch)
     cause = _find_cause(values, tuft, cosine, sine, hairs, canvas.ink)
-    _note_cache_key(cause, bent, values.radius, tuft, kept)
+    _note_cache_key(cause, values, tuft, kept)
     if same and _may_keep(before, values, way, field.resolution, kept):
+        _move_aside(values, hairs.bend[0].shift_y[0])
         return int(kept.touching)
     if not same:
         hairs.roll[0], hairs.roll[1] = cosine, sine
@@ -231,12 +243,14 @@ def _place_hairs(pose, bent, before, stamp, tuft, hairs, canvas, scratch):
     fill_bend(bristles, tuft, cause, hairs.bend[0])
     bend_hairs(bristles.rests, hairs.turned, hairs.bend[0], hairs.block, hairs.points)
     touching = _meet(stamp, tuft, hairs)
+    _centre_hairs(hairs)
+    _move_aside(values, hairs.bend[0].shift_y[0])
     _keep_bend(before, values, way, touching, kept)
     return touching
 
 
 @uncounted(error_model="numpy")
-def _draw(stamp, touching, bent, tuft, hairs, canvas, scratch):
+def _draw(stamp, touching, tuft, hairs, canvas, scratch):
     """What the hairs would give, and the imprint; returns how much they wish to."""
     count, bristles, kept = hairs.load.shape[0], hairs.bristles, hairs.kept[0]
     way, ink = hairs.memory[0].way, canvas.ink
@@ -249,14 +263,27 @@ def _draw(stamp, touching, bent, tuft, hairs, canvas, scratch):
         _carry_outline(stamp, kept, hairs.kept_lines)
     else:
         finest = _FINEST * canvas.field.resolution
-        draw_imprint(stamp, tuft, hairs, bent, (touching, wet, dot), finest, scratch)
+        draw_imprint(stamp, tuft, hairs, (touching, wet, dot), finest, scratch)
         _keep_outline(stamp, kept, hairs.kept_lines)
     return wanted
 
 
 @uncounted(error_model="numpy")
+def _against_hairs(last, values):
+    """How far (mm) a tuft was pushed back towards its tip, or its tip twisted aside."""
+    if last.touches <= 0.0:
+        return 0.0
+    pushed = 0.0
+    for axis in range(3):
+        pushed += (values.foot[axis] - last.foot[axis]) * values.bend[axis]
+    twisted = max(0.0, abs(values.twist) - abs(last.twist))
+    return max(0.0, pushed) + twisted * max(0.0, values.tip - values.heel)
+
+
+@uncounted(error_model="numpy")
 def _remember(before, after, tuft, hairs, ink):
-    """What the way between two stamps does to the tuft: clumps part or join, the bend sets."""
+    """What the way between two stamps does to the tuft: clumps part or join, it splits into
+    points where it goes against its hairs, the bend sets."""
     values, memory = after.values[0], hairs.memory[0]
     way = outline_motion(before, after)
     wet = _wet_share(ink)
@@ -267,6 +294,10 @@ def _remember(before, after, tuft, hairs, ink):
     memory.way += way
     over = _PARTS_OVER if wanted > memory.parted else _JOINS_OVER / max(wet, 0.02)
     memory.parted += (wanted - memory.parted) * (1.0 - np.exp(-way / over))
+    against = _against_hairs(before.values[0], values)
+    memory.split *= np.exp(-way * wet / _JOINS_OVER)
+    splits = 1.0 - np.exp(-against / _SPLITS_OVER)
+    memory.split += max(0.0, wanted - memory.split) * splits
     reach = values.tip - tuft.length * np.cos(values.tilt)
     stays = _SET_SHARE * tuft.plasticity * max(0.0, reach)
     share = 1.0 - np.exp(-way / _SETS_OVER)
@@ -326,10 +357,9 @@ def _begin(samples, i, brush, canvas, progress, scratch, hairs):
     tuft = place_at(samples, i, 0.0, brush, canvas, before, before, scratch)
     hairs.kept[0].touching = 0.0
     if before.values[0].touches > 0.0:
-        bent = _bent_share(before, tuft, brush)
-        touching = _place_hairs(pose, bent, before, before, tuft, hairs, canvas, scratch)
+        touching = _place_hairs(pose, before, before, tuft, hairs, canvas, scratch)
         if touching > 0:
-            _draw(before, touching, bent, tuft, hairs, canvas, scratch)
+            _draw(before, touching, tuft, hairs, canvas, scratch)
         _track(before, hairs, hairs.track[0])
     if samples.joined[i]:
         before.values[0].touches = 0.0
@@ -357,8 +387,7 @@ def _find_step(samples, i, brush, canvas, progress, scratch, hairs):
         tuft = place_at(samples, i, pace[0] + step, brush, canvas, before, after, scratch)
         touching = 0
         if after.values[0].touches > 0.0:
-            bent = _bent_share(after, tuft, brush)
-            touching = _place_hairs(pose, bent, before, after, tuft, hairs, canvas, scratch)
+            touching = _place_hairs(pose, before, after, tuft, hairs, canvas, scratch)
             _track(after, hairs, hairs.track[1])
         touches = after.values[0].touches > 0.0 or before.values[0].touches > 0.0
         moved = _fastest(before, after, hairs.track) if touches else 0.0
@@ -368,10 +397,10 @@ def _find_step(samples, i, brush, canvas, progress, scratch, hairs):
 
 
 @uncounted
-def _deposit(before, after, tuft, touching, bent, hairs, canvas, scratch):
+def _deposit(before, after, tuft, touching, hairs, canvas, scratch):
     """Leave what the hairs of an imprint wish to give; False where the mesh has no room."""
     field, ink = canvas.field, canvas.ink
-    wanted = _draw(after, touching, bent, tuft, hairs, canvas, scratch)
+    wanted = _draw(after, touching, tuft, hairs, canvas, scratch)
     if wanted <= 0.0:
         return True
     rate = tuft.transfer_per_mm * mean_pressure(before, after)
@@ -412,11 +441,9 @@ def paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs):
             tuft, touching, moved, step = _find_step(
                 samples, i, brush, canvas, progress, scratch, hairs
             )
-            if touching > 0:
-                bent = _bent_share(after, tuft, brush)
-                if not _deposit(before, after, tuft, touching, bent, hairs, canvas, scratch):
-                    pace[1] = step
-                    return NEEDS_ROOM
+            if touching > 0 and not _deposit(before, after, tuft, touching, hairs, canvas, scratch):
+                pace[1] = step
+                return NEEDS_ROOM
             copy_stamp(after, before)
             _keep_track(hairs.track)
             pace[0] = 1.0 if pace[0] + step >= 1.0 - 1e-12 else pace[0] + step

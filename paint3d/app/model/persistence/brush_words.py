@@ -12,6 +12,7 @@ from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import as_array
 from paint3d.errors import BrushError, SessionError
+from paint3d.painter.bristle_state import complete_memory
 from paint3d.painter.painter import Painter
 
 __all__ = ["brush_from_words", "brush_words", "hair_words", "restore_hairs"]
@@ -60,7 +61,10 @@ def restore_hairs(painter: Painter, words: Any) -> None:
     try:
         wide = (len(now["load"]), len(painter.surface.pigments))
         load = as_array(words["load"], "load of the hairs", (wide[0], None), np.float64)
-        memory = as_array(words["memory"], "memory of the hairs", now["memory"].shape, np.float64)
+        memory = as_array(words["memory"], "memory of the hairs", (None,), np.float64)
+        memory = as_array(
+            complete_memory(memory), "memory of the hairs", now["memory"].shape, np.float64
+        )
     except (KeyError, TypeError, ValueError) as cause:
         raise SessionError(f"the hairs of the brush cannot be used: {cause}") from None
     if load.min(initial=0.0) < 0.0 or load.shape[1] > wide[1]:

@@ -23,7 +23,7 @@ from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import WATER, load_palette
 from paint3d.core.types import AnyArray
 from paint3d.errors import Paint3DError, SessionError
-from paint3d.painter.bristle_state import HairTuft
+from paint3d.painter.bristle_state import HairTuft, complete_memory
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.ragged import pack_arrays, unpack_arrays
 from paint3d.surface.state import MOST_INK
@@ -236,6 +236,7 @@ def _maker(about: Mapping[str, Any]) -> Callable[..., Kept]:
     def make(loaded: float, load: AnyArray, memory: AnyArray) -> Kept:
         of_hairs, hairs = None, about["hairs"]
         if hairs is not None:
+            memory = complete_memory(memory)
             if len(load) != hairs.spec.n_hairs or memory.shape != hairs.memory.shape:
                 raise SessionError(f"{len(load)} hairs hold ink; expected {hairs.spec.n_hairs}")
             of_hairs = {"load": load, "memory": memory}
