@@ -136,6 +136,7 @@ def test_the_digits_above_the_letters_still_take_brushes(window) -> None:
     for key, held, name in (
         (KEY.Key_1, HELD.NoModifier, "full"), (KEY.Key_0, HELD.NoModifier, "zhongbaiyun"),
         (KEY.Key_2, HELD.ControlModifier, "feibai"), (KEY.Key_7, HELD.NoModifier, "gongbi"),
+        (KEY.Key_3, HELD.ControlModifier, "langhao"), (KEY.Key_5, HELD.ControlModifier, "jianhao"),
     ):  # fmt: skip
         type_key(window.canvas, key, held)
         settled(window)

@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 
@@ -5,6 +7,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import brush_names, choose_brush, load_brush
 from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.errors import InputError
+from tests.support.outlines import sizes_of
 
 SIZES = np.geomspace(8.0, 200.0, 40)
 
@@ -15,6 +18,27 @@ def test_every_size_has_a_brush_and_larger_ones_no_smaller_brush():
     lengths = [load_brush(name).length_mm for name in chosen]
     assert (np.diff(lengths) >= 0.0).all()
     assert len(set(chosen)) > 1
+
+
+def test_new_brushes_come_after_the_others():
+    """The studio's keys go by the order."""
+    assert brush_names() == (
+        "full", "slender", "calibrated", "xiaokai", "zhongkai", "dakai", "gongbi", "baiyun",
+        "xiaobaiyun", "zhongbaiyun", "dabaiyun", "feibai", "langhao", "yanghao", "jianhao",
+    )  # fmt: skip
+
+
+def test_weasel_is_thin_and_springs_back_goat_is_broad_and_stays_bent():
+    brushes = [load_brush(name) for name in ("langhao", "jianhao", "yanghao")]
+    assert [brush.hair for brush in brushes] == ["weasel", "mixed", "goat"]
+    for low, high in itertools.pairwise(brushes):
+        assert low.plasticity < high.plasticity
+        assert low.load < high.load
+        assert low.spring > high.spring
+    shares = np.linspace(0.01, 1.0, 100)
+    widths = [sizes_of(build_tuft(b), shares * b.full_press_mm)[:, 1] for b in brushes]
+    assert (np.diff(widths, axis=1) > 0.0).all()
+    assert (np.diff(widths, axis=0) > 0.0).all()
 
 
 @pytest.mark.parametrize("em", [8.0, 21.9, 22.1, 60.0, 60.1, 200.0])

@@ -79,7 +79,7 @@ def test_a_single_hair_stands_in_the_middle():
 
 
 @given(
-    brush=st.sampled_from(["full", "slender", "dakai", "gongbi", "dabaiyun"]),
+    brush=st.sampled_from(["full", "slender", "dakai", "gongbi", "dabaiyun", "langhao", "yanghao"]),
     press=st.floats(0.0, 0.61),
     tilt=st.floats(30.0, 90.0),
     patch=st.sampled_from(sorted(PATCHES)),

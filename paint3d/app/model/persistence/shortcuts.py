@@ -90,6 +90,9 @@ SHORTCUTS: tuple[Shortcut, ...] = (
         ("0", "brush_10"),
         ("Ctrl+1", "brush_11"),
         ("Ctrl+2", "brush_12"),
+        ("Ctrl+3", "brush_13"),
+        ("Ctrl+4", "brush_14"),
+        ("Ctrl+5", "brush_15"),
     ),
     *_group(
         "ink",
