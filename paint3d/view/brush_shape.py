@@ -3,7 +3,9 @@
 Points are in the frame of the bend plane until they are placed: `along` from the root's foot to the
 tip, `up` along the plane's normal, `side` across (`brush_engine.tuft`). The sections are the
 papers' (Guo 2017, Eqs. 2, 3, 6): ellipses about the bent spine, wide across and thin in the bend
-plane.
+plane. What lies on the surface is then brought into the outline that painting has there, which is
+another one where the tuft lies in a heap, or where its hairs lie otherwise; above, that fades
+towards the root. Hairs that have parted are drawn apart.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.contact import Contact
+from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.brush_engine.tuft import (
     OUTLINE_CAPACITY,
     SCRATCH_SIZE,
@@ -26,13 +28,23 @@ from paint3d.brush_engine.tuft import (
 from paint3d.core.arrays import cross
 from paint3d.core.types import AnyArray
 from paint3d.view.kernels.rings import ring_normals
+from paint3d.view.pressed_tuft import Clumps, PressedTuft
 
-__all__ = ["AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "tuft_rings"]
+__all__ = [
+    "AROUND", "BrushStand", "grid_faces", "grid_normals", "handle_rings", "torn_faces",
+    "tuft_rings",
+]  # fmt: skip
 
 AROUND = 44  # points around a section of the tuft, and of the handle
-_HAIR_RELIEF = 0.05  # of the radius: how far hairs stand out of a section
+_HAIR_RELIEF = (0.05, 0.2)  # of the radius, and mm at most: how far hairs stand out of a section
 _GATHERED = 0.5  # of the length from the root, over which the spread fades
 _POINTED = 0.07  # of the length: the more, the finer the tip of a tuft that hangs free
+_POINTS = 0.5  # as `brush_engine.bristles.bend` has it: how far hairs come to their points' middles
+_OUTLINE_POINTS = 33  # of either side, from the heel to the tip
+_TORN = 0.25  # mm: columns of two points that part farther are not joined
+_OWN_SECTION = 0.8  # mm that points part, until each has a section of its own
+_MOST_WIDENED = 12.0  # times: near the ends, where an outline of sections has no width
+_FOOT = 0.6  # mm over the plane: lower points are brought into the outline
 _LIFT = 0.12  # mm that the lowest hairs are drawn above the surface, not to flicker with it
 _HANDLE = (  # distance up the handle over the tuft's length, radius over the root's, material
     (-0.04, 1.00, 0), (-0.02, 1.10, 0), (0.10, 1.14, 0), (0.32, 1.02, 0), (0.34, 0.93, 0),
@@ -60,6 +72,8 @@ class BrushStand:
         mm, rad, 0 to 1.
     handle : (3,) float64
         Unit, up the handle.
+    pressed : PressedTuft or None
+        How the tuft lies on the surface; None where it does not touch it.
     """
 
     root: NDArray[np.float64]
@@ -69,9 +83,12 @@ class BrushStand:
     tilt: float
     pressure: float
     handle: NDArray[np.float64]
+    pressed: PressedTuft | None = None
 
     @classmethod
-    def of(cls, tuft: Tuft, root: AnyArray, axes: AnyArray, contact: Contact | None) -> BrushStand:
+    def of(
+        cls, tuft: Tuft, root: AnyArray, axes: AnyArray, pressed: PressedTuft | None
+    ) -> BrushStand:
         """Return how the brush of a pose stands.
 
         Parameters
@@ -81,37 +98,40 @@ class BrushStand:
             The pose's position, mm.
         axes : (3, 3)
             Columns x, y, z of the pose: z is up the handle, x is the commanded bend.
-        contact : Contact or None
-            Of that pose.
+        pressed : PressedTuft or None
+            How the tuft lies in that pose.
         """
         x, y, z = np.asarray(axes, np.float64).T
-        if contact is None or contact.area <= 0.0:
+        if pressed is None:
             frame = np.stack([x, -y, z])
             return cls(root, frame, root - tuft.length * z, 0.0, 0.5 * np.pi, 0.0, z)
-        side = cross(contact.normal, contact.bend)
-        frame = np.stack([contact.bend, side, contact.normal])
-        tilt = contact.tilt
-        height = tuft.length * np.sin(tilt) - contact.descent
-        stand = contact.origin + height * contact.normal
-        return cls(stand, frame, contact.origin, contact.descent, tilt, contact.pressure, z)
+        side = cross(pressed.normal, pressed.bend)
+        frame = np.stack([pressed.bend, side, pressed.normal])
+        tilt, origin, descent = pressed.tilt, pressed.origin, pressed.descent
+        stand = origin + (tuft.length * np.sin(tilt) - descent) * pressed.normal
+        return cls(stand, frame, origin, descent, tilt, pressed.pressure, z, pressed)
 
     @property
     def touches(self) -> bool:
         """Whether the tuft is bent by the surface."""
-        return self.descent > 0.0
+        return self.pressed is not None
 
     def place(self, points: AnyArray) -> AnyArray:
         """Points (..., 3), along, side and up, in the object's frame (mm)."""
         return self.origin + points @ self.axes
 
-    def outline(self, tuft: Tuft) -> AnyArray:
+    def outline(self) -> AnyArray:
         """(N, 3) mm: the footprint's outline in the plane, all around; empty where none."""
-        reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
-        scratch = np.empty(SCRATCH_SIZE)
-        n = trace_outline(tuft, self.descent, self.tilt, self.pressure, scratch, reach, half)
-        sides = np.concatenate([half[:n], -half[:n][::-1]])
-        along = np.concatenate([reach[:n], reach[:n][::-1]])
-        return self.place(np.stack([along, sides, np.zeros(2 * n)], axis=1))
+        if self.pressed is None:
+            return np.empty((0, 3))
+        pressed = self.pressed
+        even = np.linspace(pressed.heel, pressed.tip, PROFILE_CELLS + 1)
+        share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _OUTLINE_POINTS))
+        reach = pressed.heel + share * (pressed.tip - pressed.heel)
+        half = np.interp(reach, even, pressed.half_widths)
+        sides = np.concatenate([half[::-1], -half])
+        along = np.concatenate([reach[::-1], reach])
+        return self.place(np.stack([along, sides, np.zeros(2 * len(half))], axis=1))
 
 
 def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
@@ -134,12 +154,16 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
     if not stand.touches:  # wet hairs that hang free draw together to a point
         share = arc / tuft.length
         radius = radius * (1.0 + _POINTED) * share / (share + _POINTED)
+    pressed = stand.pressed
+    lying = 0.0 if pressed is None else _lying(tuft, stand, (along, up, angle))
     # In the model all but the last segment spread alike; what does not touch is drawn gathered.
-    fade = np.clip((1.0 - arc / tuft.length) / _GATHERED, 0.0, 1.0)
+    gathered = min(_GATHERED, 1.0 - lying)
+    fade = np.clip((1.0 - arc / tuft.length) / gathered, 0.0, 1.0)
     fade = fade * fade * (3.0 - 2.0 * fade)
-    spread = 1.0 + tuft.spread * stand.pressure * fade
+    spread = 1.0 + (0.0 if pressed is None else pressed.spread * stand.pressure * fade)
     turn = 2.0 * np.pi * np.arange(AROUND) / AROUND
-    relief = 1.0 + _HAIR_RELIEF * (_hair_noise() - 0.5) * np.sqrt(np.maximum(0.0, fade))[:, None]
+    rough = np.minimum(_HAIR_RELIEF[0], _HAIR_RELIEF[1] / np.maximum(radius * spread, 1e-9))
+    relief = 1.0 + (_hair_noise() - 0.5) * (rough * np.sqrt(np.maximum(0.0, fade)))[:, None]
     minor = (radius / spread)[:, None] * np.cos(turn) * relief
     major = (radius * spread)[:, None] * np.sin(turn) * relief
     points = np.stack(
@@ -150,9 +174,127 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
         ],
         axis=2,
     )
-    if stand.touches:
+    if pressed is not None:
+        share = 1.0 - np.clip((arc / tuft.length - lying) / max(1.0 - lying, 1e-6), 0.0, 1.0)
+        share = share * share * (3.0 - 2.0 * share)
+        _bring_into_outline(points, share, _model_outline(tuft, stand), pressed)
+        _turn_to_handle(points, 1.0 - share, stand)
+        if pressed.clumps is not None:
+            _part(points, arc / tuft.length, pressed.clumps)
         points[..., 2] = np.maximum(points[..., 2], _LIFT)
     return stand.place(points), arc / tuft.length
+
+
+def _lying(tuft: Tuft, stand: BrushStand, spine: tuple[AnyArray, AnyArray, AnyArray]) -> float:
+    """How far up the tuft its underside lies on the plane, 0 to 1."""
+    assert stand.pressed is not None, "it touches"
+    _, up, angle = spine
+    spread = 1.0 + stand.pressed.spread * stand.pressure
+    lies = up <= 0.5 * tuft.diameters / spread * np.abs(np.cos(angle))
+    last = np.flatnonzero(~lies)
+    return float(tuft.arcs[last[0] if len(last) else -1] / tuft.length)
+
+
+def _model_outline(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
+    """Reach and half width (mm), heel first, of the outline that the sections make."""
+    reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
+    assert stand.pressed is not None, "it touches"
+    driven = tuft._replace(spread=stand.pressed.spread)
+    scratch = np.empty(SCRATCH_SIZE)
+    n = trace_outline(driven, stand.descent, stand.tilt, stand.pressure, scratch, reach, half)
+    return reach[:n][::-1], half[:n][::-1]
+
+
+def _bring_into_outline(
+    points: AnyArray, share: AnyArray, model: tuple[AnyArray, AnyArray], pressed: PressedTuft
+) -> None:
+    """Move points (R, AROUND, 3) from the sections' outline to the one painted, by shares (R,)."""
+    reach, half = model
+    if not len(reach):
+        return
+    low, high = float(reach[0]), float(reach[-1])
+    even = np.linspace(low, high, PROFILE_CELLS + 1)
+    wider = pressed.half_widths / np.maximum(np.interp(even, reach, half), 1e-3)
+    wider[0], wider[-1] = wider[1], wider[-2]
+    whole = float(pressed.half_widths.max() / half.max())
+    scale = (pressed.tip - pressed.heel) / (high - low)
+    x, height = points[..., 0], points[..., 2]
+    moved = pressed.heel + scale * (np.maximum(x, low) - low) + np.minimum(x - low, 0.0)
+    foot = np.clip(1.0 - height / _FOOT, 0.0, 1.0) * (x >= low)
+    times = whole + foot * (np.interp(x, even, np.minimum(wider, _MOST_WIDENED)) - whole)
+    points[..., 0] = x + share[:, None] * (moved - x)
+    points[..., 1] *= 1.0 + share[:, None] * (times - 1.0)
+
+
+def _turn_to_handle(points: AnyArray, share: AnyArray, stand: BrushStand) -> None:
+    """Turn sections (R, AROUND, 3) about their middles, by shares (R,), to stand in the handle.
+
+    The model bends a tuft in one plane, which a handle that leans to its side does not lie in: the
+    spine stays where it is, and the section at the root comes to fit the ferrule.
+    """
+    root = np.array([-np.cos(stand.tilt), 0.0, np.sin(stand.tilt)])
+    handle = stand.axes @ stand.handle
+    axis = cross(root, handle)
+    sine, cosine = float(np.linalg.norm(axis)), float(root @ handle)
+    turned = np.flatnonzero(share > 0.0)
+    if sine < 1e-6 or not len(turned):
+        return
+    axis /= sine
+    angle = (share[turned] * np.arctan2(sine, cosine))[:, None, None]
+    middle = points[turned].mean(axis=1, keepdims=True)
+    arm = points[turned] - middle
+    across = np.cross(axis, arm)
+    along = (arm @ axis)[..., None] * axis
+    points[turned] = middle + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
+
+
+def _part(points: AnyArray, arc: AnyArray, clumps: Clumps) -> None:
+    """Draw hairs (R, AROUND, 3) to the middles of their clumps and points, within the outline.
+
+    As `brush_engine.bristles.bend` moves hairs, by how far up the tuft rings are (R,); and the bend
+    that stays is counted from the tip, where the stamp has it. Points come to have sections of
+    their own.
+    """
+    free = 1.0 - arc
+    points[..., 1] += (clumps.set_y * (free * free - 1.0))[:, None]
+    points[..., 0] += (clumps.set_x * (free * free - 1.0))[:, None] * (arc > 0.0)[:, None]
+    pull, at, _ = _pulls(clumps)
+    aside = np.minimum(1.0, 1.6 * free) * np.abs(points[..., 1]).max(axis=1)
+    points[..., 1] += aside[:, None] * pull
+    apart = np.minimum(1.0, aside * _POINTS * clumps.split / _OWN_SECTION)[:, None]
+    thin = 1.0 - apart * (1.0 - np.sqrt(1.0 - at * at))
+    for axis in (0, 2):
+        middle = points[..., axis].mean(axis=1, keepdims=True)
+        points[..., axis] = middle + thin * (points[..., axis] - middle)
+
+
+def _pulls(clumps: Clumps) -> tuple[AnyArray, AnyArray, AnyArray]:
+    """Of each column: how far it goes aside, in half widths of the tuft; where in its point it is,
+    -1 to 1; and whether the next one belongs to another point (AROUND,)."""
+    even = _even_places()
+    cells = clumps.middles.shape[1]
+    cell = np.minimum(cells - 1, ((even + 1.0) * 0.5 * cells).astype(int))
+    large, small, point = clumps.middles[:, cell] - even
+    parted = clumps.parted
+    pull = 0.5 * parted * large + (1.0 - 0.5 * parted) * 0.85 * parted * small
+    pull = pull + _POINTS * clumps.split * point
+    rim = np.where(even > 0.0, pull[np.argmax(even)], pull[np.argmin(even)])
+    ends = np.append(np.flatnonzero(np.diff(clumps.middles[2])) + 1, cells)
+    which = np.searchsorted(ends, cell, side="right")
+    edges = 2.0 * np.concatenate([[0], ends]) / cells - 1.0
+    low, high = edges[which], edges[which + 1]
+    at = np.clip((2.0 * even - low - high) / (high - low), -1.0, 1.0)
+    return pull - np.abs(even) * rim, at, which != np.roll(which, -1)
+
+
+@cache
+def _even_places() -> AnyArray:
+    """(AROUND,): where hairs of each column lie across the tuft when they lie evenly, -1 to 1."""
+    b = np.sin(2.0 * np.pi * np.arange(AROUND) / AROUND)
+    side = np.minimum(np.abs(b), 1.0)
+    even = np.arcsin(side) + side * np.sqrt(1.0 - side * side)
+    result: AnyArray = np.sign(b) * 2.0 / np.pi * even
+    return result
 
 
 @cache
@@ -198,6 +340,23 @@ def grid_faces(rows: int, columns: int = AROUND) -> NDArray[np.int32]:
     c, d = a + columns, b + columns
     faces = np.stack([np.stack([a, b, d], axis=-1), np.stack([a, d, c], axis=-1)], axis=2)
     return faces.reshape(-1, 3).astype(np.int32)
+
+
+def torn_faces(tuft: Tuft, pressed: PressedTuft) -> NDArray[np.int32] | None:
+    """Triangles between a tuft's rings but for those where it has split in points; None: all."""
+    clumps = pressed.clumps
+    if clumps is None:
+        return None
+    pull, _, ends = _pulls(clumps)
+    apart = np.abs(np.roll(pull, -1) - pull) * ends
+    wide = 0.5 * tuft.diameters * (1.0 + pressed.spread * pressed.pressure)
+    free = np.minimum(1.0, 1.6 * (1.0 - tuft.arcs / tuft.length))
+    torn = (free * wide)[:, None] * apart > _TORN
+    if not torn.any():
+        return None
+    whole = np.repeat(~torn[:-1].ravel(), 2)
+    result: NDArray[np.int32] = grid_faces(len(wide))[whole]
+    return result
 
 
 def grid_normals(points: AnyArray) -> NDArray[np.float32]:

@@ -18,6 +18,7 @@ from paint3d.view.brush_shape import (
     grid_faces,
     grid_normals,
     handle_rings,
+    torn_faces,
     tuft_rings,
 )
 from paint3d.view.camera import Camera
@@ -26,7 +27,7 @@ from paint3d.view.live_layers import Box
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.vtk_parts import DrawnMesh
 
-__all__ = ["HAIR_COLOURS", "LiveBrush"]
+__all__ = ["HAIR_COLOURS", "LiveBrush", "laid_rings"]
 
 HAIR_COLOURS = {"goat": (232, 224, 204), "weasel": (164, 106, 58), "mixed": (205, 172, 124)}
 _SHADOW_FALL = np.array([0.45, 0.40, -0.80])  # studio axes: away from the key light
@@ -35,7 +36,9 @@ _SHADOW_LIFT = 0.10  # mm above the surface
 _OUTLINE_LIFT = 0.16
 _HAIR_LIFT = 0.12
 _LYING = 0.45  # of the tuft's length above the surface: from there the root's plane holds
+_STEEPEST = 0.2  # cosine: no steeper is the surface taken to be under a ring
 _ABOVE = 0.6  # of the tuft's length: from where its feet are looked for
+_BELOW = 2.3  # times that under the plane: so far
 _DARKEST = 96  # of 255, the shadow where the brush touches
 _SHADOW_REACH = 220.0  # mm
 _SOFT = np.array([-1.6, -0.9, 0.0, 0.9, 1.6])  # radii across the shadow
@@ -115,8 +118,9 @@ class LiveBrush:
         self._seen, self._seen_from = [], None
         rings, arc = tuft_rings(self._tuft, stand)
         if stand.touches:  # the model's plane is flat, what the hairs lie on need not be
-            rings = self._laid(rings, stand, tree)
-        self._draw("tuft", rings, self._tuft_colours(arc, ink, fill))
+            rings = laid_rings(self._tuft, rings, stand, tree)
+        torn = torn_faces(self._tuft, stand.pressed) if stand.pressed is not None else None
+        self._draw("tuft", rings, self._tuft_colours(arc, ink, fill), torn)
         wet = 0.15 + 0.55 * min(1.0, 2.0 * fill) if ink is not None else 0.08
         self._parts["tuft"].actor.GetProperty().SetSpecular(wet)
         points, colours = handle_rings(self._tuft, stand)
@@ -124,29 +128,15 @@ class LiveBrush:
         self._draw_shadow(stand, rings, points, tree, up)
         self._draw_outline(stand, tree)
 
-    def _draw(self, name: str, rings: AnyArray, colours: AnyArray) -> None:
+    def _draw(
+        self, name: str, rings: AnyArray, colours: AnyArray, faces: AnyArray | None = None
+    ) -> None:
         part = self._parts[name]
-        faces = grid_faces(len(rings))
+        faces = grid_faces(len(rings)) if faces is None else faces
         part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
         self._seen.append(rings.reshape(-1, 3))
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
         part.show(True)
-
-    def _laid(self, rings: AnyArray, stand: BrushStand, tree: ContactTree) -> AnyArray:
-        """Rings moved up or down with the surface under each, and kept above it."""
-        normal, length = stand.axes[2], self._tuft.length
-        centres = rings.mean(axis=1)
-        height = (centres - stand.origin) @ normal
-        feet = centres - height[:, None] * normal
-        found, landed = _drape(tree, feet + _ABOVE * length * normal, -normal, 2.0 * length)
-        share = np.clip(1.0 - height / (_LYING * length), 0.0, 1.0) * landed
-        rise = share * ((found[:, :3] - feet) @ normal)
-        moved = rings + rise[:, None, None] * normal
-        ground = found[:, 3:]
-        over = np.einsum("rkc,rc->rk", moved - found[:, None, :3], ground)
-        lift = np.maximum(0.0, _HAIR_LIFT - over) * (share > 0.0)[:, None]
-        result: AnyArray = moved + lift[..., None] * ground[:, None]
-        return result
 
     def _tuft_colours(self, arc: AnyArray, ink: tuple[Any, ...] | None, fill: float) -> AnyArray:
         """(R, AROUND, 3): hair, darker at the root, with the ink as high as the tuft is full."""
@@ -199,7 +189,7 @@ class LiveBrush:
 
     def _draw_outline(self, stand: BrushStand, tree: ContactTree) -> None:
         part = self._parts["outline"]
-        line = stand.outline(self._tuft) if stand.touches else self._landing(stand)
+        line = stand.outline() if stand.touches else self._landing(stand)
         fall = -stand.axes[2] if stand.touches else -stand.handle
         above = _ABOVE * self._tuft.length if stand.touches else 0.0
         found, landed = _drape(tree, line - above * fall, fall, 140.0 + above)
@@ -219,6 +209,76 @@ class LiveBrush:
         radius = 0.22 * self._tuft.diameters[-1]
         ring = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(36)], axis=1)
         return stand.place(ring)
+
+
+def laid_rings(tuft: Tuft, rings: AnyArray, stand: BrushStand, tree: ContactTree) -> AnyArray:
+    """A tuft's rings (R, AROUND, 3) moved up or down with the surface under each, above it (mm).
+
+    Across a ring the surface is a parabola, through what lies under its middle and both sides.
+    """
+    along, side, normal = stand.axes
+    length = tuft.length
+    centres = rings.mean(axis=1)
+    height = (centres - stand.origin) @ normal
+    lies = height < _LYING * length
+    if not lies.any():
+        return rings
+    share = (1.0 - height[lies] / (_LYING * length)).clip(0.0, 1.0)
+    apart = rings[lies] - centres[lies][:, None]
+    across, ahead = apart @ side, apart @ along
+    feet = centres[lies] - height[lies, None] * normal
+    half = np.abs(across).max(axis=1) + 1e-3
+    rise, leans, landed = _ground_under(feet, half, stand, tree, _ABOVE * length)
+    tilt, left, right = leans[:, :1], rise[:, 1], rise[:, 2]
+    slope = 0.5 * (right - left) / half
+    bow = 0.5 * (right + left - 2.0 * rise[:, 0]) / half**2
+    under = rise[:, :1] + across * (slope[:, None] + across * bow[:, None])
+    own = height[lies, None] + apart @ normal
+    moved = own + share[:, None] * under
+    least = under + tilt * ahead + _HAIR_LIFT
+    lifted = np.where(landed[:, None], np.maximum(moved, least), own)
+    result: AnyArray = rings.copy()
+    result[lies] += (lifted - own)[..., None] * normal
+    return result
+
+
+def _ground_under(
+    feet: AnyArray, half: AnyArray, stand: BrushStand, tree: ContactTree, above: float
+) -> tuple[AnyArray, AnyArray, AnyArray]:
+    """The surface under rings (R), asked for under every second of them.
+
+    Parameters
+    ----------
+    feet : (R, 3)
+        Of their middles on the stand's plane, mm.
+    half : (R,)
+        Their half widths, mm.
+    above : float
+        From where over the plane the surface is looked for, mm.
+
+    Returns
+    -------
+    rise : (R, 3) float64
+        Of the surface over the plane under the middle and both sides, mm.
+    leans : (R, 2) float64
+        Slopes under the middle, along the bend and across it.
+    landed : (R,) bool
+        Whether there is a surface under the middle.
+    """
+    along, side, normal = stand.axes
+    asked = np.unique(np.append(np.arange(0, len(feet), 2), len(feet) - 1))
+    across = half[asked, None] * np.array([0.0, -1.0, 1.0])
+    above_them = across[..., None] * side + feet[asked, None] + above * normal
+    found, hit = _drape(tree, above_them.reshape(-1, 3), -normal, above + _BELOW * above)
+    hit, ground = hit.reshape(-1, 3), found.reshape(-1, 3, 6)[:, 0, 3:]
+    rise = ((found[:, :3] - stand.origin) @ normal).reshape(-1, 3)
+    upright = np.maximum(ground @ normal, _STEEPEST)
+    leans = -np.stack([ground @ along, ground @ side], axis=1) / upright[:, None]
+    rise = np.where(hit, rise, rise[:, :1] + across * leans[:, 1:])
+    known = np.concatenate([rise, leans, hit[:, :1]], axis=1)
+    rings = np.arange(len(feet))
+    spread = np.stack([np.interp(rings, asked, column) for column in known.T], axis=1)
+    return spread[:, :3], spread[:, 3:5], spread[:, 5] > 0.99
 
 
 @cache

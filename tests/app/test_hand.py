@@ -12,12 +12,12 @@ from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed
 from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
 from paint3d.core.quaternion import matrices_from_quaternions, rotate
 from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.view.brush_shape import BrushStand
 from tests.support.app.hands import line, paint, sample, small_plane
 
 BRUSH = load_brush("full")
@@ -167,10 +167,11 @@ def test_a_brush_that_is_pulled_over_a_ridge_does_not_lie_down_on_the_other_side
 
 
 def _middle(contact, tuft):
-    """From where the outline is counted to its middle, mm, as it is drawn."""
-    stand = BrushStand.of(tuft, contact.foot, np.eye(3), contact)
-    along = (stand.outline(tuft) - contact.origin) @ contact.bend
-    return 0.5 * (along.min() + along.max())
+    """From where the outline is counted to its middle, mm."""
+    reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
+    pressed = contact.descent, contact.tilt, contact.pressure
+    n = trace_outline(tuft, *pressed, np.empty(SCRATCH_SIZE), reach, half)
+    return 0.5 * (reach[0] + reach[n - 1])
 
 
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (40.0, 0.0), (-40.0, 0.0), (20.0, 35.0)])

@@ -10,13 +10,16 @@ from hypothesis import strategies as st
 import paint3d
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
+from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
+from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.brush_shape import BrushStand, grid_faces, handle_rings, tuft_rings
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_brush import LiveBrush
 from paint3d.view.live_scene import LiveScene
+from paint3d.view.pressed_tuft import TuftFollower
 from paint3d.view.studio import Gloss
 
 UPRIGHT = np.eye(3)
@@ -30,17 +33,19 @@ def painter() -> Painter:
 
 def stand_at(painter: Painter, height: float, pressure: float | None) -> BrushStand:
     root = np.array([0.0, 0.0, height])
-    contact = painter.contact(root, (1.0, 0.0, 0.0, 0.0), pressure)
-    return BrushStand.of(painter.tuft, root, UPRIGHT, contact)
+    sample = DeviceSample(
+        0, root, np.eye(4)[0], pressure, 0, np.zeros(3), np.eye(4)[0], None
+    )  # fmt: skip
+    pressed = TuftFollower().follow(painter, object_poses([sample]))
+    return BrushStand.of(painter.tuft, root, UPRIGHT, pressed)
 
 
 @given(pressure=st.floats(0.05, 1.0))
 @settings(max_examples=25, deadline=None)
-def test_a_pressed_tuft_lies_on_the_plane_as_long_as_it_is(pressure: float) -> None:
-    axes = np.eye(3)
-    descent = pressure * TUFT.full_press
-    stand = BrushStand(np.zeros(3), axes, np.zeros(3), descent, 0.5 * np.pi, pressure, axes[2])
-    rings, arc = tuft_rings(TUFT, stand)
+def test_a_pressed_tuft_lies_on_the_plane_as_long_as_it_is(
+    painter: Painter, pressure: float
+) -> None:
+    rings, arc = tuft_rings(TUFT, stand_at(painter, 20.0, pressure))
     assert rings[..., 2].min() >= 0.0
     spine = rings.mean(axis=1)
     length = np.linalg.norm(np.diff(spine, axis=0), axis=1).sum()
@@ -64,7 +69,7 @@ def test_above_the_surface_the_tuft_is_straight_and_below_the_root(painter: Pain
 
 def test_the_outline_is_the_footprint(painter: Painter) -> None:
     contact = painter.contact((0, 0, 20.0), (1, 0, 0, 0), 0.5)
-    outline = stand_at(painter, 20.0, 0.5).outline(painter.tuft)
+    outline = stand_at(painter, 20.0, 0.5).outline()
     assert np.ptp(outline @ contact.bend) == pytest.approx(contact.length, rel=1e-6)
     across = np.cross(contact.normal, contact.bend)
     assert np.ptp(outline @ across) == pytest.approx(contact.width, rel=0.03)

@@ -45,6 +45,7 @@ from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
 from paint3d.surface.vertex_sets import union
+from paint3d.view.pressed_tuft import TuftFollower
 
 __all__ = ["Document", "FileState"]
 
@@ -74,6 +75,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         Where paint is taken; see `set_mask`.
     settings : dict
         Anything else that is to be kept with the painting, as JSON holds it.
+    tuft_follower : TuftFollower
+        Finds how the tuft lies on the surface, for drawing it.
     modified : bool
         Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
@@ -116,6 +119,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         self._refused = False
         surface.keeps_up = self.settings.pop("behind", False) is not True
         self._pending: list[AnyArray] = []
+        self.tuft_follower = TuftFollower()
 
     def _take_history(self, saved: Session | None) -> str:
         """Have the way back that was saved; why not, where it is damaged."""

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.held_ink import ink_srgb
-from paint3d.brush_engine.contact import Contact
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
+from paint3d.view.pressed_tuft import PressedTuft
 
 __all__ = ["BrushView", "Frame", "view_brush"]
 
@@ -27,8 +27,8 @@ class BrushView:
     orientation : (4,) float64
         object_from_pen, w first.
     pressure : float or None
-    contact : Contact or None
-        How it stands on the surface; None where there is none below it.
+    contact : PressedTuft or None
+        How its tuft lies on the surface; None where it touches nothing.
     srgb : (3,) uint8
         Colour of the ink in it; of dry hair where it is empty.
     load : float
@@ -40,7 +40,7 @@ class BrushView:
     position: NDArray[np.float64]
     orientation: NDArray[np.float64]
     pressure: float | None
-    contact: Contact | None
+    contact: PressedTuft | None
     srgb: NDArray[np.uint8]
     load: float
     painting: bool
@@ -78,21 +78,33 @@ class Frame:
 
 
 def view_brush(document: Document, sample: DeviceSample) -> BrushView:
-    """The brush at a sample of both hands."""
-    path, painter = object_poses([sample]), document.painter
-    position, orientation = path.position[0], path.orientation[0]
-    surface = document.surface
-    held = surface.ink.load
-    place = None if path.contact is None else path.contact[0]
-    contact = painter.contact(position, orientation, sample.pressure, place)
+    """The brush at a sample of both hands, its tuft as painting will have it there."""
+    samples, painted = _way_to(document, sample)
+    path, painter = object_poses(samples), document.painter
+    held = document.surface.ink.load
     parts = tuple(np.round(held / held.sum(), 3)) if held.sum() > 0.0 else ()
-    colour = ink_srgb(tuple(surface.pigments), parts, on_hair=True)
+    colour = ink_srgb(tuple(document.surface.pigments), parts, on_hair=True)
     return BrushView(
-        position,
-        orientation,
+        path.position[-1],
+        path.orientation[-1],
         sample.pressure,
-        contact,
+        document.tuft_follower.follow(painter, path, painted=painted),
         np.array(colour, np.uint8),
         float(min(1.0, held.sum() / painter.tuft.load)),
         document.in_stroke,
     )
+
+
+def _way_to(document: Document, sample: DeviceSample) -> tuple[list[DeviceSample], bool]:
+    """The samples of the stroke from the one that is painted to this one; and whether that is so.
+
+    A sample that cannot follow the stroke's is one by itself.
+    """
+    samples, painted = document.unpainted
+    if samples and samples[-1] is sample:
+        return samples, painted
+    if not samples or samples[-1].time_ns >= sample.time_ns:
+        return [sample], False
+    if (samples[-1].pressure is None) != (sample.pressure is None):
+        return [sample], False
+    return [*samples, sample], painted

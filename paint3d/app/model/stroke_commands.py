@@ -11,6 +11,7 @@ from paint3d.app.model.mask import Mask, Stencil
 from paint3d.app.model.stroke_log import Stroke, StrokeLog
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
+from paint3d.painter.ink_time import LOOKAHEAD
 from paint3d.painter.painter import Painter
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
@@ -42,6 +43,18 @@ class StrokeCommands:
     def in_stroke(self) -> bool:
         """Whether a stroke is going on."""
         return self._log.current is not None
+
+    @property
+    def unpainted(self) -> tuple[list[DeviceSample], bool]:
+        """The last samples of the stroke that is going on: those that still wait to be painted.
+
+        Before them the one where the painter's stamp stands, and then True; else the stroke's first
+        samples, none of which is painted yet, and False.
+        """
+        stroke = self._log.current
+        if stroke is None:
+            return [], False
+        return stroke.samples[-LOOKAHEAD - 1 :], len(stroke.samples) > LOOKAHEAD + 1
 
     @property
     def strokes(self) -> Sequence[Stroke]:

@@ -346,6 +346,7 @@ class Stage:
         if seen is not None:
             held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
             stood += (*seen.position, *seen.orientation, *held)
+            stood += seen.contact.numbers if seen.contact is not None else ()
         if stood == self._stood:
             return
         self._stood = stood

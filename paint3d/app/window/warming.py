@@ -13,6 +13,7 @@ from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.core.compiled import is_ahead, is_compiled
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.pose.brush_pose import object_poses
 from paint3d.view.brush_shape import BrushStand, tuft_rings
 from paint3d.view.kernels.drape import drape_points
 from paint3d.view.kernels.facing import cone_of
@@ -96,10 +97,10 @@ def _turn(shown: LiveObject) -> None:
 def _stand(document: Document, sample: DeviceSample) -> None:
     """Find how the brush stands, as for drawing it."""
     painter, tree = document.painter, document.surface.contact_tree
-    contact = painter.contact(sample.position, sample.orientation, 0.4)
-    stand = BrushStand.of(painter.tuft, sample.position, np.eye(3), contact)
+    pressed = document.tuft_follower.follow(painter, object_poses([sample]))
+    stand = BrushStand.of(painter.tuft, sample.position, np.eye(3), pressed)
     rings, _ = tuft_rings(painter.tuft, stand)
     points = np.ascontiguousarray(rings[:, 0])
     out, landed = np.zeros((len(points), 6)), np.zeros(len(points), np.uint8)
     drape_points(tree, points, np.array([0.0, 0.0, -1.0]), 50.0, out, landed)
-    stand.outline(painter.tuft)
+    stand.outline()

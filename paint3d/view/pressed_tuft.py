@@ -1,0 +1,292 @@
+"""How a tuft lies on the surface as painting has it: followed from the last footprint painted.
+
+Painting waits for the samples that come next, and the figure of the brush does not: from the last
+footprint that was placed, the stamp, it goes on through the samples that wait, by the same kernel.
+So it is bent as the paper has dragged it, twisted, or lies in a heap as the painting has it; and
+where the hand rests, the figure's outline is the stamp's.
+
+Hairs are bent for painting only: what their outline was more or less than that of a solid tuft in
+the same place is carried on, and what they remember says how they have parted into clumps and
+points (`brush_engine.bristles.bend`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.bristles.state import PARTED, SPLIT
+from paint3d.brush_engine.footprint import PROFILE_CELLS, Stamp, make_stamp
+from paint3d.brush_engine.placement import place_stamp
+from paint3d.brush_engine.scratch import Scratch, make_scratch
+from paint3d.brush_engine.tuft import (
+    CURVATURE,
+    INK_LEFT,
+    N_INPUTS,
+    PRESSURE,
+    SPEED,
+    SPREAD,
+    STIFFNESS,
+    TILT,
+    Curves,
+    Tuft,
+)
+from paint3d.core.quaternion import matrices_from_quaternions
+from paint3d.core.types import AnyArray
+from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.painter.painter import Painter
+from paint3d.pose.brush_pose import BrushPath, joined_samples
+
+__all__ = ["Clumps", "PressedTuft", "TuftFollower"]
+
+_STEP = 0.01  # of the tuft's length: the longest way that is followed as a chord
+_TURN = 0.1  # the most that it turns in one
+_MOST_STEPS = 24  # between two samples
+_WIDER = 8.0  # times the width of a solid tuft: the most that hairs spread
+
+
+@dataclass(frozen=True, eq=False)
+class Clumps:
+    """How the hairs of a tuft lie beside one another, otherwise than those of a solid one.
+
+    Attributes
+    ----------
+    middles : (3, N) float32
+        Where in [-1, 1] across the tuft the middle of a place's clump is: large, small, points.
+    parted, split : float
+        How far clumps have parted, and points, 0 to 1.
+    set_x, set_y : float
+        Where the bend that stays carries the tip, along and across the bend, mm.
+    """
+
+    middles: NDArray[np.float32]
+    parted: float
+    split: float
+    set_x: float
+    set_y: float
+
+
+@dataclass(frozen=True, eq=False)
+class PressedTuft:
+    """A tuft on a surface (object frame, mm, rad).
+
+    Attributes
+    ----------
+    foot, origin, normal, bend : (3,) float64
+        As in a stamp's geometry: the place under the brush, where the outline is counted from in
+        the plane, the plane's normal, and the direction in it from the root's foot to the tip.
+    descent, tilt, pressure : float
+        D_s (mm), theta (rad), and pe of Eq. 2.
+    heel, tip : float
+        Between which places along the bend the outline lies, mm.
+    half_widths : (PROFILE_CELLS + 1,) float64
+        Of the outline, at even steps from the heel to the tip, mm.
+    spread : float
+        Of the tuft as the hand drives it.
+    clumps : Clumps or None
+        None in a solid tuft.
+    """
+
+    foot: NDArray[np.float64]
+    origin: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    bend: NDArray[np.float64]
+    descent: float
+    tilt: float
+    pressure: float
+    heel: float
+    tip: float
+    half_widths: NDArray[np.float64]
+    spread: float
+    clumps: Clumps | None = None
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All that tells it from another, but for the clumps' middles."""
+        places = *self.origin, *self.normal, *self.bend, self.heel, self.tip
+        pressed = self.descent, self.tilt, self.pressure, self.spread, float(self.half_widths.sum())
+        if self.clumps is None:
+            return (*places, *pressed)
+        own = self.clumps
+        return (*places, *pressed, own.parted, own.split, own.set_x, own.set_y)
+
+
+@dataclass(frozen=True)
+class _Hairs:
+    """What the outline of hairs is more than a solid tuft's: mm, mm, times, and mm aside."""
+
+    tip: float
+    heel: float
+    wider: AnyArray
+    aside: float
+
+
+class TuftFollower:
+    """Finds how a painter's tuft lies; keeps what the kernels work in."""
+
+    def __init__(self) -> None:
+        self._mesh: PaintMesh | None = None
+        self._scratch: Scratch | None = None
+
+    def follow(
+        self, painter: Painter, path: BrushPath, *, painted: bool = False
+    ) -> PressedTuft | None:
+        """The tuft at the end of a path; None where it touches nothing there.
+
+        Parameters
+        ----------
+        painter : Painter
+        path : BrushPath
+            Samples, one after the other.
+        painted : bool
+            Whether the painter has come to the first of them, and its stamp stands there. If not,
+            the brush comes down with it.
+        """
+        poses, joined = _poses(path), joined_samples(path)
+        stamp, known = make_stamp(), painter.stamp
+        tuft, hairs = painter.tuft, None
+        if painted:
+            stamp.values[:], stamp.half_widths[:] = known.values, known.half_widths
+        if painted and painter.hairs is not None:
+            self._place(painter, poses[0], stamp, _driven(painter, path, 0, stamp))
+            hairs = _beyond_solid(known, stamp)
+        for k in range(int(painted), len(path)):
+            tuft = _driven(painter, path, k, stamp)
+            if not joined[k]:
+                stamp.values[0]["touches"] = 0.0
+            way = _between(poses[k - 1], poses[k], tuft.length) if joined[k] else poses[k : k + 1]
+            for pose in way:
+                self._place(painter, pose, stamp, tuft)
+        return _pressed(painter, poses[-1], stamp, tuft, hairs)
+
+    def _place(self, painter: Painter, pose: AnyArray, stamp: Stamp, tuft: Tuft) -> None:
+        """Move a stamp on to a pose (9,) of `place_stamp`."""
+        surface = painter.surface
+        mesh = surface.paint_mesh
+        if self._scratch is None or self._mesh is not mesh:
+            self._mesh, self._scratch = mesh, make_scratch(mesh, 0)
+        dragged, scratch = painter.azimuth == "dragged", self._scratch
+        scratch.warm[0] = 0.0
+        place_stamp(pose, dragged, stamp, stamp, tuft, surface.contact_tree, mesh.arrays, scratch)
+
+
+def _poses(path: BrushPath) -> AnyArray:
+    """(N, 9) poses of `place_stamp`."""
+    poses = np.zeros((len(path), 9))
+    poses[:, :3], poses[:, 3:7], poses[:, 8] = path.way, path.orientation, path.has_contact
+    poses[:, 7] = np.nan if path.pressure is None else path.pressure
+    return poses
+
+
+def _between(before: AnyArray, after: AnyArray, length: float) -> AnyArray:
+    """(N, 9) poses on the way from one to another, the last of which it is."""
+    way = float(np.linalg.norm(after[:3] - before[:3]))
+    cosine = float(before[3:7] @ after[3:7])
+    turn = 2.0 * math.acos(min(1.0, abs(cosine)))
+    steps = min(_MOST_STEPS, max(1, math.ceil(max(way / (_STEP * length), turn / _TURN))))
+    share = (np.arange(1, steps + 1) / steps)[:, None]
+    poses: AnyArray = (1.0 - share) * before + share * after
+    poses[:, 8] = after[8]
+    q = (1.0 - share) * before[3:7] + share * (after[3:7] if cosine >= 0.0 else -after[3:7])
+    poses[:, 3:7] = q / np.linalg.norm(q, axis=1, keepdims=True)
+    return poses
+
+
+def _factor(curves: Curves, setting: int, inputs: AnyArray) -> float:
+    """By how much the inputs drive a setting."""
+    factor = 1.0
+    for n, count in enumerate(curves.counts[setting]):
+        if count:
+            points = curves.points[setting, n, :count]
+            factor *= float(np.interp(inputs[n], points[:, 0], points[:, 1]))
+    return factor
+
+
+def _driven(painter: Painter, path: BrushPath, k: int, stamp: Stamp) -> Tuft:
+    """The tuft as the hand drives it at sample k: how far it bends and spreads."""
+    tuft, curves, values = painter.tuft, painter.curves, stamp.values[0]
+    if not curves.any[0]:
+        return tuft
+    inputs = np.zeros(N_INPUTS)
+    inputs[PRESSURE] = values["pressure"] if path.pressure is None else path.pressure[k]
+    inputs[TILT] = math.degrees(values["tilt"]) if values["tilt"] > 0.0 else 90.0
+    inputs[INK_LEFT] = painter.surface.ink.load.sum() / tuft.load
+    if k:
+        step = path.way[k] - path.way[k - 1]
+        chord = float(np.linalg.norm(step))
+        inputs[SPEED] = chord / (path.time_s[k] - path.time_s[k - 1])
+        if k > 1 and chord > 1e-6:
+            last = path.way[k - 1] - path.way[k - 2]
+            turned = math.atan2(float(np.linalg.norm(np.cross(last, step))), float(last @ step))
+            inputs[CURVATURE] = turned / chord
+    press = tuft.full_press / _factor(curves, STIFFNESS, inputs)
+    return tuft._replace(
+        full_press=min(press, tuft.greatest_fraction * tuft.length),
+        spread=tuft.spread * _factor(curves, SPREAD, inputs),
+    )
+
+
+def _beyond_solid(painted: Stamp, solid: Stamp) -> _Hairs | None:
+    """What a painted stamp of hairs is more than a solid tuft's; None where either is none."""
+    hairs, own = painted.values[0], solid.values[0]
+    if hairs["touches"] <= 0.0 or own["touches"] <= 0.0:
+        return None
+    n = PROFILE_CELLS + 1
+    wider = np.ones(n)
+    inside = solid.half_widths[:n] > 1e-3
+    wider[inside] = painted.half_widths[:n][inside] / solid.half_widths[:n][inside]
+    aside = float((hairs["origin"] - own["origin"]) @ own["cross"])
+    tip, heel = float(hairs["tip"] - own["tip"]), float(hairs["heel"] - own["heel"])
+    return _Hairs(tip, heel, np.minimum(wider, _WIDER), aside)
+
+
+def _pressed(
+    painter: Painter, pose: AnyArray, stamp: Stamp, tuft: Tuft, hairs: _Hairs | None
+) -> PressedTuft | None:
+    """What a stamp says of the tuft; None where it touches nothing."""
+    values = stamp.values[0]
+    if values["triangle"] < 0 or values["touches"] <= 0.0 or values["area"] <= 0.0:
+        return None
+    origin, widths = values["origin"].copy(), stamp.half_widths[: PROFILE_CELLS + 1].copy()
+    heel, tip = float(values["heel"]), float(values["tip"])
+    if hairs is not None and tip + hairs.tip > heel + hairs.heel:
+        heel, tip = heel + hairs.heel, tip + hairs.tip
+        origin += hairs.aside * values["cross"]
+        widths *= hairs.wider
+    return PressedTuft(
+        foot=values["foot"].copy(),
+        origin=origin,
+        normal=values["normal"].copy(),
+        bend=values["bend"].copy(),
+        descent=float(values["descent"]),
+        tilt=float(values["tilt"]),
+        pressure=float(values["pressure"]),
+        heel=heel,
+        tip=tip,
+        half_widths=widths,
+        spread=float(tuft.spread),
+        clumps=_clumps(painter, pose, values),
+    )
+
+
+def _clumps(painter: Painter, pose: AnyArray, values: AnyArray) -> Clumps | None:
+    """How the hairs have parted and set, as they remember it, for a bend in this pose."""
+    hairs = painter.hairs
+    if hairs is None:
+        return None
+    ahead = matrices_from_quaternions(pose[None, 3:7])[0][:, 0]
+    cosine, sine = float(ahead @ values["bend"]), -float(ahead @ values["cross"])
+    norm = math.hypot(cosine, sine)
+    cosine, sine = (cosine / norm, sine / norm) if norm > 1e-9 else (1.0, 0.0)
+    stays = math.exp(-max(float(values["descent"]), 0.0) / hairs.bristles.set_mm)
+    x, y = float(hairs.memory[0]), float(hairs.memory[1])
+    return Clumps(
+        hairs.bristles.clumps,
+        float(hairs.memory[PARTED]),
+        float(hairs.memory[SPLIT]),
+        stays * (cosine * x + sine * y),
+        stays * (cosine * y - sine * x),
+    )
