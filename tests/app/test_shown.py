@@ -19,7 +19,7 @@ from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
 from paint3d.colour.pigments import WATER, load_pigment
 from paint3d.view.live_picture import LivePicture
-from tests.support.app.gestures import KIND, answer, live, mouse, type_key, wait_for
+from tests.support.app.gestures import HAND, KIND, answer, live, mouse, type_key, wait_for
 from tests.support.app.pointers import Touching
 from tests.support.app.windows import faults, opened, settled
 
@@ -302,12 +302,28 @@ def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
         fingers.set({1: (at.x(), at.y())})
         (held,) = dishes.findChildren(QtCore.QTimer)
         wait_for(lambda: not held.isActive())
+        HAND.pass_by(1e-3 * held.interval())
     assert window.panels.inks.mixture() == {dishes.names[2]: 1.0}
     left = QtCore.Qt.MouseButton.LeftButton
     mouse(dishes, KIND.MouseButtonPress, at.x(), at.y(), left, left)
     mouse(dishes, KIND.MouseButtonRelease, at.x(), at.y(), left)
     settled(window)
     assert window.document.inks[0] == dishes.names[2]
+
+
+def test_a_tap_stays_short_however_late_a_busy_machine_sends_its_end(window) -> None:
+    dishes = window.panels.inks.dishes
+    window.panels.docks["inks"].raise_()
+    window.panels.inks.empty()
+    live(0.2)
+    at = dishes.box(1).center()
+    with Touching(dishes) as fingers:
+        fingers.set({1: (at.x(), at.y())})
+        (held,) = dishes.findChildren(QtCore.QTimer)
+        wait_for(lambda: not held.isActive())
+    settled(window)
+    assert window.panels.inks.mixture() == {}
+    assert window.document.inks[0] == dishes.names[1]
 
 
 def test_the_list_of_keys_opens_and_names_pens_and_fingers(window) -> None:
