@@ -299,7 +299,7 @@ def test_no_room_is_a_drawer() -> None:
     assert crowded == {}
 
 
-@pytest.mark.parametrize(("hairs", "most"), [(0, 21), (50, 28)])
+@pytest.mark.parametrize(("hairs", "most"), [(0, 22), (50, 29)])
 def test_a_sample_visits_few_files(hairs: int, most: int, tmp_path: Path) -> None:
     """From being read to its vertices' colours: files of functions that run, without `core`."""
     surface = PaintedSurface(sheet(flat, (20.0, 20.0), 2.0))

@@ -17,8 +17,9 @@ import numpy as np
 from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.core.kernel import uncounted
 
-__all__ = ["ROWS", "WORK_ROWS", "weigh_block", "weigh_standing"]
+__all__ = ["AREA_STEPS", "ROWS", "WORK_ROWS", "weigh_block", "weigh_standing", "weighed_area"]
 
+AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
 # distances at the stamp before and at the stamp after, to the near side and to the far side
 WORK_ROWS = 8  # of the same, that `weigh_block` works in: the last two are share and cover
@@ -363,3 +364,17 @@ def weigh_standing(n, sweep, block):
         out_x[i], out_y[i] = xs[k], ys[k]
         out_share[i], out_cover[i] = _covered(inner[k]) * stretch[k], cover[k]
     return kept
+
+
+@uncounted(error_model="numpy")
+def weighed_area(field, ids, share, n):
+    """Area that the found vertices stand for, weighed, mm2.
+
+    Summed in whole numbers, so that the order in which vertices are found, which depends on what
+    was refined before, cannot change a bit of it.
+    """
+    areas, unit = field.area_units, field.area_unit
+    total = np.int64(0)
+    for k in range(n):
+        total += np.int64(share[k] * areas[ids[k]] * unit * AREA_STEPS)
+    return total / AREA_STEPS

@@ -35,6 +35,7 @@ _CELLS, _STEPS = 8, 8  # of the noise's lattice to a period, and of the table to
 _SIDE = _CELLS * _STEPS
 _MASK = _SIDE - 1
 _SHIFT, _SHIFT2 = 6, 12  # powers of 2 in the side of the table, and in a layer
+_UMASK, _USHIFT, _UONE = np.uint32(_MASK), np.uint32(_SHIFT), np.uint32(1)
 _LEVELS = 32.0  # of the table, to a standard deviation
 _ASKEW = np.array(  # a turn by 1 rad about (1, 2, 3): how the tooth lies in space
     [
@@ -158,7 +159,7 @@ def _find_way(before, after):
 
 @uncounted(error_model="numpy")
 def dry_contact(level, before, after, bundles, field, ink):
-    """What the vertices of a sweep share; docs/model.md, equation (12).
+    """What the vertices of a sweep share; docs/model.md, equation (13).
 
     Parameters
     ----------
@@ -246,10 +247,12 @@ def _add_tooth(n, contact, noise, block):
         less = np.float32(look * _THINS)
         if look == 0:
             for k in range(n):
-                high[k] = coarse * noise[coarse_at[k]] + fine * noise[fine_at[k]]
+                i, j = np.uint32(coarse_at[k]), np.uint32(fine_at[k])
+                high[k] = coarse * noise[i] + fine * noise[j]
         else:
             for k in range(n):
-                behind = coarse * noise[coarse_at[k]] + fine * noise[fine_at[k]] - less
+                i, j = np.uint32(coarse_at[k]), np.uint32(fine_at[k])
+                behind = coarse * noise[i] + fine * noise[j] - less
                 high[k] = max(high[k], behind)
 
 
@@ -292,13 +295,15 @@ def _add_bundles(n, noise, layer, per_across, per_along, strength, block):
         side[k], ahead[k] = x - p, y - q
         i_at[k], j_at[k] = np.int32(p) & _MASK, np.int32(q) & _MASK
     first, factor = layer << _SHIFT2, np.float32(strength)
+    table = noise[first : first + _SIDE * _SIDE]
     for k in range(n):
-        i, j = i_at[k], j_at[k]
-        low, high = first + (i << _SHIFT), first + (((i + 1) & _MASK) << _SHIFT)
-        j1 = (j + 1) & _MASK
+        i, j = np.uint32(i_at[k]), np.uint32(j_at[k])  # no sign: no index from the table's end
+        low, high = i << _USHIFT, ((i + _UONE) & _UMASK) << _USHIFT
+        j1 = (j + _UONE) & _UMASK
         t, s = side[k], ahead[k]
-        near = noise[low + j] + t * (np.float32(noise[high + j]) - noise[low + j])
-        far = noise[low + j1] + t * (np.float32(noise[high + j1]) - noise[low + j1])
+        a, b = np.float32(table[low | j]), np.float32(table[high | j])
+        c, d = np.float32(table[low | j1]), np.float32(table[high | j1])
+        near, far = a + t * (b - a), c + t * (d - c)
         supply[k] += factor * (near + s * (far - near))
 
 
@@ -346,7 +351,7 @@ def _touch(n, contact, after, ink, block):
 def thin_contact(contact, after, found, n, field, ink, block):
     """Take what the tuft does not touch out of the vertices found; return how many stay.
 
-    The share touched is docs/model.md, equation (12).
+    The share touched is docs/model.md, equation (13).
 
     Parameters
     ----------
@@ -361,17 +366,20 @@ def thin_contact(contact, after, found, n, field, ink, block):
     """
     ids, share, cover, lanes = found.ids, found.share, found.cover, found.lanes
     xs, ys, zs, touched = block.rows[0], block.rows[1], block.rows[2], block.rows[6]
-    kept = 0
+    kept = np.uint32(0)
     for first in range(0, n, xs.shape[0]):
         m = min(xs.shape[0], n - first)
+        last = first + m
+        own_ids, own_lanes = ids[first:last], lanes[first:last]
+        own_share, own_cover = share[first:last], cover[first:last]
         for k in range(m):
-            v = ids[first + k]
+            v = np.uint32(own_ids[k])
             xs[k], ys[k], zs[k] = field.px[v], field.py[v], field.pz[v]
-        _begin_supply(m, contact, found.under[first : first + m], touched)
+        _begin_supply(m, contact, found.under[first:last], touched)
         _touch(m, contact, after, ink, block)
         for k in range(m):
-            ids[kept], lanes[kept] = ids[first + k], lanes[first + k]
-            share[kept] = share[first + k] * touched[k]
-            cover[kept] = cover[first + k] * touched[k]
-            kept += np.int64(touched[k] > _LEAST)
-    return kept
+            ids[kept], lanes[kept] = own_ids[k], own_lanes[k]
+            share[kept] = own_share[k] * touched[k]
+            cover[kept] = own_cover[k] * touched[k]
+            kept += np.uint32(touched[k] > _LEAST)
+    return np.int64(kept)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from paint3d.brush_engine.coverage import weigh_block
+from paint3d.brush_engine.coverage import weigh_block, weighed_area
 from paint3d.brush_engine.dry_contact import BUNDLE_MM, dry_contact, thin_contact
 from paint3d.brush_engine.footprint import Sweep, ink_way, outline_motion
 from paint3d.brush_engine.vertex_query import (
@@ -27,10 +27,10 @@ from paint3d.brush_engine.vertex_query import (
     take_run,
     vertices_of,
 )
+from paint3d.brush_engine.wet_film import level_shares
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
-    "AREA_STEPS",
     "PAINTED",
     "contact_level",
     "held_ink",
@@ -40,10 +40,8 @@ __all__ = [
     "note_covered",
     "sweep_deposit",
     "take_up_ink",
-    "weighed_area",
 ]
 
-AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _MOST_PASSES = 1000
@@ -150,20 +148,6 @@ def landing_share(area, width, weighed_area, found):
     if slack >= 0.9:
         return 1.0
     return min(1.0, weighed_area / area / (1.0 - slack))
-
-
-@uncounted(error_model="numpy")
-def weighed_area(field, ids, share, n):
-    """Area that the found vertices stand for, weighed, mm2.
-
-    Summed in whole numbers, so that the order in which vertices are found, which depends on what
-    was refined before, cannot change a bit of it.
-    """
-    areas, unit = field.area_units, field.area_unit
-    total = np.int64(0)
-    for k in range(n):
-        total += np.int64(share[k] * areas[ids[k]] * unit * AREA_STEPS)
-    return total / AREA_STEPS
 
 
 @uncounted(error_model="numpy")
@@ -370,6 +354,8 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
+    if level_shares(before, after, level, ink.transfer[0].grain, field, n, scratch):
+        weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
         deposit = _Deposit(released, landing, weighed)
         _leave_from_reservoirs(before, after, deposit, found, n, field, ink, scratch.taken)

@@ -11,6 +11,7 @@ from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
 from paint3d.brush_engine.footprint import BETWEEN_SHAPE, SWEEP
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
+from paint3d.brush_engine.wet_film import LINES
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 
@@ -81,6 +82,7 @@ class Scratch(NamedTuple):
     query: Query
     block: Block
     found: Found
+    lines: NDArray  # (3, LINES), of the footprint, along its way: both ends and what each gets
 
 
 def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
@@ -104,6 +106,7 @@ def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
         query=_make_query(mesh),
         block=_make_block(),
         found=_make_found(mesh),
+        lines=np.zeros((3, LINES)),
     )
 
 

@@ -36,7 +36,7 @@ SAUNDERSON = (0.03, 0.5)
 def layer_reflectance(
     absorption: ArrayLike, scattering: ArrayLike, coats: ArrayLike, backing: ArrayLike
 ) -> AnyArray:
-    """Reflectance of a layer over a backing, element by element (docs/model.md, equation (13)).
+    """Reflectance of a layer over a backing, element by element (docs/model.md, equation (14)).
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def to_internal(measured: ArrayLike, outer: float, inner: float) -> AnyArray:
 def mix_pigments(fractions: Mapping[str | Pigment, float]) -> tuple[AnyArray, AnyArray, bool]:
     """K and S (31,) per coat of a wet mixture, and whether its film is glossy.
 
-    docs/model.md, equation (15), for one coat.
+    docs/model.md, equation (16), for one coat.
 
     Parameters
     ----------

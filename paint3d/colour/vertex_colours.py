@@ -69,7 +69,7 @@ class ColourModel:
     """Colours of vertices that carry some of P pigments on one backing.
 
     Paint on a vertex covers a fraction c of its area, in one wet mixture; the colour is the mean
-    by area, (1 - c) bare + c layer, in linear RGB (docs/model.md, equation (16);
+    by area, (1 - c) bare + c layer, in linear RGB (docs/model.md, equation (17);
     Guo 2017, section 4.3).
 
     Parameters

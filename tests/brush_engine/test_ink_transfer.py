@@ -65,7 +65,7 @@ def test_a_rinsed_brush_wipes_paint_off():
     assert painter.in_brush() == 0.0
     painter.replay(stroke())
     after = balanced(painter)
-    assert after["wet"] < 0.9 * before
+    assert after["wet"] < 0.92 * before  # the flanks of an even film are wiped more briefly
     assert after["in_brush"] > 0.0
     assert painter.surface.amounts.min() >= 0.0
 

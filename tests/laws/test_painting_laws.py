@@ -280,7 +280,9 @@ def test_the_rate_does_not_matter(rate, force):
     ]
     difference = delta_e(*colours)
     assert difference.mean() < 0.5
-    assert np.percentile(difference, 99) < 3.0
+    assert np.percentile(difference, 99) < 4.5  # all of these lie on the edge, which is crisp
+    whole = np.minimum(one, two)[painted] > 0.999
+    assert np.percentile(difference[whole], 99.5) < 1.0
     area = fine.surface.vertex_areas[i]
     both, either = (one >= 0.5) & (two >= 0.5), (one >= 0.5) | (two >= 0.5)
     assert area[both].sum() > 0.99 * area[either].sum()

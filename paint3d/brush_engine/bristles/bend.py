@@ -25,7 +25,7 @@ from paint3d.core.kernel import kernel
 
 __all__ = [
     "ARCS", "BEND", "BLOCK", "FLAT", "SAMPLES", "Bristles", "Cause", "bend_hairs", "fill_bend",
-    "make_block", "make_points", "make_turned", "turn_hairs",
+    "find_clumps", "make_block", "make_points", "make_turned", "turn_hairs",
 ]  # fmt: skip
 
 SAMPLES = 8  # points of a hair
@@ -235,6 +235,16 @@ def turn_hairs(bristles, cosine, sine, out):
             row[_PULL3 + j] = points[cell] - even
         for j in range(BLOCK):
             row[_FLAT + j] -= row[BESIDE + j]
+
+
+@kernel(error_model="numpy")
+def find_clumps(known, j):
+    """Which clumps and point hair j of a block belongs to: the sum of their middles.
+
+    `known` (9 BLOCK,) is of `turn_hairs`.
+    """
+    even = np.float64(known[_FLAT + j]) + known[BESIDE + j]
+    return 3.0 * even + known[_PULL + j] + known[_PULL2 + j] + known[_PULL3 + j]
 
 
 @kernel(error_model="numpy")

@@ -27,20 +27,19 @@ from paint3d.brush_engine.bristles.contact import (
     add_up,
 )
 from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
-from paint3d.brush_engine.coverage import weigh_standing
+from paint3d.brush_engine.coverage import AREA_STEPS, weigh_standing, weighed_area
 from paint3d.brush_engine.dry_contact import dry_contact, thin_contact
 from paint3d.brush_engine.footprint import Sweep, outline_motion
 from paint3d.brush_engine.ink_transfer import (
-    AREA_STEPS,
     PAINTED,
     contact_level,
     landing_share,
     note_covered,
     take_up_ink,
-    weighed_area,
 )
 from paint3d.brush_engine.scratch import Found
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
+from paint3d.brush_engine.wet_film import level_shares
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
@@ -537,6 +536,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
+    level_shares(before, after, level, ink.transfer[0].grain, field, n, scratch)
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     for p in range(hairs.left.shape[0]):
         hairs.left[p] = hairs.released[p] * lands

@@ -94,7 +94,8 @@ class Hairs(NamedTuple):
     bins: NDArray  # (LEVEL_BINS, P + 1)
     released: NDArray  # (P,)
     left: NDArray  # (P,)
-    track: NDArray  # (2, TRACKED, TRACKED_POINTS, 4): where outer hairs were and are; near or not
+    track: NDArray  # (2, TRACKED, TRACKED_POINTS, 4): where outer hairs were and are; near the
+    # surface the sum of their clumps' middles, else NaN
     imprint: Imprint
 
 
@@ -127,6 +128,6 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray) -> Hairs:
         bins=np.zeros((LEVEL_BINS, n_pigments + 1)),
         released=np.zeros(n_pigments),
         left=np.zeros(n_pigments),
-        track=np.zeros((2, TRACKED, TRACKED_POINTS, 4)),
+        track=np.full((2, TRACKED, TRACKED_POINTS, 4), np.nan),
         imprint=make_imprint(n_pigments),
     )

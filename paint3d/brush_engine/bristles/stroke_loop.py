@@ -21,6 +21,7 @@ from paint3d.brush_engine.bristles.bend import (
     Cause,
     bend_hairs,
     fill_bend,
+    find_clumps,
     turn_hairs,
 )
 from paint3d.brush_engine.bristles.contact import find_contacts, find_landings
@@ -62,6 +63,7 @@ _SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
 _FINEST = 0.25  # of the vertex spacing: nothing finer is drawn
 _LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in the handle
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
+_SAME_CLUMPS = 1e-4  # that the sum of their middles differs at the most: rounding
 _MOST_WAY = 0.5  # of the vertex spacing
 _MOST_BEND = 1.0 / 16.0  # of the vertex spacing
 
@@ -307,12 +309,14 @@ def _remember(before, after, tuft, hairs, ink):
 
 @uncounted(error_model="numpy")
 def _track(stamp, hairs, rows):
-    """Where the outer hairs' points are in space, and which are on the surface or near it."""
+    """Where the outer hairs' points are in space; of those on the surface or near it the hair's
+    clumps too, by the sum of their middles."""
     values, points = stamp.values[0], hairs.points
     count = hairs.load.shape[0]
     for n in range(TRACKED):
         i = max(0, count - 1 - n)
         g, j = i // BLOCK, i % BLOCK
+        clumps = find_clumps(hairs.turned[g], j)
         for k in range(TRACKED_POINTS):
             x, y = np.float64(points[g, k, j]), np.float64(points[g, k, BLOCK + j])
             z = np.float64(points[g, k, 2 * BLOCK + j])
@@ -321,7 +325,7 @@ def _track(stamp, hairs, rows):
                     values.origin[axis] + x * values.bend[axis]
                     + y * values.cross[axis] + z * values.normal[axis]
                 )  # fmt: skip
-            rows[n, k, 3] = 1.0 if z < _NEAR else 0.0
+            rows[n, k, 3] = clumps if z < _NEAR else np.nan
 
 
 @kernel(error_model="numpy")
@@ -332,13 +336,17 @@ def _keep_track(track):
 
 @uncounted(error_model="numpy")
 def _fastest(before, after, track):
-    """How far the fastest hair moved on the surface between two stamps, mm."""
+    """How far the fastest hair moved on the surface between two stamps, mm.
+
+    One that went over to other clumps does not count: while the tuft turns, hairs of parted clumps
+    jump, and no step is so short that they do not.
+    """
     if before.values[0].touches <= 0.0 or after.values[0].touches <= 0.0:
         return outline_motion(before, after)
     most = 0.0
     for n in range(TRACKED):
         for k in range(TRACKED_POINTS):
-            if track[0, n, k, 3] > 0.0 and track[1, n, k, 3] > 0.0:
+            if abs(track[1, n, k, 3] - track[0, n, k, 3]) < _SAME_CLUMPS:
                 d2 = 0.0
                 for axis in range(3):
                     d2 += (track[1, n, k, axis] - track[0, n, k, axis]) ** 2

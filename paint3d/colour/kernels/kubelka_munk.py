@@ -92,8 +92,8 @@ def layer_bands(absorption, scattering, thickness, backing, reflected, alone, th
 
     MODEL: p = sqrt(K (K + 2 S)), q = tanh(p X)/p, which is X where p vanishes;
     R = (Rg + q (S (1 - Rg) - K Rg)) / (1 + q (K + S (1 - Rg))),
-    R0 = q S / (1 + q (K + S)), T = sech(p X) / (1 + q (K + S)) (docs/model.md, equations (13) and
-    (14); Kubelka 1948 in a form without division by K or S). Right at every limit; 8 ns a
+    R0 = q S / (1 + q (K + S)), T = sech(p X) / (1 + q (K + S)) (docs/model.md, equations (14) and
+    (15); Kubelka 1948 in a form without division by K or S). Right at every limit; 8 ns a
     wavelength.
 
     Parameters
@@ -136,7 +136,7 @@ def fill_layers(wet, start, size, layer, cover):
 def mix_paints(paints, layer, black, white):
     """K X and S X (BLOCK,) of the pigments' coats together; `paints` (P, 2) is one band's.
 
-    docs/model.md, equation (15).
+    docs/model.md, equation (16).
     """
     black[:] = np.float32(0.0)
     white[:] = np.float32(0.0)
@@ -151,7 +151,7 @@ def mix_paints(paints, layer, black, white):
 def shine(k, s, ground):
     """Numerator and denominator of the reflectance R of a layer with K X = k and S X = s.
 
-    docs/model.md, equation (13), both times Q of `TANH_RATIO`, or p X beyond it.
+    docs/model.md, equation (14), both times Q of `TANH_RATIO`, or p X beyond it.
     """
     one = np.float32(1.0)
     p1, p2 = np.float32(TANH_RATIO[0][1]), np.float32(TANH_RATIO[0][2])
@@ -170,8 +170,8 @@ def mixture_colours(wet, film, shown):
     """Colour of vertices with any mixture of P pigments, from W bands.
 
     With X_i = amount_i / coverage the wet paint of a vertex is one layer with K X = sum K_i X_i
-    and S X = sum S_i X_i (docs/model.md, equation (15)); its linear RGB is mixed by area with the
-    bare surface: (1 - c) bare + c layer (equation (16)). Cost: 1.6 ns a band and vertex at P = 3.
+    and S X = sum S_i X_i (docs/model.md, equation (16)); its linear RGB is mixed by area with the
+    bare surface: (1 - c) bare + c layer (equation (17)). Cost: 1.6 ns a band and vertex at P = 3.
 
     Parameters
     ----------
