@@ -29,6 +29,7 @@ __all__ = ["solve_bending", "tabulate_bending"]
 _ITERATIONS = 80
 _LONGEST_TURN = 0.3  # rad, the most that one step may turn an arc
 _TOLERANCE = 1e-11
+_ROUNDING = 1e-8  # rad, between which a shape may go to and fro on some processors for ever
 _LYING = 2.0  # of the descent: arcs so far from the tip stand straight in the first guess
 
 
@@ -99,7 +100,7 @@ def solve_bending(lengths, stiffness, tilt, height, multiplier, angles):
     multiplier : float
         NaN where the iteration did not settle.
     """
-    m = lengths.shape[0]
+    m, largest = lengths.shape[0], math.inf
     diagonal, off, ratio = np.empty(m), np.empty(m), np.empty(m)
     step, border, slopes = np.empty(m), np.empty(m), np.empty(m)
     for _ in range(_ITERATIONS):
@@ -134,7 +135,7 @@ def solve_bending(lengths, stiffness, tilt, height, multiplier, angles):
         clipped = _turn(angles, first, scale, step)
         if largest < _TOLERANCE and not clipped:
             return multiplier
-    return math.nan
+    return multiplier if largest < _ROUNDING else math.nan
 
 
 @kernel
