@@ -53,6 +53,7 @@ __all__ = [
     "Progress",
     "Samples",
     "copy_stamp",
+    "drive_factor",
     "end_interval",
     "foot_motion",
     "make_progress",
@@ -299,7 +300,8 @@ def read_inputs(samples, i, t, pose, before, tuft, ink, inputs):
 
 
 @uncounted
-def _factor(curves, setting):
+def drive_factor(curves, setting):
+    """By how much the inputs of the curves, as they are, drive a setting."""
     factor = 1.0
     for n in range(N_INPUTS):
         count = curves.counts[setting, n]
@@ -318,8 +320,8 @@ def drive(samples, i, t, pose, before, tuft, ink, curves):
     if curves.any[0] == 0:
         return tuft
     read_inputs(samples, i, t, pose, before, tuft, ink, curves.inputs)
-    stiffness = _factor(curves, STIFFNESS)
-    ink.transfer[0].capacity = tuft.load / _factor(curves, WETNESS)
+    stiffness = drive_factor(curves, STIFFNESS)
+    ink.transfer[0].capacity = tuft.load / drive_factor(curves, WETNESS)
     return Tuft(
         tuft.arcs,
         tuft.diameters,
@@ -335,9 +337,9 @@ def drive(samples, i, t, pose, before, tuft, ink, curves):
         min(tuft.full_press / stiffness, tuft.greatest_fraction * tuft.length),
         tuft.spring * stiffness,
         tuft.max_force,
-        tuft.spread * _factor(curves, SPREAD),
+        tuft.spread * drive_factor(curves, SPREAD),
         tuft.load,
-        tuft.transfer_per_mm * _factor(curves, LOAD),
+        tuft.transfer_per_mm * drive_factor(curves, LOAD),
         tuft.drag_fraction,
         tuft.plasticity,
     )

@@ -39,7 +39,6 @@ AROUND = 44  # points around a section of the tuft, and of the handle
 _HAIR_RELIEF = (0.05, 0.2)  # of the radius, and mm at most: how far hairs stand out of a section
 _GATHERED = 0.5  # of the length from the root, over which the spread fades
 _POINTED = 0.07  # of the length: the more, the finer the tip of a tuft that hangs free
-_POINTS = 0.5  # as `brush_engine.bristles.bend` has it: how far hairs come to their points' middles
 _OUTLINE_POINTS = 33  # of either side, from the heel to the tip
 _TORN = 0.25  # mm: columns of two points that part farther are not joined
 _OWN_SECTION = 0.8  # mm that points part, until each has a section of its own
@@ -261,7 +260,7 @@ def _part(points: AnyArray, arc: AnyArray, clumps: Clumps) -> None:
     pull, at, _ = _pulls(clumps)
     aside = np.minimum(1.0, 1.6 * free) * np.abs(points[..., 1]).max(axis=1)
     points[..., 1] += aside[:, None] * pull
-    apart = np.minimum(1.0, aside * _POINTS * clumps.split / _OWN_SECTION)[:, None]
+    apart = np.minimum(1.0, aside * clumps.pulls[2] / _OWN_SECTION)[:, None]
     thin = 1.0 - apart * (1.0 - np.sqrt(1.0 - at * at))
     for axis in (0, 2):
         middle = points[..., axis].mean(axis=1, keepdims=True)
@@ -275,9 +274,7 @@ def _pulls(clumps: Clumps) -> tuple[AnyArray, AnyArray, AnyArray]:
     cells = clumps.middles.shape[1]
     cell = np.minimum(cells - 1, ((even + 1.0) * 0.5 * cells).astype(int))
     large, small, point = clumps.middles[:, cell] - even
-    parted = clumps.parted
-    pull = 0.5 * parted * large + (1.0 - 0.5 * parted) * 0.85 * parted * small
-    pull = pull + _POINTS * clumps.split * point
+    pull = clumps.pulls @ np.stack([large, small, point])
     rim = np.where(even > 0.0, pull[np.argmax(even)], pull[np.argmin(even)])
     ends = np.append(np.flatnonzero(np.diff(clumps.middles[2])) + 1, cells)
     which = np.searchsorted(ends, cell, side="right")

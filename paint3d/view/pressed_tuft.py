@@ -18,10 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.bristles.bend import share_pulls
 from paint3d.brush_engine.bristles.state import PARTED, SPLIT
 from paint3d.brush_engine.footprint import PROFILE_CELLS, Stamp, make_stamp
 from paint3d.brush_engine.placement import place_stamp
 from paint3d.brush_engine.scratch import Scratch, make_scratch
+from paint3d.brush_engine.stroke_loop import drive_factor
 from paint3d.brush_engine.tuft import (
     CURVATURE,
     INK_LEFT,
@@ -31,7 +33,6 @@ from paint3d.brush_engine.tuft import (
     SPREAD,
     STIFFNESS,
     TILT,
-    Curves,
     Tuft,
 )
 from paint3d.core.quaternion import matrices_from_quaternions
@@ -56,15 +57,14 @@ class Clumps:
     ----------
     middles : (3, N) float32
         Where in [-1, 1] across the tuft the middle of a place's clump is: large, small, points.
-    parted, split : float
-        How far clumps have parted, and points, 0 to 1.
+    pulls : (3,) float64
+        How far hairs have come to these middles, 0 to 1.
     set_x, set_y : float
         Where the bend that stays carries the tip, along and across the bend, mm.
     """
 
     middles: NDArray[np.float32]
-    parted: float
-    split: float
+    pulls: NDArray[np.float64]
     set_x: float
     set_y: float
 
@@ -75,9 +75,9 @@ class PressedTuft:
 
     Attributes
     ----------
-    foot, origin, normal, bend : (3,) float64
-        As in a stamp's geometry: the place under the brush, where the outline is counted from in
-        the plane, the plane's normal, and the direction in it from the root's foot to the tip.
+    origin, normal, bend : (3,) float64
+        As in a stamp's geometry: where the outline is counted from in the plane, the plane's
+        normal, and the direction in it from the root's foot to the tip.
     descent, tilt, pressure : float
         D_s (mm), theta (rad), and pe of Eq. 2.
     heel, tip : float
@@ -90,7 +90,6 @@ class PressedTuft:
         None in a solid tuft.
     """
 
-    foot: NDArray[np.float64]
     origin: NDArray[np.float64]
     normal: NDArray[np.float64]
     bend: NDArray[np.float64]
@@ -111,7 +110,7 @@ class PressedTuft:
         if self.clumps is None:
             return (*places, *pressed)
         own = self.clumps
-        return (*places, *pressed, own.parted, own.split, own.set_x, own.set_y)
+        return (*places, *pressed, *own.pulls, own.set_x, own.set_y)
 
 
 @dataclass(frozen=True)
@@ -195,22 +194,12 @@ def _between(before: AnyArray, after: AnyArray, length: float) -> AnyArray:
     return poses
 
 
-def _factor(curves: Curves, setting: int, inputs: AnyArray) -> float:
-    """By how much the inputs drive a setting."""
-    factor = 1.0
-    for n, count in enumerate(curves.counts[setting]):
-        if count:
-            points = curves.points[setting, n, :count]
-            factor *= float(np.interp(inputs[n], points[:, 0], points[:, 1]))
-    return factor
-
-
 def _driven(painter: Painter, path: BrushPath, k: int, stamp: Stamp) -> Tuft:
     """The tuft as the hand drives it at sample k: how far it bends and spreads."""
-    tuft, curves, values = painter.tuft, painter.curves, stamp.values[0]
-    if not curves.any[0]:
+    tuft, values, inputs = painter.tuft, stamp.values[0], np.zeros(N_INPUTS)
+    if not painter.curves.any[0]:
         return tuft
-    inputs = np.zeros(N_INPUTS)
+    curves = painter.curves._replace(inputs=inputs)  # not those that painting fills
     inputs[PRESSURE] = values["pressure"] if path.pressure is None else path.pressure[k]
     inputs[TILT] = math.degrees(values["tilt"]) if values["tilt"] > 0.0 else 90.0
     inputs[INK_LEFT] = painter.surface.ink.load.sum() / tuft.load
@@ -222,10 +211,10 @@ def _driven(painter: Painter, path: BrushPath, k: int, stamp: Stamp) -> Tuft:
             last = path.way[k - 1] - path.way[k - 2]
             turned = math.atan2(float(np.linalg.norm(np.cross(last, step))), float(last @ step))
             inputs[CURVATURE] = turned / chord
-    press = tuft.full_press / _factor(curves, STIFFNESS, inputs)
+    press = tuft.full_press / drive_factor(curves, STIFFNESS)
     return tuft._replace(
         full_press=min(press, tuft.greatest_fraction * tuft.length),
-        spread=tuft.spread * _factor(curves, SPREAD, inputs),
+        spread=tuft.spread * drive_factor(curves, SPREAD),
     )
 
 
@@ -257,7 +246,6 @@ def _pressed(
         origin += hairs.aside * values["cross"]
         widths *= hairs.wider
     return PressedTuft(
-        foot=values["foot"].copy(),
         origin=origin,
         normal=values["normal"].copy(),
         bend=values["bend"].copy(),
@@ -283,10 +271,11 @@ def _clumps(painter: Painter, pose: AnyArray, values: AnyArray) -> Clumps | None
     cosine, sine = (cosine / norm, sine / norm) if norm > 1e-9 else (1.0, 0.0)
     stays = math.exp(-max(float(values["descent"]), 0.0) / hairs.bristles.set_mm)
     x, y = float(hairs.memory[0]), float(hairs.memory[1])
+    pulls = np.empty(3)
+    share_pulls(float(hairs.memory[PARTED]), float(hairs.memory[SPLIT]), pulls)
     return Clumps(
         hairs.bristles.clumps,
-        float(hairs.memory[PARTED]),
-        float(hairs.memory[SPLIT]),
+        pulls,
         stays * (cosine * x + sine * y),
         stays * (cosine * y - sine * x),
     )

@@ -123,7 +123,7 @@ def test_the_brush_is_shown_before_it_touches(easel):
     frame = frames_until_still(easel)[-1]
     assert frame.brush.load == 1.0
     assert not frame.brush.painting
-    assert frame.brush.contact is None
+    assert frame.brush.pressed is None
     np.testing.assert_allclose(frame.brush.position[:2], [5, 6], atol=1e-3)
     assert frame.brush.srgb.max() < 60
 

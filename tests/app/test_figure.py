@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import view_brush
 from paint3d.app.model.input.standing import root_over
+from paint3d.brush_engine.bristles.state import PARTED, SPLIT
 from paint3d.core.quaternion import matrices_from_quaternions, quaternions_from_matrices
 from paint3d.device.sample import DeviceSample
 from paint3d.view import brush_shape
@@ -88,9 +89,21 @@ def rested(samples, n=4):
     return [replace(last, time_ns=last.time_ns + 4_000_000 * (k + 1)) for k in range(n)]
 
 
+def painted(mesh, brush, *how, azimuth="commanded"):
+    """A document with such a stroke, all of which is painted, and its last sample."""
+    document = Document.new(mesh, 1.0, "porcelain", brush=brush)
+    document.painter.azimuth = azimuth
+    samples = stroke(document, *how)
+    samples += rested(samples)
+    document.begin_stroke()
+    for k in range(0, len(samples), 16):
+        document.feed(samples[k : k + 16])
+    return document, samples[-1]
+
+
 def stand_of(document, view):
     axes = matrices_from_quaternions(view.orientation[None])[0]
-    return BrushStand.of(document.painter.tuft, view.position, axes, view.contact)
+    return BrushStand.of(document.painter.tuft, view.position, axes, view.pressed)
 
 
 def painted_outline(stamp):
@@ -154,15 +167,8 @@ def assert_alike(document, view):
 def test_the_figure_lies_where_the_stamp_does(
     mesh, brush, azimuth, tilt, aside, pressure, turn
 ) -> None:
-    document = Document.new(mesh, 1.0, "porcelain", brush=brush)
-    document.painter.azimuth = azimuth
-    samples = stroke(document, tilt, aside, pressure, turn)
-    samples += rested(samples)
-    document.begin_stroke()
-    for k in range(0, len(samples), 16):
-        document.feed(samples[k : k + 16])
-    view = view_brush(document, samples[-1])
-    assert_alike(document, view)
+    document, last = painted(mesh, brush, tilt, aside, pressure, turn, azimuth=azimuth)
+    assert_alike(document, view_brush(document, last))
     if turn:
         assert document.painter.stamp.values[0]["bent"] < 0.2  # it lies in a heap
 
@@ -174,20 +180,16 @@ def test_before_the_painter_comes_there_the_figure_has_gone_on() -> None:
     samples = stroke(document, 70, 0, 0.6, 0)
     document.begin_stroke()
     document.feed(samples)
-    behind = document.painter.stamp.values[0]["foot"].copy()
+    behind = document.painter.stamp.values[0]["origin"].copy()
     view = view_brush(document, samples[-1])
-    assert np.linalg.norm(behind - view.contact.foot) > 0.5
+    assert np.linalg.norm(behind - view.pressed.origin) > 0.5
     document.feed(rested(samples))
     assert_alike(document, view)
 
 
 def test_in_a_bowl_all_that_lies_is_seen() -> None:
-    document = Document.new("bowl", 1.0, "porcelain", brush="full")
-    samples = stroke(document, 40, 0, 0.8, 0)
-    samples += rested(samples)
-    document.begin_stroke()
-    document.feed(samples)
-    tuft, stand = document.painter.tuft, stand_of(document, view_brush(document, samples[-1]))
+    document, last = painted("bowl", "full", 40, 0, 0.8, 0)
+    tuft, stand = document.painter.tuft, stand_of(document, view_brush(document, last))
     rings, _ = tuft_rings(tuft, stand)
     normal, tree = stand.axes[2], document.surface.contact_tree
     lies = (rings - stand.origin) @ normal < 0.13
@@ -200,15 +202,11 @@ def test_in_a_bowl_all_that_lies_is_seen() -> None:
 
 
 def test_a_tuft_that_has_split_is_drawn_apart() -> None:
-    document = Document.new("plane", 1.0, "porcelain", brush="feibai")
-    samples = stroke(document, 70, 0, 0.6, 0)
-    samples += rested(samples)
-    document.begin_stroke()
-    document.feed(samples)
+    document, last = painted("plane", "feibai", 70, 0, 0.6, 0)
     drawn = []
     for split in (0.0, 1.0):
-        document.painter.hairs.memory[2], document.painter.hairs.memory[5] = 0.0, split
-        stand = stand_of(document, view_brush(document, samples[-1]))
+        document.painter.hairs.memory[[PARTED, SPLIT]] = 0.0, split
+        stand = stand_of(document, view_brush(document, last))
         tuft = document.painter.tuft
         rings, _ = tuft_rings(tuft, stand)
         drawn.append((rings @ stand.axes[1], torn_faces(tuft, stand.pressed)))

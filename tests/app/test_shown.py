@@ -292,17 +292,24 @@ def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
     inks.empty()
 
 
-def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
+def touch_a_dish(window, k: int, held_s: float | None = None) -> QtCore.QPointF:
+    """Lay a finger on dish k until its plus is shown, and in the hand's time so long."""
     dishes = window.panels.inks.dishes
     window.panels.docks["inks"].raise_()
     window.panels.inks.empty()
     live(0.2)
-    at = dishes.box(2).center()
+    at = dishes.box(k).center()
     with Touching(dishes) as fingers:
         fingers.set({1: (at.x(), at.y())})
         (held,) = dishes.findChildren(QtCore.QTimer)
         wait_for(lambda: not held.isActive())
-        HAND.pass_by(1e-3 * held.interval())
+        HAND.pass_by(1e-3 * held.interval() if held_s is None else held_s)
+    return at
+
+
+def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
+    dishes = window.panels.inks.dishes
+    at = touch_a_dish(window, 2)
     assert window.panels.inks.mixture() == {dishes.names[2]: 1.0}
     left = QtCore.Qt.MouseButton.LeftButton
     mouse(dishes, KIND.MouseButtonPress, at.x(), at.y(), left, left)
@@ -313,14 +320,7 @@ def test_a_long_press_stirs_and_a_short_one_dips(window) -> None:
 
 def test_a_tap_stays_short_however_late_a_busy_machine_sends_its_end(window) -> None:
     dishes = window.panels.inks.dishes
-    window.panels.docks["inks"].raise_()
-    window.panels.inks.empty()
-    live(0.2)
-    at = dishes.box(1).center()
-    with Touching(dishes) as fingers:
-        fingers.set({1: (at.x(), at.y())})
-        (held,) = dishes.findChildren(QtCore.QTimer)
-        wait_for(lambda: not held.isActive())
+    touch_a_dish(window, 1, held_s=0.0)
     settled(window)
     assert window.panels.inks.mixture() == {}
     assert window.document.inks[0] == dishes.names[1]

@@ -27,7 +27,7 @@ class BrushView:
     orientation : (4,) float64
         object_from_pen, w first.
     pressure : float or None
-    contact : PressedTuft or None
+    pressed : PressedTuft or None
         How its tuft lies on the surface; None where it touches nothing.
     srgb : (3,) uint8
         Colour of the ink in it; of dry hair where it is empty.
@@ -40,7 +40,7 @@ class BrushView:
     position: NDArray[np.float64]
     orientation: NDArray[np.float64]
     pressure: float | None
-    contact: PressedTuft | None
+    pressed: PressedTuft | None
     srgb: NDArray[np.uint8]
     load: float
     painting: bool

@@ -346,7 +346,7 @@ class Stage:
         if seen is not None:
             held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
             stood += (*seen.position, *seen.orientation, *held)
-            stood += seen.contact.numbers if seen.contact is not None else ()
+            stood += seen.pressed.numbers if seen.pressed is not None else ()
         if stood == self._stood:
             return
         self._stood = stood
@@ -361,7 +361,7 @@ class Stage:
             self._brush.hide()
             return
         axes = matrices_from_quaternions(seen.orientation[None])[0]
-        stand = BrushStand.of(painter.tuft, seen.position, axes, seen.contact)
+        stand = BrushStand.of(painter.tuft, seen.position, axes, seen.pressed)
         tree = self.open_easel.document.surface.contact_tree
         red, green, blue = (int(code) for code in seen.srgb)
         self._brush.show(stand, tree, self._open_object.light.axes, (red, green, blue), seen.load)
@@ -375,8 +375,7 @@ class Stage:
 
 def _moved(seen: BrushView, shift: AnyArray) -> BrushView:
     """The brush as it stands, elsewhere (mm)."""
-    contact = seen.contact
-    if contact is not None:
-        foot, origin = contact.foot + shift, contact.origin + shift
-        contact = dataclasses.replace(contact, foot=foot, origin=origin)
-    return dataclasses.replace(seen, position=seen.position + shift, contact=contact)
+    pressed = seen.pressed
+    if pressed is not None:
+        pressed = dataclasses.replace(pressed, origin=pressed.origin + shift)
+    return dataclasses.replace(seen, position=seen.position + shift, pressed=pressed)

@@ -25,7 +25,7 @@ from paint3d.core.kernel import kernel
 
 __all__ = [
     "ARCS", "BEND", "BLOCK", "FLAT", "SAMPLES", "Bristles", "Cause", "bend_hairs", "fill_bend",
-    "find_clumps", "make_block", "make_points", "make_turned", "turn_hairs",
+    "find_clumps", "make_block", "make_points", "make_turned", "share_pulls", "turn_hairs",
 ]  # fmt: skip
 
 SAMPLES = 8  # points of a hair
@@ -356,20 +356,28 @@ def _shape_section(bristles, tuft, cause, at, bend):
             bend.per_step[k] = 4.0 / ((ARCS[k + 1] - ARCS[k]) * length)
 
 
+@kernel
+def share_pulls(parted, split, out):
+    """Fill `out` (3,): how far hairs come to the middles of large and small clumps, and of points.
+
+    From how far the tuft has parted and split, 0 to 1.
+    """
+    out[0] = 0.5 * parted
+    out[1] = (1.0 - 0.5 * parted) * 0.85 * parted
+    out[2] = _POINTED * split
+
+
 @kernel(error_model="numpy")
 def _remember_bend(bristles, cause, bend):
     """The bend that stays in the tuft, as far as it is not pressed out, and its clumps."""
     stays = np.exp(-max(cause.descent, 0.0) / bristles.set_mm)
-    parted = cause.parted
     for k in range(SAMPLES):
         free = 1.0 - ARCS[k]
         bend.free[k] = min(1.0, 1.6 * free)
         keep = free * free * stays
         bend.shift_x[k] = cause.set_x * keep
         bend.shift_y[k] = cause.set_y * keep
-    bend.part[0] = 0.5 * parted
-    bend.part[1] = (1.0 - 0.5 * parted) * 0.85 * parted
-    bend.part[2] = _POINTED * cause.split
+    share_pulls(cause.parted, cause.split, bend.part)
     bend.flat = min(1.0, 3.0 * cause.pressure)
 
 
