@@ -26,7 +26,7 @@ def bristles(file: Path, _glyphs: Path) -> None:
     """Rows by hairs (the last is solid), columns by how much ink is left."""
     mesh = sheet(COLUMN * len(LOADS), ROW * len(COUNTS))
     surface, chart = PaintedSurface(mesh, 0.22, "xuan"), sheet_chart(mesh)
-    wave = np.linspace(-24.0, 24.0, 25)
+    wave = np.linspace(-24.0, 24.0, 241)
     press = 0.42 * np.clip(np.minimum(wave + 24.0, 24.0 - wave) / 9.0, 0.0, 1.0)
     for i, count in enumerate(COUNTS):
         for j, load in enumerate(LOADS):
@@ -48,7 +48,7 @@ def feibai(file: Path, _glyphs: Path) -> None:
         chart = make_chart(closest, place(closest, (0.5, 0.5)), 55.0, 30.0)
         painter = Painter(surface, "full", "pine soot", hairs=count)
         painter.wipe(0.74)
-        turn = np.linspace(0.0, 1.0, 30)
+        turn = np.linspace(0.0, 1.0, 300)
         arch = np.column_stack([-46.0 + 92.0 * turn, 6.0 + 9.0 * np.sin(np.pi * turn)])
         press = 0.62 * np.clip(np.minimum(6.0 * turn, 9.0 * (1.0 - turn)), 0.0, 1.0)
         painter.replay(stroke(chart, arch, press))
