@@ -30,6 +30,7 @@ from paint3d.calligraphy.metrics import (
 )
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
+from paint3d.colour.spectra import RGB_FROM_XYZ, decode_srgb
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
 from paint3d.mesh.chart import SurfaceChart, make_chart
@@ -67,6 +68,9 @@ class Desk:
         Its azimuth is also the painter's.
     layout : Layout
         Where on the object.
+    seen : bool
+        Whether the painting's colours are compared, half-way from the ground to the ink in linear
+        light, and not what is under paint.
     """
 
     glyphs: Path | str
@@ -76,6 +80,7 @@ class Desk:
     brush: str | None = None
     settings: PlanSettings = field(default_factory=PlanSettings)
     layout: Layout = field(default_factory=Layout)
+    seen: bool = False
 
     @property
     def brush_name(self) -> str:
@@ -130,7 +135,8 @@ def copy_character(desk: Desk, text: str) -> Copy:
     recording = _recorded(motion, to_hand_motion(motion, chart, desk.em_mm, tuft), desk)
     surface = PaintedSurface(mesh, desk.resolution_mm)
     Painter(surface, desk.brush_name, azimuth=desk.settings.azimuth).replay(recording)
-    painted, wanted = _painted(surface, chart, desk.em_mm), _wanted(glyph, desk.em_mm)
+    shown = _darkness(surface) if desk.seen else surface.coverage
+    painted, wanted = _painted(surface, shown, chart, desk.em_mm), _wanted(glyph, desk.em_mm)
     likeness = compare(painted, wanted)
     return Copy(text, len(glyph.strokes), likeness, seconds, _fastest(recording), painted, wanted)
 
@@ -151,9 +157,19 @@ def _recorded(motion: Motion, hand: HandMotion, desk: Desk) -> Recording:
     )
 
 
-def _painted(surface: PaintedSurface, chart: SurfaceChart, em_mm: float) -> NDArray[np.bool_]:
+def _darkness(surface: PaintedSurface) -> NDArray[np.float32]:
+    """From the ground, 0, to the full ink, 1, in the linear light of the exported colours."""
+    surface.refresh()
+    light = decode_srgb(surface.srgb) @ np.linalg.inv(RGB_FROM_XYZ)[1]
+    ground, ink = light.max(), np.median(light[surface.coverage >= 1.0])
+    return np.clip((ground - light) / (ground - ink), 0.0, 1.0).astype(np.float32)
+
+
+def _painted(
+    surface: PaintedSurface, coverage: NDArray[np.float32], chart: SurfaceChart, em_mm: float
+) -> NDArray[np.bool_]:
     """The raster of the painting in the chart around the character's em square."""
-    coverage, faces = surface.coverage, surface.paint_mesh.leaf_faces()
+    faces = surface.paint_mesh.leaf_faces()
     faces = faces[(coverage[faces] > 0.0).any(axis=1)]
     used = np.unique(faces)
     points = np.full((len(coverage), 2), np.nan)
