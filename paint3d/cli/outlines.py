@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
@@ -65,6 +63,8 @@ def export_recordings(recordings: Sequence[Recording], file: Path) -> None:
     InputError
         If one leans or lets the surface turn the tuft, or its brush or ink is not known.
     """
+    import numpy as np
+
     from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.stroke_sides import stroke_outlines
     from paint3d.files.writers.write_svg import write_svg
