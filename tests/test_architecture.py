@@ -48,16 +48,19 @@ HOMES = {
     "hid": {"device"},
     "hidraw": {"device"},
     "websockets": {"device"},
-    "open3d": {"files"},
-    "pyvista": {"view"},
+    "open3d": {"files", "surface"},
+    "pyvista": {"surface", "view"},
     "vtk": {"view"},
     "vtkmodules": {"view"},
     "numba": {"core"},
     "xatlas": {"files"},
     "PySide6": {"app"},
+    # Paintings are handed to those who work with these packages, and taken from them; the
+    # program itself needs neither. What takes such an object imports nothing for it.
+    "trimesh": {"files", "surface"},
 }
 # Tools and oracles, never part of the program:
-FORBIDDEN = {"colour", "trimesh", "matplotlib", "pandas", "torch"}
+FORBIDDEN = {"colour", "matplotlib", "pandas", "torch"}
 # What is reached by name: readers of kinds of files, what processes begin with.
 BY_NAME = (
     "paint3d.files.readers.read_",

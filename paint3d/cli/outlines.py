@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,9 +12,11 @@ if TYPE_CHECKING:
     from paint3d.device.recorded import Recording
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["check_is_plane", "export_outlines"]
+__all__ = ["check_is_plane", "export_outlines", "export_recordings"]
 
 _FLAT_MM = 1e-3
+_MARGIN_MM = 1.0
+_BRUSH, _INK = "full", "pine soot"  # where a recording names none, as `replay` has it
 
 
 def check_is_plane(mesh: TriangleMesh) -> None:
@@ -41,18 +44,58 @@ def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Pa
     """
     from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.stroke_sides import stroke_outlines
+    from paint3d.files.writers.write_svg import write_svg
+
+    header = recording.header
+    outlines = stroke_outlines(recording, load_brush(str(header["brush"])))
+    low, high = mesh.bounds
+    bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    write_svg(file, [(_colour_of(ink), outlines)], bounds, _title(recording))
+
+
+def export_recordings(recordings: Sequence[Recording], file: Path) -> None:
+    """Write the strokes of recordings on the plane z = 0, each in its ink, as large as they are.
+
+    Raises
+    ------
+    ExportError
+        If there is none, or the file cannot be written.
+    InputError
+        If one leans or lets the surface turn the tuft, or its brush or ink is not known.
+    """
+    import numpy as np
+
+    from paint3d.brush.presets import load_brush
+    from paint3d.calligraphy.stroke_sides import stroke_outlines
+    from paint3d.files.writers.write_svg import write_svg
+
+    groups = []
+    for recording in recordings:
+        told = recording.header
+        outlines = stroke_outlines(recording, load_brush(str(told.get("brush", _BRUSH))))
+        groups.append((_colour_of(str(told.get("ink", _INK))), outlines))
+    points = [ring for _, outlines in groups for rings in outlines for ring in rings]
+    if not points:
+        raise ExportError(f"{file}: no stroke touches the plane; expected one at least")
+    low = np.min([ring.min(axis=0) for ring in points], axis=0) - _MARGIN_MM
+    high = np.max([ring.max(axis=0) for ring in points], axis=0) + _MARGIN_MM
+    bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    write_svg(file, groups, bounds, "".join(map(_title, recordings)))
+
+
+def _title(recording: Recording) -> str:
+    characters = recording.header.get("characters", ())
+    return "".join(str(character["text"]) for character in characters)
+
+
+def _colour_of(ink: str) -> str:
+    """Of a full coat on paper, as ``#rrggbb``."""
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
     from paint3d.colour.pigments import load_pigment
     from paint3d.colour.spectra import srgb_from_reflectance
-    from paint3d.files.writers.write_svg import write_svg
 
-    header = recording.header
-    pigment = load_pigment(ink)
     paper = load_material("xuan").reflectance
+    pigment = load_pigment(ink)
     red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, 1.0, paper))
-    outlines = stroke_outlines(recording, load_brush(str(header["brush"])))
-    low, high = mesh.bounds
-    title = "".join(str(character["text"]) for character in header["characters"])
-    bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-    write_svg(file, outlines, bounds, f"#{red:02x}{green:02x}{blue:02x}", title)
+    return f"#{red:02x}{green:02x}{blue:02x}"

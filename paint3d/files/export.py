@@ -28,6 +28,7 @@ __all__ = [
     "PreparedExport",
     "check_export_path",
     "export",
+    "gloss_of",
     "prepare_export",
 ]
 
@@ -274,12 +275,12 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
     from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
     look: dict[str, Any] = {} if options.size is None else {"size": options.size}
-    pixels = draw_picture(*painting[:4], gloss=_gloss(painting.material), **look)
+    pixels = draw_picture(*painting[:4], gloss=gloss_of(painting.material), **look)
     Image.fromarray(pixels).save(path, format="PNG")
 
 
 def _finish(painting: Painting) -> Finish:
-    gloss = _gloss(painting.material)
+    gloss = gloss_of(painting.material)
     return Finish(painting.material, DEFAULT_ROUGHNESS if gloss is None else gloss.roughness)
 
 
@@ -289,7 +290,7 @@ def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: st
     write_html(path, *painting[:4], title=painting.title)
 
 
-def _gloss(material: str) -> Gloss | None:
+def gloss_of(material: str) -> Gloss | None:
     """Return how a material shines, or None for one that the view does not know."""
     from paint3d.view.studio import Gloss
 

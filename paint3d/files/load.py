@@ -1,4 +1,4 @@
-"""Loading the object to paint: a built-in one by name, or a mesh file by suffix."""
+"""Loading the object to paint: a built-in one by name, a mesh file by suffix, others' meshes."""
 
 from __future__ import annotations
 
@@ -6,11 +6,20 @@ import logging
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.progress import Progress
+from paint3d.files.readers.package_meshes import package_class
 from paint3d.files.sandbox.isolation import read_apart
-from paint3d.files.sandbox.reading import MESH_SUFFIXES, UNITS_MM, Reading, Wanted, read_surface
+from paint3d.files.sandbox.reading import (
+    MESH_SUFFIXES,
+    UNITS_MM,
+    Reading,
+    Wanted,
+    read_surface,
+    take_object,
+)
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import UP_AXES, turn_mesh, turn_up
 
@@ -22,9 +31,12 @@ BUILT_IN_OBJECTS = ("bowl", "plate", "vase", "sphere", "plane")
 
 log = logging.getLogger("paint3d")
 
+Foreign: TypeAlias = Any
+"""A mesh of trimesh, Open3D or PyVista, none of which has to be there."""
+
 
 def load_mesh(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Foreign,
     unit: str | None = None,
     *,
     from_points: bool | None = None,
@@ -41,9 +53,12 @@ def load_mesh(
 
     Parameters
     ----------
-    path : str or path-like
+    path : str, path-like, or mesh of another package
         A file (.ply .obj .stl .off .glb .gltf .3mf, also packed as .gz or .bz2), or the name of
         a built-in object: bowl, plate, vase, sphere, plane. An existing file wins over a name.
+        Or a trimesh.Trimesh or Scene, an open3d.geometry.TriangleMesh or
+        open3d.t.geometry.TriangleMesh, or a pyvista.PolyData: its arrays are copied and checked
+        as a file's are, in this process.
     unit : {"mm", "cm", "m", "in"}, optional
         Length of one unit in the file. By default what the format says (glTF: metres, 3MF: as
         the file states), and millimetres for formats that say nothing.
@@ -78,12 +93,12 @@ def load_mesh(
         path, unit, from_points=from_points, texture=texture, up=up, progress=progress
     )
     for note in reading.notes:
-        log.warning("%s: %s", path, note)
+        log.warning("%s: %s", package_class(path) or path, note)
     return reading.mesh
 
 
 def read_mesh(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Foreign,
     unit: str | None = None,
     *,
     from_points: bool | None = None,
@@ -102,6 +117,9 @@ def read_mesh(
     if up is not None and up not in (*UP_AXES, AUTO):
         raise UnknownNameError("up axis", str(up), (*UP_AXES, AUTO))
     wanted = Wanted(unit, from_points, texture, None if up == AUTO else up)
+    if not isinstance(path, str | os.PathLike):
+        taken = take_object(path, wanted)
+        return _guessed(taken) if up == AUTO and not taken.knows_up else taken
     found = _find(path)
     if found is None:
         return replace(read_surface(_built_in(str(path)), wanted), knows_up=True)

@@ -309,6 +309,28 @@ class LayerStack:
             found += [content.ids, content.dry_ids]
         return union(found, store.paint_mesh.capacity)
 
+    def paint_on(self, place: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Ink (V, P) of the layer at a place, wet and dry, and the share that it covers (V,).
+
+        Coats times the covered share.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place.
+        """
+        n = self._store.n_vertices
+        ids = np.arange(n, dtype=np.int32)
+        dry, rows, places, wet, coverage = self._on(self._key(place), ids)
+        amounts = np.zeros((n, len(self._store.pigments)), np.float32)
+        share = np.zeros(n, np.float32)
+        dried = np.flatnonzero(rows >= 0)
+        amounts[dried, : dry.amounts.shape[1]] = dry.amounts[rows[dried]]
+        share[dried] = dry.share[rows[dried]]
+        amounts[places] += wet
+        share[places] = np.maximum(share[places], coverage)
+        return amounts, share
+
     def parts_at(self, vertex_id: int) -> AnyArray:
         """(P,) ink on a vertex in the highest visible layer that has any there: wet, else dry."""
         ids = np.array([vertex_id], np.int32)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,14 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow import Flow
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.layer_stack import LayerStack
+from paint3d.surface.objects import open3d_of, plot_painting, pyvista_of, trimesh_of
 from paint3d.surface.vertex_sets import union
 from paint3d.surface.water import Water
+
+if TYPE_CHECKING:
+    import open3d
+    import pyvista
+    import trimesh
 
 __all__ = ["EXPORT_TOLERANCE", "MOST_NODES_AT_ONCE", "PaintedSurface"]
 
@@ -313,6 +320,117 @@ class PaintedSurface(InkStore):
             normals = np.zeros((source.n_vertices, 3), np.float32)
             np.add.at(normals, base, self.paint_mesh.normals[: len(base)])
         return source.vertices, source.faces, normals, srgb
+
+    # -- for other packages -----------------------------------------------------------------
+
+    def layer_arrays(self) -> dict[str, NDArray[np.float32]]:
+        """What every layer holds, vertex by vertex, the lowest layer first.
+
+        Returns
+        -------
+        dict
+            For each layer ``"NAME: share"``, (V,) float32, the share of each vertex that its paint
+            covers, and for each pigment on it ``"NAME: PIGMENT"``, (V,) float32, coats times the
+            covered share, wet and dry together. A surface without layers has one, named 1. Of
+            layers of one name the second is ``"NAME (2)"``, and so on.
+        """
+        if self.layers is None:
+            held = [("1", *self._paint())]
+        else:
+            stack = self.layers
+            held = [(layer.name, *stack.paint_on(k)) for k, layer in enumerate(stack.layers)]
+        arrays: dict[str, NDArray[np.float32]] = {}
+        seen: dict[str, int] = {}
+        for name, amounts, share in held:
+            seen[name] = seen.get(name, 0) + 1
+            told = name if seen[name] == 1 else f"{name} ({seen[name]})"
+            arrays[f"{told}: share"] = share
+            for column, pigment in enumerate(self.pigments):
+                if self._lasting[column] and amounts[:, column].any():
+                    arrays[f"{told}: {pigment.name}"] = amounts[:, column].copy()
+        return arrays
+
+    def _paint(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Ink (V, P) wet and dry of the layer that is painted on, and the share it covers (V,)."""
+        amounts, share, dry = self.amounts.copy(), self.coverage.copy(), self.dry_layers
+        ids = dry.vertex_ids
+        amounts[ids] += dry.amounts
+        share[ids] = np.maximum(share[ids], dry.share)
+        return amounts, share
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """The painting as a trimesh.Trimesh: mm, all vertices in the order of `mesh`.
+
+        Colours are those of its vertices, normals too; `layer_arrays` are its `vertex_attributes`.
+
+        Raises
+        ------
+        ExportError
+            If trimesh is not installed.
+        """
+        given: trimesh.Trimesh = trimesh_of(self)
+        return given
+
+    def to_open3d(
+        self, *, legacy: bool = False
+    ) -> open3d.t.geometry.TriangleMesh | open3d.geometry.TriangleMesh:
+        """The painting as an Open3D mesh: mm, all vertices in the order of `mesh`.
+
+        Parameters
+        ----------
+        legacy : bool
+            Return an open3d.geometry.TriangleMesh, which holds positions, faces, colours (0 to 1)
+            and normals only. Otherwise an open3d.t.geometry.TriangleMesh, whose `vertex` holds
+            ``colors`` (uint8 codes), ``normals`` and `layer_arrays`.
+
+        Raises
+        ------
+        ExportError
+            If Open3D is not installed.
+        """
+        given: open3d.t.geometry.TriangleMesh | open3d.geometry.TriangleMesh
+        given = open3d_of(self, legacy)
+        return given
+
+    def to_pyvista(self) -> pyvista.PolyData:
+        """The painting as a pyvista.PolyData: mm, all vertices in the order of `mesh`.
+
+        Its `point_data` hold ``srgb`` (uint8 codes, active), ``Normals`` and `layer_arrays`.
+
+        Raises
+        ------
+        ExportError
+            If PyVista is not installed.
+        """
+        return pyvista_of(self)
+
+    def plot(self, *, lit: bool = True, plotter: Any = None, **options: Any) -> Any:
+        """Show the painting in a window of PyVista; in a notebook in the page.
+
+        In a notebook it can be turned there where trame is installed (``pip install
+        'pyvista[jupyter]'``), and is a still picture elsewhere.
+
+        Parameters
+        ----------
+        lit : bool
+            Whether light falls on it; without, every colour is shown as it was painted.
+        plotter : pyvista.Plotter, optional
+            Add the painting to this one, and show nothing yet.
+        **options
+            What `pyvista.Plotter.show` takes, such as ``screenshot`` and ``window_size``, and
+            ``off_screen``.
+
+        Returns
+        -------
+        object
+            What `pyvista.Plotter.show` returns, or the `plotter` given.
+
+        Raises
+        ------
+        ExportError
+            If PyVista is not installed.
+        """
+        return plot_painting(self, lit=lit, plotter=plotter, options=options)
 
     def wet_ink(self) -> float:
         """Pigment on the surface that has not dried, coats x mm2."""

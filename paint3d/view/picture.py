@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,13 +19,23 @@ from paint3d.core.arrays import as_array
 from paint3d.core.atomic import write_atomically
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError
-from paint3d.view.camera import View, find_view, fit_camera, studio_axes, vertex_areas
+from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
 from paint3d.view.daylight import Occluder, light_ground, light_points
 from paint3d.view.scene import Scene, draw_scene
-from paint3d.view.studio import Gloss, light_samples
+from paint3d.view.studio import LIGHTS, Gloss, Studio, light_samples
 from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 
-__all__ = ["Gloss", "View", "draw_picture", "render_picture"]
+__all__ = [
+    "Gloss",
+    "Setting",
+    "Stand",
+    "View",
+    "checked_size",
+    "develop",
+    "draw_picture",
+    "render_picture",
+    "set_up_scene",
+]
 
 VTK_GAMMA = 2.2  # VTK's physically based shading reads vertex colours as powers of 2.2
 LIT_BEST = 0.88  # of the seen vertices are lit no better than WHITE_POINT
@@ -33,6 +44,29 @@ VIGNETTE = 0.34
 SMALLEST, LARGEST = 16, 4096
 WHITE_POINT = 0.74  # linear brightness of ideal white where lit best: room for what glaze mirrors
 SHOULDER = 1.5  # power of the film curve, see _develop
+
+
+class Stand(NamedTuple):
+    """Where everything stands, for pictures that belong together.
+
+    `axes` (3, 3) are the studio's in the object's frame, as `studio_axes` returns them; the camera
+    is in the studio's. `exposure` is that of one picture's `Scene`, or None for the picture's own.
+    """
+
+    axes: NDArray[np.float64]
+    camera: Camera
+    exposure: float | None = None
+
+
+class Setting(NamedTuple):
+    """How an object is lit, and what it stands on: the studio's floor, or nothing at all.
+
+    Without a `stand` it is found from the view.
+    """
+
+    studio: Studio = LIGHTS["studio"]
+    transparent: bool = False
+    stand: Stand | None = None
 
 
 def render_picture(
@@ -65,7 +99,7 @@ def render_picture(
     ExportError
         If the path cannot be written, or no OpenGL can be started.
     """
-    path, size = Path(path), _checked_size(size)
+    path, size = Path(path), checked_size(size)
     arrays = _checked_arrays(vertices, faces, normals, srgb)
     with write_atomically(path) as temporary:
         pixels = draw_picture(*arrays, size=size, view=view, gloss=gloss)
@@ -81,8 +115,12 @@ def draw_picture(
     size: tuple[int, int] = (1600, 1200),
     view: View | None = None,
     gloss: Gloss | None = None,
+    setting: Setting | None = None,
 ) -> NDArray[np.uint8]:
     """Return the pixels of a picture of the painted object, (height, width, 3) sRGB codes.
+
+    With a transparent setting there are four: the last is the share that the object covers, 0 to
+    255.
 
     Parameters
     ----------
@@ -99,6 +137,8 @@ def draw_picture(
         Default: onto the painted side, from slightly above; a flat sheet squarely.
     gloss : Gloss, optional
         Default: glazed porcelain.
+    setting : Setting, optional
+        Default: the studio, on its floor.
 
     Raises
     ------
@@ -109,42 +149,56 @@ def draw_picture(
     ExportError
         If no OpenGL can be started.
     """
-    size = _checked_size(size)
+    size, setting = checked_size(size), setting or Setting()
     vertices, faces, normals, srgb = _checked_arrays(vertices, faces, normals, srgb)
-    areas = vertex_areas(vertices, faces)
-    view = view or find_view(vertices, normals, srgb, areas)
-    scene = _set_up(vertices, faces, normals, srgb, areas, view, size)
-    return _develop(draw_scene(scene, gloss or Gloss.of("porcelain"), size))
+    if view is None:
+        view = find_view(vertices, normals, srgb, vertex_areas(vertices, faces))
+    scene = set_up_scene((vertices, faces, normals, srgb), view, size, setting)
+    transparent = setting.transparent
+    return develop(draw_scene(scene, gloss or Gloss.of("porcelain"), size, transparent))
 
 
-def _set_up(
-    vertices: AnyArray,
-    faces: AnyArray,
-    normals: AnyArray,
-    srgb: AnyArray,
-    areas: AnyArray,
+def set_up_scene(
+    arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray],
     view: View,
     size: tuple[int, int],
+    setting: Setting,
 ) -> Scene:
-    axes = studio_axes(vertices, view).astype(np.float32)
+    """Light an object and place the camera.
+
+    Parameters
+    ----------
+    arrays : vertices (V, 3) float32, faces (F, 3) int32, normals (V, 3), srgb (V, 3) uint8
+    view : View
+        Of it only the direction counts where the setting has a stand.
+    size : (int, int)
+    setting : Setting
+    """
+    vertices, faces, normals, srgb = arrays
+    areas = vertex_areas(vertices, faces)
+    stand = setting.stand
+    axes = (studio_axes(vertices, view) if stand is None else stand.axes).astype(np.float32)
     vertices, normals = vertices @ axes.T, normals @ axes.T
     view = View(axes @ view.direction, axes @ view.up, view.zoom)
-    camera = fit_camera(vertices, view, size[0] / size[1])
-    occluder, suns = Occluder(vertices, faces), light_samples()
+    camera = fit_camera(vertices, view, size[0] / size[1]) if stand is None else stand.camera
+    occluder, suns = Occluder(vertices, faces), light_samples(studio=setting.studio)
     ground = light_ground(occluder, suns)
-    from_above = view.direction[2] > SHALLOWEST
+    on_ground = view.direction[2] > SHALLOWEST and not setting.transparent
     albedo = srgb_to_linear(srgb)
     seen = _seen(normals, camera.position - vertices, faces)
     mean_albedo = float(areas @ albedo.mean(axis=1) / areas.sum())
     light = light_points(occluder, ground, suns, vertices[seen], normals[seen], mean_albedo)
-    exposure = WHITE_POINT / float(np.quantile(light.mean(axis=1), LIT_BEST))
+    exposure = None if stand is None else stand.exposure
+    if exposure is None:
+        exposure = WHITE_POINT / float(np.quantile(light.mean(axis=1), LIT_BEST))
     light *= exposure
     peak = max(float(light.max()), 1.0)
     shown = np.zeros_like(albedo)
     shown[seen] = albedo[seen] * light / peak
     colours = np.rint(255 * shown ** (1 / VTK_GAMMA)).astype(np.uint8)
+    shown_ground = ground if on_ground else None
     return Scene(
-        vertices, faces, normals, colours, peak, exposure, ground if from_above else None, camera
+        vertices, faces, normals, colours, peak, exposure, shown_ground, camera, setting.studio
     )
 
 
@@ -159,14 +213,21 @@ def _seen(normals: AnyArray, to_camera: AnyArray, faces: AnyArray) -> NDArray[np
     return seen
 
 
-def _develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Print the picture on film: 1 - (1 - x)^SHOULDER.
+def develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Print a picture (H, W, 3) on film: 1 - (1 - x)^SHOULDER.
 
     The curve lifts middle tones, bends toward white instead of running into it, and keeps black.
-    A fixed grain of half a step keeps slow gradients from banding.
+    A fixed grain of half a step keeps slow gradients from banding. One on nothing (H, W, 4) keeps
+    what it covers, and is not darker in its corners.
     """
+    if pixels.shape[2] == 4:
+        return np.concatenate([_printed(pixels[..., :3], 1.0), pixels[..., 3:]], axis=2)
+    return _printed(pixels, _vignette(*pixels.shape[:2]))
+
+
+def _printed(pixels: NDArray[np.uint8], vignette: AnyArray | float) -> NDArray[np.uint8]:
     height, width = pixels.shape[:2]
-    printed = (1 - (1 - srgb_to_linear(pixels)) ** SHOULDER) * _vignette(height, width)
+    printed = (1 - (1 - srgb_to_linear(pixels)) ** SHOULDER) * vignette
     grain = np.random.default_rng(7).random((height, width, 1), dtype=np.float32) - 0.5
     result: NDArray[np.uint8] = np.rint(
         np.clip(linear_to_srgb(printed) * 255 + grain, 0, 255)
@@ -182,7 +243,14 @@ def _vignette(height: int, width: int) -> NDArray[np.float32]:
     return np.asarray((1 - VIGNETTE * corner**2)[..., None], np.float32)
 
 
-def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Return width and height in pixels.
+
+    Raises
+    ------
+    InputError
+        If they are not whole numbers of 16 to 4096.
+    """
     fits = len(size) == 2 and all(
         isinstance(n, int | np.integer) and SMALLEST <= n <= LARGEST for n in size
     )

@@ -14,10 +14,10 @@ from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.view.camera import Camera
 from paint3d.view.daylight import Ground
-from paint3d.view.studio import Gloss, make_panorama
+from paint3d.view.studio import LIGHTS, Gloss, Studio, make_panorama
 from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 
-__all__ = ["Scene", "draw_scene"]
+__all__ = ["Scene", "draw_scene", "join_pixels", "quiet_vtk"]
 
 BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the paper far from the object
 POOL = np.array([0.600, 0.572, 0.535])  # and around it, where the key light falls
@@ -35,7 +35,7 @@ class Scene:
     """All that is seen, in studio axes and mm.
 
     `colours` (V, 3) uint8 hold light / `peak` raised to 1/2.2; `exposure` turns the studio's
-    radiance into linear brightness; `ground` is None if seen from below.
+    radiance into linear brightness; `ground` is None if seen from below, or none is wanted.
     """
 
     vertices: NDArray[np.float32]
@@ -46,10 +46,16 @@ class Scene:
     exposure: float
     ground: Ground | None
     camera: Camera
+    studio: Studio = LIGHTS["studio"]
 
 
-def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.uint8]:
-    """Return the (height, width, 3) sRGB pixels of the scene.
+def draw_scene(
+    scene: Scene, gloss: Gloss, size: tuple[int, int], transparent: bool = False
+) -> NDArray[np.uint8]:
+    """Return the (height, width, 3) sRGB pixels of the scene; (height, width, 4) on nothing.
+
+    The fourth of a pixel that is `transparent` is the share of it that the object covers, 255 for
+    all of it.
 
     Raises
     ------
@@ -58,8 +64,9 @@ def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.
     """
     import pyvista as pv
 
-    with _quiet_vtk():
-        scale = FINER if max(size) * FINER <= MOST_PIXELS else 1
+    with quiet_vtk():
+        finer = FINER + transparent
+        scale = finer if max(size) * finer <= MOST_PIXELS else 1
         drawn = tuple(scale * n for n in size)
         plotter = pv.Plotter(off_screen=True, window_size=drawn, lighting="none")
         try:
@@ -67,28 +74,47 @@ def draw_scene(scene: Scene, gloss: Gloss, size: tuple[int, int]) -> NDArray[np.
             _add_object(plotter, scene, gloss)
             if scene.ground is not None:
                 _add_ground(plotter, scene.ground)
-            _add_studio(plotter, scene.peak, scene.exposure)
+            _add_studio(plotter, scene)
             _place_camera(plotter, scene)
-            plotter.enable_anti_aliasing("msaa", multi_samples=SAMPLES_A_PIXEL)
-            pixels = plotter.screenshot(return_img=True)
+            if not transparent:  # a sample is of the object or not: mixed ones have no colour
+                plotter.enable_anti_aliasing("msaa", multi_samples=SAMPLES_A_PIXEL)
+            pixels = plotter.screenshot(return_img=True, transparent_background=transparent)
         except RuntimeError as cause:
             raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
         finally:
             plotter.close()
-    return _joined(np.ascontiguousarray(pixels[..., :3]), scale)
+    return join_pixels(pixels, scale, transparent)
 
 
-def _joined(pixels: NDArray[np.uint8], scale: int) -> NDArray[np.uint8]:
-    """Join scale x scale pixels to one, by their light: edges cover the share that they do."""
+def join_pixels(pixels: AnyArray, scale: int, transparent: bool) -> NDArray[np.uint8]:
+    """Join scale x scale pixels to one, by their light: edges cover the share that they do.
+
+    Parameters
+    ----------
+    pixels : (scale H, scale W, 3 or 4) uint8
+        Where they are to be `transparent`, the fourth says whether anything is there.
+    scale : int
+    transparent : bool
+
+    Returns
+    -------
+    (H, W, 3) uint8, or (H, W, 4)
+    """
     if scale == 1:
-        return pixels
+        return np.ascontiguousarray(pixels[..., : 3 + transparent])
     linear = srgb_to_linear(np.arange(256, dtype=np.uint8)).astype(np.float32)
-    light = np.zeros((pixels.shape[0] // scale, pixels.shape[1] // scale, 3), np.float32)
+    height, width = pixels.shape[0] // scale, pixels.shape[1] // scale
+    light = np.zeros((height, width, 3), np.float32)
+    covered = np.zeros((height, width, 1), np.float32)
     for row, column in np.ndindex(scale, scale):
-        light += linear[pixels[row::scale, column::scale]]
-    light /= scale**2
-    result: NDArray[np.uint8] = np.rint(255 * linear_to_srgb(light)).astype(np.uint8)
-    return result
+        part = pixels[row::scale, column::scale]
+        share = (part[..., 3:] > 127).astype(np.float32) if transparent else np.float32(1.0)
+        light += linear[part[..., :3]] * share
+        covered += share
+    light /= np.maximum(covered, 1.0)
+    codes = np.rint(255 * linear_to_srgb(light))
+    shown = [codes, np.rint(covered * (255.0 / scale**2))] if transparent else [codes]
+    return np.concatenate(shown, axis=2).astype(np.uint8)
 
 
 def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> None:
@@ -131,12 +157,14 @@ def _ground_light(ground: Ground) -> NDArray[np.float64]:
     return result
 
 
-def _add_studio(plotter: Any, peak: float, exposure: float) -> None:
+def _add_studio(plotter: Any, scene: Scene) -> None:
     """Mirror the panorama; light the body evenly, as its light is in the vertex colours."""
     renderer = plotter.renderer
     renderer.SetAutomaticLightCreation(False)
     renderer.SetUseImageBasedLighting(True)
-    renderer.SetEnvironmentTexture(_texture(exposure * make_panorama()), False)
+    renderer.SetEnvironmentTexture(
+        _texture(scene.exposure * make_panorama(studio=scene.studio)), False
+    )
     renderer.SetUseSphericalHarmonics(False)
     renderer.SetEnvironmentRight(1, 0, 0)
     renderer.SetEnvironmentUp(0, 0, 1)
@@ -146,7 +174,7 @@ def _add_studio(plotter: Any, peak: float, exposure: float) -> None:
     renderer.GetEnvMapLookupTable().SetLUTSize(128)
     renderer.GetEnvMapLookupTable().SetLUTSamples(64)
     irradiance = renderer.GetEnvMapIrradiance()
-    irradiance.SetInputTexture(_texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32)))
+    irradiance.SetInputTexture(_texture(np.full((2, 4, 3), scene.peak / DIFFUSE, np.float32)))
     irradiance.SetIrradianceSize(4)
     irradiance.SetIrradianceStep(0.1)
 
@@ -179,7 +207,7 @@ def _texture(pixels: AnyArray, *, plain: bool = False) -> Any:
 
 
 @contextmanager
-def _quiet_vtk() -> Iterator[None]:
+def quiet_vtk() -> Iterator[None]:
     """Keep VTK from warning that it found no X server before it takes EGL or OSMesa."""
     from vtkmodules.vtkCommonCore import vtkLogger
 

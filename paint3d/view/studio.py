@@ -15,7 +15,17 @@ from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import UnknownNameError
 
-__all__ = ["DOME", "SOFTBOXES", "Gloss", "Softbox", "Sun", "light_samples", "make_panorama"]
+__all__ = [
+    "DOME",
+    "LIGHTS",
+    "SOFTBOXES",
+    "Gloss",
+    "Softbox",
+    "Studio",
+    "Sun",
+    "light_samples",
+    "make_panorama",
+]
 
 
 GOLDEN = (np.sqrt(5) - 1) / 2
@@ -62,7 +72,7 @@ class Softbox:
     """A soft-edged rectangle of light: centre direction, half-angles (rad), linear RGB radiance.
 
     One that is not `mirrored` stands for polarised light, which a filter on the camera keeps from
-    veiling the ink; it lights all the same.
+    veiling the ink; it lights all the same. Its light comes from `samples` directions.
     """
 
     centre: tuple[float, float, float]
@@ -70,6 +80,7 @@ class Softbox:
     half_height: float
     radiance: tuple[float, float, float]
     mirrored: bool = True
+    samples: int = 40
 
     def axes(self) -> NDArray[np.float64]:
         """Return rows: to its right, its own up, and the direction of its centre, all unit."""
@@ -89,8 +100,9 @@ class Softbox:
         )
         return result
 
-    def suns(self, n: int) -> list[Sun]:
-        """Return n directions that share out the light of the box evenly (a golden lattice)."""
+    def suns(self) -> list[Sun]:
+        """Return directions that share out the light of the box evenly (a golden lattice)."""
+        n = self.samples
         right, up, towards = self.axes()
         k = np.arange(n) + 0.5
         us = np.tan(self.half_width * (2 * k / n - 1))
@@ -142,31 +154,56 @@ class Dome:
 DOME = Dome(horizon=(0.40, 0.41, 0.43), zenith=(0.62, 0.63, 0.65), floor=(0.50, 0.48, 0.455))
 MIRRORED_SHADE = 0.65
 SOFTBOXES = (
-    Softbox((-0.74, -0.78, 0.74), 0.25, 0.19, (15.0, 14.2, 13.2)),  # warm key, front left
-    Softbox((0.96, -0.12, 0.42), 0.09, 0.48, (4.0, 4.4, 5.0)),  # cool strip, right
+    Softbox(
+        (-0.74, -0.78, 0.74), 0.25, 0.19, (15.0, 14.2, 13.2), samples=60
+    ),  # warm key, front left
+    Softbox((0.96, -0.12, 0.42), 0.09, 0.48, (4.0, 4.4, 5.0), samples=20),  # cool strip, right
     Softbox(
         (0.20, -1.00, 0.26), 0.60, 0.32, (1.15, 1.13, 1.10), mirrored=False
     ),  # broad fill, by the camera
-    Softbox((0.10, 0.85, 0.80), 0.60, 0.14, (3.0, 3.0, 3.0)),  # rim light, behind and above
+    Softbox(
+        (0.10, 0.85, 0.80), 0.60, 0.14, (3.0, 3.0, 3.0), samples=30
+    ),  # rim light, behind and above
 )
 
 
-def light_samples(n_dome: int = 96) -> list[Sun]:
-    """Return the studio as parallel lights, `n_dome` of them evenly over the whole sphere."""
+@dataclass(frozen=True)
+class Studio:
+    """The room around and the softboxes in it."""
+
+    dome: Dome
+    softboxes: tuple[Softbox, ...] = ()
+
+
+LIGHTS = {
+    "studio": Studio(DOME, SOFTBOXES),
+    # an overcast sky, three times as bright overhead as at the horizon (Moon and Spencer 1942)
+    "soft": Studio(Dome((0.30, 0.30, 0.30), (0.90, 0.90, 0.90), (0.36, 0.35, 0.34))),
+    # from low on the left: every unevenness of the shape throws its shade
+    "raking": Studio(
+        Dome((0.10, 0.10, 0.11), (0.14, 0.14, 0.15), (0.10, 0.10, 0.10)),
+        (Softbox((-1.0, -0.25, 0.30), 0.20, 0.14, (22.0, 21.0, 19.5), samples=60),),
+    ),
+}
+"""The studio by its name; "studio" is that of product pictures."""
+
+
+def light_samples(n_dome: int = 96, studio: Studio = LIGHTS["studio"]) -> list[Sun]:
+    """Return a studio as parallel lights, `n_dome` of them evenly over the whole sphere."""
     k = np.arange(n_dome) + 0.5
     height = 1 - 2 * k / n_dome
     turn = 2 * np.pi * GOLDEN * k
     level = np.sqrt(1 - height**2)
     directions = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
-    radiance = DOME.radiance_at(directions) * (4 * np.pi / n_dome)
+    radiance = studio.dome.radiance_at(directions) * (4 * np.pi / n_dome)
     suns = [Sun(d, e, 1 / n_dome) for d, e in zip(directions, radiance, strict=True)]
-    for box, n in zip(SOFTBOXES, (60, 20, 40, 30), strict=True):
-        suns += box.suns(n)
+    for box in studio.softboxes:
+        suns += box.suns()
     return suns
 
 
-def make_panorama(height: int = 256) -> NDArray[np.float32]:
-    """Return the studio as the glaze mirrors it, (height, 2 height, 3) linear RGB.
+def make_panorama(height: int = 256, studio: Studio = LIGHTS["studio"]) -> NDArray[np.float32]:
+    """Return a studio as the glaze mirrors it, (height, 2 height, 3) linear RGB.
 
     The floor is darker than in `light_samples`: what a wall mirrors of it lies in the object's own
     shade. Rows go from straight down to straight up; columns turn from -x over the camera's side.
@@ -178,9 +215,9 @@ def make_panorama(height: int = 256) -> NDArray[np.float32]:
         level * np.cos(turn), -level * np.sin(turn), np.sin(elevation)[:, None]
     )
     directions = np.stack(grid, axis=-1).reshape(-1, 3)
-    radiance = DOME.radiance_at(directions)
+    radiance = studio.dome.radiance_at(directions)
     radiance *= 1 - MIRRORED_SHADE * _soft_step(-directions[:, 2:3] / 0.2)
-    for box in filter(lambda box: box.mirrored, SOFTBOXES):
+    for box in filter(lambda box: box.mirrored, studio.softboxes):
         radiance += box.radiance_at(directions)
     return radiance.reshape(height, 2 * height, 3).astype(np.float32)
 

@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 from paint3d.errors import MeshError
 from paint3d.files.detail import Draped, show_pictures
 from paint3d.files.readers.contents import PACKED, plain_text, read_contents
+from paint3d.files.readers.package_meshes import package_class, read_object
 from paint3d.files.readers.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
 
-__all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface"]
+__all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface", "take_object"]
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
@@ -78,6 +79,25 @@ class Reading:
 
 
 AS_IT_IS = Wanted()
+
+
+def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
+    """Check a mesh of another package (`readers.package_meshes`) as one that was read.
+
+    Raises
+    ------
+    MeshError
+        One line with the object's class, reason and what was expected.
+    """
+    kind = package_class(found)
+    name = kind or "this object"
+    try:
+        with np.errstate(all="ignore"):
+            return _finish(read_object(found, wanted.texture), "mesh", wanted)
+    except MeshError as cause:
+        raise MeshError(f"{name}: {_one_line(cause)}" if kind else str(cause)) from None
+    except SURPRISES as cause:
+        raise MeshError(f"{name}: its structure is damaged: {_in_words(cause)}") from None
 
 
 def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:

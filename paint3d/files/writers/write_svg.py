@@ -16,9 +16,8 @@ __all__ = ["write_svg"]
 
 def write_svg(
     path: Path,
-    strokes: Sequence[Sequence[AnyArray]],
+    groups: Sequence[tuple[str, Sequence[Sequence[AnyArray]]]],
     bounds: tuple[float, float, float, float],
-    colour: str,
     title: str = "",
 ) -> None:
     """Write the outlines of strokes.
@@ -26,12 +25,11 @@ def write_svg(
     Parameters
     ----------
     path : Path
-    strokes : sequence of sequences of (N, 2) arrays
-        The rings of every stroke, mm, y upwards; holes run the other way round.
+    groups : sequence of (str, sequence of sequences of (N, 2) arrays)
+        Strokes of one colour, as ``#rrggbb``: the rings of each, mm, y upwards; holes run the other
+        way round.
     bounds : (low x, low y, high x, high y)
         Of the sheet, mm.
-    colour : str
-        As ``#rrggbb``.
     title : str
 
     Raises
@@ -39,7 +37,7 @@ def write_svg(
     ExportError
         If there is nothing to write, or the file cannot be written.
     """
-    if not strokes:
+    if not any(strokes for _, strokes in groups):
         raise ExportError(f"{path}: there are no strokes; expected at least one")
     x, y, right, top = bounds
     width, height = right - x, top - y
@@ -48,11 +46,12 @@ def write_svg(
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '
         f'viewBox="{x:g} {-top:g} {width:g} {height:g}">',
         f"<title>{_escaped(title)}</title>",
-        f'<g fill="{colour}" fill-rule="nonzero">',
-        *(f'<path d="{"".join(map(_ring, rings))}"/>' for rings in strokes),
-        "</g>",
-        "</svg>",
     ]
+    for colour, strokes in groups:
+        lines.append(f'<g fill="{colour}" fill-rule="nonzero">')
+        lines += [f'<path d="{"".join(map(_ring, rings))}"/>' for rings in strokes]
+        lines.append("</g>")
+    lines.append("</svg>")
     with write_atomically(path) as part:
         part.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -1,0 +1,184 @@
+"""Take a picture of a painting, a film of it turning, or draw the outlines of its strokes."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import sys
+from pathlib import Path
+
+from paint3d.cli.options import (
+    MATERIALS,
+    add_force_option,
+    add_quiet_option,
+    check_output_file,
+    check_overwriting,
+)
+from paint3d.cli.paintings import add_painting_argument, is_recording, open_painting
+from paint3d.cli.progress import ProgressBar
+from paint3d.errors import InputError
+
+__all__ = ["HELP", "LIGHTS", "VIEWS", "add_arguments", "run"]
+
+HELP = "a picture of a painting, or a film of it turning"
+
+_SUFFIXES = (".png", ".webp", ".gif", ".svg")
+VIEWS = ("auto", "front", "right", "back", "left", "above", "top", "bottom", "flat")
+LIGHTS = ("studio", "soft", "raking", "none")  # as `view.studio`, known here before NumPy is
+_FILM_SIZE = (640, 480)
+_SIZE = re.compile(r"(\d{1,5})x(\d{1,5})")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    add_painting_argument(parser)
+    parser.add_argument(
+        "--out",
+        metavar="FILE",
+        type=Path,
+        required=True,
+        help=".png or .webp; .gif, or .webp with --turn, a film; .svg the outlines of the strokes "
+        "that a recording, or the recordings of a session, leave on the plane",
+    )
+    parser.add_argument(
+        "--view",
+        metavar="VIEW",
+        type=_parse_view,
+        default="auto",
+        help=f"{', '.join(VIEWS)}, or azimuth and height in degrees, such as 30,20. front is -y; "
+        "flat: from above, to scale, without light or border (default: auto, onto the paint)",
+    )
+    parser.add_argument(
+        "--size",
+        metavar="WxH",
+        type=_parse_size,
+        help="pixels (default: 1600x1200, films 640x480, flat: the shape of the object)",
+    )
+    parser.add_argument("--zoom", metavar="X", type=float, default=1.0, help="0.1 to 20")
+    parser.add_argument(
+        "--light",
+        choices=LIGHTS,
+        default="studio",
+        help="raking comes from low on the left; none shows every colour as it was painted, in a "
+        "parallel projection (default: studio)",
+    )
+    parser.add_argument(
+        "--transparent", action="store_true", help="leave out the ground and what is behind"
+    )
+    parser.add_argument(
+        "--material",
+        metavar="NAME",
+        choices=MATERIALS,
+        help=f"whose gloss a mesh shows: {', '.join(MATERIALS)} (default: porcelain)",
+    )
+    parser.add_argument(
+        "--turn",
+        metavar="SECONDS",
+        type=_parse_turn,
+        nargs="?",
+        const=4.0,
+        help="a film in which the object turns once in so many seconds (default: 4; .gif always)",
+    )
+    parser.add_argument(
+        "--rate", metavar="N", type=float, default=12.0, help="pictures a second (default: 12)"
+    )
+    add_force_option(parser)
+    add_quiet_option(parser)
+
+
+def _parse_view(text: str) -> str | tuple[float, float]:
+    if text in VIEWS:
+        return text
+    try:
+        azimuth, height = (float(part) for part in text.split(","))
+    except ValueError:
+        azimuth = height = math.nan
+    if not (abs(azimuth) <= 360.0 and abs(height) <= 90.0):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a view; expected one of {', '.join(VIEWS)}, or azimuth (-360 to "
+            "360) and height (-90 to 90) in degrees, such as 30,20"
+        )
+    return azimuth, height
+
+
+def _parse_size(text: str) -> tuple[int, int]:
+    found = _SIZE.fullmatch(text.lower())
+    width, height = (int(n) for n in found.groups()) if found else (0, 0)
+    if not (16 <= width <= 4096 and 16 <= height <= 4096):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a size; expected WxH such as 1600x1200, each 16 to 4096"
+        )
+    return width, height
+
+
+def _parse_turn(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0.1 <= seconds <= 120.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time; expected 0.1 to 120 seconds")
+    return seconds
+
+
+def run(options: argparse.Namespace) -> None:
+    """Open the painting and write the picture.
+
+    Raises
+    ------
+    Paint3DError
+        If the painting cannot be opened, or the picture cannot be made or written.
+    """
+    check_output_file(options.out, _SUFFIXES)
+    check_overwriting((options.out,), (options.painting,), force=options.force)
+    if options.out.suffix.lower() == ".svg":
+        _draw_outlines(options)
+    else:
+        _take_picture(options)
+    if not options.quiet:
+        sys.stdout.write(f"{options.out}\n")
+
+
+def _draw_outlines(options: argparse.Namespace) -> None:
+    from paint3d.cli.outlines import check_is_plane, export_recordings
+    from paint3d.errors import ExportError
+    from paint3d.files.project.session import Session
+    from paint3d.recording.recording import load_recording
+
+    if is_recording(options.painting):
+        recordings = [load_recording(options.painting)]
+    else:
+        painting = open_painting(options)
+        if not isinstance(painting, Session) or not (painting.recordings or painting.strokes):
+            raise ExportError(
+                f"{options.painting} holds no strokes; expected a recording, or a session with "
+                "recordings, for an .svg of strokes"
+            )
+        check_is_plane(painting.surface.source)
+        recordings = [*painting.recordings, *painting.strokes]
+    with ProgressBar("drawing", enabled=not options.quiet):
+        export_recordings(recordings, options.out)
+
+
+def _take_picture(options: argparse.Namespace) -> None:
+    if is_recording(options.painting):
+        raise InputError(
+            f"{options.painting} is a recording; expected a painting, or --out FILE.svg "
+            "(paint3d replay paints it)"
+        )
+    from paint3d.core.arrays import as_number
+    from paint3d.files.pictures import Turning, write_picture
+    from paint3d.files.project.session import Session
+    from paint3d.view.shot import Shot
+
+    turning = None
+    if options.turn is not None or options.out.suffix.lower() == ".gif":
+        rate = as_number(options.rate, "pictures a second", 1.0, 50.0)
+        turning = Turning(options.turn or 4.0, rate)
+    size = options.size or (_FILM_SIZE if turning is not None else None)
+    shot = Shot(options.view, size, options.light, options.transparent, options.zoom)
+    painting = open_painting(options)
+    surface = painting.surface if isinstance(painting, Session) else painting
+    with ProgressBar("drawing", enabled=not options.quiet) as progress:
+        write_picture(surface, options.out, shot, turning, options.material, progress)

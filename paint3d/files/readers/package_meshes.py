@@ -1,0 +1,319 @@
+"""Meshes that other packages hold in memory: trimesh, Open3D, PyVista. None is imported here.
+
+Whoever has such an object has imported its package, so its class is looked up among the modules
+that are loaded.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
+from paint3d.errors import MeshError
+from paint3d.files.readers.raw_mesh import RawMesh, left_out
+from paint3d.files.readers.textures import MAX_PIXELS, Look, linear_from_srgb
+from paint3d.files.readers.vertex_colours import colour_codes
+
+__all__ = ["package_class", "read_object", "read_trimesh"]
+
+_COLOURS = ("srgb", "RGB", "RGBA", "rgb", "rgba", "colors", "Colors")  # arrays of a PolyData
+_PICTURES = "its colours and pictures"
+_FACE_COLOURS = "colours of its faces"
+
+
+def package_class(found: object) -> str | None:
+    """Return the name of another package's class that an object is of; None for all others."""
+    for name in _READERS:
+        package, *words = name.split(".")
+        kind: Any = sys.modules.get(package)
+        for word in words:
+            kind = getattr(kind, word, None)
+        if isinstance(kind, type) and isinstance(found, kind):
+            return name
+    return None
+
+
+def read_object(found: object, texture: bool = False) -> RawMesh:
+    """Return the polygons of a mesh of another package, not yet checked.
+
+    Parameters
+    ----------
+    found : trimesh.Trimesh, trimesh.Scene, open3d.geometry.TriangleMesh,
+            open3d.t.geometry.TriangleMesh or pyvista.PolyData
+        It is not changed.
+    texture : bool
+        Whether to take colours of faces, and the materials and pictures of trimesh.
+
+    Raises
+    ------
+    MeshError
+        If it is none of these, or its arrays do not fit together.
+    """
+    kind = package_class(found)
+    if kind is None:
+        raise MeshError(
+            f"a mesh is a {type(found).__module__}.{type(found).__qualname__}; expected a file, "
+            f"the name of an object, or one of {', '.join(_READERS)}"
+        )
+    return _READERS[kind](found, texture)
+
+
+# -- trimesh ------------------------------------------------------------------------------------
+
+
+def read_trimesh(found: Any, texture: bool = False) -> RawMesh:
+    """Return the polygons of a Trimesh, or of all of a Scene's, each in its place."""
+    meshes = [found] if hasattr(found, "faces") else found.dump()
+    solid = [mesh for mesh in meshes if hasattr(mesh, "faces")]
+    raws = [_one_trimesh(mesh, texture) for mesh in solid]
+    notes = left_out({type(mesh).__name__ for mesh in meshes} - {type(m).__name__ for m in solid})
+    unit_mm, unit_notes = _unit_of_trimesh(found)
+    raw = _joined(raws)
+    every = tuple(dict.fromkeys((*raw.notes, *notes, *unit_notes)))
+    return replace(raw, unit_mm=unit_mm, notes=every)
+
+
+def _one_trimesh(mesh: Any, texture: bool) -> RawMesh:
+    vertices = np.asarray(mesh.vertices, np.float64)
+    faces = np.asarray(mesh.faces, np.int64)
+    sound = len(faces) > 0 and faces.min() >= 0 and faces.max() < len(vertices)
+    normals = _given_normals(mesh) if sound else None  # for trimesh looks at all of them
+    raw = RawMesh.of_triangles(vertices, faces, normals=normals)
+    look = mesh.visual
+    kind = look.kind
+    if kind == "vertex":
+        return replace(raw, colours=_codes(look.vertex_colors))
+    if kind == "face":
+        return _with_faces_coloured(raw, _codes(look.face_colors), texture)
+    if kind != "texture":
+        return raw
+    if not texture:
+        return replace(raw, notes=left_out([_PICTURES]))
+    return _with_picture(raw, look)
+
+
+def _given_normals(mesh: Any) -> NDArray[np.float64] | None:
+    """Normals that were given with a Trimesh; None where it would work them out from its faces."""
+    own, computed = mesh.vertex_normals, mesh.copy(include_cache=False).vertex_normals
+    same = np.shape(own) == np.shape(computed) and np.allclose(own, computed, atol=1e-6)
+    return None if same else np.asarray(own, np.float64)
+
+
+def _with_picture(raw: RawMesh, visual: Any) -> RawMesh:
+    look = _look_of(visual.material)
+    notes: tuple[str, ...] = ()
+    uv = np.full((len(raw.corners), 2), np.nan)
+    places = None if visual.uv is None else np.asarray(visual.uv, np.float64)
+    if places is not None and len(places) == len(raw.vertices):
+        uv = places[raw.corners, :2] * (1.0, -1.0) + (0.0, 1.0)
+    elif look.picture is not None:
+        look = replace(look, picture=None)
+        notes = ("a texture is left out: the mesh has no places on it",)
+    look_of = np.zeros(len(raw.sizes), np.int64)
+    return replace(raw, looks=(look,), look_of=look_of, uv=uv, notes=notes)
+
+
+def _look_of(material: Any) -> Look:
+    """What a material of trimesh says: a linear factor (PBR), or a picture or else a colour."""
+    if hasattr(material, "diffuse"):
+        if material.image is not None:
+            return Look(picture=_pixels(material.image))
+        factor = linear_from_srgb(np.asarray(material.diffuse, np.uint8)[:3])
+    else:
+        material = material if hasattr(material, "baseColorTexture") else material.to_pbr()
+        told = material.baseColorFactor
+        factor = np.ones(3) if told is None else np.asarray(told, np.uint8)[:3] / 255.0
+    red, green, blue = factor.tolist()
+    picture = getattr(material, "baseColorTexture", None)
+    return Look((red, green, blue), None if picture is None else _pixels(picture))
+
+
+def _pixels(picture: Any) -> NDArray[np.uint8]:
+    if picture.width * picture.height > MAX_PIXELS:
+        size = f"{picture.width:,} x {picture.height:,}"
+        raise MeshError(f"its texture has {size} pixels; expected {MAX_PIXELS:,}")
+    return np.asarray(picture.convert("RGB"))
+
+
+def _unit_of_trimesh(found: Any) -> tuple[float | None, tuple[str, ...]]:
+    if found.units is None:
+        return None, ()
+    convert = sys.modules["trimesh"].units.unit_conversion
+    try:
+        return float(convert(found.units, "millimeters")), ()
+    except (ValueError, KeyError):
+        return None, (f"its unit {found.units!r:.40} is not known: mm are taken",)
+
+
+# -- Open3D -------------------------------------------------------------------------------------
+
+
+def _read_open3d(found: Any, texture: bool) -> RawMesh:
+    normals = np.array(found.vertex_normals) if found.has_vertex_normals() else None
+    raw = RawMesh.of_triangles(np.array(found.vertices), np.array(found.triangles), normals=normals)
+    notes = left_out([_PICTURES]) if found.has_textures() else ()
+    if not found.has_vertex_colors():
+        return replace(raw, notes=notes)
+    colours, told = colour_codes(np.array(found.vertex_colors))
+    return replace(raw, colours=colours, notes=(*notes, *told))
+
+
+def _read_open3d_tensor(found: Any, texture: bool) -> RawMesh:
+    of_vertices = {name: found.vertex[name].cpu().numpy() for name in found.vertex}
+    of_faces = {name: found.triangle[name].cpu().numpy() for name in found.triangle}
+    empty = np.empty((0, 3))
+    normals = of_vertices.get("normals")
+    raw = RawMesh.of_triangles(
+        np.asarray(of_vertices.get("positions", empty), np.float64),
+        of_faces.get("indices", empty),
+        normals=None if normals is None else np.asarray(normals, np.float64),
+    )
+    notes = left_out([_PICTURES]) if "texture_uvs" in of_faces else ()
+    if "colors" in of_vertices:
+        colours, told = colour_codes(of_vertices["colors"])
+        return replace(raw, colours=colours, notes=(*notes, *told))
+    if "colors" in of_faces:
+        codes, told = colour_codes(of_faces["colors"])
+        raw = raw if codes is None else _with_faces_coloured(raw, codes, texture)
+        return replace(raw, notes=(*raw.notes, *notes, *told))
+    return replace(raw, notes=notes)
+
+
+# -- PyVista ------------------------------------------------------------------------------------
+
+
+def _read_polydata(found: Any, texture: bool) -> RawMesh:
+    mesh = found.triangulate() if found.n_strips else found
+    corners, sizes = _polygons_of(np.asarray(mesh.faces, np.int64))
+    normals = mesh.point_data.active_normals
+    what = ["lines"] if mesh.n_lines else []
+    raw = RawMesh(
+        np.asarray(mesh.points, np.float64), corners, sizes,
+        normals=None if normals is None else np.asarray(normals, np.float64),
+        announces="lines" if mesh.n_lines else "",
+        notes=left_out(what) if len(sizes) else (),
+    )  # fmt: skip
+    colours = _array_of_colours(mesh.point_data)
+    if colours is not None:
+        return replace(raw, colours=_codes(colours))
+    of_faces = _array_of_colours(mesh.cell_data)
+    if of_faces is None or len(of_faces) != mesh.n_cells:
+        return raw
+    first = int(mesh.n_verts + mesh.n_lines)  # a PolyData counts points, lines, then polygons
+    codes = _codes(of_faces)[first : first + len(sizes)]
+    return _with_faces_coloured(raw, codes, texture)
+
+
+def _polygons_of(padded: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Corners (N,) and sizes (P,) of polygons that stand one after the other behind their sizes."""
+    if len(padded) and len(padded) % (padded[0] + 1) == 0:
+        table = padded.reshape(-1, padded[0] + 1)
+        if (table[:, 0] == padded[0]).all():
+            return table[:, 1:].ravel(), table[:, 0].copy()
+    at, sizes = 0, []
+    starts = np.zeros(len(padded), np.bool_)
+    while at < len(padded):
+        starts[at] = True
+        sizes.append(int(padded[at]))
+        at += sizes[-1] + 1
+    return padded[~starts], np.array(sizes, np.int64)
+
+
+def _array_of_colours(data: Any) -> AnyArray | None:
+    """The array of codes among a PolyData's: the one that is shown, else one named so."""
+    names = [data.active_scalars_name, *_COLOURS]
+    for name in names:
+        if name in data.keys():  # noqa: SIM118  # it is no dictionary
+            array = np.asarray(data[name])
+            if array.dtype == np.uint8 and array.ndim == 2 and array.shape[1] in (3, 4):
+                return array
+    return None
+
+
+# -- what they have in common -------------------------------------------------------------------
+
+
+def _codes(colours: Any) -> NDArray[np.uint8]:
+    """Codes (N, 3) of uint8 colours with or without a share that is seen through."""
+    return np.ascontiguousarray(np.asarray(colours)[:, :3], np.uint8)
+
+
+def _with_faces_coloured(raw: RawMesh, codes: NDArray[np.uint8], texture: bool) -> RawMesh:
+    """Give polygons colours (P, 3), where colours of faces are wanted."""
+    if not texture:
+        return replace(raw, notes=(*raw.notes, *left_out([_FACE_COLOURS])))
+    return replace(
+        raw,
+        looks=(Look(),),
+        look_of=np.zeros(len(raw.sizes), np.int64),
+        uv=np.full((len(raw.corners), 2), np.nan),
+        corner_colours=np.repeat(codes, raw.sizes, axis=0),
+    )
+
+
+def _joined(raws: Sequence[RawMesh]) -> RawMesh:
+    """Return several meshes as one: colours are white, normals none, where some have none."""
+    if len(raws) == 1:
+        return raws[0]
+    if not raws:
+        empty = np.empty(0, np.int64)
+        return RawMesh(np.empty((0, 3)), empty, empty)
+    first = np.cumsum([0, *(len(raw.vertices) for raw in raws)])
+    looks_before = np.cumsum([0, *(len(raw.looks) for raw in raws)])
+    coloured = any(raw.colours is not None for raw in raws)
+    pictured = any(raw.look_of is not None for raw in raws)
+    cornered = any(raw.corner_colours is not None for raw in raws)
+    given = all(raw.normals is not None for raw in raws)
+    return RawMesh(
+        np.concatenate([raw.vertices for raw in raws]),
+        np.concatenate([raw.corners + n for raw, n in zip(raws, first, strict=False)]),
+        np.concatenate([raw.sizes for raw in raws]),
+        np.concatenate([*_all_colours(raws)]) if coloured else None,
+        np.concatenate([raw.normals for raw in raws if raw.normals is not None]) if given else None,
+        notes=tuple(dict.fromkeys(note for raw in raws for note in raw.notes)),
+        looks=tuple(look for raw in raws for look in raw.looks),
+        look_of=np.concatenate([*_all_looks(raws, looks_before)]) if pictured else None,
+        uv=np.concatenate([*_all_places(raws)]) if pictured else None,
+        corner_colours=np.concatenate([*_all_corners(raws)]) if cornered else None,
+    )
+
+
+def _all_colours(raws: Sequence[RawMesh]) -> Iterator[AnyArray]:
+    for raw in raws:
+        yield np.full((len(raw.vertices), 3), 255, np.uint8) if raw.colours is None else raw.colours
+
+
+def _all_looks(raws: Sequence[RawMesh], before: AnyArray) -> Iterator[AnyArray]:
+    for raw, n in zip(raws, before, strict=False):
+        none = np.full(len(raw.sizes), -1, np.int64)
+        yield none if raw.look_of is None else np.where(raw.look_of < 0, -1, raw.look_of + n)
+
+
+def _all_places(raws: Sequence[RawMesh]) -> Iterator[AnyArray]:
+    for raw in raws:
+        yield np.full((len(raw.corners), 2), np.nan) if raw.uv is None else raw.uv
+
+
+def _all_corners(raws: Sequence[RawMesh]) -> Iterator[AnyArray]:
+    for raw in raws:
+        if raw.corner_colours is not None:
+            yield raw.corner_colours
+        elif raw.colours is not None:
+            yield raw.colours[raw.corners]
+        else:
+            yield np.full((len(raw.corners), 3), 255, np.uint8)
+
+
+_READERS = {
+    "trimesh.Trimesh": read_trimesh,
+    "trimesh.Scene": read_trimesh,
+    "open3d.geometry.TriangleMesh": _read_open3d,
+    "open3d.t.geometry.TriangleMesh": _read_open3d_tensor,
+    "pyvista.PolyData": _read_polydata,
+}

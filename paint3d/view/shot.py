@@ -1,0 +1,236 @@
+"""Pictures as people ask for them: from the front, from above, flat, in some light, turning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.arrays import as_number
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError, UnknownNameError
+from paint3d.view.camera import View, find_view, fit_camera, studio_axes, vertex_areas
+from paint3d.view.flat_scene import Frame, draw_flat
+from paint3d.view.picture import (
+    Setting,
+    Stand,
+    checked_size,
+    develop,
+    draw_picture,
+    set_up_scene,
+)
+from paint3d.view.scene import draw_scene
+from paint3d.view.studio import LIGHTS, Gloss
+
+__all__ = ["AUTO", "FLAT", "UNLIT", "VIEWS", "Shot", "take_shot", "take_turning"]
+
+AUTO, FLAT, UNLIT = "auto", "flat", "none"
+VIEWS = {  # azimuth from the front (-y) toward the right (+x), and height, degrees
+    "front": (0.0, 15.0),
+    "right": (90.0, 15.0),
+    "back": (180.0, 15.0),
+    "left": (270.0, 15.0),
+    "above": (0.0, 45.0),
+    "top": (0.0, 90.0),
+    "bottom": (0.0, -90.0),
+}
+SIZE = (1600, 1200)
+BORDER = 1.06  # of a projection's frame over what is in it
+_ANGLES, _BANDS = 24, 32  # of the body that an object sweeps when it turns
+_STEEP = 89.9  # degrees, from which +y points up in the picture (from below, too)
+
+Arrays = tuple[AnyArray, AnyArray, AnyArray, AnyArray]
+"""Vertices (V, 3) float32 mm, faces (F, 3) int32, unit normals (V, 3), srgb (V, 3) uint8."""
+
+
+@dataclass(frozen=True)
+class Shot:
+    """How a picture is to be taken.
+
+    Attributes
+    ----------
+    view : str or (float, float)
+        "auto": onto the painted side; "front" (-y), "right", "back", "left", "above", "top",
+        "bottom"; azimuth and height in degrees, as of `VIEWS`; or "flat": straight from above,
+        to scale, without light and without a border.
+    size : (int, int) or None
+        Pixels, each 16 to 4096; None: 1600 x 1200, for "flat" the shape of the object.
+    light : str
+        One of `LIGHTS`, or "none": every colour as it was painted, in a parallel projection.
+    transparent : bool
+        Leave out the ground and whatever is behind.
+    zoom : float
+        0.1 to 20; 1 shows the object as large as it can be.
+
+    Raises
+    ------
+    InputError
+        If a value is not possible.
+    """
+
+    view: str | tuple[float, float] = AUTO
+    size: tuple[int, int] | None = None
+    light: str = "studio"
+    transparent: bool = False
+    zoom: float = 1.0
+
+    def __post_init__(self) -> None:
+        if isinstance(self.view, str):
+            if self.view not in (AUTO, FLAT, *VIEWS):
+                raise UnknownNameError("view", self.view, (AUTO, FLAT, *VIEWS))
+        else:
+            as_number(self.view[0], "azimuth of the view (degrees)", -360.0, 360.0)
+            as_number(self.view[1], "height of the view (degrees)", -90.0, 90.0)
+        if self.light not in (UNLIT, *LIGHTS):
+            raise UnknownNameError("light", self.light, (UNLIT, *LIGHTS))
+        if self.size is not None:
+            checked_size(self.size)
+        as_number(self.zoom, "zoom", 0.1, 20.0)
+
+    @property
+    def is_lit(self) -> bool:
+        """Whether light falls on the object."""
+        return self.light != UNLIT and self.view != FLAT
+
+    def seen_from(self, arrays: Arrays) -> View:
+        """The side that is looked at."""
+        if self.view == AUTO:
+            vertices, faces, normals, srgb = arrays
+            found = find_view(vertices, normals, srgb, vertex_areas(vertices, faces))
+            return View(found.direction, found.up, self.zoom)
+        told = "top" if self.view == FLAT else self.view
+        azimuth, height = VIEWS[told] if isinstance(told, str) else told
+        turn, rise = np.radians(azimuth), np.radians(height)
+        level = np.cos(rise)
+        direction = (np.sin(turn) * level, -np.cos(turn) * level, np.sin(rise))
+        up = (0.0, 0.0, 1.0)
+        if abs(height) > _STEEP:  # what lies away from the viewer is above
+            up = (-np.sin(turn) * np.sign(height), np.cos(turn) * np.sign(height), 0.0)
+        return View(direction, up, self.zoom)
+
+
+def take_shot(arrays: Arrays, shot: Shot, gloss: Gloss | None = None) -> NDArray[np.uint8]:
+    """Return the pixels of a picture, (height, width, 3) sRGB codes; four where transparent.
+
+    Parameters
+    ----------
+    arrays : see `Arrays`
+    shot : Shot
+    gloss : Gloss, optional
+        Default: glazed porcelain.
+
+    Raises
+    ------
+    MeshError
+        If the arrays do not fit together.
+    ExportError
+        If no OpenGL can be started.
+    """
+    view = shot.seen_from(arrays)
+    if not shot.is_lit:
+        axes = _picture_axes(view)
+        frame, size = _frame(arrays[0], axes, shot)
+        return draw_flat(*arrays[:2], arrays[3], frame, size, shot.transparent)
+    setting = Setting(LIGHTS[shot.light], shot.transparent)
+    return draw_picture(*arrays, size=shot.size or SIZE, view=view, gloss=gloss, setting=setting)
+
+
+def take_turning(
+    arrays: Arrays, shot: Shot, n_pictures: int, gloss: Gloss | None = None
+) -> Iterator[NDArray[np.uint8]]:
+    """Yield the pictures of an object that turns once, to the left in front, under still light.
+
+    Parameters
+    ----------
+    arrays, shot, gloss
+        As for `take_shot`; the view is that of the first picture.
+    n_pictures : int
+
+    Raises
+    ------
+    InputError
+        If the view is straight from above or below: nothing would be seen of the turning.
+    MeshError, ExportError
+        As `take_shot`.
+    """
+    vertices, faces, normals, srgb = arrays
+    view = shot.seen_from(arrays)
+    if _is_steep(view) and shot.view == AUTO:
+        view = replace(shot, view="above").seen_from(arrays)
+    if _is_steep(view):
+        raise InputError("an object that turns is seen from the side; expected another view")
+    size = checked_size(shot.size or SIZE)
+    middle = (vertices.max(axis=0) + vertices.min(axis=0)) / 2
+    swept = _swept(vertices - middle) + middle
+    axes = studio_axes(vertices, view)
+    camera = fit_camera(
+        (swept @ axes.T).astype(np.float32),
+        View(axes @ view.direction, axes @ view.up, view.zoom),
+        size[0] / size[1],
+    )
+    stand = Stand(axes, camera)
+    frame = _frame(swept, _picture_axes(view), shot)[0]
+    for k in range(n_pictures):
+        turn = -2.0 * np.pi * k / n_pictures
+        spin = _spin(turn)
+        turned = ((vertices - middle) @ spin.T + middle).astype(np.float32)
+        if not shot.is_lit:
+            yield draw_flat(turned, faces, srgb, frame, size, shot.transparent)
+            continue
+        there = (turned, faces, (normals @ spin.T).astype(np.float32), srgb)
+        setting = Setting(LIGHTS[shot.light], shot.transparent, stand)
+        scene = set_up_scene(there, view, size, setting)
+        stand = stand._replace(exposure=scene.exposure)  # the first one's, for all
+        look = gloss or Gloss.of("porcelain")
+        yield develop(draw_scene(scene, look, size, shot.transparent))
+
+
+def _is_steep(view: View) -> bool:
+    """Whether it goes straight down or up."""
+    return bool(abs(view.direction[2]) > np.sin(np.radians(_STEEP)))
+
+
+def _picture_axes(view: View) -> NDArray[np.float64]:
+    right = np.cross(view.up, view.direction)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(view.direction, right), view.direction])
+
+
+def _frame(
+    vertices: AnyArray, axes: NDArray[np.float64], shot: Shot
+) -> tuple[Frame, tuple[int, int]]:
+    """The part of a projection that holds all vertices, and the picture's size in pixels."""
+    seen = vertices.astype(np.float64) @ axes[:2].T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    wide, tall = np.maximum(high - low, 1e-6 * max(float((high - low).max()), 1e-9)).tolist()
+    size = shot.size
+    if size is None and shot.view == FLAT:
+        longest = SIZE[0] / max(wide, tall)
+        across, down = (int(np.clip(round(n * longest), 16, SIZE[0])) for n in (wide, tall))
+        size = across, down
+    size = checked_size(size or SIZE)
+    height = max(tall, wide * size[1] / size[0])
+    border = 1.0 if shot.view == FLAT else BORDER
+    return Frame(axes, (low + high) / 2, border * height / shot.zoom), size
+
+
+def _swept(vertices: AnyArray) -> NDArray[np.float64]:
+    """Points (N, 3) around the body that an object sweeps when it turns about z through 0."""
+    radius, z = np.hypot(vertices[:, 0], vertices[:, 1]), vertices[:, 2].astype(np.float64)
+    span = max(float(np.ptp(z)), 1e-9)
+    band = np.minimum(((z - z.min()) / span * _BANDS).astype(np.int64), _BANDS - 1)
+    rings = []
+    for k in np.unique(band):
+        own = band == k
+        rings += [(radius[own].max(), z[own].min()), (radius[own].max(), z[own].max())]
+    r, height = np.array(rings).T
+    turn = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
+    x, y = np.outer(np.cos(turn), r).ravel(), np.outer(np.sin(turn), r).ravel()
+    return np.stack([x, y, np.tile(height, _ANGLES)], axis=1)
+
+
+def _spin(turn: float) -> NDArray[np.float64]:
+    c, s = np.cos(turn), np.sin(turn)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
