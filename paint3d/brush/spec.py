@@ -15,7 +15,7 @@ from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import BrushError
 
-__all__ = ["HAIRS", "REFERENCE_LENGTH", "BrushSpec"]
+__all__ = ["HAIRS", "REFERENCE_LENGTH", "BrushSpec", "parameter_ranges"]
 
 HAIRS = ("goat", "weasel", "mixed")
 REFERENCE_LENGTH = 35.0  # mm, the tuft of Guo 2017, Table 2, to which its ranges belong
@@ -34,12 +34,28 @@ _RANGES = {
     "drag_fraction": (0.0, 0.5),
     "plasticity": (0.0, 1.0),
 }
-_SEGMENTS = (8, 13)
+_SEGMENTS = (8.0, 13.0)
+_FORCES = (0.1, 100.0)  # N
 _TIP_SEGMENT = (0.8, 1.4)
+_SHALLOWEST_PRESS = 0.2  # of the length
 _DEEPEST_PRESS = 0.62  # of the length; the table of bent shapes ends there
 _POINT = 2.0  # tip segments
 _LONGEST_POINT = 0.15  # of the length
+_THINNEST_ROOT = 0.02  # of the length
 _THICKEST_ROOT = 0.42  # of the length: thicker, and the ferrule touches within the table
+
+
+def parameter_ranges(length_mm: float) -> dict[str, tuple[float, float]]:
+    """Least and greatest value of every number of a brush whose tuft is so long (mm)."""
+    scale = length_mm / REFERENCE_LENGTH
+    return _RANGES | {
+        "n_segments": _SEGMENTS,
+        "tip_segment_mm": (_TIP_SEGMENT[0] * scale, _TIP_SEGMENT[1] * scale),
+        "root_diameter_mm": (_THINNEST_ROOT * length_mm, _THICKEST_ROOT * length_mm),
+        "point_mm": (0.0, _LONGEST_POINT * length_mm),
+        "full_press_mm": (_SHALLOWEST_PRESS * length_mm, _DEEPEST_PRESS * length_mm),
+        "max_force": _FORCES,
+    }
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -122,17 +138,12 @@ class BrushSpec:
             raise BrushError(
                 f"brush {self.name!r}: hair is {self.hair!r}; expected one of {', '.join(HAIRS)}"
             )
-        for parameter, (low, high) in _RANGES.items():
-            self._check(parameter, low, high)
-        scale = self.length_mm / REFERENCE_LENGTH
-        self._check("tip_segment_mm", _TIP_SEGMENT[0] * scale, _TIP_SEGMENT[1] * scale)
-        self._check("root_diameter_mm", 0.02 * self.length_mm, _THICKEST_ROOT * self.length_mm)
-        self._check("full_press_mm", 0.2 * self.length_mm, _DEEPEST_PRESS * self.length_mm)
-        self._check("max_force", 0.1, 100.0)
-        if math.isnan(self.point_mm):
+        self._check("length_mm", *_RANGES["length_mm"])
+        if isinstance(self.point_mm, float) and math.isnan(self.point_mm):
+            self._check("tip_segment_mm", 0.0, self.length_mm)
             object.__setattr__(self, "point_mm", _POINT * self.tip_segment_mm)
-        self._check("point_mm", 0.0, _LONGEST_POINT * self.length_mm)
-        self._check("n_segments", *_SEGMENTS)
+        for parameter, (low, high) in parameter_ranges(self.length_mm).items():
+            self._check(parameter, low, high)
         if self.n_segments != int(self.n_segments):
             raise BrushError(
                 f"brush {self.name!r}: n_segments is {self.n_segments}; expected a whole number"

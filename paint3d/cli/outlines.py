@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
+    from paint3d.brush.spec import BrushSpec
     from paint3d.device.recorded import Recording
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -29,7 +30,9 @@ def check_is_plane(mesh: TriangleMesh) -> None:
         raise ExportError(f"{mesh.name} is not the plane z = 0; expected it for an .svg of strokes")
 
 
-def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Path) -> None:
+def export_outlines(
+    mesh: TriangleMesh, recording: Recording, brush: BrushSpec, ink: str, file: Path
+) -> None:
     """Write the strokes' outlines in the colour of a full coat of an ink on paper.
 
     Raises
@@ -39,7 +42,6 @@ def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Pa
     InputError
         If the recording leans or lets the surface turn the tuft.
     """
-    from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.stroke_sides import stroke_outlines
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
@@ -51,7 +53,7 @@ def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Pa
     pigment = load_pigment(ink)
     paper = load_material("xuan").reflectance
     red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, 1.0, paper))
-    outlines = stroke_outlines(recording, load_brush(str(header["brush"])))
+    outlines = stroke_outlines(recording, brush)
     low, high = mesh.bounds
     title = "".join(str(character["text"]) for character in header["characters"])
     bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
