@@ -30,10 +30,18 @@ from paint3d.brush_engine.tuft import (
     STATIONS,
     Tuft,
 )
+from paint3d.colour.materials import Material
 from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
-__all__ = ["GREATEST_FRACTION", "LOWEST_TILT", "BendingTable", "bending_table", "build_tuft"]
+__all__ = [
+    "GREATEST_FRACTION",
+    "LOWEST_TILT",
+    "BendingTable",
+    "bending_table",
+    "build_tuft",
+    "tuft_on",
+]
 
 LOWEST_TILT = math.radians(30.0)
 GREATEST_FRACTION = 0.62  # descent over the straight tuft's height; below, the ferrule would touch
@@ -178,6 +186,18 @@ def _openness(chords: AnyArray, diameters: AnyArray) -> NDArray[np.float32]:
     gap = chords[..., 1:] / diameters[1:]
     gap = np.concatenate([gap[..., :1], gap], axis=-1)  # where tip and plane meet, 0 over 0
     return _constant(gap / (1.0 + gap))
+
+
+def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
+    """The brush ready for kernels, on a surface that may draw more or less ink out of it.
+
+    Raises
+    ------
+    BrushError
+        If the bending of this brush cannot be solved.
+    """
+    tuft = build_tuft(spec)
+    return tuft._replace(transfer_per_mm=tuft.transfer_per_mm * material.uptake)
 
 
 @functools.lru_cache(maxsize=64)
