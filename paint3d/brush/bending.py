@@ -5,6 +5,11 @@ is followed on fine arcs that crowd towards the tip, where a tuft is weak: k_j =
 s_j the joint's arc length from the tip over the tuft's and r_j the length that bends there, the
 mean of the two arcs that it joins, and half of the last one at the holder. Nothing of it depends on
 the tuft but q, so tufts of one q share a table.
+
+The papers' segments say where a tuft is soft: the shorter they are near the tip, the easier it
+bends there. A brush whose number of segments or tip segment is no longer what it was rated with
+bends as if its hairs were le(s) / le_rated(s) times as thick at s, with le the length of the
+segment there: docs/model.md, section 1.
 """
 
 from __future__ import annotations
@@ -25,10 +30,18 @@ from paint3d.brush_engine.tuft import (
     STATIONS,
     Tuft,
 )
+from paint3d.colour.materials import Material
 from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError
 
-__all__ = ["GREATEST_FRACTION", "LOWEST_TILT", "BendingTable", "bending_table", "build_tuft"]
+__all__ = [
+    "GREATEST_FRACTION",
+    "LOWEST_TILT",
+    "BendingTable",
+    "bending_table",
+    "build_tuft",
+    "tuft_on",
+]
 
 LOWEST_TILT = math.radians(30.0)
 GREATEST_FRACTION = 0.62  # descent over the straight tuft's height; below, the ferrule would touch
@@ -36,6 +49,7 @@ _N_TILTS = 25
 _N_DESCENTS = 129
 _N_ARCS = 2 * (STATIONS - 1)
 _CROWDING = 2.6  # arcs at the tip are so much shorter that the lightest touch bends some of them
+Chain = tuple[float, float, float, float]
 _LEAST_COSINE = 1e-3  # of sections: what stands straighter is clear of the plane
 
 
@@ -51,6 +65,8 @@ class BendingTable:
         q: a joint bends (s / LE)^q times as hard as the root.
     n_arcs : int
         On which the spine is solved.
+    chain : tuple, optional
+        As `BrushSpec.chain`.
 
     Attributes
     ----------
@@ -69,14 +85,14 @@ class BendingTable:
         If the bending cannot be solved.
     """
 
-    def __init__(self, exponent: float, n_arcs: int = _N_ARCS) -> None:
+    def __init__(self, exponent: float, n_arcs: int = _N_ARCS, chain: Chain | None = None) -> None:
         self.tilts = np.linspace(LOWEST_TILT, 0.5 * math.pi, _N_TILTS)
         self.fractions = GREATEST_FRACTION * np.linspace(0.0, 1.0, _N_DESCENTS) ** 2
         self.arcs = np.linspace(0.0, 1.0, n_arcs + 1) ** _CROWDING
         self.angles = np.empty((_N_TILTS, _N_DESCENTS, n_arcs))
         failures = tabulate_bending(
             self.arcs,
-            joint_stiffness(self.arcs, exponent),
+            joint_stiffness(self.arcs, exponent, chain),
             float(exponent),
             self.tilts,
             self.fractions,
@@ -111,30 +127,44 @@ class BendingTable:
         return along[..., -1:] - along, up, angle
 
 
-def joint_stiffness(arcs: AnyArray, exponent: float) -> AnyArray:
+def joint_stiffness(arcs: AnyArray, exponent: float, chain: Chain | None = None) -> AnyArray:
     """k_j (M,) of the joints above the arcs in docs/model.md, equation (2), for LE = 1."""
     lengths = np.diff(arcs)
     bending = np.append(0.5 * (lengths[:-1] + lengths[1:]), 0.5 * lengths[-1])
     result: AnyArray = arcs[1:] ** exponent / bending
+    if chain is not None:
+        segments, tip, rated_segments, rated_tip = chain
+        there = _segment_at(arcs[1:], segments, tip)
+        result *= (there / _segment_at(arcs[1:], rated_segments, rated_tip)) ** exponent
+    return result
+
+
+def _segment_at(arcs: AnyArray, segments: float, tip: float) -> AnyArray:
+    """Length of the papers' segment (Guo 2017, Eq. 1) at arc lengths, all for LE = 1.
+
+    The sum of j segments is j (tip - d / 2) + j^2 d / 2, and its growth with j the length there.
+    """
+    d = 2.0 * (1.0 - segments * tip) / (segments * (segments - 1.0))
+    result: AnyArray = np.sqrt((tip - 0.5 * d) ** 2 + 2.0 * d * arcs)
     return result
 
 
 @functools.lru_cache(maxsize=16)
-def bending_table(exponent: float) -> BendingTable:
-    """The table of an exponent of stiffness; kept in memory. About .1 s.
+def bending_table(exponent: float, chain: Chain | None = None) -> BendingTable:
+    """The table of an exponent of stiffness, and a chain; kept in memory. About .1 s.
 
     Raises
     ------
     BrushError
         If the bending cannot be solved.
     """
-    return BendingTable(exponent)
+    return BendingTable(exponent, chain=chain)
 
 
 @functools.lru_cache(maxsize=16)
-def _shared(exponent: float) -> tuple[NDArray[np.float32], ...]:
-    """What tufts of one exponent share, at the stations: see `Tuft.spine` and `Tuft.reach`."""
-    along, up, angle = (part[..., ::2] for part in bending_table(exponent).spine)
+def _shared(exponent: float, chain: Chain | None) -> tuple[NDArray[np.float32], ...]:
+    """What tufts of one table share, at the stations: see `Tuft.spine` and `Tuft.reach`."""
+    along, up, angle = (part[..., ::2] for part in bending_table(exponent, chain).spine)
     spine = np.stack([along, up, angle], axis=2)
     cosine = np.maximum(np.cos(angle), _LEAST_COSINE)
     reach = along - up * np.sin(angle) / cosine
@@ -158,6 +188,18 @@ def _openness(chords: AnyArray, diameters: AnyArray) -> NDArray[np.float32]:
     return _constant(gap / (1.0 + gap))
 
 
+def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
+    """The brush ready for kernels, on a surface that may draw more or less ink out of it.
+
+    Raises
+    ------
+    BrushError
+        If the bending of this brush cannot be solved.
+    """
+    tuft = build_tuft(spec)
+    return tuft._replace(transfer_per_mm=tuft.transfer_per_mm * material.uptake)
+
+
 @functools.lru_cache(maxsize=64)
 def build_tuft(spec: BrushSpec) -> Tuft:
     """The brush ready for kernels; kept in memory, so that asking again costs nothing.
@@ -168,8 +210,8 @@ def build_tuft(spec: BrushSpec) -> Tuft:
         If the bending of this brush cannot be solved.
     """
     exponent = float(spec.stiffness_exponent)
-    spine, reach, chords = _shared(exponent)
-    arcs = bending_table(exponent).arcs[::2] * spec.length_mm
+    spine, reach, chords = _shared(exponent, spec.chain)
+    arcs = bending_table(exponent, spec.chain).arcs[::2] * spec.length_mm
     diameters = spec.diameters(arcs)
     rings = np.array(RING_STATIONS)
     spheres = np.empty((*spine[::2, ::SPHERE_STEPS].shape[:2], len(SPHERE_SPREADS), 3))
@@ -193,9 +235,9 @@ def build_tuft(spec: BrushSpec) -> Tuft:
         lowest_tilt=LOWEST_TILT,
         greatest_fraction=GREATEST_FRACTION,
         length=float(spec.length_mm),
-        full_press=float(spec.full_press_mm),
+        full_press=float(spec.press_mm),
         spring=float(spec.spring),
-        max_force=float(spec.max_force),
+        max_force=float(spec.greatest_force),
         spread=float(spec.spread),
         load=float(spec.load),
         transfer_per_mm=float(spec.transfer_per_mm),

@@ -7,7 +7,7 @@ import dataclasses
 from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError
 
-__all__ = ["MOST_HAIRS", "TABLES", "BristleSpec"]
+__all__ = ["MOST_HAIRS", "TABLES", "BristleSpec", "hair_ranges"]
 
 MOST_HAIRS = 10_000
 TABLES = ("energy", "measured")
@@ -23,6 +23,11 @@ _RANGES = {
     "levelling_mm": (0.1, 1e4),
     "set_share": (0.001, 0.5),
 }
+
+
+def hair_ranges() -> dict[str, tuple[float, float]]:
+    """Least and greatest value of every number of the hairs."""
+    return {"n_hairs": (1.0, float(MOST_HAIRS)), **_RANGES}
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -47,7 +47,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
     BrushError
         If the bending of this brush cannot be solved.
     """
-    table = bending_table(float(spec.stiffness_exponent))
+    table = bending_table(float(spec.stiffness_exponent), spec.chain)
     if hairs.table == "energy":
         shapes, fans = energy_shapes(table)
     else:

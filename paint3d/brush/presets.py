@@ -1,17 +1,29 @@
-"""The brushes that come with paint3d, read from presets.json, and which suits a size of writing."""
+"""Brushes by name: those of presets.json, files of one's own, and which suits a size of writing."""
 
 from __future__ import annotations
 
 import functools
 import importlib.resources
 import json
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
 
 from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.brush_file import is_brush_file, read_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import as_number
-from paint3d.errors import UnknownNameError
+from paint3d.errors import BrushError, UnknownNameError
 
-__all__ = ["GREATEST_EM", "LEAST_EM", "brush_names", "choose_brush", "load_brush"]
+__all__ = [
+    "GREATEST_EM",
+    "LEAST_EM",
+    "brush_names",
+    "brush_note",
+    "choose_brush",
+    "load_brush",
+    "load_presets",
+]
 
 LEAST_EM, GREATEST_EM = 8.0, 200.0
 """mm: the sizes of characters that the presets are made for."""
@@ -22,34 +34,61 @@ blunt taper, whose footprints are about as long as wide and so reach into corner
 
 
 @functools.lru_cache(maxsize=1)
-def _read_presets() -> dict[str, BrushSpec]:
+def _read_file() -> dict[str, dict[str, Any]]:
     text = importlib.resources.files("paint3d.brush").joinpath("presets.json").read_text("utf-8")
+    parameters: dict[str, dict[str, Any]] = json.loads(text)
+    return parameters
+
+
+@functools.lru_cache(maxsize=1)
+def load_presets() -> Mapping[str, BrushSpec]:
+    """The brushes that come with the program, by name; read-only."""
     specs = {}
-    for name, parameters in json.loads(text).items():
-        parameters.pop("note")
+    for name, stated in _read_file().items():
+        parameters = {key: value for key, value in stated.items() if key != "note"}
         if "bristles" in parameters:
             parameters["bristles"] = BristleSpec(**parameters["bristles"])
         specs[name] = BrushSpec(name=name, **parameters)
-    return specs
+    return MappingProxyType(specs)
 
 
 def brush_names() -> tuple[str, ...]:
-    """Names that `load_brush` knows, in the order of the file."""
-    return tuple(_read_presets())
+    """Names of the brushes that come with the program, in the order of the file."""
+    return tuple(load_presets())
 
 
-def load_brush(name: str) -> BrushSpec:
-    """A brush by name.
+def brush_note(name: str) -> str:
+    """What a preset is for and where its numbers are from; nothing of any other brush."""
+    return str(_read_file().get(name, {}).get("note", ""))
+
+
+def load_brush(name: str, *, own_files: bool = True) -> BrushSpec:
+    """A brush by name, or of a file of one's own (``mine.toml``, ``mine.json``).
+
+    Parameters
+    ----------
+    name : str
+    own_files : bool
+        Whether the name may be that of a file. Names that come from somebody else's file may not.
 
     Raises
     ------
     UnknownNameError
         If no brush has this name; the message lists those that there are.
+    BrushError
+        If the file cannot be used, or may not be read.
     """
-    presets = _read_presets()
-    if name not in presets:
-        raise UnknownNameError("brush", str(name), presets)
-    return presets[name]
+    presets = load_presets()
+    if name in presets:
+        return presets[name]
+    if isinstance(name, str) and is_brush_file(name):
+        if not own_files:
+            raise BrushError(
+                f"the brush {name[-100:]!r} is a file of this machine, which a file may not name; "
+                "expected a brush that comes with the program"
+            )
+        return read_brush(name, presets)
+    raise UnknownNameError("brush", str(name), presets)
 
 
 def choose_brush(em_mm: float) -> str:

@@ -15,7 +15,7 @@ from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import BrushError
 
-__all__ = ["HAIRS", "REFERENCE_LENGTH", "BrushSpec"]
+__all__ = ["HAIRS", "REFERENCE_LENGTH", "BrushSpec", "parameter_ranges"]
 
 HAIRS = ("goat", "weasel", "mixed")
 REFERENCE_LENGTH = 35.0  # mm, the tuft of Guo 2017, Table 2, to which its ranges belong
@@ -34,12 +34,34 @@ _RANGES = {
     "drag_fraction": (0.0, 0.5),
     "plasticity": (0.0, 1.0),
 }
-_SEGMENTS = (8, 13)
-_TIP_SEGMENT = (0.8, 1.4)
+_SEGMENTS = (8.0, 13.0)
+_FORCES = (0.1, 100.0)  # N
+_TIP_SEGMENT = (0.8, 1.4)  # mm of a tuft of the reference's length
+_SHALLOWEST_PRESS = 0.2  # of the length
 _DEEPEST_PRESS = 0.62  # of the length; the table of bent shapes ends there
 _POINT = 2.0  # tip segments
 _LONGEST_POINT = 0.15  # of the length
+_THINNEST_ROOT = 0.02  # of the length
 _THICKEST_ROOT = 0.42  # of the length: thicker, and the ferrule touches within the table
+
+
+def parameter_ranges(length_mm: float) -> dict[str, tuple[float, float]]:
+    """Least and greatest value of every number of a brush whose tuft is so long (mm)."""
+    scale = length_mm / REFERENCE_LENGTH
+    return _RANGES | {
+        "n_segments": _SEGMENTS,
+        "tip_segment_mm": (_TIP_SEGMENT[0] * scale, _TIP_SEGMENT[1] * scale),
+        "root_diameter_mm": (_THINNEST_ROOT * length_mm, _THICKEST_ROOT * length_mm),
+        "point_mm": (0.0, _LONGEST_POINT * length_mm),
+        "full_press_mm": (_SHALLOWEST_PRESS * length_mm, _DEEPEST_PRESS * length_mm),
+        "max_force": _FORCES,
+        "rated_hardness": _RANGES["hardness"],
+        "rated_segments": _SEGMENTS,
+        "rated_tip_share": (
+            _TIP_SEGMENT[0] / REFERENCE_LENGTH,
+            _TIP_SEGMENT[1] / REFERENCE_LENGTH,
+        ),
+    }
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -70,7 +92,7 @@ class BrushSpec:
     stiffness_exponent : float
         q: a joint bends (s / LE)^q times as hard as the root.
     full_press_mm : float
-        Descent of the root at which pe = 1; gives lambda_c.
+        Descent of the root at which pe = 1, with the hardness `rated_hardness`; gives lambda_c.
     load : float
         Ink in a full tuft, full coats times mm2.
     transfer_per_mm : float
@@ -81,6 +103,11 @@ class BrushSpec:
         rho, share of the bend that stays when the pen lifts, 0 (springs back) to 1.
     max_force : float
         Force at pe = 1, N.
+    rated_hardness, rated_segments, rated_tip_share : float, optional
+        The hardness at which `full_press_mm`, and the number of segments and tip_segment_mm /
+        length_mm at which `stiffness_exponent` holds: what the brush was fitted with. A brush with
+        less hardness is pressed deeper by the same force, one with a shorter tip segment bends more
+        at its tip. NaN: the brush's own.
     bristles : BristleSpec, optional
         What its tuft's hairs are, for a brush that paints with single hairs; None: a solid tuft.
     inputs : mapping, optional
@@ -114,6 +141,9 @@ class BrushSpec:
     point_mm: float = math.nan
     bristles: BristleSpec | None = None
     inputs: InputCurves = ()
+    rated_hardness: float = math.nan
+    rated_segments: float = math.nan
+    rated_tip_share: float = math.nan
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -122,17 +152,19 @@ class BrushSpec:
             raise BrushError(
                 f"brush {self.name!r}: hair is {self.hair!r}; expected one of {', '.join(HAIRS)}"
             )
-        for parameter, (low, high) in _RANGES.items():
+        self._check("length_mm", *_RANGES["length_mm"])
+        self._check("tip_segment_mm", 0.0, self.length_mm)
+        for parameter, value in (
+            ("point_mm", _POINT * self.tip_segment_mm),
+            ("rated_hardness", self.hardness),
+            ("rated_segments", self.n_segments),
+            ("rated_tip_share", self.tip_segment_mm / self.length_mm),
+        ):
+            stated = getattr(self, parameter)
+            if isinstance(stated, float) and math.isnan(stated):
+                object.__setattr__(self, parameter, value)
+        for parameter, (low, high) in parameter_ranges(self.length_mm).items():
             self._check(parameter, low, high)
-        scale = self.length_mm / REFERENCE_LENGTH
-        self._check("tip_segment_mm", _TIP_SEGMENT[0] * scale, _TIP_SEGMENT[1] * scale)
-        self._check("root_diameter_mm", 0.02 * self.length_mm, _THICKEST_ROOT * self.length_mm)
-        self._check("full_press_mm", 0.2 * self.length_mm, _DEEPEST_PRESS * self.length_mm)
-        self._check("max_force", 0.1, 100.0)
-        if math.isnan(self.point_mm):
-            object.__setattr__(self, "point_mm", _POINT * self.tip_segment_mm)
-        self._check("point_mm", 0.0, _LONGEST_POINT * self.length_mm)
-        self._check("n_segments", *_SEGMENTS)
         if self.n_segments != int(self.n_segments):
             raise BrushError(
                 f"brush {self.name!r}: n_segments is {self.n_segments}; expected a whole number"
@@ -164,13 +196,35 @@ class BrushSpec:
 
     @property
     def force_coefficient(self) -> float:
-        """lambda_c, N/mm: chosen so that pe = 1 at `full_press_mm` (Guo 2017, Eq. 4)."""
-        return self.max_force / (self.hardness * self.full_press_mm)
+        """lambda_c, N/mm: chosen so that pe = 1 at `full_press_mm` when it was rated (Eq. 4)."""
+        return self.max_force / (self.rated_hardness * self.full_press_mm)
 
     @property
     def spring(self) -> float:
         """lambda_c S, N/mm: force per descent of the root."""
         return self.force_coefficient * self.hardness
+
+    @property
+    def press_mm(self) -> float:
+        """Descent at pe = 1, mm: where a softer brush would go on, it ends at its deepest press."""
+        press = self.full_press_mm * (self.rated_hardness / self.hardness)
+        return min(press, _DEEPEST_PRESS * self.length_mm)
+
+    @property
+    def greatest_force(self) -> float:
+        """Force at pe = 1, N: `max_force`, and less where the press ends before."""
+        is_whole = self.full_press_mm * (self.rated_hardness / self.hardness) <= (
+            _DEEPEST_PRESS * self.length_mm
+        )
+        return self.max_force if is_whole else self.spring * self.press_mm
+
+    @property
+    def chain(self) -> tuple[float, float, float, float] | None:
+        """Segments and tip_segment_mm / length_mm, as they are and as rated; None where alike."""
+        share = self.tip_segment_mm / self.length_mm
+        if self.n_segments == self.rated_segments and math.isclose(share, self.rated_tip_share):
+            return None
+        return float(self.n_segments), share, float(self.rated_segments), self.rated_tip_share
 
     @property
     def volume(self) -> float:

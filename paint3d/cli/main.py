@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from paint3d.cli import (
     batch,
     bench,
+    brushes,
     demo,
     devices,
     export,
@@ -45,6 +46,7 @@ _COMMANDS = {
     "batch": batch,
     "devices": devices,
     "inks": inks,
+    "brushes": brushes,
     "study": study,
     "bench": bench,
     "report": report,

@@ -20,6 +20,7 @@ __all__ = [
     "check_output_file",
     "check_output_folder",
     "check_overwriting",
+    "own_brush",
     "own_table",
     "parse_count",
     "parse_hairs",
@@ -110,6 +111,11 @@ def own_table(ink: str | None) -> str | None:
     return file if file.lower().endswith(".csv") else None
 
 
+def own_brush(brush: str | None) -> str | None:
+    """The file that a brush is read from; None for those that come with the program."""
+    return brush if (brush or "").lower().endswith((".toml", ".json")) else None
+
+
 def add_force_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--force``."""
     parser.add_argument(
@@ -155,7 +161,12 @@ def add_painting_options(
     ink: str = "the recording's",
 ) -> None:
     """Add what describes brush, ink and surface; `brush` and `ink` say what None stands for."""
-    parser.add_argument("--brush", metavar="NAME", help=f"brush (default: {brush})")
+    parser.add_argument(
+        "--brush",
+        metavar="NAME|FILE",
+        help="brush: a name of `paint3d brushes`, or a file of your own, mine.toml or mine.json "
+        f"(default: {brush})",
+    )
     parser.add_argument(
         "--hairs",
         metavar="N",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
+    from paint3d.brush.spec import BrushSpec
     from paint3d.device.recorded import Recording
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -32,7 +33,9 @@ def check_is_plane(mesh: TriangleMesh) -> None:
         raise ExportError(f"{mesh.name} is not the plane z = 0; expected it for an .svg of strokes")
 
 
-def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Path) -> None:
+def export_outlines(
+    mesh: TriangleMesh, recording: Recording, brush: BrushSpec, ink: str, file: Path
+) -> None:
     """Write the strokes' outlines in the colour of a full coat of an ink on paper.
 
     Raises
@@ -42,12 +45,10 @@ def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Pa
     InputError
         If the recording leans or lets the surface turn the tuft.
     """
-    from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.stroke_sides import stroke_outlines
     from paint3d.files.writers.write_svg import write_svg
 
-    header = recording.header
-    outlines = stroke_outlines(recording, load_brush(str(header["brush"])))
+    outlines = stroke_outlines(recording, brush)
     low, high = mesh.bounds
     bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
     write_svg(file, [(_colour_of(ink), outlines)], bounds, _title(recording))
@@ -72,7 +73,7 @@ def export_recordings(recordings: Sequence[Recording], file: Path) -> None:
     groups = []
     for recording in recordings:
         told = recording.header
-        outlines = stroke_outlines(recording, load_brush(str(told.get("brush", _BRUSH))))
+        outlines = stroke_outlines(recording, load_brush(str(told.get("brush", _BRUSH)), own_files=False))
         groups.append((_colour_of(str(told.get("ink", _INK))), outlines))
     points = [ring for _, outlines in groups for rings in outlines for ring in rings]
     if not points:

@@ -20,6 +20,7 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
+    own_brush,
     own_table,
     parse_length_mm,
     parse_place,
@@ -29,9 +30,10 @@ from paint3d.cli.pads import lay_on
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.untouched import refuse_untouched
-from paint3d.errors import PigmentError, RecordingError
+from paint3d.errors import BrushError, PigmentError, RecordingError, UnknownNameError
 
 if TYPE_CHECKING:
+    from paint3d.brush.spec import BrushSpec
     from paint3d.colour.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
@@ -125,7 +127,7 @@ def run(options: argparse.Namespace) -> None:
         check_output_file(options.report, (".json",))
     check_overwriting(
         (options.out, options.report),
-        (options.recording, options.on, own_table(options.ink)),
+        (options.recording, options.on, own_table(options.ink), own_brush(options.brush)),
         force=options.force,
     )
     wanted = PaintOptions(
@@ -186,10 +188,9 @@ def paint(
     InputError
         If the brush, the ink or a sample cannot be used.
     """
-    from paint3d.brush.presets import load_brush
     from paint3d.painter.painter import Painter
 
-    brush = load_brush(wanted.brush or _named_in(recording, "brush", _DEFAULT_BRUSH))
+    brush = _brush(recording, wanted.brush)
     ink = _ink(recording, wanted.ink)
     with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
         azimuth = recording.header["azimuth"]
@@ -205,6 +206,18 @@ def paint(
     if painter.hairs is not None:
         settings["hairs"] = asdict(painter.hairs.spec)
     return Painting(surface, counts, seconds, (recording,), settings)
+
+
+def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
+    """The brush that the user wants, or the recording's own, which names no file here."""
+    from paint3d.brush.presets import load_brush
+
+    if wished:
+        return load_brush(wished)
+    try:
+        return load_brush(_named_in(recording, "brush", _DEFAULT_BRUSH), own_files=False)
+    except (BrushError, UnknownNameError) as cause:
+        raise RecordingError(f"the header: {cause}, or --brush") from None
 
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> Pigment:

@@ -15,6 +15,7 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
+    own_brush,
     own_table,
     parse_count,
     parse_length_mm,
@@ -123,11 +124,11 @@ def run(options: argparse.Namespace) -> None:
             check_output_file(file, suffixes)
     check_overwriting(
         (options.out, options.report, options.recording),
-        (options.on, own_table(options.ink)),
+        (options.on, own_table(options.ink), own_brush(options.brush)),
         force=options.force,
     )
     wanted = PaintOptions(
-        brush=None,
+        brush=options.brush,
         ink=options.ink,
         material=options.material,
         resolution_mm=options.resolution,
@@ -153,7 +154,9 @@ def run(options: argparse.Namespace) -> None:
     with timed(painting.seconds, "export"):
         if as_outlines:
             with ProgressBar("writing", enabled=not options.quiet):
-                export_outlines(mesh, written.recording, options.ink or DEFAULT_INK, options.out)
+                export_outlines(
+                    mesh, written.recording, pen.brush, options.ink or DEFAULT_INK, options.out
+                )
         else:
             write_result(painting, options.out, quiet=options.quiet)
     if options.recording is not None:

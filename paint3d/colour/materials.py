@@ -7,6 +7,7 @@ reflectance was measured and for what it stands in. The other properties are cho
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -51,7 +52,8 @@ class Material:
     coat : float
         Strength of a clear glaze over it, 0 to 1.
     absorbency : float
-        How readily ink soaks in, 0 (glaze) to 1 (raw paper).
+        How readily ink soaks in, 0 (glaze) to 1 (raw paper). It draws ink out of the brush:
+        `uptake`.
     grain : float
         How coarse the surface is to a brush, 0 to 1.
     pores_mm : float
@@ -70,6 +72,8 @@ class Material:
         Depth of water that evaporates in a second.
     tooth_mm : float
         Length of the bumps that break a dry stroke, 0 for none.
+    rated_absorbency : float, optional
+        The absorbency at which brushes give their ink as `BrushSpec` says. NaN: its own.
     chinese, source, basis, licence : str
         Whose measurement the reflectance is, for what it stands in, and its terms.
 
@@ -92,6 +96,7 @@ class Material:
     passing: float = 1.0
     drying_mm_s: float = 4e-5
     tooth_mm: float = 0.5
+    rated_absorbency: float = math.nan
     chinese: str = ""
     source: str = ""
     basis: str = ""
@@ -110,7 +115,9 @@ class Material:
             )
         values.flags.writeable = False
         object.__setattr__(self, "reflectance", values)
-        for key in _LOOKS:
+        if isinstance(self.rated_absorbency, float) and math.isnan(self.rated_absorbency):
+            object.__setattr__(self, "rated_absorbency", self.absorbency)
+        for key in (*_LOOKS, "rated_absorbency"):
             number = as_number(
                 getattr(self, key), f"{key} of {self.name}", 0.0, 1.0, error=PigmentError
             )
@@ -120,6 +127,15 @@ class Material:
                 getattr(self, key), f"{key} of {self.name}", 0.0, most, error=PigmentError
             )
             object.__setattr__(self, key, number)
+
+    @property
+    def uptake(self) -> float:
+        """How many times as fast a brush gives its ink as on the surface that it was rated on.
+
+        Guo 2017, section 4.2.2, adapts eta to brush and surface: here by (1 + absorbency) over the
+        same of `rated_absorbency`. The factor is set by eye.
+        """
+        return (1.0 + self.absorbency) / (1.0 + self.rated_absorbency)
 
 
 @lru_cache(maxsize=1)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.brush.bending import build_tuft
+from paint3d.brush.bending import tuft_on
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.dynamics import build_curves
 from paint3d.brush.presets import load_brush
@@ -83,7 +83,7 @@ class Painter:
     Attributes
     ----------
     tuft : Tuft
-        The brush as it bends.
+        The brush as it bends, and gives ink on this surface.
     curves : Curves
         What drives it while it paints.
     hairs : HairTuft or None
@@ -112,7 +112,7 @@ class Painter:
             raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
         self.surface = surface
         self.brush = load_brush(brush) if isinstance(brush, str) else brush
-        self.tuft = build_tuft(self.brush)
+        self.tuft = tuft_on(self.brush, surface.material)
         self.curves = build_curves(self.brush.inputs)
         self._wanted_hairs = hairs
         self.hairs = self._make_hairs()
@@ -211,7 +211,7 @@ class Painter:
             For a brush that is not known, or cannot be bent.
         """
         brush = load_brush(brush) if isinstance(brush, str) else brush
-        self.tuft = build_tuft(brush)
+        self.tuft = tuft_on(brush, self.surface.material)
         self.brush = brush
         self.curves = build_curves(brush.inputs)
         self.hairs = self._make_hairs()

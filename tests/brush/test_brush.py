@@ -7,9 +7,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from paint3d.brush.bending import BendingTable, bending_table, build_tuft, joint_stiffness
+from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush_engine.tuft import STATIONS, greatest_descent, trace_spine
 from paint3d.errors import BrushError, UnknownNameError
@@ -173,3 +176,60 @@ def test_a_pointed_tuft_is_a_cone_at_its_tip_and_the_papers_law_above():
     assert spec.diameters([15.0, 35.0]) == pytest.approx(blunt.diameters([15.0, 35.0]), rel=1e-3)
     assert load_brush("full").point_mm == pytest.approx(2.0 * load_brush("full").tip_segment_mm)
     assert dataclasses.replace(spec, taper=1.0).diameters(near) == pytest.approx(14.0 * near / 35.0)
+
+
+def pressed(brush, descent):
+    return make_footprint(build_tuft(brush), descent, 0.5 * math.pi)
+
+
+def test_the_force_follows_the_hardness():
+    """Eq. 4: F = lambda H X, with lambda as it was rated."""
+    full = load_brush("full")
+    soft = dataclasses.replace(full, hardness=0.6)
+    assert soft.force_coefficient == full.force_coefficient
+    assert soft.spring == pytest.approx(full.spring * 0.6 / 0.7)
+    tuft = build_tuft(soft)
+    assert tuft.full_press == pytest.approx(17.5 * 0.7 / 0.6)
+    assert tuft.spring * tuft.full_press == pytest.approx(7.9)
+    limp = build_tuft(dataclasses.replace(full, hardness=0.3))
+    assert limp.full_press == 0.62 * 35.0
+    assert limp.max_force == pytest.approx(limp.spring * limp.full_press)
+    widths = [
+        make_footprint(build_tuft(b), 3.0 / b.spring, 0.5 * math.pi).width for b in (full, soft)
+    ]
+    assert widths[0] < widths[1]
+
+
+@pytest.mark.parametrize("name", brush_names())
+def test_presets_are_rated_as_they_are(name):
+    brush = load_brush(name)
+    assert brush.chain is None
+    tuft = build_tuft(brush)
+    assert tuft.full_press == brush.full_press_mm
+    assert tuft.max_force == brush.max_force
+
+
+@pytest.mark.parametrize("change", [{"tip_segment_mm": 0.8}, {"n_segments": 8}])
+def test_a_shorter_tip_segment_softens_the_tip(change):
+    full = load_brush("full")
+    soft = dataclasses.replace(full, **change)
+    for descent in (0.2, 1.0, 5.0):
+        tips = [
+            make_footprint(build_tuft(b), descent, 0.5 * math.pi).reach[0] for b in (full, soft)
+        ]
+        assert tips[1] < tips[0] - 1e-3 * descent, "it gives way nearer to the tip"
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.floats(2.5, 5.0),
+    st.integers(8, 13),
+    st.floats(0.8, 1.4),
+    st.integers(8, 13),
+    st.floats(0.8, 1.4),
+)
+def test_any_tip_within_the_ranges_bends(exponent, n, tip, rated_n, rated_tip):
+    table = BendingTable(exponent, chain=(n, tip / 35.0, rated_n, rated_tip / 35.0))
+    _, up, _ = table.spine
+    height = np.sin(table.tilts)[:, None] * (1.0 - table.fractions)
+    assert np.allclose(up[..., -1], height, atol=1e-9)

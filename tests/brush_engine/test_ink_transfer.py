@@ -196,6 +196,17 @@ def test_a_dry_brush_skips_where_the_grain_is_low():
     assert float(rough.surface.vertex_areas @ rough.surface.coverage) < 0.9 * covers[1]
 
 
+def test_what_drinks_more_draws_more_out_of_the_brush():
+    """Guo 2017, 4.2.2: eta belongs to brush and surface; as tabulated it is the brush's own."""
+    bisque = load_material("bisque")
+    held = {}
+    for absorbency in (0.0, 0.6, 1.0):
+        painter = dried_stroke(dataclasses.replace(bisque, absorbency=absorbency), 0.0)
+        held[absorbency] = painter.in_brush()
+    assert held[1.0] < held[0.6] < held[0.0]
+    assert held[0.6] == dried_stroke("bisque", 0.0).in_brush()
+
+
 def test_skipping_depends_on_the_place_and_not_on_the_vertices():
     coarse, fine = (dried_stroke("xuan", 0.9, resolution) for resolution in (0.6, 0.3))
     areas = [float(p.surface.vertex_areas @ p.surface.coverage) for p in (coarse, fine)]

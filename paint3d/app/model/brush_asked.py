@@ -21,7 +21,7 @@ __all__ = ["BRUSH_COMMANDS", "brush_after"]
 def _set(_: BrushSpec, brush: str | BrushSpec | Mapping[str, Any]) -> BrushSpec:
     if isinstance(brush, Mapping):
         return brush_from_words(brush)
-    return load_brush(brush) if isinstance(brush, str) else brush
+    return load_brush(brush, own_files=False) if isinstance(brush, str) else brush
 
 
 BRUSH_COMMANDS: dict[str, Callable[..., BrushSpec]] = {

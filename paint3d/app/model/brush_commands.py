@@ -7,6 +7,7 @@ from typing import Any
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
 from paint3d.app.model.persistence.brush_words import brush_from_words
+from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
 from paint3d.errors import InputError
@@ -36,7 +37,11 @@ class BrushCommands:
             If a stroke is going on, or there is no such brush.
         """
         self._refuse_in_stroke("another brush")
-        self.painter.change_brush(brush_from_words(brush) if isinstance(brush, Mapping) else brush)
+        if isinstance(brush, Mapping):
+            brush = brush_from_words(brush)
+        elif isinstance(brush, str):  # it may be that of a session, which names no file
+            brush = load_brush(brush, own_files=False)
+        self.painter.change_brush(brush)
         self._dipped = True
 
     def scale_brush(self, factor: float) -> None:

@@ -255,7 +255,8 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -
     header = recording.header
     try:
         name = header["brush"]
-        brush = brush_from_words(brushes[name]) if name in brushes else load_brush(name)
+        words = brushes.get(name)
+        brush = load_brush(name, own_files=False) if words is None else brush_from_words(words)
         ink = {str(k): float(w) for k, w in header["parts"].items()}
         return Stroke(
             float(header["time_s"]), brush, ink, str(header["layer"]), bool(header["dipped"]),

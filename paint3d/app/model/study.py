@@ -337,7 +337,7 @@ class _Judge:
         """What a recording paints, with its own brush and ink."""
         header = recording.header
         surface = PaintedSurface(self._mesh, _RESOLUTION_MM)
-        brush = load_brush(str(header.get("brush") or _DEFAULT_BRUSH))
+        brush = load_brush(str(header.get("brush") or _DEFAULT_BRUSH), own_files=False)
         ink = load_pigment(str(header.get("ink") or _DEFAULT_INK), own_tables=False)
         Painter(surface, brush, ink, str(header["azimuth"])).replay(recording)
         return surface

@@ -16,7 +16,7 @@ import numpy as np
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
 from paint3d.app.model.persistence.saved_settings import saved_mixture
 from paint3d.app.model.stroke_log import Stroke, weights_of
-from paint3d.brush.bending import build_tuft
+from paint3d.brush.bending import tuft_on
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.dynamics import build_curves
 from paint3d.brush.spec import BrushSpec
@@ -202,7 +202,7 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
     """For each painter what makes what it remembers from loads and hairs."""
     if len(state["brushes"]) > _MOST_BRUSHES or len(state["painters"]) > 10 * _MOST_BRUSHES:
         raise SessionError(f"they use {len(state['brushes'])} brushes; expected {_MOST_BRUSHES}")
-    brushes = [_brush(words) for words in state["brushes"]]
+    brushes = [_brush(words, surface) for words in state["brushes"]]
     inks = {**load_palette(), WATER.name: WATER} | {ink.name: ink for ink in surface.pigments}
     tufts: dict[tuple[int, BristleSpec | None], HairTuft | None] = {}
     makers, n_hairs = [], 0
@@ -227,9 +227,10 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
     return makers
 
 
-def _brush(words: Mapping[str, Any]) -> dict[str, Any]:
+def _brush(words: Mapping[str, Any], surface: PaintedSurface) -> dict[str, Any]:
     brush = brush_from_words(words)
-    return {"brush": brush, "tuft": build_tuft(brush), "curves": build_curves(brush.inputs)}
+    tuft = tuft_on(brush, surface.material)
+    return {"brush": brush, "tuft": tuft, "curves": build_curves(brush.inputs)}
 
 
 def _maker(about: Mapping[str, Any]) -> Callable[..., Kept]:

@@ -133,7 +133,7 @@ def _as_chosen(ink: Mixture | str) -> dict[str, float] | str:
 def _brush(saved: object) -> BrushSpec:
     if isinstance(saved, Mapping):
         return brush_from_words(saved)
-    return load_brush(saved if isinstance(saved, str) else DEFAULT_BRUSH)
+    return load_brush(saved if isinstance(saved, str) else DEFAULT_BRUSH, own_files=False)
 
 
 def saved_mixture(saved: object, surface: PaintedSurface) -> Mixture:

@@ -1,0 +1,220 @@
+"""Brushes of one's own as files: TOML or JSON, with the parameters of `BrushSpec` by name.
+
+docs/brushes.md describes the file. One that names a ``base`` takes from that brush what it does not
+say; without, every parameter that has no default must be there.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import json
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from paint3d.brush.bristle_spec import TABLES, BristleSpec, hair_ranges
+from paint3d.brush.spec import HAIRS, BrushSpec, parameter_ranges
+from paint3d.errors import BrushError
+
+__all__ = ["brush_text", "is_brush_file", "read_brush"]
+
+_SUFFIXES = (".toml", ".json")
+_MOST_BYTES = 1 << 20
+_LONGEST_NAME = 60
+_WORDS = ("note", "base")
+_MEANINGS = {
+    "hair": "what the hairs are of; a word for people",
+    "hardness": "H of Guo 2015, Eq. 4 (S of Guo 2017): force per mm of descent",
+    "n_segments": "n: straight segments of the papers' spine",
+    "tip_segment_mm": "l1: the segment at the tip; smaller, and the tip bends more",
+    "friction": "mu on paper; spreads the hairs and is felt",
+    "spread_by_pressure": "b of Guo 2015, Eq. 2 (d of Guo 2017)",
+    "spread_by_friction": "c of Guo 2015, Eq. 2 (h of Guo 2017)",
+    "length_mm": "L: tuft from tip to ferrule; ranges in mm grow with it",
+    "root_diameter_mm": "thickness at the ferrule",
+    "taper": "the diameter falls towards the tip like (s / L)^taper",
+    "stiffness_exponent": "q: a joint bends (s / L)^q times as hard as the root",
+    "full_press_mm": "descent at the greatest force",
+    "load": "ink in a full tuft, full coats times mm2",
+    "transfer_per_mm": "share of the ink given per mm of way at full pressure",
+    "drag_fraction": "how far paper drags the contact back",
+    "plasticity": "share of the bend that stays when the brush is lifted",
+    "max_force": "N, at full_press_mm",
+    "point_mm": "the cone at the tip",
+    "rated_hardness": "the hardness at which full_press_mm holds",
+    "rated_segments": "the n at which stiffness_exponent holds",
+    "rated_tip_share": "the l1 / L at which stiffness_exponent holds",
+    "n_hairs": "single hairs",
+    "table": "where bent shapes come from",
+    "hair_mm": "thickness of a dry hair",
+    "film": "ink around a full hair, of the root's diameter",
+    "threshold_mm": "how near the surface a hair leaves ink",
+    "unevenness": "how much shorter the shortest hair is, as a share",
+    "parting": "how far the clumps of a dry tuft part",
+    "splay": "how far the hairs of a dry tuft lie side by side",
+    "appetite": "how differently hairs give",
+    "levelling_mm": "way over which wet neighbours share their ink",
+    "set_share": "descent over which a remembered bend is pressed out, of the length",
+}
+
+
+def is_brush_file(name: str) -> bool:
+    """Whether a brush's name is that of a file.
+
+    Examples
+    --------
+    >>> is_brush_file("mine.toml"), is_brush_file("full")
+    (True, False)
+    """
+    return name.lower().endswith(_SUFFIXES)
+
+
+def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
+    """A brush from a file.
+
+    Parameters
+    ----------
+    path : path-like
+        ``.toml`` or ``.json``, in UTF-8, at most 1 MiB. Where it says no ``name``, the brush is
+        called like the file.
+    presets : mapping
+        What ``base`` may name, and what no other brush may be called.
+
+    Raises
+    ------
+    BrushError
+        Naming the file and the parameter, what was got and what was expected.
+    """
+    path = Path(path)
+    values = _parse(path)
+    try:
+        return _brush_of(values, path.stem, presets)
+    except BrushError as cause:
+        raise BrushError(f"{path}: {cause}") from None
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise BrushError(f"{path}: there is no such file; expected a brush in .toml or .json")
+    parse: Callable[[str], Any] = json.loads if path.suffix.lower() == ".json" else tomllib.loads
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(_MOST_BYTES + 1)
+        if len(data) > _MOST_BYTES:
+            raise BrushError(f"{path}: is over 1 MiB; expected a brush")
+        values = parse(data.decode("utf-8-sig"))
+    except OSError as cause:
+        raise BrushError(f"{path}: {cause.strerror or cause}") from None
+    except (ValueError, RecursionError) as cause:
+        raise BrushError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {cause}") from None
+    if not isinstance(values, dict):
+        raise BrushError(f"{path}: holds {values!r:.40}; expected parameters by name")
+    return values
+
+
+def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
+    fields = {field.name: field for field in dataclasses.fields(BrushSpec)}
+    _check_names(values, [*_WORDS, *fields], "")
+    name, base = values.pop("name", called), values.pop("base", None)
+    values.pop("note", None)
+    given: dict[str, Any] = {}
+    if base is not None:
+        if not isinstance(base, str) or base not in presets:
+            raise BrushError(f"base is {base!r:.60}; expected one of {', '.join(presets)}")
+        given = {field: getattr(presets[base], field) for field in fields}
+    else:
+        needed = [f.name for f in fields.values() if f.default is dataclasses.MISSING]
+        missing = [f for f in needed if f != "name" and f not in values]
+        if missing:
+            raise BrushError(
+                f'says no {", ".join(missing)}; expected these, or base = "full" '
+                "or another brush to take them from"
+            )
+    if "bristles" in values:
+        values["bristles"] = _hairs_of(values["bristles"], given.get("bristles"))
+    _check_name(name)
+    brush = BrushSpec(**(given | values | {"name": name}))
+    if brush.name in presets and brush != presets[brush.name]:
+        raise BrushError(
+            f"name is {brush.name!r}, a brush that comes with the program; expected another: "
+            'name = "mine"'
+        )
+    return brush
+
+
+def _check_name(name: object) -> None:
+    is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
+    if not is_name or " @" in str(name) or is_brush_file(str(name)):
+        raise BrushError(
+            f"name is {name!r:.80}; expected 1 to {_LONGEST_NAME} characters, without ' @' and no "
+            "file's name"
+        )
+
+
+def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
+    """The hairs that a table describes; False or 0: none, a solid tuft."""
+    if values is False or values == 0:
+        return None
+    if not isinstance(values, dict):
+        raise BrushError(f"bristles is {values!r:.40}; expected parameters by name, or false")
+    names = [field.name for field in dataclasses.fields(BristleSpec)]
+    _check_names(values, names, "bristles: ")
+    try:
+        return dataclasses.replace(base or BristleSpec(), **values)
+    except BrushError as cause:
+        raise BrushError(f"bristles: {cause}") from None
+
+
+def _check_names(values: Mapping[str, Any], known: Iterable[str], what: str) -> None:
+    known = list(known)
+    for name in values:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise BrushError(f"{what}there is no {name!r:.60}: {hint}expected {', '.join(known)}")
+
+
+def brush_text(brush: BrushSpec, note: str = "") -> str:
+    """The file of a brush in TOML, with ranges and meanings as comments.
+
+    `read_brush` makes the same brush of it, but for the name, which is then that of the file.
+
+    Parameters
+    ----------
+    brush : BrushSpec
+    note : str
+        Said above, in one line.
+    """
+    ranges = parameter_ranges(brush.length_mm)
+    lines = [
+        "# A brush of paint3d: --brush FILE paints with it. It is called like the file,",
+        '# or as name = "..." says. Behind each value: its range; what it is.',
+    ]
+    lines += [f"note = {json.dumps(note, ensure_ascii=False)}"] if note else []
+    for field in dataclasses.fields(brush):
+        if field.name not in ("name", "bristles", "inputs"):
+            lines.append(_line(field.name, getattr(brush, field.name), ranges, HAIRS))
+    if brush.bristles is not None:
+        lines += ["", "[bristles]"]
+        for field in dataclasses.fields(brush.bristles):
+            value = getattr(brush.bristles, field.name)
+            lines.append(_line(field.name, value, hair_ranges(), TABLES))
+    for setting, by_input in brush.inputs:
+        lines += ["", f"[inputs.{setting}]  # factors, from 0.05 to 20"]
+        for name, points in by_input:
+            pairs = ", ".join(f"[{x!r}, {y!r}]" for x, y in points)
+            lines.append(f"{name} = [{pairs}]")
+    return "\n".join(lines) + "\n"
+
+
+def _line(
+    name: str, value: object, ranges: Mapping[str, tuple[float, float]], words: Iterable[str]
+) -> str:
+    told = json.dumps(value) if isinstance(value, str) else repr(value)
+    among = ", ".join(words)
+    if name in ranges:
+        low, high = ranges[name]
+        among = f"{low:.5g} to {high:.5g}"
+    return f"{f'{name} = {told}':<36}# {among}; {_MEANINGS[name]}"

@@ -1,0 +1,91 @@
+"""`paint3d brushes`, and `--brush FILE`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from paint3d.brush.presets import brush_names
+from paint3d.cli.main import main
+
+SHEET = "v 0 0 0\nv 90 0 0\nv 90 90 0\nv 0 90 0\nf 1 2 3 4\n"
+
+
+def recorded(folder: Path, **header: str) -> str:
+    """A short stroke over a sheet, sheet.obj beside it."""
+    (folder / "sheet.obj").write_text(SHEET)
+    lines = [json.dumps({"format": "paint3d-recording", "version": 1, **header})]
+    for k in range(20):
+        pose = {"position": [30 + 1.5 * k, 45, 30], "orientation": [1, 0, 0, 0]}
+        lines.append(json.dumps({"time_ns": k * 10**7, **pose, "pressure": 0.4}))
+    (folder / "a.jsonl").write_text("\n".join(lines))
+    return str(folder / "a.jsonl")
+
+
+def test_the_brushes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["brushes"]) == 0
+    head, *lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(brush_names())
+    assert head.split()[:5] == ["name", "hair", "H", "l1", "n"]
+    assert lines[0].split()[:5] == ["full", "mixed", "0.7", "1", "9"]
+    assert "flying white" in "".join(lines)
+
+
+def test_a_picture_of_each_is_written(tmp_path: Path) -> None:
+    folder = tmp_path / "pictures"
+    assert main(["brushes", "--pictures", str(folder), "--quiet"]) == 0
+    assert sorted(file.stem for file in folder.iterdir()) == sorted(brush_names())
+    pixels = np.asarray(Image.open(folder / "full.png"))
+    footprints, stroke = pixels[:, :240], pixels[:, 240:]
+    assert footprints.min() < 60
+    assert footprints.max() > 240
+    assert 0.1 < (stroke.mean(axis=2) < 100).mean() < 0.5
+
+
+def test_what_is_shown_paints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A preset's own file paints what the preset paints; another one something else."""
+    recording, sheet = recorded(tmp_path), str(tmp_path / "sheet.obj")
+    assert main(["brushes", "show", "slender"]) == 0
+    mine, wide = tmp_path / "mine.toml", tmp_path / "wide.toml"
+    mine.write_text(capsys.readouterr().out)
+    wide.write_text('base = "slender"\nroot_diameter_mm = 14.0\n')
+    painted = {}
+    for brush in ("slender", str(mine), str(wide)):
+        out = tmp_path / f"{Path(brush).stem}.ply"
+        arguments = ["--on", sheet, "--brush", brush, "--resolution", "1", "--out", str(out)]
+        assert main(["replay", recording, *arguments, "--quiet"]) == 0
+        painted[Path(brush).stem] = out.read_bytes()
+    assert painted["slender"] == painted["mine"] != painted["wide"]
+
+
+def test_a_recording_opens_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text('base = "full"')
+    arguments = ["--on", str(tmp_path / "sheet.obj"), "--out", str(tmp_path / "a.ply"), "--quiet"]
+    for named, told in ((str(mine), "which a file may not name"), ("mine", "unknown brush 'mine'")):
+        recording = recorded(tmp_path, brush=named)
+        assert main(["replay", recording, *arguments]) == 2
+        refused = capsys.readouterr().err
+        assert told in refused
+        assert refused.rstrip().endswith("or --brush")
+    assert main(["replay", recording, *arguments, "--brush", str(mine)]) == 0
+
+
+def test_a_brush_file_is_not_written_over(tmp_path: Path) -> None:
+    recording = recorded(tmp_path)
+    (tmp_path / "mine.ply.toml").write_text('base = "full"')
+    (tmp_path / "mine.ply").symlink_to("mine.ply.toml")
+    arguments = ["--on", str(tmp_path / "sheet.obj"), "--brush", str(tmp_path / "mine.ply.toml")]
+    assert main(["replay", recording, *arguments, "--out", str(tmp_path / "mine.ply")]) == 2
+    assert (tmp_path / "mine.ply.toml").read_text() == 'base = "full"'
+
+
+def test_unknown_brushes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["brushes", "show", "fulll"]) == 2
+    assert "did you mean 'full'?" in capsys.readouterr().err
+    assert main(["brushes", "show", "none.toml"]) == 2
+    assert "none.toml: there is no such file" in capsys.readouterr().err
