@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
+    from paint3d.colour.pigment import Pigment
     from paint3d.device.recorded import Recording
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -41,16 +42,16 @@ def export_outlines(mesh: TriangleMesh, recording: Recording, ink: str, file: Pa
     """
     from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.stroke_sides import stroke_outlines
+    from paint3d.colour.inks import load_ink
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
-    from paint3d.colour.pigments import load_pigment
     from paint3d.colour.spectra import srgb_from_reflectance
     from paint3d.files.writers.write_svg import write_svg
 
     header = recording.header
-    pigment = load_pigment(ink)
+    stirred: dict[str | Pigment, float] = dict(load_ink(ink).items())
     paper = load_material("xuan").reflectance
-    red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, 1.0, paper))
+    red, green, blue = srgb_from_reflectance(mixture_reflectance(stirred, 1.0, paper))
     outlines = stroke_outlines(recording, load_brush(str(header["brush"])))
     low, high = mesh.bounds
     title = "".join(str(character["text"]) for character in header["characters"])
