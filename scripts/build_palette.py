@@ -3,7 +3,8 @@
 Usage: python scripts/build_palette.py FOLDER [--out FILE]
 
 FOLDER holds the published measurements: drawdowns.csv (CC0), kimera_relative_KS.csv (MIT) and
-usgs_reflectance.csv (public domain). In order of preference a pigment comes from
+usgs_reflectance.csv (public domain). The two inks are computed (scripts/soot.py). In order of
+preference a pigment comes from
 
 - drawdowns over black and white: K and S as fitted by scripts/fit_drawdowns.py, here without
   Saunderson's correction, so that they give the measured reflectance; one drawdown is one coat;
@@ -29,6 +30,7 @@ import numpy as np
 from fit_drawdowns import HEADER, fit, read_drawdowns
 from numpy.typing import NDArray
 from scipy.optimize import brentq
+from soot import SOOTS, soot_ink
 
 from paint3d.colour.difference import lab_from_reflectance
 from paint3d.colour.layers import layer_reflectance
@@ -68,13 +70,12 @@ COLOURS = [
     ("titanium white", "钛白", "kimera", "white", ""),
 ]
 
-# Soot inks: no sumi could be had. Two measured blacks, one bluish and one purplish, toned with a
-# measured yellow so that washes of pine soot are b* -1 to -3, and of oil soot b* +1 to +2.5.
-# Parts: acrylic black, bone black, warm yellow.
-INKS = [
-    ("pine soot", "松烟墨", (1.0, 0.131, 0.198), "cool"),
-    ("oil soot", "油烟墨", (1.0, 0.182, 0.354), "warm"),
-]
+INKS = [("pine soot", "松烟墨"), ("oil soot", "油烟墨")]
+SOOT_SOURCE = (
+    "index of soot: Dalzell, Sarofim, J. Heat Transfer 91 (1969); sizes of its particles: "
+    "Boku-undo; scripts/soot.py"
+)
+SOOT_BASIS = "computed from spheres of {:g} to {:g} nm in glue (strength set by eye)"
 
 
 def scale_to_hiding(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
@@ -145,12 +146,9 @@ def palette_rows(folder: Path) -> list[list[str]]:
         "usgs": usgs_reader(folder / "usgs_reflectance.csv"),
     }
     rows = []
-    parts = [("kimera", "black"), ("drawdown", "BoneBlack"), ("kimera", "warm yellow")]
-    for name, chinese, shares, cast in INKS:
-        ks = sum(c * np.array(readers[t](p)) for c, (t, p) in zip(shares, parts, strict=True))
-        source = f"{KIMERA.format('black, warm yellow')}; {GELDOF.format('BoneBlack')}"
-        basis = f"mixture of measured K,S (substitute for soot ink: two blacks toned {cast})"
-        rows.append(_row(name, chinese, source, basis, "MIT and CC0-1.0", *scale_to_hiding(*ks)))
+    for name, chinese in INKS:
+        basis = SOOT_BASIS.format(*SOOTS[name])
+        rows.append(_row(name, chinese, SOOT_SOURCE, basis, "MIT", *soot_ink(name)))
     for name, chinese, table, key, note in COLOURS:
         k, s = readers[table](key)
         if name in WASHES:

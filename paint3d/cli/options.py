@@ -12,6 +12,7 @@ from paint3d.errors import ExportError
 
 __all__ = [
     "add_force_option",
+    "add_ink_options",
     "add_on_and_out",
     "add_painting_options",
     "add_quiet_option",
@@ -21,19 +22,20 @@ __all__ = [
     "check_output_folder",
     "check_overwriting",
     "own_brush",
-    "own_table",
     "parse_count",
     "parse_hairs",
     "parse_length_mm",
     "parse_place",
     "parse_resolution_mm",
     "parse_seconds",
+    "parse_share",
 ]
 
 UNITS = ("mm", "cm", "m", "in")
 MATERIALS = ("porcelain", "bisque", "xuan", "plaster", "terracotta")  # known before NumPy is
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
 _MOST_HAIRS = 10_000  # as `brush.bristle_spec.MOST_HAIRS`, known here before NumPy is loaded
+TIP_REACH = 0.35  # as in the studio
 _FINEST_MM, _COARSEST_MM = 0.005, 1e6  # that `PaintedSurface` takes, known here before NumPy is
 
 
@@ -87,6 +89,28 @@ def parse_hairs(text: str) -> int:
     return count
 
 
+def parse_share(text: str) -> float:
+    """A share from the command line, above 0 to 1."""
+    try:
+        share = float(text)
+    except ValueError:
+        share = math.nan
+    if not 0.0 < share <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a share; expected above 0 to 1")
+    return share
+
+
+def _parse_rate(text: str) -> float:
+    """A rate from the command line, 1/mm, 0 or more."""
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not (math.isfinite(rate) and rate >= 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a rate; expected 1/mm, 0 or more")
+    return rate
+
+
 def parse_place(text: str) -> tuple[float, float]:
     """A place on the object, ``U,V``, each 0 to 1."""
     try:
@@ -103,12 +127,6 @@ def parse_place(text: str) -> tuple[float, float]:
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--quiet``."""
     parser.add_argument("--quiet", action="store_true", help="print errors only")
-
-
-def own_table(ink: str | None) -> str | None:
-    """The file that an ink ``FILE.csv:NAME`` is read from; None for the others."""
-    file = (ink or "").rpartition(":")[0]
-    return file if file.lower().endswith(".csv") else None
 
 
 def own_brush(brush: str | None) -> str | None:
@@ -173,7 +191,7 @@ def add_painting_options(
         type=parse_hairs,
         help="paint with so many single hairs, 1 to 10000; 0: a solid tuft (default: the brush's)",
     )
-    parser.add_argument("--ink", metavar="NAME", help=f"ink (default: {ink})")
+    add_ink_options(parser, ink)
     add_surface_options(parser)
     parser.add_argument(
         "--unit",
@@ -194,6 +212,40 @@ def add_painting_options(
         "until they can be seen",
     )
     add_up_option(parser)
+
+
+def add_ink_options(parser: argparse.ArgumentParser, ink: str) -> None:
+    """Add what the brush is dipped in, and what the ink does; `ink` says what None stands for."""
+    parser.add_argument(
+        "--ink",
+        metavar="INK",
+        help="NAME, FILE.csv:NAME or several with their parts, such as 'pine soot:0.2,water:0.8'; "
+        f"burnt, thick, heavy, light or clear, alone or before a name (default: {ink})",
+    )
+    parser.add_argument(
+        "--tip", metavar="INK", help="dip the tip in this ink afterwards (default: all in one)"
+    )
+    parser.add_argument(
+        "--reach",
+        metavar="SHARE",
+        type=parse_share,
+        default=TIP_REACH,
+        help=f"of the tuft's length that --tip dips (default: {TIP_REACH:g})",
+    )
+    parser.add_argument(
+        "--pickup",
+        metavar="RATE",
+        type=_parse_rate,
+        default=0.0,
+        help="share of the wet ink below it that the brush takes up per mm of travel; .05 is a "
+        "thirsty brush (default: 0, it stays clean)",
+    )
+    parser.add_argument(
+        "--spread",
+        metavar="S",
+        type=parse_seconds,
+        help="let the ink spread and dry while it is painted, and S seconds more",
+    )
 
 
 def add_up_option(

@@ -10,6 +10,7 @@ from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
+    from paint3d.colour.pigment import Pigment
     from paint3d.device.recorded import Recording
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -73,8 +74,9 @@ def export_recordings(recordings: Sequence[Recording], file: Path) -> None:
     groups = []
     for recording in recordings:
         told = recording.header
-        outlines = stroke_outlines(recording, load_brush(str(told.get("brush", _BRUSH)), own_files=False))
-        groups.append((_colour_of(str(told.get("ink", _INK))), outlines))
+        brush = load_brush(str(told.get("brush", _BRUSH)), own_files=False)
+        ink = _colour_of(str(told.get("ink", _INK)), own_tables=False)
+        groups.append((ink, stroke_outlines(recording, brush)))
     points = [ring for _, outlines in groups for rings in outlines for ring in rings]
     if not points:
         raise ExportError(f"{file}: no stroke touches the plane; expected one at least")
@@ -89,14 +91,14 @@ def _title(recording: Recording) -> str:
     return "".join(str(character["text"]) for character in characters)
 
 
-def _colour_of(ink: str) -> str:
+def _colour_of(ink: str, *, own_tables: bool = True) -> str:
     """Of a full coat on paper, as ``#rrggbb``."""
+    from paint3d.colour.inks import load_ink
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
-    from paint3d.colour.pigments import load_pigment
     from paint3d.colour.spectra import srgb_from_reflectance
 
+    stirred: dict[str | Pigment, float] = dict(load_ink(ink, own_tables=own_tables).items())
     paper = load_material("xuan").reflectance
-    pigment = load_pigment(ink)
-    red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, 1.0, paper))
+    red, green, blue = srgb_from_reflectance(mixture_reflectance(stirred, 1.0, paper))
     return f"#{red:02x}{green:02x}{blue:02x}"

@@ -9,11 +9,12 @@ import argparse
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
+    TIP_REACH,
     add_force_option,
     add_on_and_out,
     add_painting_options,
@@ -21,10 +22,8 @@ from paint3d.cli.options import (
     check_output_file,
     check_overwriting,
     own_brush,
-    own_table,
     parse_length_mm,
     parse_place,
-    parse_seconds,
 )
 from paint3d.cli.pads import lay_on
 from paint3d.cli.progress import ProgressBar
@@ -40,7 +39,17 @@ if TYPE_CHECKING:
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["DEFAULT_INK", "HELP", "PaintOptions", "add_arguments", "paint", "prepare", "run"]
+__all__ = [
+    "DEFAULT_INK",
+    "HELP",
+    "PaintOptions",
+    "add_arguments",
+    "of_ink",
+    "paint",
+    "prepare",
+    "read_for_ink",
+    "run",
+]
 
 HELP = "paint a recording"
 _DEFAULT_BRUSH = "full"
@@ -52,7 +61,8 @@ class PaintOptions:
     """What the user asked for; brush and ink None stand for the recording's own.
 
     With `spread_s` the ink spreads and dries while it is painted, and so many seconds more. `hairs`
-    says of how many single hairs the tuft is; 0: solid, None: as the brush has it.
+    says of how many single hairs the tuft is; 0: solid, None: as the brush has it. `tip` is the ink
+    that the tip is dipped in afterwards, over `reach` of the tuft's length.
     """
 
     brush: str | None = None
@@ -62,6 +72,9 @@ class PaintOptions:
     quiet: bool = False
     spread_s: float | None = None
     hairs: int | None = None
+    tip: str | None = None
+    reach: float = TIP_REACH
+    pickup: float = 0.0
 
     def check(self) -> None:
         """Look up everything that is named, before any work.
@@ -72,14 +85,28 @@ class PaintOptions:
             If the brush, the ink or the material is not known or cannot be read.
         """
         from paint3d.brush.presets import load_brush
+        from paint3d.colour.inks import load_ink
         from paint3d.colour.materials import load_material
-        from paint3d.colour.pigments import load_pigment
 
         load_material(self.material)
         if self.brush is not None:
             load_brush(self.brush)
-        if self.ink is not None:
-            load_pigment(self.ink)
+        for ink in (self.ink, self.tip):
+            if ink is not None:
+                load_ink(ink)
+
+
+def of_ink(options: argparse.Namespace) -> dict[str, Any]:
+    """What the options of `add_ink_options` say, as `PaintOptions` has it."""
+    names = {"ink": "ink", "tip": "tip", "reach": "reach", "pickup": "pickup", "spread_s": "spread"}
+    return {ours: getattr(options, theirs) for ours, theirs in names.items()}
+
+
+def read_for_ink(options: argparse.Namespace) -> list[str]:
+    """The files that the inks of `add_ink_options` are read from."""
+    from paint3d.colour.ink_text import tables_in
+
+    return [*tables_in(options.ink), *tables_in(options.tip)]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -98,12 +125,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         type=parse_length_mm,
         help="how wide to lay a pad's recording (default: as it was drawn)",
-    )
-    parser.add_argument(
-        "--spread",
-        metavar="S",
-        type=parse_seconds,
-        help="let the ink spread and dry while it is painted, and S seconds more",
     )
     parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
@@ -127,17 +148,16 @@ def run(options: argparse.Namespace) -> None:
         check_output_file(options.report, (".json",))
     check_overwriting(
         (options.out, options.report),
-        (options.recording, options.on, own_table(options.ink), own_brush(options.brush)),
+        (options.recording, options.on, *read_for_ink(options), own_brush(options.brush)),
         force=options.force,
     )
     wanted = PaintOptions(
         brush=options.brush,
-        ink=options.ink,
         material=options.material,
         resolution_mm=options.resolution,
         hairs=options.hairs,
         quiet=options.quiet,
-        spread_s=options.spread,
+        **of_ink(options),
     )
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
@@ -194,7 +214,10 @@ def paint(
     ink = _ink(recording, wanted.ink)
     with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
         azimuth = recording.header["azimuth"]
-        painter = Painter(surface, brush, ink, azimuth, hairs=wanted.hairs)
+        painter = Painter(surface, brush, ink, azimuth, wanted.pickup, wanted.hairs)
+        tip, reach = _tip(recording, wanted)
+        if tip is not None:
+            painter.dip(tip, reach)
     with (
         timed(seconds, "paint"),
         ProgressBar("painting", enabled=not wanted.quiet) as progress,
@@ -202,7 +225,10 @@ def paint(
         rest_s = wanted.spread_s
         painter.replay(recording, progress, wet=rest_s is not None, rest_s=rest_s or 0.0)
         counts = painter.report()
-    settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}
+    settings = {"brush": asdict(brush), "ink": painter.ink.name, "azimuth": azimuth}
+    last = ink if tip is None else tip
+    if tip is not None or len(ink) > 1:
+        settings["dipped"] = {pigment.name: parts for pigment, parts in last.items()}
     if painter.hairs is not None:
         settings["hairs"] = asdict(painter.hairs.spec)
     return Painting(surface, counts, seconds, (recording,), settings)
@@ -220,14 +246,35 @@ def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
         raise RecordingError(f"the header: {cause}, or --brush") from None
 
 
-def _ink(recording: Recording | LaidPad, wished: str | None) -> Pigment:
-    """The ink that the user wants, or the recording's own, which names no file of this machine."""
-    from paint3d.colour.pigments import load_pigment
+def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, float]:
+    """The ink that the user wants, or the recording's own."""
+    from paint3d.colour.inks import load_ink
 
-    if wished:
-        return load_pigment(wished)
+    return load_ink(wished) if wished else _own_ink(_named_in(recording, "ink", DEFAULT_INK))
+
+
+def _tip(
+    recording: Recording | LaidPad, wanted: PaintOptions
+) -> tuple[dict[Pigment, float] | None, float]:
+    """What the tip is dipped in afterwards, and how far: as the user wants, or the recording."""
+    from paint3d.colour.inks import load_ink
+    from paint3d.core.arrays import as_number
+
+    if wanted.tip is not None:
+        return load_ink(wanted.tip), wanted.reach
+    if wanted.ink is not None or "tip" not in recording.header:
+        return None, wanted.reach
+    reach = recording.header.get("reach", TIP_REACH)
+    ink = _own_ink(_named_in(recording, "tip", DEFAULT_INK))
+    return ink, as_number(reach, "the header's reach", 0.0, 1.0, RecordingError)
+
+
+def _own_ink(name: str) -> dict[Pigment, float]:
+    """An ink of a recording's header, which names no file of this machine."""
+    from paint3d.colour.inks import load_ink
+
     try:
-        return load_pigment(_named_in(recording, "ink", DEFAULT_INK), own_tables=False)
+        return load_ink(name, own_tables=False)
     except PigmentError as cause:
         raise RecordingError(f"the header: {cause}, or --ink") from None
 

@@ -16,14 +16,13 @@ from paint3d.cli.options import (
     check_output_file,
     check_overwriting,
     own_brush,
-    own_table,
     parse_count,
     parse_length_mm,
     parse_place,
 )
 from paint3d.cli.outlines import check_is_plane, export_outlines
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare
+from paint3d.cli.replay import DEFAULT_INK, PaintOptions, of_ink, paint, prepare, read_for_ink
 from paint3d.cli.results import result_suffixes, timed, write_report, write_result
 from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
@@ -124,16 +123,16 @@ def run(options: argparse.Namespace) -> None:
             check_output_file(file, suffixes)
     check_overwriting(
         (options.out, options.report, options.recording),
-        (options.on, own_table(options.ink), own_brush(options.brush)),
+        (options.on, *read_for_ink(options), own_brush(options.brush)),
         force=options.force,
     )
     wanted = PaintOptions(
         brush=options.brush,
-        ink=options.ink,
         material=options.material,
         resolution_mm=options.resolution,
         hairs=options.hairs,
         quiet=options.quiet,
+        **of_ink(options),
     )
     wanted.check()
     source, pen = open_glyphs(options.glyphs), _pen(options)
@@ -174,10 +173,15 @@ def _plan(
     """Plan the text, telling the progress."""
     from paint3d.calligraphy.layout import Layout
     from paint3d.calligraphy.writing import write_text
-    from paint3d.colour.pigments import load_pigment
+    from paint3d.colour.inks import describe_ink, load_ink
 
     layout = Layout(options.layout, options.at, options.around, options.side)
-    header = {"ink": load_pigment(options.ink or DEFAULT_INK).name, "glyphs": source.name}
+    header: dict[str, object] = {
+        "ink": describe_ink(load_ink(options.ink or DEFAULT_INK)),
+        "glyphs": source.name,
+    }
+    if options.tip is not None:
+        header |= {"tip": describe_ink(load_ink(options.tip)), "reach": options.reach}
     with ProgressBar("planning", enabled=not options.quiet) as bar:
 
         def tell(character: str, fraction: float) -> None:

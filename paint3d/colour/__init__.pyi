@@ -1,4 +1,5 @@
 from paint3d.colour.difference import delta_e as delta_e
+from paint3d.colour.inks import load_ink as load_ink
 from paint3d.colour.layers import layer_reflectance as layer_reflectance
 from paint3d.colour.layers import mixture_reflectance as mixture_reflectance
 from paint3d.colour.materials import Material as Material

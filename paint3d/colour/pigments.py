@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from paint3d.colour.ink_text import table_of
 from paint3d.colour.pigment import BANDS_NM, Pigment
 from paint3d.colour.pigment_tables import load_pigments_csv
 from paint3d.errors import PigmentError, UnknownNameError
@@ -27,7 +28,6 @@ __all__ = [
     "load_palette",
     "load_pigment",
     "load_pigments_csv",
-    "named_table",
     "pigment_names",
 ]
 
@@ -62,18 +62,6 @@ def pigment_names() -> list[str]:
     return list(load_palette())
 
 
-def named_table(name: str) -> str | None:
-    """Return the file of a user's own table that an ink's name leads to; None for the others.
-
-    Examples
-    --------
-    >>> named_table("mine.csv:iron gall"), named_table("pine soot")
-    ('mine.csv', None)
-    """
-    file, colon, _ = name.rpartition(":")
-    return file if colon and file.lower().endswith(".csv") else None
-
-
 def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
     """Return a pigment by its name in the palette, English or Chinese, or a drawdown paint.
 
@@ -92,7 +80,7 @@ def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
     PigmentError
         If the table cannot be used, or may not be read.
     """
-    file = named_table(name)
+    file = table_of(name)
     if file is not None:
         if not own_tables:
             raise PigmentError(

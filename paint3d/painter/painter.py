@@ -39,6 +39,7 @@ from paint3d.brush_engine.stroke_loop import (
     paint_samples,
 )
 from paint3d.brush_engine.vertex_query import VISITED
+from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.ahead import ahead
 from paint3d.core.arrays import as_number
@@ -126,6 +127,7 @@ class Painter:
         self._n_samples = 0
         self._dip_down = False
         self._dipped: Ink = {}
+        self._dips: tuple[tuple[Ink, float | None], ...] = ()
         if pickup is not None:
             surface.ink.transfer["pickup"] = as_number(pickup, "pickup (1/mm)", 0.0)
         if ink is None:
@@ -136,12 +138,13 @@ class Painter:
     # -- the brush --------------------------------------------------------------------------
 
     def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
-        """Rinse the brush and load it fully with `ink` (None: the same again).
+        """Rinse the brush and load it fully with `ink` (None: the same again, tip and belly).
 
         Parameters
         ----------
         ink : str, Pigment or mapping, optional
-            An ink, or parts of several that are stirred: ``{"pine soot": 0.2, "water": 0.8}``.
+            An ink, or parts of several that are stirred: ``{"pine soot": 0.2, "water": 0.8}``, or
+            the same in words, ``"pine soot:0.2,water:0.8"`` or ``"light"``; see `load_ink`.
         reach : float, optional
             Dip only so much of the tuft's length, from the tip, 0 to 1; the rest keeps what it
             holds: first the belly in light ink, then the tip in dark. In a tuft of single hairs
@@ -152,7 +155,12 @@ class Painter:
         InputError
             If a part is not a number above 0, or the reach is not between 0 and 1.
         """
-        parts = self._mixture(self._dipped if ink is None else ink)
+        if ink is None and reach is None and len(self._dips) > 1:
+            for again in self._dips:
+                self.dip(*again)
+            return
+        ink = _in_parts(self._dipped if ink is None else ink)
+        parts = self._mixture(ink)
         share = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
         if self.hairs is not None:
             self._hold(self.hairs.dip(parts * self.tuft.load, share))
@@ -162,9 +170,10 @@ class Painter:
             self._dip_tip(parts, share)
         else:
             self._hold(parts * self.tuft.load)
-        if ink is not None:
-            self._dipped = ink
-            self.ink = self.surface.main_pigment(parts)
+        deeper = () if reach is None else (d for d in self._dips if d[1] is None or d[1] > share)
+        self._dips = (*deeper, (ink, None if reach is None else share))
+        self._dipped = ink
+        self.ink = self.surface.main_pigment(parts)
         self._fit_scratch()
 
     def _take_up(self) -> None:
@@ -215,7 +224,7 @@ class Painter:
         self.brush = brush
         self.curves = build_curves(brush.inputs)
         self.hairs = self._make_hairs()
-        self.dip()
+        self.dip(self._dipped)
 
     def _make_hairs(self) -> HairTuft | None:
         wanted = self._wanted_hairs
@@ -239,9 +248,14 @@ class Painter:
         """What the brush was dipped in last."""
         return self._dipped
 
+    @property
+    def dips(self) -> tuple[tuple[Ink, float | None], ...]:
+        """What `dip` without an ink does again: the whole tuft (reach None), then its tip."""
+        return self._dips
+
     def keep(self) -> dict[str, object]:
         """What `restore` takes: all that is remembered between strokes, apart from the surface."""
-        names = ("brush", "tuft", "loaded", "ink", "_dipped", "hairs", "curves")
+        names = ("brush", "tuft", "loaded", "ink", "_dipped", "_dips", "hairs", "curves")
         kept = {name: getattr(self, name) for name in names}
         return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
 
@@ -542,6 +556,17 @@ class Painter:
             "seconds": dict(self.seconds),
             "ink_ledger": self.ledger(),
         }
+
+
+def _in_parts(ink: Ink) -> Ink:
+    """An ink in words by what it is made of; a pigment's own name stays as it is."""
+    if not isinstance(ink, str):
+        return ink
+    stirred = load_ink(ink)
+    pigment, *others = stirred
+    if others:
+        return stirred
+    return ink if ink in (pigment.name, pigment.chinese) else pigment
 
 
 def _spans(n: int) -> Iterator[tuple[int, int]]:

@@ -9,6 +9,7 @@ import pytest
 
 from paint3d.colour.difference import delta_e, lab_from_reflectance
 from paint3d.colour.layers import layer_reflectance, mixture_reflectance, stack_reflectance
+from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import BANDS_NM, load_pigment
 from paint3d.errors import InputError, UnknownNameError
 
@@ -71,14 +72,41 @@ def test_order_of_different_glazes_matters():
     assert delta_e(*labs) > 5
 
 
-def test_soot_is_black_and_its_wash_a_clean_grey():
-    for name, low, high in (("pine soot", -4, 0), ("oil soot", 0, 4)):
-        film = mixture_reflectance({name: 1}, 1.0, WHITE)
-        assert 0.02 < film.mean() < 0.04
-        for coats in (0.03, 0.1, 0.3):
-            _, a, b = lab_from_reflectance(mixture_reflectance({name: 1}, coats, WHITE))
-            assert abs(a) < 1
-            assert low < b < high
+def lightness(name, coats, ground):
+    return lab_from_reflectance(mixture_reflectance({name: 1}, coats, ground))
+
+
+def test_soot_is_black_and_oil_soot_blacker():
+    """A full black is L* 7.3 and 2.1 without its gloss; pine soot's is warm, oil soot's cool."""
+    for material in ("xuan", "porcelain"):
+        ground = load_material(material).reflectance
+        pine, oil = (lightness(name, 3.0, ground) for name in ("pine soot", "oil soot"))
+        assert oil[0] < 3.0 < pine[0] < 8.0
+        assert oil[2] < 0.0 < pine[2]
+        for name in ("pine soot", "oil soot"):
+            assert lightness(name, 1.0, ground)[0] < 12.0
+
+
+def test_a_wash_of_soot_has_eight_even_steps():
+    """Nine amounts of ink that lie evenly in lightness, from dipped black to bare paper."""
+    paper = load_material("xuan").reflectance
+    coats = np.geomspace(1e-4, 3.0, 2000)
+    for name in ("pine soot", "oil soot"):
+        light = np.array([lightness(name, c, paper)[0] for c in coats])
+        assert np.all(np.diff(light) <= 1e-9)
+        steps = np.linspace(lightness(name, 0.0, paper)[0], light[-1] + 0.5, 9)
+        needed = np.interp(-steps[1:], -light, coats)
+        assert np.all(np.diff(needed) > 0.02 * needed[:-1])
+        assert -np.diff(steps).max() > 9.0
+
+
+def test_a_wash_of_fine_soot_is_browner():
+    """Small particles take up blue more than red (Mie), as makers say of oil soot."""
+    paper = load_material("xuan").reflectance
+    for coats in (0.03, 0.1, 0.3):
+        pine, oil = (lightness(name, coats, paper) for name in ("pine soot", "oil soot"))
+        assert oil[2] > pine[2] + 0.8
+        assert abs(pine[1]) < 2.0
 
 
 def test_layer_shapes_broadcast():

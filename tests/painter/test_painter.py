@@ -182,6 +182,35 @@ def test_the_button_dips():
     assert live.ledger() == painter.ledger()
 
 
+@pytest.mark.parametrize("hairs", [0, 40])
+def test_dipping_again_dips_belly_and_tip(hairs):
+    """The button of a recording lost the tip: the whole tuft was dipped in its ink."""
+    painter = Painter(surface(), ink="light", hairs=hairs)
+    painter.dip("burnt", reach=0.5)
+    painter.dip("oil soot", reach=0.25)
+    before = painter.surface.ink.load.copy(), painter.surface.ink.reservoirs.copy()
+    pressures = np.concatenate([LANDING, np.zeros(8)])
+    buttons = np.zeros(16, np.int32)
+    buttons[14] = DIP
+    painter.replay(dataclasses.replace(stroke(pressures), buttons=buttons))
+    assert painter.ledger()["wet"] > 0.0
+    np.testing.assert_allclose(painter.surface.ink.load, before[0], rtol=1e-9)
+    np.testing.assert_allclose(painter.surface.ink.reservoirs, before[1], rtol=1e-9)
+    painter.dip("cinnabar")
+    painter.dip()
+    held = dict(zip(painter.surface.pigments, painter.surface.ink.load, strict=True))
+    assert held[load_pigment("cinnabar")] == pytest.approx(painter.tuft.load)
+
+
+def test_inks_may_be_words():
+    words, parts = (
+        Painter(surface(), ink="light"),
+        Painter(surface(), ink={"pine soot": 0.2, "water": 0.8}),
+    )
+    assert words.ledger() == parts.ledger()
+    assert words.ink is load_pigment("pine soot")
+
+
 @pytest.mark.parametrize("part", [6, 7, 20])
 @pytest.mark.parametrize("how", [{}, {"wet": True}, {"frame_rate": 60.0}])
 def test_however_many_samples_are_made_ready_at_once_the_painting_is_the_same(

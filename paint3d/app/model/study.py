@@ -20,7 +20,7 @@ from paint3d.app.model.study_plan import StudyPlan, Trial
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.layout import layout_text
-from paint3d.colour.pigments import load_pigment
+from paint3d.colour.inks import load_ink
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.load import load_mesh
@@ -338,6 +338,6 @@ class _Judge:
         header = recording.header
         surface = PaintedSurface(self._mesh, _RESOLUTION_MM)
         brush = load_brush(str(header.get("brush") or _DEFAULT_BRUSH), own_files=False)
-        ink = load_pigment(str(header.get("ink") or _DEFAULT_INK), own_tables=False)
+        ink = load_ink(str(header.get("ink") or _DEFAULT_INK), own_tables=False)
         Painter(surface, brush, ink, str(header["azimuth"])).replay(recording)
         return surface

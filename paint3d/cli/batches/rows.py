@@ -6,16 +6,20 @@ import hashlib
 import json
 import os
 import time
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from paint3d.cli import replay, write
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.cli.versions import find_versions
+from paint3d.colour.ink_text import tables_in, with_tables
 from paint3d.errors import Paint3DError
 
 __all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row"]
 
+_INKS = ("--ink", "--tip")
 COMMANDS = {"write": write, "replay": replay}
 
 
@@ -63,8 +67,8 @@ def placed(row: Row, folder: str) -> Row:
             there = os.path.join(folder, value)
             if value not in BUILT_IN_OBJECTS or os.path.isfile(there):
                 value = there
-        elif option == "--ink" and value.rpartition(":")[0].lower().endswith(".csv"):
-            value = os.path.join(folder, value)
+        elif option in _INKS:
+            value = with_tables(value, partial(os.path.join, folder))
         words.append(option + equals + value)
     if command == "replay":
         subject = os.path.join(folder, subject)
@@ -90,6 +94,15 @@ def run_row(row: Row) -> Outcome:
     return Outcome(row.line, " ".join(message.split()), seconds, find_versions()["paint3d"])
 
 
+def _read(arguments: tuple[str, ...]) -> Iterator[str]:
+    """Values and words that may be names of files, those of own inks' tables among them."""
+    for word in arguments:
+        option, _, value = word.partition("=")
+        if option in _INKS:
+            yield from tables_in(value)
+        yield value if word.startswith("--") else word
+
+
 def fingerprint(row: Row, folder: str | None = None) -> str:
     """Return what a row's result depends on: its words, the files it names, and the version.
 
@@ -98,8 +111,7 @@ def fingerprint(row: Row, folder: str | None = None) -> str:
     """
     folder = os.getcwd() if folder is None else folder
     files = []
-    for word in row.arguments:
-        word = word.partition("=")[2] if word.startswith("--") else word
+    for word in _read(row.arguments):
         path = Path(folder, word)
         try:
             if word not in ("", row.output) and path.exists():

@@ -12,8 +12,9 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.ink_text import names_table
 from paint3d.colour.materials import material_names
-from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment, named_table
+from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 from paint3d.core.arrays import as_number
 from paint3d.errors import Paint3DError, SessionError
 from paint3d.files.load import UNITS_MM
@@ -53,9 +54,22 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, Any]) -> Paint
     painter = Painter(surface, brush, pigment, azimuth)
     if "dipped" in settings:
         dipped = saved_mixture(settings["dipped"], surface)
-        painter.restore({**painter.keep(), "_dipped": dipped})
+        dips = _saved_dips(settings.get("dips", []), surface)
+        painter.restore({**painter.keep(), "_dipped": dipped, "_dips": dips})
     restore_hairs(painter, settings.get("hairs"))
     return painter
+
+
+def _saved_dips(saved: object, surface: PaintedSurface) -> tuple[tuple[Mixture, float | None], ...]:
+    """The dips of belly and tip, as `Painter.dips` has them."""
+    if not isinstance(saved, list) or not all(isinstance(d, list) and len(d) == 2 for d in saved):
+        raise SessionError(f"dips are {saved!r:.60}; expected pairs of an ink and a reach")
+    reaches = [
+        None if reach is None else as_number(reach, "reach of a dip", 0.0, 1.0, SessionError)
+        for _, reach in saved
+    ]
+    inks = [saved_mixture(ink, surface) for ink, _ in saved]
+    return tuple(zip(inks, reaches, strict=True))
 
 
 def saved_inks(surface: PaintedSurface, settings: Mapping[str, Any]) -> list[Mixture] | None:
@@ -140,7 +154,7 @@ def saved_mixture(saved: object, surface: PaintedSurface) -> Mixture:
     """Weights of inks by name; those that the palette has otherwise, or not, as on the surface."""
     if not isinstance(saved, Mapping) or not saved:
         raise SessionError(f"an ink is {saved!r:.60}; expected weights by name")
-    if any(isinstance(name, str) and named_table(name) is not None for name in saved):
+    if any(isinstance(name, str) and names_table(name) for name in saved):
         raise SessionError(f"an ink is of a table on this machine, in {str(saved)[:100]}; "
                            "expected names of its own or of the palette")  # fmt: skip
     palette = {**load_palette(), WATER.name: WATER}
