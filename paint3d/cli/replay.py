@@ -85,6 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="a recording")
     add_on_and_out(parser)
     add_painting_options(parser)
+    parser.set_defaults(material=None, resolution=None)  # a whole painting has its own
     parser.add_argument(
         "--at",
         metavar="U,V",
@@ -119,6 +120,7 @@ def run(options: argparse.Namespace) -> None:
         If anything handed in cannot be used, or the result cannot be written.
     """
     from paint3d.recording.recording import load_recording
+    from paint3d.recording.score import is_score
 
     check_output_file(options.out, result_suffixes())
     if options.report is not None:
@@ -128,11 +130,16 @@ def run(options: argparse.Namespace) -> None:
         (options.recording, options.on, own_table(options.ink)),
         force=options.force,
     )
+    if is_score(options.recording):
+        from paint3d.cli.scores import replay_score
+
+        replay_score(options)
+        return
     wanted = PaintOptions(
         brush=options.brush,
         ink=options.ink,
-        material=options.material,
-        resolution_mm=options.resolution,
+        material=options.material or PaintOptions.material,
+        resolution_mm=options.resolution or PaintOptions.resolution_mm,
         hairs=options.hairs,
         quiet=options.quiet,
         spread_s=options.spread,
@@ -201,19 +208,22 @@ def paint(
         rest_s = wanted.spread_s
         painter.replay(recording, progress, wet=rest_s is not None, rest_s=rest_s or 0.0)
         counts = painter.report()
-    settings = {"brush": asdict(brush), "ink": ink.name, "azimuth": azimuth}
+    settings = {"brush": asdict(brush), "ink": painter.ink.name, "azimuth": azimuth}
     if painter.hairs is not None:
         settings["hairs"] = asdict(painter.hairs.spec)
     return Painting(surface, counts, seconds, (recording,), settings)
 
 
-def _ink(recording: Recording | LaidPad, wished: str | None) -> Pigment:
+def _ink(recording: Recording | LaidPad, wished: str | None) -> Pigment | dict[Pigment, float]:
     """The ink that the user wants, or the recording's own, which names no file of this machine."""
     from paint3d.colour.pigments import load_pigment
 
     if wished:
         return load_pigment(wished)
     try:
+        parts = recording.header.get("parts")
+        if isinstance(parts, dict) and len(parts) > 1:  # "ink" is the most of them
+            return {load_pigment(str(k), own_tables=False): w for k, w in parts.items()}
         return load_pigment(_named_in(recording, "ink", DEFAULT_INK), own_tables=False)
     except PigmentError as cause:
         raise RecordingError(f"the header: {cause}, or --ink") from None
