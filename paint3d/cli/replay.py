@@ -114,6 +114,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="a recording")
     add_on_and_out(parser)
     add_painting_options(parser)
+    parser.set_defaults(material=None, resolution=None)  # a whole painting has its own
     parser.add_argument(
         "--at",
         metavar="U,V",
@@ -142,6 +143,7 @@ def run(options: argparse.Namespace) -> None:
         If anything handed in cannot be used, or the result cannot be written.
     """
     from paint3d.recording.recording import load_recording
+    from paint3d.recording.score import is_score
 
     check_output_file(options.out, result_suffixes())
     if options.report is not None:
@@ -151,10 +153,15 @@ def run(options: argparse.Namespace) -> None:
         (options.recording, options.on, *read_for_ink(options), own_brush(options.brush)),
         force=options.force,
     )
+    if is_score(options.recording):
+        from paint3d.cli.scores import replay_score
+
+        replay_score(options)
+        return
     wanted = PaintOptions(
         brush=options.brush,
-        material=options.material,
-        resolution_mm=options.resolution,
+        material=options.material or PaintOptions.material,
+        resolution_mm=options.resolution or PaintOptions.resolution_mm,
         hairs=options.hairs,
         quiet=options.quiet,
         **of_ink(options),
@@ -250,7 +257,22 @@ def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, fl
     """The ink that the user wants, or the recording's own."""
     from paint3d.colour.inks import load_ink
 
-    return load_ink(wished) if wished else _own_ink(_named_in(recording, "ink", DEFAULT_INK))
+    if wished:
+        return load_ink(wished)
+    parts = recording.header.get("parts")
+    if isinstance(parts, dict) and len(parts) > 1:  # "ink" is the most of them
+        return _stirred(parts)
+    return _own_ink(_named_in(recording, "ink", DEFAULT_INK))
+
+
+def _stirred(parts: dict[str, float]) -> dict[Pigment, float]:
+    """A recording's pigments by their parts; they name no file of this machine."""
+    from paint3d.colour.pigments import load_pigment
+
+    try:
+        return {load_pigment(str(name), own_tables=False): part for name, part in parts.items()}
+    except PigmentError as cause:
+        raise RecordingError(f"the header: {cause}, or --ink") from None
 
 
 def _tip(

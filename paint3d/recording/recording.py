@@ -23,7 +23,7 @@ import json
 import math
 import os
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -37,7 +37,21 @@ from paint3d.recording.flat_recording import MM_PER_PIXEL
 from paint3d.recording.read_inkml import read_inkml, write_inkml
 from paint3d.recording.read_table import read_csv, read_plain_table, write_csv
 
-__all__ = ["Recording", "TextLines", "load_recording", "save_recording", "write_jsonl"]
+__all__ = [
+    "AT_REST",
+    "MAX_LINE",
+    "Recording",
+    "SampleRows",
+    "TextLines",
+    "decode_line",
+    "decompressed",
+    "load_recording",
+    "sample_lines",
+    "save_recording",
+    "share_read",
+    "write_jsonl",
+    "write_lines",
+]
 
 _GZIP_MAGIC = b"\x1f\x8b"
 _MAX_XML_BYTES = 1 << 26
@@ -51,10 +65,12 @@ _KEYS = {
 _NOWHERE = [math.nan, math.nan, math.nan]
 _LARGEST = 1e9
 """Positions further out than this (a thousand km) are taken for damage."""
-_MAX_LINE = 1 << 16
+MAX_LINE = 1 << 16
 _MAX_BYTES = 1 << 29
 _BLOCK = 1 << 21  # bytes
 _TELL_EVERY = 1 << 14  # lines
+AT_REST = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+"""Position and orientation of an object that never moved."""
 _MARK = b"\xef\xbb\xbf"  # that some programs put before UTF-8
 
 
@@ -87,9 +103,9 @@ def load_recording(
     name = Path(path).name
     try:
         with open(path, "rb") as raw:
-            stream = _decompressed(raw)
+            stream = decompressed(raw)
             start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
-            told = None if progress is None else _share_read(raw, progress)
+            told = None if progress is None else share_read(raw, progress)
             return _read(stream, start, name, Path(path), scale, y_down, told)
     except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
         raise RecordingError(f"{name}: the gzip data are damaged or cut short ({cause})") from None
@@ -123,13 +139,14 @@ def _read(
     )
 
 
-def _decompressed(raw: io.BufferedReader) -> io.BufferedReader:
+def decompressed(raw: io.BufferedReader) -> io.BufferedReader:
+    """What a file holds, whether it is gzipped or not."""
     if raw.peek(2)[:2] == _GZIP_MAGIC:
         return io.BufferedReader(gzip.GzipFile(fileobj=raw))
     return raw
 
 
-def _share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None] | None:
+def share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None] | None:
     """What tells how much of a file has been read, packed or not; nobody knows of a pipe."""
     if not raw.seekable():
         return None
@@ -169,7 +186,7 @@ class TextLines:
         return self
 
     def __next__(self) -> tuple[int, str]:
-        line = self._stream.readline(_MAX_LINE + 1)
+        line = self._stream.readline(MAX_LINE + 1)
         if not line:
             raise StopIteration
         self._number += 1
@@ -192,7 +209,7 @@ class TextLines:
             self._told()
         data = self._stream.read(_BLOCK)
         if data and not data.endswith(b"\n"):
-            data += self._stream.readline(_MAX_LINE + 1)
+            data += self._stream.readline(MAX_LINE + 1)
         first = self._number + 1
         if self._n_bytes + len(data) > _MAX_BYTES:
             for _ in self.cut(first, data):  # some line is one too many, or wrong before that
@@ -211,16 +228,14 @@ class TextLines:
         """
         n_bytes = 0 if first <= self._number else self._n_bytes  # those of blocks before are known
         lines = io.BytesIO(data)
-        for number, line in enumerate(iter(lambda: lines.readline(_MAX_LINE + 1), b""), first):
+        for number, line in enumerate(iter(lambda: lines.readline(MAX_LINE + 1), b""), first):
             n_bytes += len(line)
             yield number, self._checked(line, number, n_bytes)
 
     def _checked(self, line: bytes, number: int, n_bytes: int) -> str:
         """A line's text; `n_bytes` were read with it."""
-        if len(line) > _MAX_LINE:
-            raise RecordingError(
-                f"{self._name}:{number}: the line is longer than {_MAX_LINE} bytes"
-            )
+        if len(line) > MAX_LINE:
+            raise RecordingError(f"{self._name}:{number}: the line is longer than {MAX_LINE} bytes")
         if n_bytes > _MAX_BYTES:
             raise RecordingError(
                 f"{self._name}:{number}: the file is longer than {_MAX_BYTES} bytes once "
@@ -254,15 +269,21 @@ def _read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
     if first is None:
         raise RecordingError(f"{name}:1: the file is empty; expected a header line")
     try:
-        header = checked_header(_file_header(_decode(first[1])))
+        header = _file_header(decode_line(first[1]))
+        if header["version"] == 2:
+            raise RecordingError(
+                "version is 2; expected 1, a recording of samples: this is a whole painting, which "
+                "load_score reads"
+            )
+        header = checked_header(header)
         scale = _TO_MM[header["units"]["position"]]
     except RecordingError as cause:
         raise RecordingError(f"{name}:{first[0]}: {cause}") from None
     header["units"] = {**header["units"], "position": "mm"}
-    rows = _Rows(scale)
+    rows = SampleRows(scale)
     for number, text in numbered:
         try:
-            rows.add(_decode(text))
+            rows.add(decode_line(text))
         except RecordingError as cause:
             raise RecordingError(f"{name}:{number}: {cause}") from None
     if not rows.times:
@@ -277,7 +298,14 @@ def _refuse_constant(word: str) -> float:
 _DECODER = json.JSONDecoder(parse_constant=_refuse_constant)
 
 
-def _decode(text: str) -> dict[str, Any]:
+def decode_line(text: str) -> dict[str, Any]:
+    """The object that a line holds.
+
+    Raises
+    ------
+    RecordingError
+        If it is no JSON object, or a number in it is not finite.
+    """
     try:
         value = _DECODER.decode(text)
     except RecordingError:
@@ -308,10 +336,18 @@ def _file_header(header: dict[str, Any]) -> dict[str, Any]:
     return {**header, "units": merged}
 
 
-class _Rows:
-    """Samples on their way into arrays; every check is made while the line is known."""
+class SampleRows:
+    """Samples on their way into arrays; every check is made while the line is known.
 
-    def __init__(self, scale: float) -> None:
+    Parameters
+    ----------
+    scale : float
+        mm per unit of length.
+    held : sequence of 7 floats
+        Position (in the lines' unit) and orientation of the object as the lines before say it.
+    """
+
+    def __init__(self, scale: float, held: Sequence[float] = AT_REST) -> None:
         self.scale = scale
         self.times: list[int] = []
         self.positions: list[list[float]] = []
@@ -321,10 +357,17 @@ class _Rows:
         self.object_positions: list[list[float]] = []
         self.object_orientations: list[list[float]] = []
         self.contacts: list[list[float]] = []
-        self.object = ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0])
+        self.object = (list(held[:3]), list(held[3:]))
         self.accepted = set(_KEYS)
 
     def add(self, sample: dict[str, Any]) -> None:
+        """Add a line.
+
+        Raises
+        ------
+        RecordingError
+            If it is no sample, or cannot follow those before it.
+        """
         if not self.accepted.issuperset(sample):
             self._accept(sample)
         right = _nested(sample, _RIGHT) or sample
@@ -373,6 +416,7 @@ class _Rows:
             self.accepted.add(key)
 
     def recording(self, header: dict[str, Any]) -> Recording:
+        """All of them; at least one was added."""
         with_pressure = self.pressures[0] is not None
         return Recording(
             np.array(self.times, dtype=np.int64),
@@ -445,8 +489,21 @@ def _integer(owner: dict[str, Any], key: str, least: int, most: int) -> int:
 def write_jsonl(recording: Recording) -> Iterator[str]:
     """The lines of a recording, each ending in a newline; numbers read back exactly."""
     yield json.dumps(dict(recording.header), separators=(",", ":"), allow_nan=False) + "\n"
+    yield from sample_lines(recording)
+
+
+def sample_lines(recording: Recording, held: AnyArray | None = None) -> Iterator[str]:
+    """The lines of a recording's samples.
+
+    Parameters
+    ----------
+    recording : Recording
+    held : (7,) float64, optional
+        Position and orientation of the object as the lines before say it: it is said again where it
+        is another one, and then written here. By default it is where it was before it moved.
+    """
     poses = np.hstack([recording.object_position, recording.object_orientation])
-    previous = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    previous = np.array(AT_REST) if held is None else held
     pressures = recording.pressure
     for i in range(len(recording)):
         parts = [
@@ -460,7 +517,7 @@ def write_jsonl(recording: Recording) -> Iterator[str]:
         if recording.contact is not None and not np.isnan(recording.contact[i, 0]):
             parts.append(f'"contact":{_compact(recording.contact[i])}')
         if (poses[i] != previous).any():
-            previous = poses[i]
+            previous[:] = poses[i]
             parts.append(
                 f'"object":{{"position":{_compact(previous[:3])},'
                 f'"orientation":{_compact(previous[3:])}}}'
@@ -517,10 +574,11 @@ def save_recording(
     if suffix not in _WRITERS:
         raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(_WRITERS)} [.gz]")
     with write_atomically(target, progress) as part, open(part, "wb") as raw:
-        _write_lines(_WRITERS[suffix](recording), raw, zipped)
+        write_lines(_WRITERS[suffix](recording), raw, zipped)
 
 
-def _write_lines(lines: Iterable[str], raw: BinaryIO, zipped: bool) -> None:
+def write_lines(lines: Iterable[str], raw: BinaryIO, zipped: bool) -> None:
+    """Write lines to a file, gzipped or not; the same lines give the same bytes."""
     data = "".join(lines).encode()
     if not zipped:
         raw.write(data)

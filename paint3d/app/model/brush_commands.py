@@ -56,6 +56,19 @@ class BrushCommands:
         """Take the brush larger or smaller by some presses of ] or [, as far as it goes."""
         self.set_brush(stepped(self.painter.brush, steps))
 
+    def set_azimuth(self, azimuth: str) -> None:
+        """Let the pose's roll turn the tuft ("commanded"), or the surface pull it ("dragged").
+
+        Raises
+        ------
+        InputError
+            If it is neither, or a stroke is going on.
+        """
+        self._refuse_in_stroke("another azimuth")
+        if azimuth not in ("commanded", "dragged"):
+            raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
+        self.painter.azimuth = azimuth
+
     def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
         """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is."""
         self.painter.dip(ink, reach)

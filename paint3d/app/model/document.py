@@ -25,6 +25,7 @@ from paint3d.app.model.persistence.saved_settings import (
     saved_painter,
     saved_unit,
 )
+from paint3d.app.model.score.keeping import ScoreKeeper, keeps_score
 from paint3d.app.model.stroke_commands import StrokeCommands
 from paint3d.app.model.stroke_log import StrokeLog, strokes_of, weights_of
 from paint3d.brush.spec import BrushSpec
@@ -42,6 +43,7 @@ from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.session import Session, is_session_path, load_session, save_session
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
+from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
 from paint3d.surface.vertex_sets import union
@@ -53,6 +55,7 @@ FileState = tuple[int, int, int]
 """What becomes another one when somebody writes a file: its number, time (ns) and bytes."""
 
 
+@keeps_score
 class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
     """One painting, with everything that can be done to it.
 
@@ -81,6 +84,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
         Whether some steps found no room in the file when it was saved last.
+    keeper : ScoreKeeper or None
+        Writes down what is asked, to be played again; None where how it began is not known.
     refused_history : str
         Why the steps that were saved with it could not be used; empty where they could.
     """
@@ -110,6 +115,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         surface.use_layers()
         self._dipped = self.settings.get("fresh", True) is not False
         self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
+        self.keeper = self._keeper(saved)
         self.refused_history = self._take_history(saved)
         self._saved_at = self._undo.next_undo
         self.symmetry = Symmetry()
@@ -120,6 +126,21 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         surface.keeps_up = self.settings.pop("behind", False) is not True
         self._pending: list[AnyArray] = []
         self.tuft_follower = TuftFollower()
+
+    def _keeper(self, saved: Session | None) -> ScoreKeeper | None:
+        if saved is None:
+            return ScoreKeeper.begin(self.surface, self.painter)
+        if saved.score is None:
+            return None
+        return ScoreKeeper.resumed(saved.score, len(saved.strokes))
+
+    @property
+    def score(self) -> Score | None:
+        """All that happened; None where that is not known from the beginning.
+
+        `score_of_strokes` then tells of the strokes alone.
+        """
+        return None if self.keeper is None else self.keeper.score(self.surface.source.name)
 
     def _take_history(self, saved: Session | None) -> str:
         """Have the way back that was saved; why not, where it is damaged."""
@@ -289,7 +310,8 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         }
         strokes = tuple(stroke.recording() for stroke in self.strokes)
         undone = tuple(stroke.recording() for stroke in gone)
-        return Session(self.surface, self._recordings, settings, strokes, undone, history)
+        score = None if self.in_stroke else self.score  # what of it is painted, nobody could say
+        return Session(self.surface, self._recordings, settings, strokes, undone, history, score)
 
     def export(
         self,

@@ -61,8 +61,18 @@ class StrokeCommands:
         """What was painted by hand and is there, in order; those of earlier sittings first."""
         return self._log.strokes
 
-    def begin_stroke(self) -> None:
+    @property
+    def current_stroke(self) -> Stroke | None:
+        """The stroke that is going on."""
+        return self._log.current
+
+    def begin_stroke(self, time_s: float | None = None) -> None:
         """Start a stroke: a step that can be undone.
+
+        Parameters
+        ----------
+        time_s : float, optional
+            When it began, s since 1970; now by default.
 
         Raises
         ------
@@ -76,7 +86,7 @@ class StrokeCommands:
         layer = self._paintable()
         self._refused = False
         painter = self.painter
-        stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped)
+        stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped, time_s)
         self._undo.begin(stroke)
         self._dipped = False
         self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
@@ -98,7 +108,8 @@ class StrokeCommands:
             return
         self._log.check(samples)
         self._log.append(samples)
-        for batch in [samples] if self._stencil is None else [[sample] for sample in samples]:
+        alone = self._stencil is None and not self._images  # else who comes first would matter
+        for batch in [samples] if alone else [[sample] for sample in samples]:
             self.painter.advance(batch)
             self._wipe_stencil()
             for image in self._images:

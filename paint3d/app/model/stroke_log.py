@@ -116,10 +116,16 @@ class StrokeLog:
         self._before = self.strokes[: len(self.strokes) - count]
 
     def begin(
-        self, brush: BrushSpec, ink: str | Pigment | Mapping[Any, float], layer: str, dipped: bool
+        self,
+        brush: BrushSpec,
+        ink: str | Pigment | Mapping[Any, float],
+        layer: str,
+        dipped: bool,
+        time_s: float | None = None,
     ) -> Stroke:
-        """Start a stroke."""
-        self.current = Stroke(time.time(), brush, _parts(ink), layer, dipped, tags=dict(self.tags))
+        """Start a stroke, now or at a time (s since 1970)."""
+        at = time.time() if time_s is None else time_s
+        self.current = Stroke(at, brush, _parts(ink), layer, dipped, tags=dict(self.tags))
         return self.current
 
     def check(self, samples: Sequence[DeviceSample]) -> None:

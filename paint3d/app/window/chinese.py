@@ -90,6 +90,8 @@ CHINESE = {
     "Records of the vertices": "顶点记录",
     "Copy of the painting": "作品副本", "Recording, JSON Lines": "录制，JSON Lines",
     "Recording, JSON Lines, packed": "录制，JSON Lines，压缩", "Recording, InkML": "录制，InkML",
+    "Whole painting, JSON Lines": "整幅作品，JSON Lines",
+    "Whole painting, JSON Lines, packed": "整幅作品，JSON Lines，压缩",
     "Film, WebP": "影片，WebP", "Film, GIF": "影片，GIF", "Length": "时长",
     "Pictures a second": "每秒帧数", "{n} pictures": "共 {n} 帧",
     "{n} pictures: too many of this size": "共 {n} 帧：按此尺寸太多",

@@ -122,7 +122,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.pictures = Pictures(workspace, self.targets)
         self.exporting = Exporting(workspace, self.targets, self.pictures)
         self.player = Player(workspace)
-        self.recordings = Recordings(workspace, self.targets, self.player, history.speed)
+        self.recordings = Recordings(
+            workspace, self.targets, self.player, history.speed, self.saving.may_leave
+        )
         self.recalling = Recalling(workspace, history.refuse)
 
     def _bind_actions(self) -> None:

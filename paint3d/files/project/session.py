@@ -21,6 +21,7 @@ from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.array_archive import read_archive, write_archive
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.state import restore_surface, surface_state
 
@@ -71,6 +72,8 @@ class Session:
         How strokes are taken back and done again: words, numbers, arrays, and mappings of these
         (`app.model.persistence.saved_history`). What was read may come from a stranger and was not
         checked.
+    score : Score or None
+        All that happened from the bare object on, where that is known.
     """
 
     surface: PaintedSurface
@@ -79,6 +82,7 @@ class Session:
     strokes: Sequence[Recording] = ()
     undone: Sequence[Recording] = ()
     history: Mapping[str, object] | None = None
+    score: Score | None = None
 
 
 def is_session_path(path: str | os.PathLike[str]) -> bool:
@@ -127,6 +131,12 @@ def _parts(session: Session) -> Parts:
         more["history"], own = _split(session.history, "history/")
         more["undone"] = [_own_words(recording.header) for recording in session.undone]
         arrays |= own | _packed(session.undone, "undone/")
+    if session.score is not None:
+        events = session.score.events
+        samples = [event for event in events if isinstance(event, Recording)]
+        lines = [None if isinstance(event, Recording) else dict(event) for event in events]
+        more["score"] = {"header": dict(session.score.header), "events": lines}
+        arrays |= _packed(samples, "score/")
     text = {
         "format": FORMAT,
         "version": VERSION,
@@ -275,5 +285,14 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
     if isinstance(text.get("history"), Mapping):
         undone = _strokes(text["undone"], arrays, "undone/")
         history = _joined(text["history"], arrays, "history/")
+    score = _score(text["score"], arrays) if isinstance(text.get("score"), Mapping) else None
     surface = restore_surface(mesh, state, part_of(progress, 0.35, 0.9))
-    return Session(surface, tuple(recordings), dict(settings), strokes, undone, history)
+    return Session(surface, tuple(recordings), dict(settings), strokes, undone, history, score)
+
+
+def _score(words: Mapping[str, Any], arrays: dict[str, AnyArray]) -> Score:
+    """All that happened: lines in order, and what samples come where there is none."""
+    lines = list(words["events"])
+    samples = iter(_strokes([{}] * lines.count(None), arrays, "score/"))
+    events = [next(samples) if line is None else dict(line) for line in lines]
+    return Score(dict(words["header"]), tuple(events))

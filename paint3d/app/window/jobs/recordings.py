@@ -8,7 +8,10 @@ from pathlib import Path
 from PySide6 import QtWidgets
 
 from paint3d.app.model.pad_in_view import lay_in_view
+from paint3d.app.model.score.of_strokes import score_of_strokes
+from paint3d.app.model.score.playing import painted
 from paint3d.app.window.jobs.job import Progress
+from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.jobs.player import Player
 from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.wording import say
@@ -16,6 +19,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.device.sample import DeviceSample
 from paint3d.files.progress import part_of
 from paint3d.recording.recording import Recording, load_recording, save_recording
+from paint3d.recording.score import Score, is_score, load_score, save_score
 
 __all__ = ["FORMATS", "Recordings"]
 
@@ -24,6 +28,8 @@ FORMATS = {
     ".jsonl": "Recording, JSON Lines",
     ".jsonl.gz": "Recording, JSON Lines, packed",
     ".inkml": "Recording, InkML",
+    ".score.jsonl": "Whole painting, JSON Lines",
+    ".score.jsonl.gz": "Whole painting, JSON Lines, packed",
 }
 _READ = 0.6  # of the time that a recording takes to be made ready
 _AT_ONCE = 1000  # samples between two looks at whether it is still wanted
@@ -39,6 +45,8 @@ class Recordings:
     player : Player
     speed : callable
         How many times its own speed a recording is to be played at; None: as fast as it goes.
+    may_leave : callable
+        Asks whether what is open may be left; see `Saving.may_leave`.
     """
 
     def __init__(
@@ -47,8 +55,9 @@ class Recordings:
         targets: Targets,
         player: Player,
         speed: Callable[[], float | None],
+        may_leave: Callable[[], bool],
     ) -> None:
-        self._workspace, self._targets = workspace, targets
+        self._workspace, self._targets, self._may_leave = workspace, targets, may_leave
         self._player, self._speed = player, speed
         self._recorded_from = 0
 
@@ -70,7 +79,10 @@ class Recordings:
         with workspace.easel.paused() as document:
             assert document is not None, "it was waited for"
             recording = document.recording(first)
-        if recording is None:
+            score = None if first else document.score
+            if score is None:
+                score = score_of_strokes(document.strokes[first:], document.surface)
+        if recording is None or score is None:
             told = say("Strokes: {n}, {seconds:.1f} s", n=0, seconds=0.0)
             workspace.tell(told, state="bad")
             return
@@ -78,7 +90,7 @@ class Recordings:
         if path is None:
             return
         title = say("Writing {name}…", name=path.name)
-        done = workspace.run(title, lambda progress: _write(recording, path, progress))
+        done = workspace.run(title, lambda progress: _write(recording, score, path, progress))
         if workspace.went_well(done):
             workspace.tell(say("status.exported", name=path.name), state="good")
 
@@ -104,6 +116,8 @@ class Recordings:
         """
         workspace = self._workspace
         title = say("status.opening", name=Path(path).name)
+        if is_score(path):
+            return self._paint_score(path, title)
         surface, camera = workspace.hand.surface, workspace.hand.open_camera
 
         def read(progress: Progress) -> list[DeviceSample]:
@@ -118,6 +132,24 @@ class Recordings:
         self._player.play(loaded.result(), speed)
         return True
 
+    def _paint_score(self, path: str, title: str) -> bool:
+        """Begin anew on the object that is here, and paint a whole painting on it."""
+        workspace = self._workspace
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            mesh = document.surface.source
+            is_bare = not document.strokes and not document.surface.painted.any()
+        if not is_bare and not self._may_leave():
+            return False
+
+        def make(progress: Progress) -> Opened:
+            score = load_score(path, part_of(progress, 0.0, 0.1))
+            document = painted(score, mesh, progress=part_of(progress, 0.1, 0.9))
+            return Opened.of(document, progress.check)
+
+        done = workspace.run(title, make)
+        return workspace.went_well(done) and workspace.show(done.result())
+
 
 def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
     samples = []
@@ -128,6 +160,9 @@ def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
     return samples
 
 
-def _write(recording: Recording, path: Path, progress: Progress) -> None:
+def _write(recording: Recording, score: Score, path: Path, progress: Progress) -> None:
     progress.expect(0.0, 0.95, 1.0)
+    if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
+        save_score(score, path, progress)
+        return
     save_recording(recording, path, progress)

@@ -1,0 +1,1 @@
+"""Whole paintings as recordings: kept while they are painted, played again, edited."""

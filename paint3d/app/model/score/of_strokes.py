@@ -1,0 +1,49 @@
+"""A score of strokes alone, where what happened between them is not known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from paint3d.app.model.score.words import Inks, brush_named, header_of
+from paint3d.app.model.stroke_log import Stroke, recording_of
+from paint3d.recording.recording import Recording
+from paint3d.recording.score import Score
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["score_of_strokes"]
+
+
+def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Score | None:
+    """A score of strokes alone, with their brushes, inks and layers; None where there are none.
+
+    What was dried, mirrored, masked, wiped, or let run between them is not in it.
+    """
+    if not strokes:
+        return None
+    inks, first = Inks({}), strokes[0]
+    known = {pigment.name: pigment for pigment in surface.pigments}
+    events: list[Recording | dict[str, Any]] = [
+        {"do": "rename_layer", "place": 0, "name": first.layer}
+    ]
+    layers, active, brush = [first.layer], first.layer, None
+    for stroke in strokes:
+        ink = inks.words({known.get(name, name): part for name, part in stroke.ink.items()})
+        if stroke.layer not in layers:
+            events.append({"do": "add_layer", "name": stroke.layer, "place": len(layers)})
+            layers.append(stroke.layer)
+        elif stroke.layer != active:
+            events.append({"do": "select_layer", "place": layers.index(stroke.layer)})
+        active = stroke.layer
+        if stroke.brush != brush:
+            events.append({"do": "set_brush", "brush": brush_named(stroke.brush)})
+        if stroke.brush != brush or stroke.dipped:
+            events.append({"do": "dip", "ink": ink})
+        brush = stroke.brush
+        events.append({"do": "begin_stroke", "time_s": stroke.time_s})
+        events.append(recording_of(stroke.samples, {}))
+        events.append({"do": "end_stroke"})
+    dipped = {known.get(name, name): part for name, part in first.ink.items()}
+    header = header_of(surface, first.brush, dipped, inks)
+    own = {"pigments": inks.table} if inks.table else {}
+    return Score({**header, **own}, tuple(events))

@@ -1,0 +1,305 @@
+"""A whole painting as a recording (version 2): everything that happened, in order and in time.
+
+JSON Lines: a header, then samples as in version 1, and between them what was asked for, one object
+a line: ``{"do": "dip", "ink": {"pine soot": 0.2, "water": 0.8}}``. What a line may say is in
+`score_schema`; `paint3d.app.model.score` plays it.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import os
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from paint3d.core.atomic import write_atomically
+from paint3d.device.recorded import Recording
+from paint3d.errors import ExportError, RecordingError
+from paint3d.recording.recording import (
+    AT_REST,
+    MAX_LINE,
+    SampleRows,
+    TextLines,
+    decode_line,
+    decompressed,
+    sample_lines,
+    share_read,
+    write_lines,
+)
+from paint3d.recording.score_schema import check_command, check_header, check_sample
+
+__all__ = ["VERSION", "Event", "Score", "is_score", "load_score", "save_score", "write_score"]
+
+VERSION = 2
+Event = Recording | Mapping[str, Any]
+"""Samples of one stroke, with nothing between them; or what was asked for, as its line says."""
+
+_SUFFIXES = (".jsonl", ".json")
+_ENDS = frozenset({"end_stroke", "cancel_stroke", "undo", "redo", "replay_history"})
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """What happened to a painting, from the bare object on.
+
+    Attributes
+    ----------
+    header : mapping
+        ``format``, ``version``, and what painting began with: ``object``, ``material``,
+        ``resolution_mm``, ``brush``, ``ink``, ``azimuth``; ``pigments`` that are no palette's.
+    events : tuple of Event
+        In order.
+    lines : tuple of int
+        Where in its file each event begins; empty where there is no file.
+    name : str
+        Of the file, for messages.
+
+    Raises
+    ------
+    RecordingError
+        If the header or a command says what none may, or samples lie outside of a stroke.
+    """
+
+    header: Mapping[str, Any]
+    events: tuple[Event, ...]
+    lines: tuple[int, ...] = ()
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "header", _filled(self.header))
+        object.__setattr__(self, "events", tuple(self.events))
+        strokes = _Strokes()
+        for k, event in enumerate(self.events):
+            try:
+                if not isinstance(event, Recording):
+                    check_command(dict(event))
+                strokes.follow(event)
+            except RecordingError as cause:
+                raise RecordingError(f"{self.where(k)}: {cause}") from None
+
+    def __len__(self) -> int:
+        return len(self.events)
+
+    @property
+    def n_samples(self) -> int:
+        """Samples of all strokes."""
+        return sum(len(event) for event in self.events if isinstance(event, Recording))
+
+    def where(self, event: int) -> str:
+        """Where an event stands, for messages."""
+        if event < len(self.lines):
+            return f"{self.name}:{self.lines[event]}"
+        return f"{self.name}: event {event + 1}" if self.name else f"event {event + 1}"
+
+    def strokes(self) -> list[Recording]:
+        """The strokes, each with all its samples, whatever became of them later."""
+        found: list[list[Recording]] = []
+        for event in self.events:
+            if isinstance(event, Recording):
+                found[-1].append(event)
+            elif event["do"] == "begin_stroke":
+                found.append([])
+        return [_joined(parts) for parts in found if parts]
+
+
+class _Strokes:
+    """Whether samples come within strokes."""
+
+    def __init__(self) -> None:
+        self.is_open = False
+
+    def follow(self, event: Event) -> None:
+        if isinstance(event, Recording):
+            if not self.is_open:
+                raise RecordingError("samples lie outside of a stroke; expected begin_stroke first")
+        elif event["do"] == "begin_stroke":
+            if self.is_open and not event.get("refused"):
+                raise RecordingError("begin_stroke comes during a stroke; expected its end first")
+            self.is_open = not event.get("refused")
+        elif event["do"] in _ENDS:
+            self.is_open = False
+
+
+def _filled(header: Mapping[str, Any]) -> dict[str, Any]:
+    filled = {"format": "paint3d-recording", "version": VERSION, **header}
+    check_header(filled)
+    return filled
+
+
+def _joined(parts: list[Recording]) -> Recording:
+    """Samples of one stroke, which something was asked for between."""
+    if len(parts) == 1:
+        return parts[0]
+    nowhere = [np.full((len(part), 3), np.nan) for part in parts]
+    contacts = [n if p.contact is None else p.contact for p, n in zip(parts, nowhere, strict=True)]
+    with_pressure = parts[0].pressure is not None
+    names = ("time_ns", "position", "orientation", "buttons", "object_position",
+             "object_orientation")  # fmt: skip
+    columns: dict[str, Any] = {n: np.concatenate([getattr(p, n) for p in parts]) for n in names}
+    if with_pressure:
+        columns |= {"pressure": np.concatenate([part.pressure for part in parts]),
+                    "contact": np.concatenate(contacts)}  # fmt: skip
+    return Recording(**columns)
+
+
+def is_score(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is a recording of version 2; False also where it cannot be read."""
+    try:
+        with open(path, "rb") as raw:
+            line = decompressed(raw).readline(MAX_LINE + 1).decode("utf-8-sig")
+        header = decode_line(line)
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError, RecordingError):
+        return False
+    return header.get("version") == VERSION
+
+
+def load_score(
+    path: str | os.PathLike[str], progress: Callable[[float], None] | None = None
+) -> Score:
+    """Read a recording of version 2, gzipped or not.
+
+    Parameters
+    ----------
+    path : path-like
+    progress : callable, optional
+        Called with the share of the file that is read, now and then; what it raises stops it.
+
+    Raises
+    ------
+    RecordingError
+        ``file:line: what is X; expected Y`` for the first thing that is wrong, and when the file
+        cannot be read at all.
+    """
+    name = Path(path).name
+    try:
+        with open(path, "rb") as raw:
+            stream = decompressed(raw)
+            told = None if progress is None else share_read(raw, progress)
+            return _read(TextLines(stream, name, told), name)
+    except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
+        raise RecordingError(f"{name}: the gzip data are damaged or cut short ({cause})") from None
+    except OSError as cause:
+        reason = cause.strerror or str(cause)
+        raise RecordingError(f"{path}: cannot be read: {reason}; expected a recording") from None
+
+
+def _read(lines: Iterator[tuple[int, str]], name: str) -> Score:
+    numbered = ((number, text) for number, text in lines if text.strip())
+    number, text = next(numbered, (1, ""))
+    try:
+        if not text:
+            raise RecordingError("the file is empty; expected a header line")
+        header = decode_line(text)
+        check_header(header)
+        reader = _Reader()
+        for number, text in numbered:
+            reader.add(number, decode_line(text))
+    except RecordingError as cause:
+        raise RecordingError(f"{name}:{number}: {cause}") from None
+    events, places = reader.finished()
+    return Score(header, events, places, name)
+
+
+class _Reader:
+    """Lines on their way into events; every check is made while the line is known."""
+
+    def __init__(self) -> None:
+        self._events: list[Event] = []
+        self._places: list[int] = []
+        self._strokes = _Strokes()
+        self._rows = SampleRows(1.0)
+        self._began = 0
+        self._last_ns: int | None = None
+
+    def add(self, number: int, line: dict[str, Any]) -> None:
+        if "do" not in line:
+            self._add_sample(number, line)
+            return
+        check_command(line)
+        self._put_samples()
+        self._strokes.follow(line)
+        if line["do"] == "begin_stroke":
+            self._last_ns = None
+        self._events.append(line)
+        self._places.append(number)
+
+    def _add_sample(self, number: int, line: dict[str, Any]) -> None:
+        if not self._strokes.is_open:
+            raise RecordingError("a sample lies outside of a stroke; expected begin_stroke first")
+        check_sample(line)
+        if not self._rows.times:
+            self._began = number
+            if self._last_ns is not None and line["time_ns"] <= self._last_ns:
+                raise RecordingError(
+                    f"time_ns is {line['time_ns']}; expected more than {self._last_ns}, "
+                    "the sample before it"
+                )
+        self._rows.add(line)
+        self._last_ns = self._rows.times[-1]
+
+    def _put_samples(self) -> None:
+        rows = self._rows
+        if rows.times:
+            self._events.append(rows.recording({}))
+            self._places.append(self._began)
+            place, turn = rows.object
+            self._rows = SampleRows(1.0, [*place, *turn])
+
+    def finished(self) -> tuple[tuple[Event, ...], tuple[int, ...]]:
+        self._put_samples()
+        return tuple(self._events), tuple(self._places)
+
+
+def write_score(score: Score) -> Iterator[str]:
+    """The lines of a score, each ending in a newline; numbers read back exactly."""
+    yield _line(score.header)
+    held = np.array(AT_REST)
+    for event in score.events:
+        if isinstance(event, Recording):
+            yield from sample_lines(event, held)
+        else:
+            yield _line(event)
+
+
+def _line(words: Mapping[str, Any]) -> str:
+    line = json.dumps(dict(words), ensure_ascii=False, separators=(", ", ": "), allow_nan=False)
+    if len(line.encode()) >= MAX_LINE:
+        raise ExportError(
+            f"a line of the recording would have {len(line):,} letters; expected {MAX_LINE:,}"
+        )
+    return line + "\n"
+
+
+def save_score(
+    score: Score,
+    path: str | os.PathLike[str],
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Write a score: .jsonl, also with .gz; the same score gives the same bytes.
+
+    Parameters
+    ----------
+    score : Score
+    path : path-like
+    progress : callable, optional
+        Called with 1 when all is written, before the file takes its place; what it raises leaves
+        everything as it was.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is another one, or the file cannot be written.
+    """
+    target = Path(path)
+    zipped = target.suffix.lower() == ".gz"
+    suffix = (target.with_suffix("") if zipped else target).suffix.lower()
+    if suffix not in _SUFFIXES:
+        raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(_SUFFIXES)} [.gz]")
+    with write_atomically(target, progress) as part, open(part, "wb") as raw:
+        write_lines(write_score(score), raw, zipped)
