@@ -39,10 +39,13 @@ class GlyphStroke:
         Closed polygon; the last point is not the first one again.
     median : (M, 2) float64
         Centre line in writing order.
+    holes : tuple of (K, 2) float64
+        Closed polygons that are left out of the outline, as in a stroke that closes on itself.
     """
 
     outline: NDArray[np.float64]
     median: NDArray[np.float64]
+    holes: tuple[NDArray[np.float64], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
