@@ -98,7 +98,7 @@ def _corner_of(
         if turns[k] <= _SHARP:
             return None
         around = (turns.get(k + d, 0.0) for d in range(-far, far + 1))
-        if turns[k] >= max(around) and _ends_a_stroke(*legs[k], branch, skeleton):
+        if turns[k] >= max(around) and _ends_a_stroke(legs[k], branch, skeleton):
             return points[k], half
     return None
 
@@ -117,8 +117,8 @@ def _leg(
     return result
 
 
-def _ends_a_stroke(one: AnyArray, two: AnyArray, branch: Branch, skeleton: Skeleton) -> bool:
-    opening = one + two
+def _ends_a_stroke(legs: list[NDArray[np.float64]], branch: Branch, skeleton: Skeleton) -> bool:
+    opening = legs[0] + legs[1]
     angle = math.degrees(math.atan2(opening[1], opening[0]))
     if _BEGINNING[0] <= angle <= _BEGINNING[1]:
         return True

@@ -12,6 +12,12 @@ from paint3d.calligraphy.shapes.continuation import chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.regions import Ink, Piece, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
+from paint3d.calligraphy.shapes.transfer import (
+    KnownStrokes,
+    in_known_order,
+    label_chains,
+    lay_over,
+)
 from paint3d.calligraphy.shapes.triangles import mean_width, triangulate
 from paint3d.calligraphy.shapes.writing_order import in_writing_order
 from paint3d.errors import InputError
@@ -47,8 +53,23 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
         If the outline has no area.
     """
     parts = _parts(outline)
-    pieces = [piece for part in parts for piece in _pieces_of(part)]
-    return [_stroke(piece) for piece in in_writing_order(pieces)]
+    if template is None or not template.strokes:
+        pieces = [piece for ink in map(_ink_of, parts) for piece in _by_shape(ink)]
+        return [_stroke(piece) for piece in in_writing_order(pieces)]
+    inks = [_ink_of(part) for part in parts]
+    known = lay_over([stroke.median for stroke in template.strokes], inks, _width(parts))
+    told = [entry for ink in inks for entry in _by_template(ink, known)]
+    return [_stroke(piece) for piece in in_known_order(told, known)]
+
+
+def _width(parts: list[Polygon]) -> float:
+    """Mean width of the strokes of all parts."""
+    return 2.0 * sum(part.area for part in parts) / sum(part.length for part in parts)
+
+
+def _ink_of(part: Polygon) -> Ink:
+    triangles = triangulate(part)
+    return Ink(triangles, skeleton_of(triangles))
 
 
 def _parts(outline: MultiPolygon) -> list[Polygon]:
@@ -64,15 +85,22 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
     return sorted(kept, key=lambda part: (part.bounds[0], -part.bounds[3], part.area))
 
 
-def _pieces_of(part: Polygon) -> list[Piece]:
-    """The strokes of one connected shape."""
-    triangles = triangulate(part)
-    ink = Ink(triangles, skeleton_of(triangles))
-    cut_at_corners(ink.skeleton, triangles, ink.half_widths)
+def _by_shape(ink: Ink) -> list[Piece]:
+    """The strokes of one connected shape, by what it looks like alone."""
+    cut_at_corners(ink.skeleton, ink.triangles, ink.half_widths)
     chains = chains_of(ink.skeleton, ink.half_widths)
     if not chains:
-        return [Piece(_axis(ink), part)]
+        return [Piece(_axis(ink), ink.shape)]
     return shared_out([piece_of(chain, ink) for chain in chains], ink)
+
+
+def _by_template(ink: Ink, known: KnownStrokes) -> list[tuple[Piece, int | None]]:
+    """The strokes of one connected shape as those of a known character."""
+    told = label_chains(ink, known)
+    if not told:
+        return [(Piece(_axis(ink), ink.shape), None)]
+    pieces = shared_out([piece_of(chain, ink) for chain, _ in told], ink)
+    return [(piece, stroke) for piece, (_, stroke) in zip(pieces, told, strict=True)]
 
 
 def _axis(ink: Ink) -> NDArray[np.float64]:

@@ -1,8 +1,8 @@
 """Order and direction of strokes where nothing is known of the character.
 
-Strokes are drawn to the right and downwards; what stands apart is written from the left to the right
-where it stands side by side, and from the top downwards otherwise. From the right to the left it is all
-mirrored. A closed stroke begins at its top.
+Strokes are drawn to the right and downwards; what stands apart is written from the left to the
+right where it stands side by side, and from the top downwards otherwise. From the right to the left
+it is all mirrored. A closed stroke begins at its top.
 """
 
 from __future__ import annotations
