@@ -52,7 +52,7 @@ def cut_branch(
     line = branch.line
     at = int(np.argmin(np.linalg.norm(line - point, axis=1)))
     at = min(max(at, 1), len(line) - 2)
-    if branch.ends[0] == branch.ends[1] and skeleton.degrees()[branch.ends[0]] == 2:
+    if skeleton.is_ring(branch):
         number = branch.ends[0]
         skeleton.cuts.add(number)
         skeleton.junctions[number].move_to(line[at], radius)
@@ -88,8 +88,7 @@ def _corner_of(
     points = resampled(branch.line, _STEP * half)
     step = branch.length / (len(points) - 1)
     near, far = max(1, round(_NEAR * half / step)), max(2, round(_FAR * half / step))
-    ring = branch.ends[0] == branch.ends[1] and skeleton.degrees()[branch.ends[0]] == 2
-    ring = ring and branch.ends[0] not in skeleton.cuts
+    ring = skeleton.is_ring(branch)
     margin = 0 if ring else max(near + 1, round(_LEAST * half / step))
     places = range(margin, len(points) - margin)
     legs = {k: [_leg(points, k, sign, near, far, ring) for sign in (-1, 1)] for k in places}

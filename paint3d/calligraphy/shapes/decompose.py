@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.shapes.continuation import chains_of
+from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.regions import Ink, Piece, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
-    KnownStrokes,
+    fits,
     in_known_order,
     label_chains,
     lay_over,
 )
-from paint3d.calligraphy.shapes.triangles import mean_width, triangulate
+from paint3d.calligraphy.shapes.triangles import triangulate
 from paint3d.calligraphy.shapes.writing_order import in_writing_order
 from paint3d.errors import InputError
 
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["decompose"]
 
 _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
+_COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
+_JOINED = 0.65  # of the known strokes: a shape that has fewer joins them
 
 
 def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[GlyphStroke]:
@@ -39,7 +42,9 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
         Any unit, y upwards.
     template : Glyph, optional
         The strokes of the character where it is known, in any frame: their order and direction
-        are carried onto the shape.
+        are carried onto the shape. Where the shape joins its strokes, as running hands do, or
+        is another character, its own strokes stay, in the order and direction of those that they
+        lie upon.
 
     Returns
     -------
@@ -56,15 +61,25 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
     if template is None or not template.strokes:
         pieces = [piece for ink in map(_ink_of, parts) for piece in _by_shape(ink)]
         return [_stroke(piece) for piece in in_writing_order(pieces)]
+    shapes = [_by_shape(_ink_of(part)) for part in parts]
     inks = [_ink_of(part) for part in parts]
     known = lay_over([stroke.median for stroke in template.strokes], inks, _width(parts))
-    told = [entry for ink in inks for entry in _by_template(ink, known)]
-    return [_stroke(piece) for piece in in_known_order(told, known)]
+    joins = sum(map(len, shapes)) < _JOINED * known.count
+    told = [label_chains(ink, known) for ink in inks]
+    if joins or not fits(inks, known, told):
+        free = [(piece, None) for pieces in shapes for piece in pieces]
+        return [_stroke(piece) for piece in in_known_order(free, known)]
+    pairs = zip(inks, told, strict=True)
+    mine = [entry for ink, chains in pairs for entry in _by_template(ink, chains)]
+    return [_stroke(piece) for piece in in_known_order(mine, known)]
 
 
 def _width(parts: list[Polygon]) -> float:
     """Mean width of the strokes of all parts."""
-    return 2.0 * sum(part.area for part in parts) / sum(part.length for part in parts)
+    import shapely
+
+    areas, lengths = (sum(map(size, parts)) for size in (shapely.area, shapely.length))
+    return float(2.0 * areas / lengths)
 
 
 def _ink_of(part: Polygon) -> Ink:
@@ -76,17 +91,20 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
     """The connected polygons of a shape without specks, from the left, then from the top."""
     import shapely
 
-    valid = outline if shapely.is_valid(outline) else outline.buffer(0.0)
-    parts = [part for part in shapely.get_parts(valid) if part.area > 0.0]
+    valid = outline if shapely.is_valid(outline) else shapely.make_valid(outline)
+    parts = shapely.get_parts(shapely.get_parts(valid))
+    parts = [part for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
     if not parts:
         raise InputError("the outline has no area; expected a shape to fill")
-    least = _SPECK * mean_width(valid) ** 2
+    least = _SPECK * _width(parts) ** 2
     kept = [part for part in parts if part.area >= least]
     return sorted(kept, key=lambda part: (part.bounds[0], -part.bounds[3], part.area))
 
 
 def _by_shape(ink: Ink) -> list[Piece]:
     """The strokes of one connected shape, by what it looks like alone."""
+    if _is_dot(ink):
+        return [Piece(_axis(ink), ink.shape)]
     cut_at_corners(ink.skeleton, ink.triangles, ink.half_widths)
     chains = chains_of(ink.skeleton, ink.half_widths)
     if not chains:
@@ -94,13 +112,18 @@ def _by_shape(ink: Ink) -> list[Piece]:
     return shared_out([piece_of(chain, ink) for chain in chains], ink)
 
 
-def _by_template(ink: Ink, known: KnownStrokes) -> list[tuple[Piece, int | None]]:
+def _by_template(ink: Ink, told: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
     """The strokes of one connected shape as those of a known character."""
-    told = label_chains(ink, known)
-    if not told:
+    if not told or _is_dot(ink):
         return [(Piece(_axis(ink), ink.shape), None)]
     pieces = shared_out([piece_of(chain, ink) for chain, _ in told], ink)
     return [(piece, stroke) for piece, (_, stroke) in zip(pieces, told, strict=True)]
+
+
+def _is_dot(ink: Ink) -> bool:
+    """Whether a shape is so compact that it has no direction of its own."""
+    shape = ink.shape
+    return not shape.interiors and bool(4.0 * math.pi * shape.area > _COMPACT * shape.length**2)
 
 
 def _axis(ink: Ink) -> NDArray[np.float64]:

@@ -143,7 +143,7 @@ def _calmed(line: AnyArray, half: float, region: Polygon) -> NDArray[np.float64]
 
 
 def shared_out(pieces: Sequence[Piece], ink: Ink) -> list[Piece]:
-    """Make every region one polygon, and give what no stroke has to the one that it touches most."""
+    """Make every region one polygon, and what no stroke has to the one it touches most."""
     import shapely
 
     regions = [_largest(piece.region) for piece in pieces]

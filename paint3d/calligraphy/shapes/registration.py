@@ -1,8 +1,8 @@
 """Laying the known lines of a character over the skeleton of another drawing of it.
 
 Coherent point drift (Myronenko and Song, 2010): points of the lines move towards those of the
-skeleton, smoothly together, while the distance over which they see each other shrinks. Points see each
-other only where their lines run alike, so that strokes that cross are not taken for each other.
+skeleton, smoothly together, while the distance over which they see each other shrinks. They see
+each other only where their lines run alike, so that crossing strokes are not taken for each other.
 """
 
 from __future__ import annotations

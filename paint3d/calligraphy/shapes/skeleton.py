@@ -18,6 +18,8 @@ __all__ = ["Branch", "Junction", "Skeleton", "length_of", "skeleton_of"]
 _STICKS_OUT = 0.75  # of a junction's radius: a branch that reaches less far is a corner
 _HIGH = 0.6  # widths of its foot: a branch that is no higher is one too
 _WINDING = 0.8  # of a branch's length counts as its reach at the least
+_FOLDED = math.radians(65.0)  # between the legs of a sharp fold, and from each to its tip
+_FOLD_REACH = 1.2
 _ONE_JUNCTION = 1.4  # radii: junctions nearer than this are one, as where two strokes cross
 
 
@@ -74,9 +76,20 @@ class Branch:
         """Of its line."""
         return length_of(self.line)
 
+    def extend(self, side: int, line: AnyArray) -> None:
+        """Go on along a line from its first (0) or last point (1), which is the line's first."""
+        ends = (line[:0:-1], self.line) if side == 0 else (self.line, line[1:])
+        self.line = np.concatenate(ends)
+        self.__dict__.pop("length", None)
+
     def away_from(self, side: int) -> NDArray[np.float64]:
         """Its line from its first (0) or its last point (1) on."""
         return self.line[::-1] if side else self.line
+
+
+def _cosine(one: AnyArray, two: AnyArray) -> float:
+    size = float(np.linalg.norm(one) * np.linalg.norm(two))
+    return min(1.0, max(-1.0, float(one @ two) / size)) if size > 0.0 else 1.0
 
 
 def length_of(line: AnyArray) -> float:
@@ -98,6 +111,11 @@ class Skeleton:
         self.junctions[number] = Junction(point, radius, [])
         self.cuts.add(number)
         return number
+
+    def is_ring(self, branch: Branch) -> bool:
+        """Whether a branch closes on itself, and no stroke is cut there."""
+        one, two = branch.ends
+        return one == two and one not in self.cuts and self.degrees()[one] == 2
 
     def is_shared(self, number: int, degrees: Counter[int]) -> bool:
         """Whether strokes meet at a junction."""
@@ -149,6 +167,42 @@ class Skeleton:
         gates = a.gates[1 - side_a], b.gates[1 - side_b]
         self.branches.append(Branch((a.ends[1 - side_a], b.ends[1 - side_b]), line, cells, gates))
 
+    def fold(self) -> None:
+        """Lead lines into the tips of sharp folds, where two legs of a stroke run together."""
+        degrees = self.degrees()
+        for spur in list(self.branches):
+            tip, base = sorted(spur.ends, key=degrees.__getitem__)
+            if degrees[tip] != 1 or degrees[base] != 3:
+                continue
+            here = [(b, side) for b, side in self.at(base) if b is not spur]
+            if len(here) != 2 or here[0][0] is here[1][0]:
+                continue
+            out = spur.away_from(0 if spur.ends[0] == base else 1)
+            if not self._is_fold(out, self.junctions[base], [b.away_from(s) for b, s in here]):
+                continue
+            way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(out, axis=0), axis=1))]
+            into = out[way <= max(way[-1] - self.junctions[base].radius, 0.0)]
+            self.branches.remove(spur)
+            self.junctions[base].cells += spur.cells + self.junctions.pop(tip).cells
+            (leg, side), _ = here
+            leg.extend(side, into)
+            self._pass_through(base)
+            degrees = self.degrees()
+
+    @staticmethod
+    def _is_fold(out: AnyArray, base: Junction, legs: list[AnyArray]) -> bool:
+        """Whether a spur is no longer than two legs of a stroke would run together there."""
+        ways = []
+        for line in (out, *legs):
+            far = np.linalg.norm(line - line[0], axis=1) >= 2.0 * base.radius
+            ways.append(line[int(np.argmax(far)) if far.any() else -1] - line[0])
+        back = [math.acos(_cosine(-ways[0], way)) for way in ways[1:]]
+        half = 0.5 * math.acos(_cosine(ways[1], ways[2]))
+        if max(back) > _FOLDED or half > 0.5 * _FOLDED or half <= 0.0:
+            return False
+        thick = base.radius * 0.5 / math.cos(half) + 0.5 * base.radius
+        return length_of(out) <= _FOLD_REACH * thick * (1.0 + 1.0 / math.sin(half))
+
     def merge(self) -> None:
         """Make one junction of those that lie within each other's reach, the nearest first."""
         while True:
@@ -188,6 +242,7 @@ def skeleton_of(triangles: Triangles) -> Skeleton:
     """The tidied skeleton of a shape."""
     skeleton = _traced(triangles)
     skeleton.prune()
+    skeleton.fold()
     skeleton.merge()
     return skeleton
 

@@ -1,8 +1,8 @@
 """Carrying the strokes of a known character onto a shape: which branch belongs to which stroke.
 
-The known lines are laid over the skeleton (`registration`); every point of it goes to the stroke that
-runs alike nearest to it, with a price on each change along a branch. Branches are cut where the stroke
-changes, and joined through junctions where it does not.
+The known lines are laid over the skeleton (`registration`); every point of it goes to the stroke
+that runs alike nearest to it, with a price on each change along a branch. Branches are cut where
+the stroke changes, and joined through junctions where it does not.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from paint3d.calligraphy.shapes.registration import register, tangents_of
 from paint3d.calligraphy.shapes.skeleton import Branch, length_of
 from paint3d.core.types import AnyArray
 
-__all__ = ["KnownStrokes", "in_known_order", "label_chains", "lay_over"]
+__all__ = ["KnownStrokes", "fits", "in_known_order", "label_chains", "lay_over"]
 
 _STEP = 0.25  # widths between the points that are given to strokes
 _ACROSS = 1.5  # widths that a stroke at right angles seems farther away
@@ -29,6 +29,8 @@ _CORNER = 1.2  # widths that a right angle takes off that
 _SHORTEST = 0.8  # widths of a run of one stroke
 _TOGETHER, _ASUNDER = -90.0, 400.0  # degrees, for ends of the same stroke and of others
 _SPUR = 1.5  # widths: what a stroke has besides its longest part is no part of it below that
+_AWAY = 0.25  # widths: the mean distance up to which a shape is the known character
+_THERE = 0.9  # of the known strokes, that it must have
 _SAMPLE = 6.0  # points of the known lines to a width
 
 
@@ -61,6 +63,10 @@ class KnownStrokes:
         alike = np.abs(tangents_of(line) @ self.tangents.T)
         away += _ACROSS * (1.0 - alike)
         return np.stack([away[:, self.stroke == k].min(axis=1) for k in range(self.count)], axis=1)
+
+    def residual(self, line: AnyArray) -> float:
+        """How far a line is from the strokes that it belongs to, in the mean, widths."""
+        return float(self.costs(line).min(axis=1).mean())
 
     def placed(self, line: AnyArray, stroke: int | None = None) -> tuple[float, float]:
         """Where a line is, as stroke plus station, and how much of it is written forward."""
@@ -99,6 +105,29 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
         len(moved),
         width,
     )
+
+
+def fits(
+    inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Sequence[tuple[Chain, int]]]
+) -> bool:
+    """Whether a shape is a drawing of the known character, by how the lines lie upon it.
+
+    Parameters
+    ----------
+    inks : sequence of Ink
+    known : KnownStrokes
+    told : sequence of sequences
+        What `label_chains` gives for each ink.
+    """
+    away = total = 0.0
+    for ink in inks:
+        for branch in ink.skeleton.branches:
+            line = resampled(branch.line, _STEP * known.width, 3)
+            away += branch.length * known.residual(line)
+            total += branch.length
+    strokes = {stroke for chains in told for _, stroke in chains}
+    dots = sum(not chains for chains in told)
+    return away <= _AWAY * total and len(strokes) + dots >= _THERE * known.count
 
 
 def label_chains(ink: Ink, known: KnownStrokes) -> list[tuple[Chain, int]]:
@@ -154,7 +183,7 @@ def _change_in(branch: Branch, known: KnownStrokes) -> NDArray[np.float64] | Non
     price = _CHANGE - _CORNER * np.minimum(turns / 90.0, 1.0)
     labels = _cheapest(known.costs(points) * _STEP, price)
     shortest = max(1, round(_SHORTEST * known.width / max(step, 1e-12)))
-    for k in np.flatnonzero(np.diff(labels)) + 1:
+    for k in (np.flatnonzero(np.diff(labels)) + 1).tolist():
         if shortest <= k <= len(points) - 1 - shortest:
             result: NDArray[np.float64] = points[k]
             return result
@@ -179,8 +208,8 @@ def _cheapest(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
 
 
 def in_known_order(pieces: Sequence[tuple[Piece, int | None]], known: KnownStrokes) -> list[Piece]:
-    """Pieces in the order and direction of the known strokes, each with its stroke if it has one."""
-    placed = []
+    """Pieces, each with its known stroke if it has one, in order and direction of these."""
+    placed: list[tuple[float, int, Piece]] = []
     for piece, stroke in pieces:
         line = resampled(piece.line, _STEP * known.width, 5)
         place, forward = known.placed(line, stroke)
