@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.shapes.bands import bands_of, is_wide
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.regions import Ink, Piece, piece_of, shared_out
@@ -20,7 +21,7 @@ from paint3d.calligraphy.shapes.transfer import (
     lay_over,
 )
 from paint3d.calligraphy.shapes.triangles import triangulate
-from paint3d.calligraphy.shapes.writing_order import in_writing_order
+from paint3d.calligraphy.shapes.writing_order import directed, in_writing_order
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,11 +30,15 @@ if TYPE_CHECKING:
 __all__ = ["decompose"]
 
 _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
+_GRID = 2.0**32  # points to the size of a shape
 _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
+_SHORTEST = 0.25  # of a dot's width: its line
 _JOINED = 0.65  # of the known strokes: a shape that has fewer joins them
 
 
-def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[GlyphStroke]:
+def decompose(
+    outline: MultiPolygon, *, template: Glyph | None = None, widest: float | None = None
+) -> list[GlyphStroke]:
     """The strokes that an ink shape is made of, in order and direction of writing.
 
     Parameters
@@ -45,6 +50,8 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
         are carried onto the shape. Where the shape joins its strokes, as running hands do, or
         is another character, its own strokes stay, in the order and direction of those that they
         lie upon.
+    widest : float, optional
+        How wide the brush is, in the unit of the outline: what is wider becomes bands.
 
     Returns
     -------
@@ -58,9 +65,34 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
         If the outline has no area.
     """
     parts = _parts(outline)
+    low = np.array(outline.bounds[:2])
+    size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
+    even = [_evened(part, low, size) for part in parts]
+    pieces = _pieces_of(even, template)
+    if widest is not None:
+        pieces = [band for piece in pieces for band in _narrow(piece, widest / size)]
+    return [_stroke(piece, low, size) for piece in pieces]
+
+
+def _narrow(piece: Piece, widest: float) -> list[Piece]:
+    """A stroke as it is, or as bands where it is wider than the brush."""
+    if not is_wide(piece, widest):
+        return [piece]
+    bands = [_by_shape(_ink_of(part)) for part in bands_of(piece, widest)]
+    return [Piece(directed(one.line), one.region) for band in bands for one in band]
+
+
+def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
+    """A polygon from 0 to 1, on a grid so fine that none sees it: where it was does not matter."""
+    import shapely
+
+    return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
+
+
+def _pieces_of(parts: list[Polygon], template: Glyph | None) -> list[Piece]:
+    """The strokes of connected shapes, in order and direction of writing."""
     if template is None or not template.strokes:
-        pieces = [piece for ink in map(_ink_of, parts) for piece in _by_shape(ink)]
-        return [_stroke(piece) for piece in in_writing_order(pieces)]
+        return in_writing_order([piece for part in parts for piece in _by_shape(_ink_of(part))])
     shapes = [_by_shape(_ink_of(part)) for part in parts]
     inks = [_ink_of(part) for part in parts]
     known = lay_over([stroke.median for stroke in template.strokes], inks, _width(parts))
@@ -68,10 +100,9 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
     told = [label_chains(ink, known) for ink in inks]
     if joins or not fits(inks, known, told):
         free = [(piece, None) for pieces in shapes for piece in pieces]
-        return [_stroke(piece) for piece in in_known_order(free, known)]
+        return in_known_order(free, known)
     pairs = zip(inks, told, strict=True)
-    mine = [entry for ink, chains in pairs for entry in _by_template(ink, chains)]
-    return [_stroke(piece) for piece in in_known_order(mine, known)]
+    return in_known_order([x for ink, chains in pairs for x in _by_template(ink, chains)], known)
 
 
 def _width(parts: list[Polygon]) -> float:
@@ -134,17 +165,20 @@ def _axis(ink: Ink) -> NDArray[np.float64]:
     sides = np.diff(corners[:3], axis=0)
     sizes = np.linalg.norm(sides, axis=1)
     long = int(np.argmax(sizes))
-    junction = next(iter(ink.skeleton.junctions.values()))
-    reach = max(0.5 * (sizes[long] - sizes[1 - long]), 0.25 * junction.radius)
-    way = sides[long] / sizes[long]
-    line = shapely.LineString([junction.point - reach * way, junction.point + reach * way])
+    middle = ink.shape.centroid
+    middle = middle if ink.shape.contains(middle) else ink.shape.representative_point()
+    reach = max(sizes[long] - sizes[1 - long], _SHORTEST * sizes[1 - long])
+    along = 0.5 * reach * sides[long] / sizes[long]
+    centre = np.array(middle.coords[0])
+    line = shapely.LineString([centre - along, centre + along])
     inside = line.intersection(ink.shape)
     longest = max(shapely.get_parts(inside), key=lambda part: part.length)
     return np.array(longest.coords)
 
 
-def _stroke(piece: Piece) -> GlyphStroke:
-    """A piece as a stroke: rings without their last point."""
+def _stroke(piece: Piece, low: NDArray[np.float64], size: float) -> GlyphStroke:
+    """A piece as a stroke of the outline's frame: rings without their last point."""
     region = piece.region
     rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
-    return GlyphStroke(rings[0], piece.line, tuple(rings[1:]))
+    outer, line, *holes = (low + size * points for points in (rings[0], piece.line, *rings[1:]))
+    return GlyphStroke(outer, line, tuple(holes))

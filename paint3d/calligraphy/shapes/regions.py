@@ -146,7 +146,7 @@ def shared_out(pieces: Sequence[Piece], ink: Ink) -> list[Piece]:
     """Make every region one polygon, and what no stroke has to the one it touches most."""
     import shapely
 
-    regions = [_largest(piece.region) for piece in pieces]
+    regions = [_along(piece.region, piece.line) for piece in pieces]
     tiny = _NONE * ink.shape.area
     for _ in range(3):
         rest = ink.shape.difference(shapely.union_all(regions))
@@ -159,12 +159,33 @@ def shared_out(pieces: Sequence[Piece], ink: Ink) -> list[Piece]:
             touch = [float(rim.intersection(region).area) for region in regions]
             k = int(np.argmax(touch))
             joined = shapely.union_all([regions[k], rim.intersection(ink.shape)])
-            regions[k] = _largest(joined)
-    return [Piece(p.line, region) for p, region in zip(pieces, regions, strict=True)]
+            regions[k] = _along(joined, pieces[k].line)
+    return [
+        Piece(_within(piece.line, region), region)
+        for piece, region in zip(pieces, regions, strict=True)
+    ]
 
 
-def _largest(region: Polygon) -> Polygon:
+def _along(region: Polygon, line: AnyArray) -> Polygon:
+    """The polygon of a region that has most of a line in it."""
     import shapely
 
     parts = [part for part in shapely.get_parts(region) if part.geom_type == "Polygon"]
-    return max(parts, key=lambda part: part.area) if parts else shapely.Polygon()
+    way = shapely.LineString(line)
+    inside = [(float(part.intersection(way).length), float(part.area)) for part in parts]
+    return parts[inside.index(max(inside))]
+
+
+def _within(line: AnyArray, region: Polygon) -> NDArray[np.float64]:
+    """The longest piece of a line that lies in a region."""
+    import shapely
+
+    way = shapely.LineString(line)
+    if region.covers(way):
+        return line
+    inside = shapely.line_merge(region.intersection(way))
+    parts = [part for part in shapely.get_parts(inside) if part.geom_type == "LineString"]
+    longest = max(parts, key=lambda part: part.length, default=way)
+    kept = np.array(longest.coords)
+    along = (kept[-1] - kept[0]) @ (line[-1] - line[0])
+    return kept if along >= 0.0 else kept[::-1]

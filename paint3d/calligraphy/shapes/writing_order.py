@@ -24,6 +24,7 @@ _SHARES = (0.6, 0.4)  # of how the first part and the whole count
 _GAP = 0.25  # of a stroke's mean width that two parts may reach into each other
 _LEVEL = 1.5  # times as wide as high: a level stroke
 _SLOPE = 0.35  # how much farther to the left counts as higher
+_WHOLE = 0.05  # that, by all of the stroke
 _FIRST = 0.06  # of the height, that level strokes are written before others
 
 
@@ -58,7 +59,8 @@ def in_writing_order(pieces: Sequence[Piece]) -> list[Piece]:
     def key(k: int) -> float:
         line = turned[k].line
         early = _FIRST * height if _is_level(line) else 0.0
-        return float(-line[0, 1] + _SLOPE * line[0, 0]) - early
+        aside = _SLOPE * line[0, 0] + _WHOLE * line[:, 0].mean()
+        return float(aside - line[0, 1]) - early
 
     order = _divided(list(range(len(turned))), boxes, gap, key)
     return [turned[k] for k in _crossed(order, turned)]
