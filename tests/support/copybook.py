@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.footprint_table import tabulate_footprints
-from paint3d.calligraphy.glyph_sources import open_glyph_folder
+from paint3d.calligraphy.glyph_sources import open_glyph_folder, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.hand_motion import HandMotion, root_stretch, to_hand_motion
 from paint3d.calligraphy.layout import Layout, layout_text
@@ -29,6 +29,7 @@ from paint3d.calligraphy.metrics import (
     painted_mask,
 )
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
+from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
@@ -39,6 +40,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.unrolling import unroll
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.found_strokes import Found, joined, score
 
 __all__ = ["Copy", "Desk", "copy_character"]
 
@@ -67,6 +69,9 @@ class Desk:
         Its azimuth is also the painter's.
     layout : Layout
         Where on the object.
+    joined : {"shape", "template"}, optional
+        Join the strokes of a character to one shape first, and write what is found in it: by the
+        shape alone, or with the lines of the package `kanjivg`.
     """
 
     glyphs: Path | str
@@ -76,6 +81,7 @@ class Desk:
     brush: str | None = None
     settings: PlanSettings = field(default_factory=PlanSettings)
     layout: Layout = field(default_factory=Layout)
+    joined: str | None = None
 
     @property
     def brush_name(self) -> str:
@@ -99,6 +105,8 @@ class Copy:
         (rad/s) of the pen, by differences of the recording.
     painted, wanted : (576, 576) bool
         The two rasters.
+    found : Found, optional
+        How the strokes found agree with the glyph's, and the processor time it took, s.
     """
 
     text: str
@@ -108,6 +116,7 @@ class Copy:
     fastest: tuple[float, float, float, float]
     painted: NDArray[np.bool_]
     wanted: NDArray[np.bool_]
+    found: tuple[Found, float] | None = None
 
 
 def copy_character(desk: Desk, text: str) -> Copy:
@@ -118,7 +127,9 @@ def copy_character(desk: Desk, text: str) -> Copy:
     Paint3DError
         If the character is unknown or cannot be written there.
     """
-    glyph = open_glyph_folder(desk.glyphs).load(text)
+    glyph, found = open_glyph_folder(desk.glyphs).load(text), None
+    if desk.joined is not None:
+        glyph, found = _taken_apart(glyph, desk.joined)
     mesh, chart, square = _place(desk.on, desk.em_mm, desk.layout)
     tuft = build_tuft(load_brush(desk.brush_name))
     footprints = tabulate_footprints(tuft, _WIDEST * desk.em_mm)
@@ -132,7 +143,18 @@ def copy_character(desk: Desk, text: str) -> Copy:
     Painter(surface, desk.brush_name, azimuth=desk.settings.azimuth).replay(recording)
     painted, wanted = _painted(surface, chart, desk.em_mm), _wanted(glyph, desk.em_mm)
     likeness = compare(painted, wanted)
-    return Copy(text, len(glyph.strokes), likeness, seconds, _fastest(recording), painted, wanted)
+    n, fastest = len(glyph.strokes), _fastest(recording)
+    return Copy(text, n, likeness, seconds, fastest, painted, wanted, found)
+
+
+def _taken_apart(glyph: Glyph, by: str) -> tuple[Glyph, tuple[Found, float]]:
+    """A glyph of the strokes that are found in the ink of all its strokes together."""
+    ink = joined(glyph.strokes)
+    template = open_glyphs(None).load(glyph.text) if by == "template" else None
+    started = time.process_time()
+    strokes = decompose(ink, template=template)
+    seconds = time.process_time() - started
+    return Glyph(glyph.text, tuple(strokes)), (score(strokes, glyph.strokes), seconds)
 
 
 def _wanted(glyph: Glyph, em_mm: float) -> NDArray[np.bool_]:
