@@ -157,9 +157,7 @@ def lay_square(
     spacing = em_mm / _NODES
     halves = [(0.5 + limits.margin * (em_mm / side)) * side for side in (width, height)]
     try:
-        chart = make_chart(
-            surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM)
-        )
+        chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
     except MeshError:
         raise _no_place(surface, frame, em_mm, "the surface ends within it") from None
     lines = [
