@@ -136,7 +136,9 @@ def copy_character(desk: Desk, text: str) -> Copy:
 
 
 def _wanted(glyph: Glyph, em_mm: float) -> NDArray[np.bool_]:
-    return copybook_mask([on_paper(stroke.outline, em_mm) for stroke in glyph.strokes], em_mm)
+    holes = [[on_paper(hole, em_mm) for hole in stroke.holes] for stroke in glyph.strokes]
+    outlines = [on_paper(stroke.outline, em_mm) for stroke in glyph.strokes]
+    return copybook_mask(outlines, em_mm, holes)
 
 
 def _recorded(motion: Motion, hand: HandMotion, desk: Desk) -> Recording:
