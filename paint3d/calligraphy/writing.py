@@ -28,7 +28,7 @@ from paint3d.calligraphy.hand_motion import (
 )
 from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
-from paint3d.calligraphy.page.page import Composer
+from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
 from paint3d.calligraphy.processes import in_processes
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
@@ -86,10 +86,13 @@ class Written:
         unit (x, y) lies at origin + em_mm/1024 (x x_axis + (y + 124) y_axis), bent onto the
         surface. Pieces of a page have a ``"box"``, too: left, lower, right and upper side in glyph
         units; there the origin is the box's lower left corner.
+    page : Page, optional
+        As it was composed, where a page was written.
     """
 
     recording: Recording
     characters: list[dict[str, Any]]
+    page: Page | None = None
 
 
 def write_text(
@@ -173,7 +176,8 @@ def write_page(
         "source": page.source,
         **(header or {}),
     }
-    return _write(surface, placed, pen, entries, processes, progress)
+    written = _write(surface, placed, pen, entries, processes, progress)
+    return replace(written, page=page)
 
 
 def _write(

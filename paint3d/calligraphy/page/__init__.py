@@ -1,1 +1,1 @@
-"""The flat page: pieces of fonts, drawings and files of strokes, and how it is laid on an object."""
+"""The flat page: pieces of fonts, drawings and files of strokes, and how it is laid on objects."""

@@ -100,9 +100,10 @@ def _places(surface: ClosestPoints, layout: Layout) -> Iterator[SurfaceFrame]:
 def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshError) -> InputError:
     left, lower, right, upper = page.bounds
     scale = em_mm / EM_UNITS
+    width, height = scale * (right - left), scale * (upper - lower)
     return InputError(
-        f"{page.source}: {scale * (right - left):.0f} x {scale * (upper - lower):.0f} mm do not fit "
-        f"on {surface.mesh.name} ({fault}); expected a shorter text, a smaller size or another place"
+        f"{page.source}: {width:.0f} x {height:.0f} mm do not fit on {surface.mesh.name} "
+        f"({fault}); expected less to write, a smaller size or another place"
     )
 
 

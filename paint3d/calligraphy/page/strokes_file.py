@@ -101,7 +101,7 @@ def load_strokes(file: Path | str) -> Page:
 
 def _piece(data: Any, name: str, known: dict[str, Glyph]) -> Piece:
     """A piece; its glyph is one of those known already where it is the same."""
-    at = as_array(data.get("at") if isinstance(data, dict) else None, f"{name}: at", (2,))
+    at = as_array(_list(data, "at", name), f"{name}: at", (2,))
     key = json.dumps({**data, "at": None}, sort_keys=True)
     if key not in known:
         known[key] = _glyph(data, name)
@@ -112,7 +112,7 @@ def _glyph(data: dict[str, Any], name: str) -> Glyph:
     strokes = _list(data, "strokes", name)
     read = [_stroke(stroke, f"{name}, stroke {k + 1}") for k, stroke in enumerate(strokes)]
     read.sort(key=lambda one: one[0])
-    box = as_array(data.get("box"), f"{name}: box", (4,))
+    box = as_array(_list(data, "box", name), f"{name}: box", (4,))
     if not (box[2:] > box[:2]).all():
         raise InputError(f"{name}: box is {box.tolist()}; expected left, lower, right, upper side")
     left, lower, right, upper = box.tolist()
@@ -128,7 +128,7 @@ def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
     ]
     if not rings or min(map(len, rings)) < 3:
         raise InputError(f"{name}: expected rings of 3 points or more, the outer one first")
-    line = as_array(data.get("line"), f"{name}: line", (None, 2))
+    line = as_array(_list(data, "line", name), f"{name}: line", (None, 2))
     if len(line) < 2:
         raise InputError(f"{name}: line has {len(line)} points; expected 2 or more")
     dryness = as_array(data.get("dryness", []), f"{name}: dryness", (None,))
@@ -141,7 +141,7 @@ def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
 def _list(data: Any, key: str, name: str) -> list[Any]:
     value = data.get(key) if isinstance(data, dict) else None
     if not isinstance(value, list):
-        raise InputError(f"{name}: expected an object with a list of {key}")
+        raise InputError(f"{name}: expected an object with a list named {key}")
     return value
 
 

@@ -176,7 +176,8 @@ def _point(point: Any) -> AnyArray:
 
 def _opened(points: AnyArray) -> AnyArray:
     """A ring without its first point at its end."""
-    return points[:-1] if len(points) > 2 and np.allclose(points[0], points[-1]) else points
+    closes = len(points) > 2 and np.allclose(points[0], points[-1])
+    return np.array(points[:-1] if closes else points)
 
 
 def _inks(lines: list[tuple[AnyArray, bool]], shape: Any, name: str) -> Iterator[_Ink]:
@@ -279,7 +280,8 @@ def _together(inks: Sequence[_Ink]) -> list[list[_Ink]]:
 
 def _overlap(group: Sequence[_Ink], ink: _Ink) -> bool:
     one, two = bounds_of(other.shape.bounds for other in group), ink.shape.bounds
-    return one[0] < two[2] and two[0] < one[2] and one[1] < two[3] and two[1] < one[3]
+    across = one[0] < two[2] and two[0] < one[2]
+    return bool(across and one[1] < two[3] and two[1] < one[3])
 
 
 def _strokes(ink: _Ink) -> list[GlyphStroke]:
@@ -317,4 +319,5 @@ def _led_over(ink: _Ink) -> AnyArray:
     way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ink.line, axis=0), axis=1))]
     after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
     last = [np.interp(0.5 * ink.width, way, ink.line[:, k]) for k in range(2)]
-    return np.concatenate([ink.line, ink.line[after], [last]])
+    result: AnyArray = np.concatenate([ink.line, ink.line[after], [last]])
+    return result
