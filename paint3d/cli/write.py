@@ -183,7 +183,7 @@ def _check_files(options: argparse.Namespace) -> None:
             check_output_file(file, suffixes)
     check_overwriting(
         (options.out, options.report, options.recording, options.save_strokes),
-        (options.on, own_table(options.ink), options.svg, options.strokes),
+        (options.on, own_table(options.ink), options.font, options.svg, options.strokes),
         force=options.force,
     )
 

@@ -139,7 +139,8 @@ def open_font(
     Raises
     ------
     InputError
-        If there is no such font, it cannot be read, has no outlines, is in colour, or lacks an axis.
+        If there is no such font, it cannot be read, has no outlines, is in colour, or an axis is
+        not there.
     """
     path = Path(name)
     if not path.exists():

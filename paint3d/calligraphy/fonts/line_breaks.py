@@ -11,7 +11,9 @@ from collections.abc import Sequence
 
 __all__ = ["break_line", "may_break_after"]
 
-_NOT_FIRST = set("、。，．・：；？！ー」』）］｝〉》〕】〗’”ゝゞ々〻ぁぃぅぇぉっゃゅょァィゥェォッャュョ…‥%‰℃,.:;?!)]}")
+_NOT_FIRST = set(
+    "、。，．・：；？！ー」』）］｝〉》〕】〗’”ゝゞ々〻ぁぃぅぇぉっゃゅょァィゥェォッャュョ…‥%‰℃,.:;?!)]}"
+)
 _NOT_LAST = set("「『（［｛〈《〔【〖‘“([{")
 _HYPHENS = set("-‐–—")
 _IDEOGRAPHIC_SPACE = "\u3000"

@@ -56,7 +56,7 @@ def lay_page(
     em_mm : float
         1024 glyph units, mm.
     layout : Layout, optional
-        Its `at`, `around`, `side` and `order`: "columns" where the lines of the text run down.
+        Its `at`, `around`, `side` and `gap`.
     limits : SquareLimits, optional
 
     Returns
@@ -129,14 +129,14 @@ class _Sheet:
         page = text.compose(math.inf)
         yield page
         for share in _SHARES:
-            following = text.compose(share * self._room() / self.scale)
+            following = text.compose(share * self._room(text) / self.scale)
             if following is not page:
                 page = following
                 yield page
 
-    def _room(self) -> float:
+    def _room(self, text: Composer) -> float:
         """How long a line of text may be, mm."""
-        if self.layout.order == "columns":
+        if text.runs_down:
             return sum(self._climb(sign).length for sign in (1.0, -1.0))
         right = self._level(0.0, 1.0)
         if right.closed:

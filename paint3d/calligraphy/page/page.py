@@ -63,6 +63,11 @@ class Page:
             raise InputError(f"{self.source}: there is nothing to write; expected strokes")
 
     @property
+    def runs_down(self) -> bool:
+        """Of a page that is set already it does not matter."""
+        return False
+
+    @property
     def bounds(self) -> Box:
         """The box around all pieces, glyph units."""
         return bounds_of(piece.box for piece in self.pieces)
@@ -74,6 +79,11 @@ class Page:
 
 class Composer(Protocol):
     """Something that is set as a page in the room that there is."""
+
+    @property
+    def runs_down(self) -> bool:
+        """Whether its lines are columns."""
+        ...
 
     def compose(self, room: float) -> Page:
         """The page with lines no longer than `room`, glyph units, where they can be broken.

@@ -240,7 +240,8 @@ def _pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
     flip = np.array([scale, -scale])
 
     def placed(points: AnyArray) -> AnyArray:
-        return (points - np.array([left, lower])) * flip
+        moved: AnyArray = (points - np.array([left, lower])) * flip
+        return moved
 
     scaled = [
         _Ink(
