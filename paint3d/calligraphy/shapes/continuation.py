@@ -115,7 +115,7 @@ def mates_of(
             ends.setdefault(branch.ends[side], []).append((k, side))
     mates = {}
     for number, here in ends.items():
-        if len(here) < 2:
+        if len(here) < 2 or number in skeleton.cuts:
             continue
         junction = skeleton.junctions[number]
         leaving = [_end(skeleton.branches[k], k, side, junction, half_widths) for k, side in here]

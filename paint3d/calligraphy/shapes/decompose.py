@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.continuation import chains_of
+from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.regions import Ink, Piece, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.triangles import mean_width, triangulate
@@ -67,6 +68,7 @@ def _pieces_of(part: Polygon) -> list[Piece]:
     """The strokes of one connected shape."""
     triangles = triangulate(part)
     ink = Ink(triangles, skeleton_of(triangles))
+    cut_at_corners(ink.skeleton, triangles, ink.half_widths)
     chains = chains_of(ink.skeleton, ink.half_widths)
     if not chains:
         return [Piece(_axis(ink), part)]

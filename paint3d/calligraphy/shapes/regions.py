@@ -92,7 +92,9 @@ def piece_of(chain: Chain, ink: Ink) -> Piece:
     import shapely
 
     line = line_of(chain, ink)
-    half = max(float(np.median(ink.half_widths(resampled(line, 0.02 * length_of(line) + 1e-12, 8)))), 1e-9)
+    half = max(
+        float(np.median(ink.half_widths(resampled(line, 0.02 * length_of(line) + 1e-12, 8)))), 1e-9
+    )
     cells: list[int] = []
     sweeps = []
     degrees = ink.skeleton.degrees()
@@ -101,7 +103,7 @@ def piece_of(chain: Chain, ink: Ink) -> Piece:
         cells += branch.cells
         for side, number in enumerate(branch.ends):
             junction = ink.skeleton.junctions[number]
-            if degrees[number] < 3:
+            if not ink.skeleton.is_shared(number, degrees):
                 cells += junction.cells
             else:
                 sweeps.append(_swept(branch.away_from(side), junction, line, ink))

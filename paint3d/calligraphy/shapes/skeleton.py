@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from paint3d.core.types import AnyArray
 __all__ = ["Branch", "Junction", "Skeleton", "length_of", "skeleton_of"]
 
 _STICKS_OUT = 0.75  # of a junction's radius: a branch that reaches less far is a corner
+_HIGH = 0.6  # widths of its foot: a branch that is no higher is one too
 _WINDING = 0.8  # of a branch's length counts as its reach at the least
 _ONE_JUNCTION = 1.4  # radii: junctions nearer than this are one, as where two strokes cross
 
@@ -43,6 +44,10 @@ class Junction:
     def __post_init__(self) -> None:
         self.members = self.members or [(self.point, self.radius)]
 
+    def move_to(self, point: NDArray[np.float64], radius: float) -> None:
+        """Put it elsewhere."""
+        self.point, self.radius, self.members = point, radius, [(point, radius)]
+
 
 @dataclass(eq=False)
 class Branch:
@@ -55,11 +60,14 @@ class Branch:
     line : (N, 2) float64
     cells : list of int
         Triangles along it.
+    gates : ((2, 2) float64, (2, 2) float64)
+        The edges by which it leaves the triangles of its two ends.
     """
 
     ends: tuple[int, int]
     line: NDArray[np.float64]
     cells: list[int]
+    gates: tuple[NDArray[np.float64], NDArray[np.float64]]
 
     @cached_property
     def length(self) -> float:
@@ -78,10 +86,22 @@ def length_of(line: AnyArray) -> float:
 
 @dataclass(eq=False)
 class Skeleton:
-    """Junctions by number, and branches; both change while it is tidied."""
+    """Junctions by number, branches, and the junctions where no stroke goes on; all may change."""
 
     junctions: dict[int, Junction]
     branches: list[Branch]
+    cuts: set[int] = field(default_factory=set)
+
+    def add(self, point: NDArray[np.float64], radius: float) -> int:
+        """Add a junction where a stroke is cut; its number."""
+        number = 1 + max(self.junctions)
+        self.junctions[number] = Junction(point, radius, [])
+        self.cuts.add(number)
+        return number
+
+    def is_shared(self, number: int, degrees: Counter[int]) -> bool:
+        """Whether strokes meet at a junction."""
+        return degrees[number] > 2 or number in self.cuts
 
     def at(self, number: int) -> list[tuple[Branch, int]]:
         """The branches at a junction with the side of each that is there."""
@@ -112,7 +132,10 @@ class Skeleton:
             return math.inf
         end, start = self.junctions[tip], self.junctions[base]
         reach = max(math.dist(end.point, start.point), _WINDING * branch.length)
-        return (reach + end.radius - start.radius) / max(start.radius, 1e-12)
+        out = (reach + end.radius - start.radius) / max(start.radius, 1e-12)
+        foot = branch.gates[0 if branch.ends[0] == base else 1]
+        high = math.dist(end.point, 0.5 * (foot[0] + foot[1])) + end.radius
+        return min(out, _STICKS_OUT * high / max(_HIGH * math.dist(*foot), 1e-12))
 
     def _pass_through(self, number: int) -> None:
         """Make one branch of the two at a junction where there are no more."""
@@ -123,7 +146,8 @@ class Skeleton:
         cells = a.cells + self.junctions.pop(number).cells + b.cells
         line = np.concatenate([a.away_from(side_a)[::-1], b.away_from(side_b)[1:]])
         self.branches = [kept for kept in self.branches if kept is not a and kept is not b]
-        self.branches.append(Branch((a.ends[1 - side_a], b.ends[1 - side_b]), line, cells))
+        gates = a.gates[1 - side_a], b.gates[1 - side_b]
+        self.branches.append(Branch((a.ends[1 - side_a], b.ends[1 - side_b]), line, cells, gates))
 
     def merge(self) -> None:
         """Make one junction of those that lie within each other's reach, the nearest first."""
@@ -187,8 +211,12 @@ def _traced(triangles: Triangles) -> Skeleton:
         for k in range(3):
             branch = _walked(triangles, int(start), k, seen)
             if branch is not None:
-                line = [junctions[branch.ends[0]].point, *branch.line, junctions[branch.ends[1]].point]
-                branches.append(Branch(branch.ends, np.array(line), branch.cells))
+                line = [
+                    junctions[branch.ends[0]].point,
+                    *branch.line,
+                    junctions[branch.ends[1]].point,
+                ]
+                branches.append(replace(branch, line=np.array(line)))
     for start in np.flatnonzero(~seen):  # what is left are rings
         if not seen[start]:
             branches.append(_ring(triangles, int(start), seen))
@@ -210,6 +238,7 @@ def _node(triangles: Triangles, t: int, degree: int) -> NDArray[np.float64]:
 def _walked(triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]) -> Branch | None:
     """The branch through edge k of a triangle, or None where it is known or there is none."""
     line, cells = [triangles.middle_of_edge(start, k)], []
+    onward = k
     before, here = start, int(triangles.neighbours[start, k])
     if here < 0:
         return None
@@ -218,12 +247,13 @@ def _walked(triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]) -
             return None
         seen[here] = True
         cells.append(here)
-        onward = [e for e in range(3) if triangles.neighbours[here, e] not in (-1, before)]
-        line.append(triangles.middle_of_edge(here, onward[0]))
-        before, here = here, int(triangles.neighbours[here, onward[0]])
+        onward = next(e for e in range(3) if triangles.neighbours[here, e] not in (-1, before))
+        line.append(triangles.middle_of_edge(here, onward))
+        before, here = here, int(triangles.neighbours[here, onward])
     if not cells and start > here:  # neighbours are walked once
         return None
-    return Branch((start, here), np.array(line), cells)
+    gates = triangles.edge(start, k), triangles.edge(before, onward)
+    return Branch((start, here), np.array(line), cells, gates)
 
 
 def _ring(triangles: Triangles, start: int, seen: NDArray[np.bool_]) -> Branch:
@@ -235,9 +265,10 @@ def _ring(triangles: Triangles, start: int, seen: NDArray[np.bool_]) -> Branch:
     while here != start:
         seen[here] = True
         cells.append(here)
-        onward = [e for e in range(3) if triangles.neighbours[here, e] not in (-1, before)]
-        line.append(triangles.middle_of_edge(here, onward[0]))
-        before, here = here, int(triangles.neighbours[here, onward[0]])
+        onward = next(e for e in range(3) if triangles.neighbours[here, e] not in (-1, before))
+        line.append(triangles.middle_of_edge(here, onward))
+        before, here = here, int(triangles.neighbours[here, onward])
     top = int(np.argmax(np.array(line)[:, 1]))
     turned = line[top:] + line[:top]
-    return Branch((start, start), np.array([*turned, turned[0]]), cells)
+    gate = triangles.edge(start, first)
+    return Branch((start, start), np.array([*turned, turned[0]]), cells, (gate, gate))

@@ -48,10 +48,14 @@ class Triangles:
         result: NDArray[np.int64] = (self.neighbours >= 0).sum(axis=1)
         return result
 
+    def edge(self, triangle: int, k: int) -> NDArray[np.float64]:
+        """Corner k of a triangle and the next (2, 2)."""
+        result: NDArray[np.float64] = self.points[self.corners[triangle, [k, (k + 1) % 3]]]
+        return result
+
     def middle_of_edge(self, triangle: int, k: int) -> NDArray[np.float64]:
         """Half-way between corner k of a triangle and the next."""
-        a, b = self.corners[triangle, k], self.corners[triangle, (k + 1) % 3]
-        result: NDArray[np.float64] = 0.5 * (self.points[a] + self.points[b])
+        result: NDArray[np.float64] = self.edge(triangle, k).mean(axis=0)
         return result
 
     def middle(self, triangle: int) -> NDArray[np.float64]:
