@@ -6,6 +6,7 @@ import math
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,10 +21,14 @@ from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
 __all__ = ["FontText", "is_written_down", "set_text"]
 
 _COLUMN_SCRIPTS = ("CJK UNIFIED", "CJK COMPATIBILITY", "HIRAGANA", "KATAKANA", "BOPOMOFO")
 _COLUMN_PITCH, _LEAST_PITCH = 1.15, 1.0  # ems from column to column; of lines at least
+_MIRROR = np.array([-1.0, 1.0])
 _ROUNDING = 3  # decimals of glyph units by which bodies are known again
 
 
@@ -142,7 +147,7 @@ class FontText:
         template = self._template(body, text)
         strokes: list[GlyphStroke] = []
         for part in parts:
-            strokes += decompose(part, template=template)
+            strokes += _taken_apart(part, template, first.is_rtl)
         left, lower, right, upper = bounds_of(part.bounds for part in parts)
         if self.runs_down:
             half = max(-(left + first.x - middle), right + first.x - middle)
@@ -158,6 +163,21 @@ class FontText:
         if not known or self.templates is None or not self.templates.has(text):
             return None
         return self.templates.load(text)
+
+
+def _taken_apart(part: MultiPolygon, template: Glyph | None, is_rtl: bool) -> list[GlyphStroke]:
+    """The strokes of ink; what is written from the right is taken apart as in a mirror."""
+    from shapely import transform
+
+    if not is_rtl:
+        return decompose(part, template=template)
+    strokes = decompose(transform(part, lambda points: points * _MIRROR), template=template)
+    return [
+        GlyphStroke(
+            one.outline * _MIRROR, one.median * _MIRROR, tuple(hole * _MIRROR for hole in one.holes)
+        )
+        for one in strokes
+    ]
 
 
 def _broken(paragraph: str, shaper: Shaper, room: float) -> list[str]:
