@@ -20,7 +20,7 @@ from paint3d.calligraphy.page.ink import as_multipolygon, polygons_of
 if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon
 
-__all__ = ["WHOLE", "Body", "bodies_of"]
+__all__ = ["WHOLE", "Body", "bodies_of", "text_of"]
 
 WHOLE = frozenset({"Hani", "Hira", "Kana", "Hang", "Bopo", "Yiii", "Tang", "Nshu"})
 """Scripts whose characters are squares of their own."""
@@ -73,6 +73,14 @@ def bodies_of(glyphs: Sequence[ShapedGlyph], font: FontFile) -> list[Body]:
         parts += [_Part(piece, k, piece is largest and is_base) for piece in pieces]
     bodies += _joined(parts, glyphs, bases)
     return [body for _, body in sorted(bodies, key=lambda one: one[0])]
+
+
+def text_of(some: Sequence[ShapedGlyph], glyphs: Sequence[ShapedGlyph], line: str) -> str:
+    """The characters of a line that some of its glyphs stand for, from the first to the last."""
+    starts = sorted({one.cluster for one in glyphs})
+    first, last = min(one.cluster for one in some), max(one.cluster for one in some)
+    end = next((start for start in starts if start > last), len(line))
+    return line[first:end]
 
 
 def _bases(glyphs: Sequence[ShapedGlyph], areas: Sequence[float]) -> list[int]:

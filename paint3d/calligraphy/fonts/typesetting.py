@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paint3d.calligraphy.fonts.bodies import WHOLE, Body, bodies_of
+from paint3d.calligraphy.fonts.bodies import WHOLE, Body, bodies_of, text_of
 from paint3d.calligraphy.fonts.font_file import FontFile
 from paint3d.calligraphy.fonts.line_breaks import break_line
 from paint3d.calligraphy.fonts.shaping import DIRECTIONS, Shaper, Style
@@ -109,7 +109,7 @@ class FontText:
                 start = -length if shaper.is_rtl(line) else 0.0
                 at, middle = np.array([start, -pitch * k]), 0.5 * (ascender + descender)
             for body in bodies_of(shaped, self.font):
-                pieces.append(self._piece(body, line, at, middle))
+                pieces.append(self._piece(body, text_of(body.glyphs, shaped, line), at, middle))
         return Page(tuple(pieces), self.font.name, self._licence())
 
     def _licence(self) -> str:
@@ -117,25 +117,16 @@ class FontText:
             return self.font.licence
         return f"{self.font.licence}. Order of known strokes: {self.templates.name}"
 
-    def _piece(self, body: Body, line: str, at: AnyArray, middle: float) -> Piece:
+    def _piece(self, body: Body, text: str, at: AnyArray, middle: float) -> Piece:
         """A body as a piece; the middle of its box lies on the middle of the line."""
         first = body.glyphs[0]
         origin = np.array([first.x, first.y])
-        text = self._text_of(body, line)
         key = (text, first.is_rtl, middle, *_placement(body))
         if key not in self._glyphs:
             self._glyphs[key] = self._glyph(body, text, middle)
         glyph = self._glyphs[key]
         x, y = at + origin + np.array(glyph.middle)
         return Piece(glyph, (float(x), float(y)))
-
-    def _text_of(self, body: Body, line: str) -> str:
-        """The characters that a body is made of."""
-        starts = sorted({one.cluster for one in body.glyphs})
-        last = starts[-1] + 1
-        while last < len(line) and unicodedata.category(line[last]).startswith("M"):
-            last += 1
-        return line[starts[0] : last]
 
     def _glyph(self, body: Body, text: str, middle: float) -> Glyph:
         """The strokes of a body, and its box, from its first glyph's origin."""

@@ -32,7 +32,9 @@ def is_wide(stroke: GlyphStroke) -> bool:
     rings = (stroke.outline, *stroke.holes)
     edge = MultiLineString([np.concatenate([ring, ring[:1]]) for ring in rings])
     line = LineString(stroke.median)
-    at = points([line.interpolate(t, True).coords[0] for t in np.linspace(0.1, 0.9, _STATIONS)])
+    at = points(
+        [line.interpolate(t, normalized=True).coords[0] for t in np.linspace(0.1, 0.9, _STATIONS)]
+    )
     return 2.0 * float(np.percentile([edge.distance(one) for one in at], _MOSTLY)) > WIDEST
 
 
