@@ -42,6 +42,9 @@ HEAVY = {
     "hidraw",
     "websockets",
     "PySide6",
+    "fontTools",
+    "uharfbuzz",
+    "svgelements",
 }
 # Each heavy package has its places; elsewhere it must not be imported at all.
 HOMES = {

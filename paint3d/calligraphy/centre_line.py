@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,20 @@ from paint3d.core.filters import gaussian_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["CentreLine", "OutlineField", "bend_towards", "centre_line", "outline_field", "smoothed"]
+__all__ = [
+    "CentreLine",
+    "OutlineField",
+    "bend_towards",
+    "centre_line",
+    "grid_step",
+    "outline_field",
+    "smoothed",
+]
+
+_PER_EM = 512  # steps of the grid
+_PER_HALF_WIDTH = 4.0  # of these across half a stroke, at the least
+_MOST_POINTS = 4_000_000  # of a grid
+_LEAP = 0.25  # mm that the kernel goes at a time at the least
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,10 +40,13 @@ class OutlineField:
         mm, positive inside.
     grid : (3,) float64
         x and y of the first point, and the step; mm.
+    scale : float
+        How much larger it is looked at where room is measured, so that nothing is leapt over.
     """
 
     distance: NDArray[np.float64]
     grid: NDArray[np.float64]
+    scale: float = 1.0
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -39,15 +56,16 @@ class OutlineField:
     def room(self, points: AnyArray, directions: AnyArray, limit: float) -> NDArray[np.float64]:
         """How far (mm) one can go from `points` (N, 2) along unit `directions` (N, 2)."""
         out = np.empty(len(points))
+        scale = self.scale
         kernels.measure_room(
-            self.distance,
-            self.grid,
-            np.ascontiguousarray(points),
+            scale * self.distance,
+            scale * self.grid,
+            np.ascontiguousarray(scale * points),
             np.ascontiguousarray(directions),
-            limit,
+            scale * limit,
             out,
         )
-        return out
+        return out / scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,13 +98,46 @@ class CentreLine:
         return _normals(self.headings)
 
 
-def outline_field(outline: AnyArray, step: float) -> OutlineField:
-    """Signed distances around a closed polygon (N, 2), with a margin of four steps."""
+def grid_step(outline: AnyArray, em_mm: float, holes: Sequence[AnyArray] = ()) -> float:
+    """How fine a grid an outline (N, 2) needs, mm: a 512th of the em, less where it is thin.
+
+    Half the width of a stroke is nearly its area by its perimeter.
+    """
+    step = em_mm / _PER_EM
+    rings = [outline, *holes]
+    areas = [_area(ring) for ring in rings]
+    around = sum(
+        float(np.linalg.norm(np.diff(r, axis=0, append=r[:1]), axis=1).sum()) for r in rings
+    )
+    half_width = (areas[0] - sum(areas[1:])) / around if around > 0.0 else 0.0
+    if not half_width > 0.0:
+        return step
+    least = math.sqrt(float(np.prod(np.ptp(outline, axis=0))) / _MOST_POINTS)
+    return min(step, max(half_width / _PER_HALF_WIDTH, least))
+
+
+def outline_field(
+    outline: AnyArray, step: float, holes: Sequence[AnyArray] = (), fine: bool = False
+) -> OutlineField:
+    """Signed distances around a closed polygon (N, 2) with holes, with a margin of four steps.
+
+    What is `fine`, or has holes, has edges nearer to each other than the kernel's leaps.
+    """
     low = outline.min(axis=0) - 4 * step
     columns, rows = np.ceil((outline.max(axis=0) + 4 * step - low) / step).astype(int) + 1
     distance = np.empty((rows, columns))
     kernels.signed_distances(np.ascontiguousarray(outline), low[0], low[1], step, distance)
-    return OutlineField(distance, np.array([low[0], low[1], step]))
+    for hole in holes:
+        around = np.empty_like(distance)
+        kernels.signed_distances(np.ascontiguousarray(hole), low[0], low[1], step, around)
+        distance = np.minimum(distance, -around)
+    scale = max(1.0, _LEAP / step) if fine or holes else 1.0
+    return OutlineField(distance, np.array([low[0], low[1], step]), scale)
+
+
+def _area(ring: AnyArray) -> float:
+    x, y = ring.T
+    return 0.5 * abs(float(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))))
 
 
 def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLine:

@@ -11,6 +11,7 @@ import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +21,22 @@ from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["DESCENDER", "EM_UNITS", "Glyph", "GlyphStroke", "flatten_path", "load_glyph"]
+__all__ = [
+    "DESCENDER",
+    "EM_BOX",
+    "EM_UNITS",
+    "Box",
+    "Glyph",
+    "GlyphStroke",
+    "flatten_path",
+    "load_glyph",
+]
 
 EM_UNITS = 1024.0
 DESCENDER = 124.0
+Box: TypeAlias = tuple[float, float, float, float]
+"""Left, lower, right and upper side, glyph units."""
+EM_BOX: Box = (0.0, -DESCENDER, EM_UNITS, EM_UNITS - DESCENDER)
 
 _NUMBERS = {"M": 2, "L": 2, "Q": 4, "C": 6, "Z": 0}
 _FLATNESS = 0.15  # units that a chord may stray from its curve
@@ -39,18 +52,39 @@ class GlyphStroke:
         Closed polygon; the last point is not the first one again.
     median : (M, 2) float64
         Centre line in writing order.
+    holes : tuple of (K, 2) float64
+        Closed polygons that are left out of the outline, as in a stroke that closes on itself.
+    dryness : tuple of float
+        How dry the brush was at even stations along the line, 0 to 1, where that is known.
     """
 
     outline: NDArray[np.float64]
     median: NDArray[np.float64]
+    holes: tuple[NDArray[np.float64], ...] = ()
+    dryness: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Glyph:
-    """A character and its strokes in writing order."""
+    """A character, a word or a piece of a drawing, and its strokes in writing order.
+
+    Attributes
+    ----------
+    text : str
+    strokes : tuple of GlyphStroke
+    box : Box
+        What it is laid on a surface by: the em square, or a box of its own.
+    """
 
     text: str
     strokes: tuple[GlyphStroke, ...]
+    box: Box = EM_BOX
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """The middle of the box, glyph units."""
+        left, lower, right, upper = self.box
+        return 0.5 * (left + right), 0.5 * (lower + upper)
 
 
 def load_glyph(folder: Path | str, text: str) -> Glyph:

@@ -46,8 +46,14 @@ class HandMotion:
     buttons: NDArray[np.int32]
 
 
-def to_hand_motion(motion: Motion, chart: SurfaceChart, em_mm: float, tuft: Tuft) -> HandMotion:
-    """Carry a motion over an em square onto the chart around the square's middle.
+def to_hand_motion(
+    motion: Motion,
+    chart: SurfaceChart,
+    em_mm: float,
+    tuft: Tuft,
+    middle: AnyArray | None = None,
+) -> HandMotion:
+    """Carry a motion over an em square or a box onto the chart around its middle.
 
     The holder stands on the surface's normal at P'_m wherever it is, so the foot follows the wall.
 
@@ -58,13 +64,15 @@ def to_hand_motion(motion: Motion, chart: SurfaceChart, em_mm: float, tuft: Tuft
     chart : SurfaceChart
     em_mm : float
     tuft : Tuft
+    middle : (2,) float64, optional
+        Where in the motion's plane the chart's middle lies, mm; by default the square's.
 
     Raises
     ------
     InputError
         If the handle leaves the chart.
     """
-    xy = motion.handle - 0.5 * em_mm
+    xy = motion.handle - (0.5 * em_mm if middle is None else middle)
     frames = chart.tangents(xy)
     bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
     x = np.einsum("nij,nj->ni", frames[:, :, :2], bend)

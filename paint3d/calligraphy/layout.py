@@ -16,10 +16,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from paint3d.calligraphy.place_search import frames_to_try
+from paint3d.calligraphy.place_search import frames_to_try, upright_frame, walking_step
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError, Paint3DError
-from paint3d.mesh.chart import SurfaceFrame, frame_at
+from paint3d.mesh.chart import SurfaceFrame
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.em_square import EmSquare, SquareLimits, lay_square
 from paint3d.mesh.placement import place, upwards
@@ -33,7 +33,6 @@ _TOUCHING = 0.004  # of the em: squares that share this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
-_STEPS_PER_EM = 8.0
 _MIDDLE = (0.5, 0.5)
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
 
@@ -275,13 +274,7 @@ class _Grid:
         return lay_square(self.surface, self._frame(point), self.em_mm, self.limits)
 
     def _frame(self, point: AnyArray) -> SurfaceFrame:
-        try:
-            return frame_at(self.surface, point, self.up)
-        except InputError:
-            raise MeshError(
-                f"{self.surface.mesh.name}: the surface lies level at {point.round(1).tolist()}; "
-                "expected a place with an upwards"
-            ) from None
+        return upright_frame(self.surface, point, self.up)
 
     def _climb(self, sign: float) -> SurfaceLine:
         """The line straight up from the middle, or with -1 straight down."""
@@ -292,9 +285,8 @@ class _Grid:
     def _walk(
         self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None
     ) -> SurfaceLine:
-        step = max(self.em_mm / _STEPS_PER_EM, 0.1)
         most = _FARTHEST * self.em_mm if most is None else most
-        return walk(self.surface, start, self.up, bearing, most, step)
+        return walk(self.surface, start, self.up, bearing, most, walking_step(self.em_mm))
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
         """Whether so many squares fit, across and down, by the lines through the middle alone."""

@@ -56,7 +56,9 @@ class Likeness:
     width_error: float
 
 
-def copybook_mask(outlines: Sequence[ArrayLike], em_mm: float) -> NDArray[np.bool_]:
+def copybook_mask(
+    outlines: Sequence[ArrayLike], em_mm: float, holes: Sequence[Sequence[ArrayLike]] = ()
+) -> NDArray[np.bool_]:
     """Pixels (576, 576) of a character's outlines: row 0 lowest, the em square in the middle.
 
     Parameters
@@ -65,6 +67,8 @@ def copybook_mask(outlines: Sequence[ArrayLike], em_mm: float) -> NDArray[np.boo
         Closed polygons, mm from the em square's lower left corner; non-zero rule.
     em_mm : float
         Side of the em square, mm.
+    holes : sequence of sequences of (N, 2) array_like
+        What each outline leaves out, mm; none where there are fewer of them than outlines.
 
     Raises
     ------
@@ -73,10 +77,23 @@ def copybook_mask(outlines: Sequence[ArrayLike], em_mm: float) -> NDArray[np.boo
     """
     fine = np.zeros((_SIDE * SAMPLES, _SIDE * SAMPLES), np.bool_)
     for k, outline in enumerate(outlines):
-        points = as_array(outline, f"outline {k + 1}", (None, 2))
-        if len(points) > 2:
-            raster.fill_polygon(_in_samples(points, em_mm), fine)
+        rings = [outline, *(holes[k] if k < len(holes) else ())]
+        points = [as_array(ring, f"outline {k + 1}", (None, 2)) for ring in rings]
+        if len(points) == 1:
+            _fill(points[0], em_mm, fine)
+            continue
+        whole, left_out = np.zeros_like(fine), np.zeros_like(fine)
+        _fill(points[0], em_mm, whole)
+        for ring in points[1:]:
+            _fill(ring, em_mm, left_out)
+        fine |= whole & ~left_out
     return _shares(fine) >= 0.5
+
+
+def _fill(points: AnyArray, em_mm: float, fine: NDArray[np.bool_]) -> None:
+    """Set the samples inside a polygon."""
+    if len(points) > 2:
+        raster.fill_polygon(_in_samples(points, em_mm), fine)
 
 
 def painted_mask(

@@ -1,4 +1,4 @@
-"""Places on an object that a text may be tried at where nobody has said which."""
+"""Places on an object that a text may be tried at, and the frames of what is written there."""
 
 from __future__ import annotations
 
@@ -7,18 +7,42 @@ from itertools import product
 
 import numpy as np
 
-from paint3d.errors import MeshError
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError, MeshError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import SIDES, is_flat, place, upwards
 
-__all__ = ["frames_to_try"]
+__all__ = ["frames_to_try", "upright_frame", "walking_step"]
 
 _TURNS = (0.5, 0.375, 0.625, 0.25, 0.75, 0.125, 0.875, 0.0)  # from the front to the back
 _HEIGHTS = (0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9)
 _ACROSS = (0.5, 0.35, 0.65, 0.2, 0.8)
 _SCATTERED = 60
 _GOLDEN = (0.7548776662466927, 0.5698402909980532)  # even in the plane: Roberts' R2 sequence
+_STEPS_PER_EM, _LEAST_STEP_MM = 8.0, 0.1
+
+
+def walking_step(em_mm: float) -> float:
+    """How long a step (mm) of the lines is that a text of an em runs along."""
+    return max(em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
+
+
+def upright_frame(surface: ClosestPoints, point: AnyArray, up: AnyArray) -> SurfaceFrame:
+    """The frame at a point (3,) of a surface with an upwards.
+
+    Raises
+    ------
+    MeshError
+        If the surface lies level there.
+    """
+    try:
+        return frame_at(surface, point, up)
+    except InputError:
+        raise MeshError(
+            f"{surface.mesh.name}: the surface lies level at {point.round(1).tolist()}; "
+            "expected a place with an upwards"
+        ) from None
 
 
 def frames_to_try(surface: ClosestPoints, side: str | None) -> Iterator[SurfaceFrame]:

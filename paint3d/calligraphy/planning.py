@@ -9,12 +9,13 @@ the footprint's centre.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.centre_line import bend_towards, centre_line, outline_field
+from paint3d.calligraphy.centre_line import bend_towards, centre_line, grid_step, outline_field
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.calligraphy.kernels.patches import fill_depths, label_patches
@@ -64,8 +65,9 @@ def plan_glyph(
     def plan(k: int, start: float | None = None) -> StrokePath:
         stroke = glyph.strokes[k]
         outline, median = on_paper(stroke.outline, em_mm), on_paper(stroke.median, em_mm)
+        holes = [on_paper(hole, em_mm) for hole in stroke.holes]
         name = f"stroke {k + 1} of {glyph.text}"
-        return plan_stroke(outline, median, em_mm, footprints, settings, name, start)
+        return plan_stroke(outline, median, em_mm, footprints, settings, name, start, holes)
 
     numbers = range(len(glyph.strokes))
     if settings is not None and settings.azimuth == "dragged":  # the tuft lies as it was left
@@ -85,6 +87,7 @@ def plan_stroke(
     settings: PlanSettings | None = None,
     name: str = "stroke",
     start: float | None = None,
+    holes: Sequence[AnyArray] = (),
 ) -> StrokePath:
     """Plan one stroke.
 
@@ -95,7 +98,8 @@ def plan_stroke(
     median : (M, 2) float64
         Centre line in writing order, mm.
     em_mm : float
-        Side of the em square, mm: the scale of `settings`.
+        Side of the em square, mm: the scale of `settings`, but for strokes so thin that they need
+        a finer grid than a 512th of it: these are planned like those of a smaller em.
     footprints : FootprintTable
     settings : PlanSettings, optional
     name : str
@@ -103,6 +107,8 @@ def plan_stroke(
     start : float, optional
         Where a dragged tuft points when it lands, rad; by default where it will be needed. Others
         are not asked.
+    holes : sequence of (K, 2) float64
+        Closed polygons left out of the outline, mm.
 
     Raises
     ------
@@ -110,12 +116,13 @@ def plan_stroke(
         If no footprint of the brush fits anywhere.
     """
     settings = settings or PlanSettings()
-    field = outline_field(outline, em_mm / 512)
-    step = field.grid[2]
+    step = grid_step(outline, em_mm, holes)
+    fineness = step / (em_mm / 512)
+    field = outline_field(outline, step, holes, fineness < 1.0)
     if not field.inside.any():
         raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
-    line = centre_line(median, field, settings.sample_step * em_mm)
-    plan = PathFitter(field, footprints, settings, em_mm, start)
+    line = centre_line(median, field, settings.sample_step * em_mm * fineness)
+    plan = PathFitter(field, footprints, settings, em_mm * fineness, start)
     best, bare = plan.follow(line)
     tried = np.zeros_like(bare)
     for _ in range(settings.detours):

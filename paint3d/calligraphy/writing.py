@@ -1,11 +1,11 @@
-"""Writing a text on an object: glyphs, planned strokes, em squares on the surface, one recording.
+"""Writing on an object: glyphs, planned strokes, their boxes on the surface, one recording.
 
 Everything is told by the recording of the handle that comes out: replaying it paints the text.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Collection, Generator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -18,7 +18,7 @@ from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
-from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.glyphs import EM_BOX, Glyph
 from paint3d.calligraphy.hand_motion import (
     HandMotion,
     join_motions,
@@ -26,8 +26,10 @@ from paint3d.calligraphy.hand_motion import (
     to_hand_motion,
     travel,
 )
-from paint3d.calligraphy.layout import Layout, PlacedCharacter, layout_text
-from paint3d.calligraphy.planning import PlanSettings, plan_glyph
+from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
+from paint3d.calligraphy.page.page import Composer, Page
+from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
 from paint3d.calligraphy.processes import in_processes
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.core.arrays import as_number
@@ -39,7 +41,7 @@ from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.em_square import SquareLimits
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Pen", "Written", "write_text"]
+__all__ = ["Pen", "Written", "write_page", "write_text"]
 
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 
@@ -82,11 +84,15 @@ class Written:
     characters : list of dict
         ``{"text", "frame": {"origin", "x_axis", "y_axis", "em_mm"}}`` in writing order: a glyph
         unit (x, y) lies at origin + em_mm/1024 (x x_axis + (y + 124) y_axis), bent onto the
-        surface.
+        surface. Pieces of a page have a ``"box"``, too: left, lower, right and upper side in glyph
+        units; there the origin is the box's lower left corner.
+    page : Page, optional
+        As it was composed, where a page was written.
     """
 
     recording: Recording
     characters: list[dict[str, Any]]
+    page: Page | None = None
 
 
 def write_text(
@@ -128,24 +134,79 @@ def write_text(
     as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
     glyphs = load_glyphs(source, "".join(text.split()))
     surface, limits = _surface_of(mesh), SquareLimits(room_mm=pen.brush.length_mm)
-    placed = layout_text(surface, text, pen.em_mm, layout, limits)
+    characters = layout_text(surface, text, pen.em_mm, layout, limits)
+    placed = [PlacedPiece(glyphs[one.text], one.square) for one in characters]
+    entries = {"licence": f"{source.licence}. Motion: paint3d.", **(header or {})}
+    return _write(surface, placed, pen, entries, processes, progress)
+
+
+def write_page(
+    mesh: TriangleMesh,
+    text: Composer,
+    pen: Pen,
+    layout: Layout | None = None,
+    *,
+    header: Mapping[str, object] | None = None,
+    processes: int = 1,
+    progress: Callable[[str, float], None] | None = None,
+) -> Written:
+    """Plan a page on an object: a text in a font, a drawing, or a file of strokes.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    text : Composer
+    pen : Pen
+        Its em is the size of 1024 glyph units.
+    layout, header, processes, progress
+        As for `write_text`.
+
+    Raises
+    ------
+    InputError
+        If the page does not fit, or a stroke cannot be written.
+    MeshError
+        If the surface has no place for it.
+    """
+    as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
+    surface, limits = _surface_of(mesh), SquareLimits(room_mm=pen.brush.length_mm)
+    page, placed = lay_page(surface, text, pen.em_mm, layout, limits)
+    entries = {
+        "licence": f"{page.licence}. Motion: paint3d.",
+        "source": page.source,
+        **(header or {}),
+    }
+    written = _write(surface, placed, pen, entries, processes, progress)
+    return replace(written, page=page)
+
+
+def _write(
+    surface: ClosestPoints,
+    placed: list[PlacedPiece],
+    pen: Pen,
+    header: Mapping[str, object],
+    processes: int,
+    progress: Callable[[str, float], None] | None,
+) -> Written:
+    """Plan every glyph once, lay it wherever it stands, and join the ways."""
     tuft = build_tuft(pen.brush)
     footprints = tabulate_footprints(tuft, _WIDEST * pen.em_mm)
     pen = replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
-    motions: dict[str, Motion] = {}
-    with closing(_plan_all(glyphs, footprints, pen, processes)) as plans:
-        for character, motion in zip(glyphs, plans, strict=True):
-            motions[character] = motion
+    glyphs = {id(piece.glyph): piece.glyph for piece in placed}
+    motions: dict[int, Motion] = {}
+    with closing(_plan_all(glyphs.values(), footprints, pen, processes)) as plans:
+        for (key, glyph), motion in zip(glyphs.items(), plans, strict=True):
+            motions[key] = motion
             if progress is not None:
-                progress(character, len(motions) / len(glyphs))
-    laid = [_laid(surface, character, motions[character.text], tuft, pen) for character in placed]
-    told = [_described(character) for character in placed]
+                progress(glyph.text, len(motions) / len(glyphs))
+    laid = [_laid(surface, piece, motions[id(piece.glyph)], tuft, pen) for piece in placed]
+    told = [_described(piece) for piece in placed]
     entries = {
         "brush": pen.brush.name,
-        "object": mesh.name,
-        "licence": f"{source.licence}. Motion: paint3d.",
+        "object": surface.mesh.name,
+        "licence": header["licence"],
         "azimuth": pen.settings.azimuth,
-        **(header or {}),
+        **header,
         "characters": told,
     }
     return Written(_recording(_joined(laid, surface, tuft, pen.tempo), pen, entries), told)
@@ -161,17 +222,15 @@ def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
 
 
 def _plan_all(
-    glyphs: Mapping[str, Glyph], footprints: FootprintTable, pen: Pen, processes: int
+    glyphs: Collection[Glyph], footprints: FootprintTable, pen: Pen, processes: int
 ) -> Generator[Motion]:
     """The motions of glyphs in their order; few are planned here, stroke beside stroke."""
     n = min(processes, len(glyphs))
     if n < 2 or len(glyphs) < _FEW:
-        for glyph in glyphs.values():
+        for glyph in glyphs:
             yield _planned(glyph, footprints, pen, processes)
         return
-    yield from in_processes(
-        partial(_planned, footprints=footprints, pen=pen), [*glyphs.values()], n
-    )
+    yield from in_processes(partial(_planned, footprints=footprints, pen=pen), [*glyphs], n)
 
 
 def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 1) -> Motion:
@@ -182,37 +241,39 @@ def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 
 # -- laying -------------------------------------------------------------------------------------
 
 
-def _root_stretch(placed: list[PlacedCharacter], tuft: Tuft) -> float:
+def _root_stretch(placed: list[PlacedPiece], tuft: Tuft) -> float:
     """How much longer the root's ways are than those that are planned; rough spots count as 2."""
-    squares = [character.square for character in placed]
+    squares = [piece.square for piece in placed]
     return min(_MOST_STRETCH, max(root_stretch(s.points, s.normals, tuft) for s in squares))
 
 
 def _laid(
-    surface: ClosestPoints, character: PlacedCharacter, motion: Motion, tuft: Tuft, pen: Pen
+    surface: ClosestPoints, piece: PlacedPiece, motion: Motion, tuft: Tuft, pen: Pen
 ) -> HandMotion:
-    """A character's motion on the surface; the chart reaches as far as the handle goes."""
-    em = pen.em_mm
-    reach = np.abs(motion.handle - 0.5 * em).max(axis=0)
-    half_width, half_height = np.maximum(reach, 0.5 * em) + 0.01 * em
+    """A piece's motion on the surface; the chart reaches as far as the handle goes."""
+    em, square = pen.em_mm, piece.square
+    middle = on_paper(np.array(piece.glyph.middle), em)
+    reach = np.abs(motion.handle - middle).max(axis=0)
+    half = 0.5 * np.array([square.width_mm, square.height_mm])
+    half_width, half_height = np.maximum(reach, half) + 0.01 * em
     step = max(_FINEST_MM, em / _STEPS_PER_EM)
-    frame = character.square.chart.frame
+    frame = square.chart.frame
     try:
         chart = make_chart(surface, frame, half_width, half_height, em / _NODES_PER_EM, step)
     except MeshError as cause:
         raise MeshError(
-            f"{character.text!r}: its strokes reach beyond where one can write ({cause}); "
+            f"{piece.glyph.text!r}: its strokes reach beyond where one can write ({cause}); "
             "expected a smaller size or another place"
         ) from None
-    return to_hand_motion(motion, chart, em, tuft)
+    return to_hand_motion(motion, chart, em, tuft, middle)
 
 
-def _described(character: PlacedCharacter) -> dict[str, Any]:
-    """A character's entry in the report and in the recording's header."""
-    square = character.square
+def _described(piece: PlacedPiece) -> dict[str, Any]:
+    """A piece's entry in the report and in the recording's header."""
+    square, box = piece.square, piece.glyph.box
     frame = square.chart.frame
-    return {
-        "text": character.text,
+    entry: dict[str, Any] = {
+        "text": piece.glyph.text,
         "frame": {
             "origin": square.points[0, 0].round(4).tolist(),
             "x_axis": frame.x_axis.round(7).tolist(),
@@ -220,6 +281,7 @@ def _described(character: PlacedCharacter) -> dict[str, Any]:
             "em_mm": square.em_mm,
         },
     }
+    return entry if box == EM_BOX else {**entry, "box": [round(side, 3) for side in box]}
 
 
 def _joined(laid: list[HandMotion], surface: ClosestPoints, tuft: Tuft, tempo: Tempo) -> HandMotion:

@@ -1,9 +1,11 @@
-"""Write characters on an object: plan the strokes, replay them, export the painting."""
+"""Write a text or a drawing on an object: plan the strokes, replay them, export the painting."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,17 +26,23 @@ from paint3d.cli.outlines import check_is_plane, export_outlines
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.replay import DEFAULT_INK, PaintOptions, of_ink, paint, prepare, read_for_ink
 from paint3d.cli.results import result_suffixes, timed, write_report, write_result
+from paint3d.cli.sources import (
+    STROKES_FILE,
+    add_source_options,
+    check_source,
+    open_page,
+    save_written,
+)
 from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
-    from paint3d.calligraphy.glyph_sources import GlyphSource
     from paint3d.calligraphy.writing import Pen, Written
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["HELP", "add_arguments", "run"]
 
-HELP = "write characters: plan the strokes, then replay them"
+HELP = "write a text or a drawing: plan the strokes, then replay them"
 
 _RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
 _TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
@@ -44,8 +52,12 @@ _SIDES = ("outside", "inside", "top", "bottom")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
     parser.add_argument(
-        "text", metavar="TEXT", help="what to write; a line break starts a new column or row"
+        "text",
+        metavar="TEXT",
+        nargs="?",
+        help="what to write; a line break starts a new column or row",
     )
+    add_source_options(parser)
     add_on_and_out(parser)
     _add_writing_options(parser)
     add_painting_options(parser, brush="one that suits the size", ink=DEFAULT_INK)
@@ -77,13 +89,13 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
         metavar="MM",
         type=parse_length_mm,
         default=20.0,
-        help="side of a character's square (default: 20)",
+        help="side of a character's square, longer side of a drawing (default: 20)",
     )
     parser.add_argument(
         "--layout",
         choices=("columns", "row"),
-        default="columns",
-        help="columns from right to left, or rows (default: columns)",
+        help="columns from right to left, or rows (default: columns; with --font as its script is "
+        "written)",
     )
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
@@ -114,18 +126,9 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
-    from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
     from paint3d.recording.recording import save_recording
 
-    check_output_file(options.out, (*result_suffixes(), ".svg"))
-    for file, suffixes in ((options.report, (".json",)), (options.recording, _RECORDINGS)):
-        if file is not None:
-            check_output_file(file, suffixes)
-    check_overwriting(
-        (options.out, options.report, options.recording),
-        (options.on, *read_for_ink(options), own_brush(options.brush)),
-        force=options.force,
-    )
+    _check_files(options)
     wanted = PaintOptions(
         brush=options.brush,
         material=options.material,
@@ -135,8 +138,8 @@ def run(options: argparse.Namespace) -> None:
         **of_ink(options),
     )
     wanted.check()
-    source, pen = open_glyphs(options.glyphs), _pen(options)
-    check_glyphs(source, options.text)
+    check_source(options)
+    pen, (write, source) = _pen(options), _prepared(options)
     as_outlines = options.out.name.lower().endswith(".svg")
     if as_outlines and options.azimuth != "commanded":
         raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
@@ -146,10 +149,11 @@ def run(options: argparse.Namespace) -> None:
     seconds: dict[str, float] = {}
     surface = prepare(mesh, wanted, seconds)
     with timed(seconds, "plan"):
-        written = _plan(options, mesh, source, pen)
+        written = _plan(options, mesh, write, pen, source)
     painting = paint(surface, written.recording, wanted, seconds)
-    painting.counts["glyphs"] = written.recording.header["glyphs"]
-    painting.counts["characters"] = written.characters
+    header = written.recording.header
+    told = {key: header[key] for key in ("glyphs", "source") if key in header}
+    painting.counts.update(told, characters=written.characters)
     with timed(painting.seconds, "export"):
         if as_outlines:
             with ProgressBar("writing", enabled=not options.quiet):
@@ -161,24 +165,66 @@ def run(options: argparse.Namespace) -> None:
     if options.recording is not None:
         with ProgressBar("writing", enabled=not options.quiet) as progress:
             save_recording(written.recording, options.recording, progress)
+    if options.save_strokes is not None:
+        save_written(written, options.save_strokes)
     if options.report is not None:
         write_report(options.report, painting)
     if not options.quiet:
         sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
 
 
+def _check_files(options: argparse.Namespace) -> None:
+    """Refuse files that could not be written at the end, or that are read from."""
+    check_output_file(options.out, (*result_suffixes(), ".svg"))
+    for file, suffixes in (
+        (options.report, (".json",)),
+        (options.recording, _RECORDINGS),
+        (options.save_strokes, STROKES_FILE),
+    ):
+        if file is not None:
+            check_output_file(file, suffixes)
+    check_overwriting(
+        (options.out, options.report, options.recording, options.save_strokes),
+        (
+            options.on,
+            *read_for_ink(options),
+            own_brush(options.brush),
+            options.font,
+            options.svg,
+            options.strokes,
+        ),
+        force=options.force,
+    )
+
+
+def _prepared(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[str, str]]:
+    """What plans a page, or a text in characters that are known, and where these are from."""
+    from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
+    from paint3d.calligraphy.writing import write_page, write_text
+
+    page = open_page(options)
+    if page is not None:
+        return partial(write_page, text=page), {}
+    source = open_glyphs(options.glyphs)
+    check_glyphs(source, options.text)
+    return partial(write_text, text=options.text, source=source), {"glyphs": source.name}
+
+
 def _plan(
-    options: argparse.Namespace, mesh: TriangleMesh, source: GlyphSource, pen: Pen
+    options: argparse.Namespace,
+    mesh: TriangleMesh,
+    write: Callable[..., Written],
+    pen: Pen,
+    source: dict[str, str],
 ) -> Written:
-    """Plan the text, telling the progress."""
+    """Plan what is written, telling the progress."""
     from paint3d.calligraphy.layout import Layout
-    from paint3d.calligraphy.writing import write_text
     from paint3d.colour.inks import describe_ink, load_ink
 
-    layout = Layout(options.layout, options.at, options.around, options.side)
+    layout = Layout(options.layout or "columns", options.at, options.around, options.side)
     header: dict[str, object] = {
         "ink": describe_ink(load_ink(options.ink or DEFAULT_INK)),
-        "glyphs": source.name,
+        **source,
     }
     if options.tip is not None:
         header |= {"tip": describe_ink(load_ink(options.tip)), "reach": options.reach}
@@ -189,12 +235,10 @@ def _plan(
                 bar.note(f"planned {character}")
             bar(fraction)
 
-        return write_text(
+        return write(
             mesh,
-            options.text,
-            source,
-            pen,
-            layout,
+            pen=pen,
+            layout=layout,
             header=header,
             processes=options.processes or usable_cores(),
             progress=tell,

@@ -1,4 +1,4 @@
-"""One em square laid on a surface: its chart, how much it is bent, and whether two overlap."""
+"""A square or a box laid on a surface: its chart, how much it is bent, whether two overlap."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from paint3d.mesh.closest_points import ClosestPoints
 
 __all__ = ["EmSquare", "SquareLimits", "lay_square"]
 
-_NODES = 12  # of the chart along the square's side
-_PROBES = 20  # points of the square along its side that are looked at
+_NODES = 12  # of the chart along an em
+_PROBES = 20  # points along an em that are looked at
+_FEWEST = 6  # points along a side, however short it is
 _FINEST_MM = 0.25
 _FREE = 0.7  # of the height: nearer than that, something is in the way, or a hollow too tight
 
@@ -31,7 +32,7 @@ class SquareLimits:
     shear : float
         Largest error of a corner's angle, rad.
     crease : float
-        Largest angle between the normals of neighbouring probes (a 20th of the side), rad.
+        Largest angle between the normals of neighbouring probes (a 20th of the em), rad.
     turn : float
         Largest angle between a normal within the square and the one in its middle, rad.
     margin : float
@@ -50,19 +51,23 @@ class SquareLimits:
 
 @dataclass(frozen=True, eq=False)
 class EmSquare:
-    """A square of `em_mm` around the middle of a chart.
+    """A square of `em_mm`, or a box of that scale, around the middle of a chart.
 
     Attributes
     ----------
     chart : SurfaceChart
         Reaches a margin beyond the square.
     em_mm : float
-    points, normals : (K, K, 3) float64
+    width_mm, height_mm : float
+        Both are the em of a square.
+    points, normals : (K, L, 3) float64
         A grid over the square, x first, with the corners at its ends.
     """
 
     chart: SurfaceChart
     em_mm: float
+    width_mm: float
+    height_mm: float
     points: NDArray[np.float64]
     normals: NDArray[np.float64]
 
@@ -93,7 +98,8 @@ class EmSquare:
             return "the surface has an edge or a tight bend there"
         if (n @ self.chart.frame.normal).min() < math.cos(limits.turn):
             return "the surface turns away there"
-        stretch = np.abs(self.sides() / self.em_mm - 1.0).max()
+        wanted = np.array([self.width_mm, self.height_mm, self.width_mm, self.height_mm])
+        stretch = np.abs(self.sides() / wanted - 1.0).max()
         shear = np.abs(self.corner_angles() - 0.5 * math.pi).max()
         if stretch > limits.stretch or shear > limits.shear:
             return (
@@ -109,14 +115,16 @@ class EmSquare:
         flat = self.points.reshape(-1, 3)
         apart = np.linalg.norm(rim[:, None] - flat, axis=2)
         nearest = apart.argmin(axis=1)
-        spacing = self.em_mm / (len(self.points) - 1)
+        size = np.array([self.width_mm, self.height_mm])
+        spacings = size / (np.array(self.points.shape[:2]) - 1)
+        spacing = float(spacings.max())
         close = apart[np.arange(len(rim)), nearest] < 1.5 * spacing
-        i, j = np.divmod(nearest[close], len(self.points))
-        at = np.stack([i, j], axis=1) * spacing - 0.5 * self.em_mm
+        i, j = np.divmod(nearest[close], self.points.shape[1])
+        at = np.stack([i, j], axis=1) * spacings - 0.5 * size
         axes = self.chart.tangents(at)
         local = np.einsum("nk,nkd->nd", rim[close] - flat[nearest[close]], axes)
         thin = np.abs(local[:, 2]) < 0.5 * spacing  # not the other side of a thin wall
-        inside = 0.5 * self.em_mm - np.abs(at + local[:, :2]).max(axis=1)
+        inside = (0.5 * size - np.abs(at + local[:, :2])).min(axis=1)
         return float(np.max(inside[thin], initial=0.0))
 
 
@@ -125,8 +133,9 @@ def lay_square(
     frame: SurfaceFrame,
     em_mm: float,
     limits: SquareLimits | None = None,
+    size: tuple[float, float] | None = None,
 ) -> EmSquare:
-    """Lay an em square around a frame.
+    """Lay an em square, or a box, around a frame.
 
     Parameters
     ----------
@@ -135,6 +144,8 @@ def lay_square(
     em_mm : float
         Side, mm.
     limits : SquareLimits, optional
+    size : (float, float), optional
+        Width and height of a box, mm; by default it is a square.
 
     Raises
     ------
@@ -142,18 +153,20 @@ def lay_square(
         If the surface ends there, or the square breaks the limits; the message says which.
     """
     limits = limits or SquareLimits()
-    half = (0.5 + limits.margin) * em_mm
+    width, height = size or (em_mm, em_mm)
     spacing = em_mm / _NODES
+    halves = [(0.5 + limits.margin * (em_mm / side)) * side for side in (width, height)]
     try:
-        chart = make_chart(surface, frame, half, half, spacing, max(spacing, _FINEST_MM))
+        chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
     except MeshError:
         raise _no_place(surface, frame, em_mm, "the surface ends within it") from None
-    line = np.linspace(-0.5 * em_mm, 0.5 * em_mm, _PROBES + 1)
-    xy = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1).reshape(-1, 2)
-    shape = (_PROBES + 1, _PROBES + 1, 3)
-    square = EmSquare(
-        chart, em_mm, chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
-    )
+    lines = [
+        np.linspace(-0.5 * side, 0.5 * side, _probes(side / em_mm) + 1) for side in (width, height)
+    ]
+    xy = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    shape = (len(lines[0]), len(lines[1]), 3)
+    points, normals = chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
+    square = EmSquare(chart, em_mm, width, height, points, normals)
     fault = square.fault(limits)
     if fault is None and not _is_free(surface, square, limits.room_mm):
         fault = "there is no room for the brush above it"
@@ -162,13 +175,18 @@ def lay_square(
     return square
 
 
+def _probes(ems: float) -> int:
+    """How many steps a side of so many ems is looked at in."""
+    return max(_FEWEST, round(_PROBES * ems))
+
+
 def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
     """Whether from so high above the square (mm) nothing is nearer than the square itself."""
     if height <= 0.0:
         return True
-    apart = slice(None, None, _PROBES // 4)
-    foot = square.points[apart, apart].reshape(-1, 3)
-    above = foot + height * square.normals[apart, apart].reshape(-1, 3)
+    some = tuple(slice(None, None, min(_PROBES // 4, n // 2)) for n in square.points.shape[:2])
+    foot = square.points[some].reshape(-1, 3)
+    above = foot + height * square.normals[some].reshape(-1, 3)
     nearest = np.linalg.norm(surface.find(above).points - above, axis=1)
     return bool((nearest > _FREE * height).all())
 

@@ -40,6 +40,12 @@ def test_precision_and_recall_tell_too_much_from_too_little():
     assert (compare(small, large).precision, compare(small, large).recall) == (1.0, 0.5)
 
 
+def test_holes_are_left_out_of_their_own_outline_only():
+    frame, hole, within = box(100, 100, 200, 200), box(120, 120, 180, 180), box(140, 140, 160, 160)
+    assert copybook_mask([frame], EM, [[hole]]).sum() == 100**2 - 60**2
+    assert copybook_mask([frame, within], EM, [[hole]]).sum() == 100**2 - 60**2 + 20**2
+
+
 def test_width_error_counts_both_sides_of_a_bar():
     wanted = mask(50, 200, 450, 240)
     assert compare(mask(50, 197, 450, 243), wanted).width_error * PIXELS == pytest.approx(

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.presets import load_brush
+from paint3d.brush.presets import choose_brush, load_brush
+from paint3d.calligraphy.centre_line import grid_step, outline_field
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.hand_motion import root_stretch
@@ -131,6 +132,47 @@ def test_outline_without_an_inside_is_refused():
 def test_bad_medians_are_refused(median, words):
     with pytest.raises(InputError, match=words):
         plan_stroke(band(0.0, 12.0, 1.4)[0], np.array(median, float), EM, footprints())
+
+
+def ring(em, width, n=100):
+    """A closed stroke around a hole, begun at its top: outline, hole, median; ems to mm."""
+    turn = np.linspace(0.5 * math.pi, 2.5 * math.pi, n + 1)
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    outline, hole = (em * (0.5 + r * circle[:-1]) for r in (0.3, 0.3 - width))
+    return outline, hole, em * (0.5 + (0.3 - 0.5 * width) * circle)
+
+
+@pytest.mark.parametrize("em", [100.0, 20.0, 8.0])
+@pytest.mark.parametrize(("width", "least"), [(0.08, 0.98), (0.03, 0.97), (0.006, 0.95)])
+def test_ring_is_covered_and_its_hole_left_bare(em, width, least):
+    """However fine it is beside the em: 0.006 ems are 0.05 mm of 8."""
+    outline, hole, median = ring(em, width)
+    table = tabulate_footprints(build_tuft(load_brush(choose_brush(em))), 0.2 * em)
+    course = plan_stroke(outline, median, em, table, holes=[hole])
+    field = outline_field(outline, width * em / 16, [hole])
+    painted = np.zeros(field.distance.shape, np.bool_)
+    kernels.cover(table.points, course.level, course.centre, course.azimuth, *field.grid, painted)
+    assert (painted & field.inside).sum() / (painted | field.inside).sum() > least
+
+
+@given(angle=st.floats(-3.1, 3.1), em=st.floats(5.0, 200.0), share=st.floats(0.005, 0.5))
+@settings(deadline=None, max_examples=25)
+def test_grid_is_as_fine_as_the_stroke_is_thin(angle, em, share):
+    """4 steps to half a width, and never coarser than a 512th of the em."""
+    width = share * em
+    outline = np.array([[0, 0], [em, 0], [em, width], [0, width]])
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    step = grid_step(outline @ turn.T, em)
+    assert step == pytest.approx(min(em / 512, width / (8.0 * (1.0 + share))))
+
+
+def test_distances_of_holes_are_those_of_the_shape():
+    outline, hole, _ = ring(EM, 0.08)
+    field = outline_field(outline, 0.1, [hole])
+    rows, columns = np.indices(field.distance.shape)
+    away = np.hypot(field.grid[0] + 0.1 * columns - 10.0, field.grid[1] + 0.1 * rows - 10.0)
+    exact = np.minimum(6.0 - away, away - 4.4)
+    assert np.allclose(field.distance, exact, atol=0.02)
 
 
 def test_paper_frame_puts_the_em_square_at_the_origin():

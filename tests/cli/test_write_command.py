@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
 from paint3d.cli import main, options, replay, write
 from paint3d.colour.materials import material_names
 from paint3d.errors import InputError
+from paint3d.recording.recording import load_recording
 
 BAR = "M 150 420 L 220 350 L 800 350 L 880 420 L 800 470 L 220 470 Z"
 
@@ -114,3 +116,41 @@ def test_forms_that_kanjivg_lacks_are_looked_for_elsewhere() -> None:
     pytest.importorskip("kanjivg")
     with pytest.raises(InputError, match=r"'歲' \(U\+6B72\).*--glyphs DIR \(get it with: npm"):
         check_glyphs(open_glyphs(None), "永歲")
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ([], "got nothing to write; expected one of TEXT, --svg FILE and --strokes FILE"),
+        (["一", "--svg", "a.svg"], "got a text and --svg"),
+        (["一", "--ids", "a"], "--ids is given without a drawing"),
+        (["--font", "a.ttf", "--svg", "a.svg"], "--font is given without a text"),
+        (["一", "--direction", "rtl"], "--direction is given without a font"),
+        (["一", "--save-strokes", "a.strokes.json"], "without a font or a drawing"),
+        (["一", "--font", "a.ttf"], "a.ttf: no such file"),
+        (["--svg", "a.svg"], "a.svg: No such file"),
+        (["--strokes", "a.json"], "a.json: No such file"),
+        (["一", "--font", "a", "--features", "lig=x"], "expected a feature such as liga=0"),
+        (["一", "--font", "a", "--variation", "wght"], "expected an axis such as wght=700"),
+    ],
+)
+def test_what_is_written_is_one_thing(tmp_path: Path, monkeypatch, capsys, given, words) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main.main(["write", *given, "--on", "plane", "--out", "a.ply"]) == 2
+    assert words in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_kept_strokes_of_a_drawing_paint_it_again(tmp_path: Path, monkeypatch) -> None:
+    pytest.importorskip("svgelements")
+    monkeypatch.chdir(tmp_path)
+    svg = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H40" stroke="red"/></svg>'
+    Path("a.svg").write_text(svg, encoding="utf-8")
+    rest = ["--on", "plane", "--size", "20", "--quiet"]
+    kept = ["--save-strokes", "a.strokes.json", "--recording", "a.jsonl"]
+    assert main.main(["write", "--svg", "a.svg", "--out", "a.ply", *kept, *rest]) == 0
+    again = ["--strokes", "a.strokes.json", "--recording", "b.jsonl"]
+    assert main.main(["write", "--out", "b.ply", *again, *rest]) == 0
+    one, two = (load_recording(name).position for name in ("a.jsonl", "b.jsonl"))
+    for end in (np.min, np.max, np.mean):
+        np.testing.assert_allclose(end(one, axis=0), end(two, axis=0), atol=0.01)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.footprint_table import tabulate_footprints
-from paint3d.calligraphy.glyph_sources import open_glyph_folder
+from paint3d.calligraphy.glyph_sources import open_glyph_folder, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.hand_motion import HandMotion, root_stretch, to_hand_motion
 from paint3d.calligraphy.layout import Layout, layout_text
@@ -29,6 +29,7 @@ from paint3d.calligraphy.metrics import (
     painted_mask,
 )
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
+from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.colour.spectra import RGB_FROM_XYZ, decode_srgb
 from paint3d.device.recorded import Recording
@@ -40,6 +41,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.unrolling import unroll
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.found_strokes import Found, joined, score
 
 __all__ = ["Copy", "Desk", "copy_character"]
 
@@ -71,6 +73,9 @@ class Desk:
     seen : bool
         Whether the painting's colours are compared, half-way from the ground to the ink in linear
         light, and not what is under paint.
+    joined : {"shape", "template"}, optional
+        Join the strokes of a character to one shape first, and write what is found in it: by the
+        shape alone, or with the lines of the package `kanjivg`.
     """
 
     glyphs: Path | str
@@ -81,6 +86,7 @@ class Desk:
     settings: PlanSettings = field(default_factory=PlanSettings)
     layout: Layout = field(default_factory=Layout)
     seen: bool = False
+    joined: str | None = None
 
     @property
     def brush_name(self) -> str:
@@ -104,6 +110,8 @@ class Copy:
         (rad/s) of the pen, by differences of the recording.
     painted, wanted : (576, 576) bool
         The two rasters.
+    found : Found, optional
+        How the strokes found agree with the glyph's, and the processor time it took, s.
     """
 
     text: str
@@ -113,6 +121,7 @@ class Copy:
     fastest: tuple[float, float, float, float]
     painted: NDArray[np.bool_]
     wanted: NDArray[np.bool_]
+    found: tuple[Found, float] | None = None
 
 
 def copy_character(desk: Desk, text: str) -> Copy:
@@ -123,7 +132,9 @@ def copy_character(desk: Desk, text: str) -> Copy:
     Paint3DError
         If the character is unknown or cannot be written there.
     """
-    glyph = open_glyph_folder(desk.glyphs).load(text)
+    glyph, found = open_glyph_folder(desk.glyphs).load(text), None
+    if desk.joined is not None:
+        glyph, found = _taken_apart(glyph, desk.joined)
     mesh, chart, square = _place(desk.on, desk.em_mm, desk.layout)
     tuft = build_tuft(load_brush(desk.brush_name))
     footprints = tabulate_footprints(tuft, _WIDEST * desk.em_mm)
@@ -138,11 +149,24 @@ def copy_character(desk: Desk, text: str) -> Copy:
     shown = _darkness(surface) if desk.seen else surface.coverage
     painted, wanted = _painted(surface, shown, chart, desk.em_mm), _wanted(glyph, desk.em_mm)
     likeness = compare(painted, wanted)
-    return Copy(text, len(glyph.strokes), likeness, seconds, _fastest(recording), painted, wanted)
+    n, fastest = len(glyph.strokes), _fastest(recording)
+    return Copy(text, n, likeness, seconds, fastest, painted, wanted, found)
+
+
+def _taken_apart(glyph: Glyph, by: str) -> tuple[Glyph, tuple[Found, float]]:
+    """A glyph of the strokes that are found in the ink of all its strokes together."""
+    ink = joined(glyph.strokes)
+    template = open_glyphs(None).load(glyph.text) if by == "template" else None
+    started = time.process_time()
+    strokes = decompose(ink, template=template)
+    seconds = time.process_time() - started
+    return Glyph(glyph.text, tuple(strokes)), (score(strokes, glyph.strokes), seconds)
 
 
 def _wanted(glyph: Glyph, em_mm: float) -> NDArray[np.bool_]:
-    return copybook_mask([on_paper(stroke.outline, em_mm) for stroke in glyph.strokes], em_mm)
+    holes = [[on_paper(hole, em_mm) for hole in stroke.holes] for stroke in glyph.strokes]
+    outlines = [on_paper(stroke.outline, em_mm) for stroke in glyph.strokes]
+    return copybook_mask(outlines, em_mm, holes)
 
 
 def _recorded(motion: Motion, hand: HandMotion, desk: Desk) -> Recording:

@@ -135,7 +135,9 @@ class Ghost:
     @cached_property
     def _wanted(self) -> NDArray[np.bool_]:
         em = self.square.em_mm
-        return copybook_mask([on_paper(s.outline, em) for s in self.glyph.strokes], em)
+        strokes = self.glyph.strokes
+        holes = [[on_paper(hole, em) for hole in s.holes] for s in strokes]
+        return copybook_mask([on_paper(s.outline, em) for s in strokes], em, holes)
 
 
 @dataclass(frozen=True)

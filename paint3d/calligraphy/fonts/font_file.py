@@ -1,0 +1,263 @@
+"""Font files: what they are called, whose they are, and the outlines of their glyphs."""
+
+from __future__ import annotations
+
+import logging
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from paint3d.calligraphy.fonts.system_fonts import fonts_with, match_font
+from paint3d.calligraphy.glyphs import EM_UNITS
+from paint3d.calligraphy.hand_packages import package_of_the_hand
+from paint3d.calligraphy.page.ink import bezier_points, fill_rings
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
+__all__ = ["FontFile", "open_font"]
+
+_LOG = logging.getLogger(__name__)
+_MOST_BYTES = 200_000_000
+_KINDS = (b"\0\1\0\0", b"true", b"OTTO", b"ttcf")
+_PACKED = (b"wOFF", b"wOF2")
+_FLATNESS = 0.15  # glyph units that a chord may stray from its curve
+_SUFFIXES = (".ttf", ".otf", ".ttc", ".otc", ".woff", ".woff2")
+_NO_EMBEDDING = 0x2  # of fsType: restricted licence
+_LICENCE, _LICENCE_URL, _COPYRIGHT, _FULL_NAME, _VERSION = 13, 14, 0, 4, 5
+
+
+@dataclass(frozen=True, eq=False)
+class FontFile:
+    """A face of a font file, at its variations.
+
+    Attributes
+    ----------
+    path : Path
+    face, font : object
+        HarfBuzz's.
+    """
+
+    path: Path
+    face: Any = field(repr=False)
+    font: Any = field(repr=False)
+    _drawn: dict[int, MultiPolygon] = field(default_factory=dict, repr=False)
+
+    @property
+    def scale(self) -> float:
+        """Glyph units (1024 an em) a unit of the font."""
+        return EM_UNITS / float(self.face.upem)
+
+    @cached_property
+    def name(self) -> str:
+        """What the font calls itself."""
+        return str(self.face.get_name(_FULL_NAME) or self.path.name)
+
+    @cached_property
+    def licence(self) -> str:
+        """Whose shapes they are and under what licence, as the font says."""
+        told = [self.face.get_name(k) for k in (_COPYRIGHT, _LICENCE, _LICENCE_URL)]
+        version = self.face.get_name(_VERSION)
+        parts = [" ".join(part.split())[:200] for part in told if part]
+        head = f"Font: {self.name}" + (f", {version}" if version else "")
+        return "; ".join([head, *parts])
+
+    @cached_property
+    def extents(self) -> tuple[float, float, float]:
+        """Ascender, descender (negative) and gap between lines, glyph units."""
+        found = self.font.get_font_extents("ltr")
+        values = (found.ascender, found.descender, found.line_gap)
+        ascender, descender, gap = (self.scale * float(value) for value in values)
+        return ascender, descender, gap
+
+    def outline(self, glyph: int) -> MultiPolygon:
+        """The ink of a glyph, glyph units from its origin on the baseline."""
+        if glyph not in self._drawn:
+            pen = _Rings(_FLATNESS / self.scale)
+            self.font.draw_glyph_with_pen(glyph, pen)
+            self._drawn[glyph] = fill_rings([self.scale * ring for ring in pen.rings()])
+        return self._drawn[glyph]
+
+    def is_mark(self, glyph: int) -> bool:
+        """Whether the font says that a glyph is a mark on another."""
+        return int(self.face.get_layout_glyph_class(glyph)) == 3
+
+    def check_has(self, text: str) -> None:
+        """Refuse a text with characters that the font lacks.
+
+        Raises
+        ------
+        InputError
+            Which they are, and which fonts of the system have them.
+        """
+        known = self.face.unicodes
+        missing = [c for c in dict.fromkeys(text) if ord(c) not in known and _is_drawn(c)]
+        missing = [c for c in missing if not self._has_parts(c)]
+        if not missing:
+            return
+        names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing[:12])
+        more = f" and {len(missing) - 12} more" if len(missing) > 12 else ""
+        others = fonts_with("".join(missing))
+        hint = f"{', '.join(others[:4])} of the system would do" if others else "try another font"
+        raise InputError(f"{self.name} has no glyph for {names}{more}; {hint}")
+
+    def _has_parts(self, character: str) -> bool:
+        """Whether the font has what a character is made of, such as a letter and its accent."""
+        parts = unicodedata.normalize("NFD", character)
+        return len(parts) > 1 and all(ord(part) in self.face.unicodes for part in parts)
+
+
+def _is_drawn(character: str) -> bool:
+    """Whether a character asks for ink: controls, formats and spaces do not."""
+    kind = unicodedata.category(character)
+    variation = 0xFE00 <= ord(character) <= 0xFE0F or 0xE0100 <= ord(character) <= 0xE01EF
+    return kind[0] not in "CZ" and not variation
+
+
+def open_font(
+    name: Path | str, number: int = 0, variations: Mapping[str, float] | None = None
+) -> FontFile:
+    """Open a font by its file, or by its name on this system.
+
+    Parameters
+    ----------
+    name : path or str
+        A .ttf, .otf, .ttc, .woff or .woff2, or a name such as "DejaVu Sans".
+    number : int
+        Which face of a collection, from 0.
+    variations : mapping, optional
+        Values of the axes of a variable font, such as ``{"wght": 700}``.
+
+    Raises
+    ------
+    InputError
+        If there is no such font, it cannot be read, has no outlines, is in colour, or an axis is
+        not there.
+    """
+    path = Path(name)
+    if not path.exists():
+        if path.suffix.lower() in _SUFFIXES:
+            raise InputError(f"{path}: no such file; expected a font")
+        path, number = match_font(str(name), number)
+    hb = package_of_the_hand("uharfbuzz")
+    face = hb.Face(hb.Blob(_font_data(path)), number)
+    if face.glyph_count == 0 or number >= max(1, _n_faces(path)):
+        raise InputError(
+            f"{path}: no face {number}; expected one of the {_n_faces(path)} that it has"
+        )
+    font = hb.Font(face)
+    _check_is_drawn(path, face)
+    _vary(path, face, font, variations or {})
+    opened = FontFile(path, face, font)
+    os2 = bytes(face.reference_table("OS/2").data or b"")
+    if len(os2) > 10 and int.from_bytes(os2[8:10], "big") & _NO_EMBEDDING:
+        _LOG.warning(
+            "%s forbids embedding (fsType %d): ask its maker before you give away what is painted",
+            opened.name,
+            int.from_bytes(os2[8:10], "big"),
+        )
+    return opened
+
+
+def _font_data(path: Path) -> bytes:
+    """The bytes of a font that HarfBuzz reads."""
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{path}: larger than {_MOST_BYTES:,} bytes; expected a font")
+        data = path.read_bytes()
+    except OSError as cause:
+        raise InputError(f"{path}: {cause.strerror or cause}") from None
+    if data[:4] in _PACKED:
+        return _unpacked(path, data)
+    if data[:4] not in _KINDS:
+        raise InputError(f"{path}: not a font; expected TrueType or OpenType (.ttf, .otf, .ttc)")
+    return data
+
+
+def _unpacked(path: Path, data: bytes) -> bytes:
+    """The font in a web font."""
+    tables = package_of_the_hand("fontTools.ttLib")
+    out = BytesIO()
+    try:
+        font = tables.TTFont(BytesIO(data))
+        font.flavor = None
+        font.save(out)
+    except ImportError:
+        raise InputError(
+            f"{path}: a web font packed by Brotli; expected a .ttf or .otf, or the package "
+            "brotli (pip install brotli)"
+        ) from None
+    except Exception as cause:  # of its many kinds, few are documented
+        raise InputError(f"{path}: broken web font ({cause}); expected .ttf or .otf") from None
+    return out.getvalue()
+
+
+def _n_faces(path: Path) -> int:
+    with path.open("rb") as file:
+        head = file.read(12)
+    return int.from_bytes(head[8:12], "big") if head[:4] == b"ttcf" else 1
+
+
+def _check_is_drawn(path: Path, face: Any) -> None:
+    """Refuse fonts of pictures: paint3d paints outlines."""
+    tables = set(face.table_tags)
+    if face.has_color_layers or face.has_color_paint or face.has_color_svg:
+        kind = "a colour font"
+    elif not tables & {"glyf", "CFF ", "CFF2"}:
+        kind = "a bitmap font" if tables & {"CBDT", "EBDT", "bdat", "sbix"} else "without outlines"
+    else:
+        return
+    name = face.get_name(_FULL_NAME) or path.name
+    raise InputError(f"{path}: {name} is {kind}; expected a font of outlines in one colour")
+
+
+def _vary(path: Path, face: Any, font: Any, variations: Mapping[str, float]) -> None:
+    axes = {axis.tag: axis for axis in face.axis_infos}
+    for tag, value in variations.items():
+        if tag not in axes:
+            known = ", ".join(axes) or "none: it is not variable"
+            raise InputError(f"{path}: no axis {tag!r}; it has {known}")
+        low, high = axes[tag].min_value, axes[tag].max_value
+        if not low <= value <= high:
+            raise InputError(f"{path}: {tag} is {value:g}; expected {low:g} to {high:g}")
+    if variations:
+        font.set_variations(dict(variations))
+
+
+class _Rings:
+    """A pen that HarfBuzz draws with, in the manner of fontTools' pens."""
+
+    def __init__(self, flatness: float) -> None:
+        self._flatness = flatness
+        self._rings: list[list[AnyArray]] = []
+
+    def rings(self) -> list[AnyArray]:
+        """The closed curves (N, 2) drawn so far."""
+        return [np.array(ring) for ring in self._rings if len(ring) > 2]
+
+    def moveTo(self, point: tuple[float, float]) -> None:
+        self._rings.append([np.array(point, np.float64)])
+
+    def lineTo(self, point: tuple[float, float]) -> None:
+        self._rings[-1].append(np.array(point, np.float64))
+
+    def qCurveTo(self, *points: tuple[float, float]) -> None:
+        self.curveTo(*points)
+
+    def curveTo(self, *points: tuple[float, float]) -> None:
+        controls = np.array([self._rings[-1][-1], *points], np.float64)
+        self._rings[-1].extend(bezier_points(controls, self._flatness))
+
+    def closePath(self) -> None:
+        pass
+
+    def endPath(self) -> None:
+        pass

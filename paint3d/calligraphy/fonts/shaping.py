@@ -1,0 +1,157 @@
+"""From a line of text to glyphs and their places: runs of one script and direction, by HarfBuzz."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import groupby
+from typing import NamedTuple
+
+from paint3d.calligraphy.fonts.bidi import base_level, levels_of, visual_order
+from paint3d.calligraphy.fonts.font_file import FontFile
+from paint3d.calligraphy.hand_packages import package_of_the_hand
+
+__all__ = ["DIRECTIONS", "ShapedGlyph", "Shaper", "Style"]
+
+DIRECTIONS = ("ltr", "rtl", "ttb")
+_SHARED = ("Zyyy", "Zinh", "Zzzz")  # characters of no script of their own
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a text is set.
+
+    Attributes
+    ----------
+    features : mapping
+        Features of the font by their tags: 1 or 0, or the number of an alternate.
+    direction : {"ltr", "rtl", "ttb"}, optional
+        Of the lines; by default as the text begins.
+    language : str, optional
+        As in BCP 47, such as "ar" or "sr".
+    """
+
+    features: Mapping[str, int] = field(default_factory=dict)
+    direction: str | None = None
+    language: str | None = None
+
+
+class ShapedGlyph(NamedTuple):
+    """A glyph in a line, glyph units.
+
+    Attributes
+    ----------
+    glyph : int
+        Its number in the font.
+    cluster : int
+        The first character that it stands for.
+    x, y : float
+        Its origin, from the start of the line on the baseline (in columns: on the middle line).
+    advance : float
+        To the next one, along the line.
+    is_rtl : bool
+        Whether it is written from right to left.
+    script : str
+        As in ISO 15924.
+    """
+
+    glyph: int
+    cluster: int
+    x: float
+    y: float
+    advance: float
+    is_rtl: bool
+    script: str
+
+
+class _Run(NamedTuple):
+    start: int
+    end: int
+    level: int
+    script: str
+
+
+@dataclass(frozen=True, eq=False)
+class Shaper:
+    """Shapes lines of text in one font and style."""
+
+    font: FontFile
+    style: Style
+
+    @property
+    def is_vertical(self) -> bool:
+        """Whether lines run down."""
+        return self.style.direction == "ttb"
+
+    def is_rtl(self, text: str) -> bool:
+        """Whether a line begins on the right."""
+        if self.style.direction is None:
+            return base_level(text) == 1
+        return self.style.direction == "rtl"
+
+    def shape(self, text: str) -> list[ShapedGlyph]:
+        """The glyphs of a line in the order in which they are read.
+
+        A mark follows what it stands on.
+        """
+        runs = self._runs(text)
+        order = visual_order([run.level for run in runs])
+        shaped: dict[int, list[ShapedGlyph]] = {}
+        pen = 0.0
+        for k in order:
+            shaped[k] = self._run(text, runs[k], pen)
+            pen += sum(one.advance for one in shaped[k])
+            if runs[k].level % 2:
+                shaped[k].reverse()
+        return [one for k in range(len(runs)) for one in shaped[k]]
+
+    def advances(self, text: str) -> list[float]:
+        """How far each character leads on, glyph units; 0 for all but the first of a cluster."""
+        found = [0.0] * len(text)
+        for one in self.shape(text):
+            found[one.cluster] += one.advance
+        return found
+
+    def _runs(self, text: str) -> list[_Run]:
+        levels = [0] * len(text)
+        if not self.is_vertical:
+            levels = levels_of(text, int(self.is_rtl(text)))
+        keys = list(zip(levels, _scripts(text), strict=True))
+        runs, start = [], 0
+        for (level, script), members in groupby(keys):
+            end = start + len(list(members))
+            runs.append(_Run(start, end, level, script))
+            start = end
+        return runs
+
+    def _run(self, text: str, run: _Run, pen: float) -> list[ShapedGlyph]:
+        """The glyphs of a run from left to right, or from top to bottom."""
+        hb = package_of_the_hand("uharfbuzz")
+        buffer = hb.Buffer()
+        buffer.add_str(text, run.start, run.end - run.start)
+        is_rtl = run.level % 2 == 1
+        buffer.direction = "ttb" if self.is_vertical else "rtl" if is_rtl else "ltr"
+        buffer.script = run.script
+        buffer.language = self.style.language or "und"
+        hb.shape(self.font.font, buffer, dict(self.style.features))
+        scale, shaped = self.font.scale, []
+        for info, at in zip(buffer.glyph_infos, buffer.glyph_positions, strict=True):
+            advance = scale * (-at.y_advance if self.is_vertical else at.x_advance)
+            x, y = (0.0, -pen) if self.is_vertical else (pen, 0.0)
+            x, y = x + scale * at.x_offset, y + scale * at.y_offset
+            glyph = ShapedGlyph(info.codepoint, info.cluster, x, y, advance, is_rtl, run.script)
+            shaped.append(glyph)
+            pen += advance
+        return shaped
+
+
+def _scripts(text: str) -> list[str]:
+    """The script of every character; those of none take that of what is before, or after."""
+    script_of = package_of_the_hand("fontTools.unicodedata").script
+    scripts = [script_of(c) for c in text]
+    for order in (range(1, len(text)), reversed(range(len(text) - 1))):
+        for k in order:
+            beside = k - 1 if isinstance(order, range) else k + 1
+            if scripts[k] in _SHARED and scripts[beside] not in _SHARED:
+                scripts[k] = scripts[beside]
+    return scripts

@@ -1,0 +1,27 @@
+"""The packages of `paint3d[hand]`: imported when a font or a drawing is first asked for."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from paint3d.errors import InputError
+
+__all__ = ["package_of_the_hand"]
+
+
+def package_of_the_hand(name: str) -> Any:
+    """One of the packages that read fonts and drawings.
+
+    Raises
+    ------
+    InputError
+        If it is not installed; the message says how to.
+    """
+    try:
+        return import_module(name)
+    except ImportError:
+        raise InputError(
+            f"the package {name.split('.')[0]} is not installed; "
+            'expected it for fonts and drawings: pip install "paint3d[hand]"'
+        ) from None

@@ -1,0 +1,223 @@
+"""Where on an object the pieces of a flat page go.
+
+The middle of the page lies at a place of the surface. From there one goes straight up or down to a
+piece's height and then along the level line, so that lines of text lie level and pieces are as far
+apart along them as on the page; every piece is then laid by geodesics around its own middle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
+from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.page.page import Composer, Page, Piece
+from paint3d.calligraphy.place_search import frames_to_try, upright_frame, walking_step
+from paint3d.errors import InputError, MeshError
+from paint3d.mesh.chart import SurfaceFrame
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.em_square import EmSquare, SquareLimits, lay_square
+from paint3d.mesh.placement import place, upwards
+from paint3d.mesh.walking import SurfaceLine, walk
+
+__all__ = ["PlacedPiece", "lay_page"]
+
+_SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
+_MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
+_MOST_PLACES = 12
+_MIDDLE = (0.5, 0.5)
+_ROUNDING = 1e-6  # of a length
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedPiece:
+    """A glyph, and the square or box that it is written in."""
+
+    glyph: Glyph
+    square: EmSquare
+
+
+def lay_page(
+    surface: ClosestPoints,
+    text: Composer,
+    em_mm: float,
+    layout: Layout | None = None,
+    limits: SquareLimits | None = None,
+) -> tuple[Page, list[PlacedPiece]]:
+    """Lay a page on an object.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+    text : Composer
+        A page, or a text whose lines are broken to the room that there is.
+    em_mm : float
+        1024 glyph units, mm.
+    layout : Layout, optional
+        Its `at`, `around`, `side` and `gap`.
+    limits : SquareLimits, optional
+
+    Returns
+    -------
+    Page
+        As it was composed.
+    list of PlacedPiece
+        In writing order.
+
+    Raises
+    ------
+    InputError
+        If the page does not fit; the message says how large it is, and why.
+    MeshError
+        If there is no such place.
+    """
+    layout, limits = layout or Layout(), limits or SquareLimits()
+    fault: MeshError | None = None
+    for n, frame in enumerate(_places(surface, layout)):
+        if n == _MOST_PLACES:
+            break
+        sheet = _Sheet(surface, em_mm, layout, limits, frame)
+        for page in sheet.pages(text):
+            try:
+                return page, sheet.lay(page)
+            except MeshError as cause:
+                fault = fault or cause
+    if fault is None:
+        raise MeshError(f"{surface.mesh.name}: there is no place to write; expected a surface")
+    raise _too_large(surface, text.compose(math.inf), em_mm, fault)
+
+
+def _places(surface: ClosestPoints, layout: Layout) -> Iterator[SurfaceFrame]:
+    """Where the page's middle may lie: the place that was asked for, or one after another."""
+    if layout.at is not None or layout.around:
+        yield place(surface, layout.at or _MIDDLE, side=layout.side)
+        return
+    yield from frames_to_try(surface, layout.side)
+
+
+def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshError) -> InputError:
+    left, lower, right, upper = page.bounds
+    scale = em_mm / EM_UNITS
+    width, height = scale * (right - left), scale * (upper - lower)
+    return InputError(
+        f"{page.source}: {width:.0f} x {height:.0f} mm do not fit on {surface.mesh.name} "
+        f"({fault}); expected less to write, a smaller size or another place"
+    )
+
+
+class _Sheet:
+    """A page's lines up and along, around one place of a surface."""
+
+    def __init__(
+        self,
+        surface: ClosestPoints,
+        em_mm: float,
+        layout: Layout,
+        limits: SquareLimits,
+        middle: SurfaceFrame,
+    ) -> None:
+        self.surface, self.em_mm, self.layout, self.limits = surface, em_mm, layout, limits
+        self.middle, self.scale = middle, em_mm / EM_UNITS
+        self.up = upwards(middle.normal)
+        self._climbs: dict[float, SurfaceLine] = {}
+        self._levels: dict[tuple[float, float], SurfaceLine] = {}
+
+    def pages(self, text: Composer) -> Iterator[Page]:
+        """The text in one line, then broken to more and more."""
+        page = text.compose(math.inf)
+        yield page
+        for share in _SHARES:
+            following = text.compose(share * self._room(text) / self.scale)
+            if following is not page:
+                page = following
+                yield page
+
+    def _room(self, text: Composer) -> float:
+        """How long a line of text may be, mm."""
+        if text.runs_down:
+            return sum(self._climb(sign).length for sign in (1.0, -1.0))
+        right = self._level(0.0, 1.0)
+        if right.closed:
+            return right.length
+        return 2.0 * min(right.length, self._level(0.0, -1.0).length)
+
+    def lay(self, page: Page) -> list[PlacedPiece]:
+        """Every piece of a page; the page is moved up or down where that makes it fit.
+
+        Raises
+        ------
+        MeshError
+            If the surface ends within the page, or a piece has no place on it.
+        """
+        if self.layout.around:
+            page = self._spread(page)
+        fault: MeshError | None = None
+        for move in _MOVES if self.layout.at is None else (0.0,):
+            try:
+                return [self._laid(piece, page, move * self.em_mm) for piece in page.pieces]
+            except MeshError as cause:
+                fault = fault or cause
+        assert fault is not None
+        raise fault
+
+    def _spread(self, page: Page) -> Page:
+        """A page drawn out until it goes all around the body."""
+        ring = self._level(0.0, 1.0)
+        if not ring.closed:
+            raise MeshError(
+                f"{self.surface.mesh.name}: the level line of the place does not come back to its "
+                "start; expected a body that can be written around"
+            )
+        left, _, right, _ = page.bounds
+        wanted = ring.length / self.scale
+        gap = self.layout.gap * EM_UNITS
+        if right - left + gap > wanted * (1.0 + _ROUNDING):
+            raise MeshError(
+                f"{self.surface.mesh.name} is {ring.length:.0f} mm around; expected no less than "
+                f"{self.scale * (right - left + gap):.0f} mm"
+            )
+        more = wanted / (right - left + gap)
+        pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
+        return replace(page, pieces=tuple(pieces))
+
+    def _laid(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
+        left, lower, right, upper = page.bounds
+        x = self.scale * (piece.at[0] - 0.5 * (left + right))
+        y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
+        level = self._level(round(y, 6), 1.0)
+        if not level.closed and x < 0.0:
+            level = self._level(round(y, 6), -1.0)
+        distance = x if level.closed else abs(x)
+        too_wide = self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
+        if too_wide if level.closed else distance > level.length:
+            raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+        frame = upright_frame(self.surface, level.at(distance), self.up)
+        size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
+        square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
+        return PlacedPiece(piece.glyph, square)
+
+    def _level(self, height: float, sign: float) -> SurfaceLine:
+        """The level line to the right, or with -1 to the left, so many mm above the middle."""
+        if (height, sign) not in self._levels:
+            climb = self._climb(math.copysign(1.0, height))
+            if abs(height) > climb.length:
+                raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+            frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
+            self._levels[height, sign] = self._walk(frame, (sign, 0.0))
+        return self._levels[height, sign]
+
+    def _climb(self, sign: float) -> SurfaceLine:
+        """The line straight up from the middle, or with -1 straight down."""
+        if sign not in self._climbs:
+            self._climbs[sign] = self._walk(self.middle, (0.0, sign))
+        return self._climbs[sign]
+
+    def _walk(self, start: SurfaceFrame, bearing: tuple[float, float]) -> SurfaceLine:
+        return walk(self.surface, start, self.up, bearing, None, walking_step(self.em_mm))
+
+
+def _corners(piece: Piece) -> tuple[tuple[float, float], tuple[float, float]]:
+    left, lower, right, upper = piece.glyph.box
+    return (left, lower), (right, upper)

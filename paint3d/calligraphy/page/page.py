@@ -1,0 +1,99 @@
+"""A flat page of pieces, in writing order: what fonts, drawings and files of strokes become."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from paint3d.calligraphy.glyphs import Box, Glyph
+from paint3d.errors import InputError
+
+__all__ = ["Composer", "Page", "Piece", "bounds_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A glyph on a page: a character, ink that hangs together, or an element of a drawing.
+
+    Attributes
+    ----------
+    glyph : Glyph
+        May stand on the page several times; it is planned once.
+    at : (float, float)
+        Where the middle of its box lies on the page, glyph units, y upwards.
+    """
+
+    glyph: Glyph
+    at: tuple[float, float]
+
+    @property
+    def box(self) -> Box:
+        """Its box on the page, glyph units."""
+        left, lower, right, upper = self.glyph.box
+        x, y = self.at
+        half_width, half_height = 0.5 * (right - left), 0.5 * (upper - lower)
+        return x - half_width, y - half_height, x + half_width, y + half_height
+
+
+@dataclass(frozen=True, eq=False)
+class Page:
+    """Pieces in writing order.
+
+    Attributes
+    ----------
+    pieces : tuple of Piece
+    source : str
+        Where their shapes are from, for reports.
+    licence : str
+        Whose shapes they are and under what licence.
+
+    Raises
+    ------
+    InputError
+        If there are no pieces, or none of them has a stroke.
+    """
+
+    pieces: tuple[Piece, ...]
+    source: str
+    licence: str
+
+    def __post_init__(self) -> None:
+        if not any(piece.glyph.strokes for piece in self.pieces):
+            raise InputError(f"{self.source}: there is nothing to write; expected strokes")
+
+    @property
+    def runs_down(self) -> bool:
+        """Of a page that is set already it does not matter."""
+        return False
+
+    @property
+    def bounds(self) -> Box:
+        """The box around all pieces, glyph units."""
+        return bounds_of(piece.box for piece in self.pieces)
+
+    def compose(self, room: float) -> Page:
+        """The page itself: it is set already."""
+        return self
+
+
+class Composer(Protocol):
+    """Something that is set as a page in the room that there is."""
+
+    @property
+    def runs_down(self) -> bool:
+        """Whether its lines are columns."""
+        ...
+
+    def compose(self, room: float) -> Page:
+        """The page with lines no longer than `room`, glyph units, where they can be broken.
+
+        It is the same page, not a copy, where the lines are broken alike.
+        """
+        ...
+
+
+def bounds_of(boxes: Iterable[Box]) -> Box:
+    """The box around boxes, of which there is at least one."""
+    left, lower, right, upper = zip(*boxes, strict=True)
+    return min(left), min(lower), max(right), max(upper)

@@ -1,0 +1,152 @@
+"""Strokes as a plain file between taking a shape apart and painting it: ``*.strokes.json``.
+
+Such a file is made to be looked at and corrected: strokes are split, joined, turned round, put in
+another order or left out with any editor, and painted by ``paint3d write --strokes``.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.core.arrays import as_array, as_number
+from paint3d.core.atomic import write_atomically
+from paint3d.errors import InputError
+
+__all__ = ["load_strokes", "save_strokes"]
+
+_FORMAT = "paint3d strokes 1"
+_DECIMALS = 3
+_MOST_BYTES = 200_000_000
+
+
+def save_strokes(page: Page, file: Path) -> None:
+    """Write a page.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written.
+    """
+    pieces = [_told_piece(piece) for piece in page.pieces]
+    head = {"format": _FORMAT, "source": page.source, "licence": page.licence}
+    lines = [f"{json.dumps(key)}: {json.dumps(head[key], ensure_ascii=False)}," for key in head]
+    told = ",\n".join(_piece_text(piece) for piece in pieces)
+    with write_atomically(file) as part:
+        text = "{\n" + "\n".join(lines) + f'\n"pieces": [\n{told}\n]\n}}\n'
+        part.write_text(text, encoding="utf-8")
+
+
+def _piece_text(piece: dict[str, Any]) -> str:
+    """A piece as JSON, one stroke a line."""
+    strokes = ",\n  ".join(json.dumps(stroke) for stroke in piece["strokes"])
+    head = json.dumps({k: v for k, v in piece.items() if k != "strokes"}, ensure_ascii=False)
+    return f'{head[:-1]}, "strokes": [\n  {strokes}\n]}}'
+
+
+def _told_piece(piece: Piece) -> dict[str, Any]:
+    glyph = piece.glyph
+    strokes = [_told_stroke(k + 1, stroke) for k, stroke in enumerate(glyph.strokes)]
+    return {
+        "text": glyph.text,
+        "at": _told(np.array(piece.at)),
+        "box": _told(np.array(glyph.box)),
+        "strokes": strokes,
+    }
+
+
+def _told_stroke(order: int, stroke: GlyphStroke) -> dict[str, Any]:
+    rings = [_told(ring) for ring in (stroke.outline, *stroke.holes)]
+    told: dict[str, Any] = {"order": order, "line": _told(stroke.median), "rings": rings}
+    return {**told, "dryness": list(stroke.dryness)} if stroke.dryness else told
+
+
+def _told(values: NDArray[np.float64]) -> Any:
+    return (np.round(values, _DECIMALS) + 0.0).tolist()
+
+
+def load_strokes(file: Path | str) -> Page:
+    """Read a page.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not such a page; the message says where.
+    """
+    path = Path(file)
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{path}: larger than {_MOST_BYTES:,} bytes; expected strokes")
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as cause:
+        raise InputError(f"{path}: {cause.strerror or cause}") from None
+    except (ValueError, RecursionError) as cause:
+        raise InputError(f"{path}: not JSON ({cause}); expected strokes") from None
+    if not isinstance(data, dict) or data.get("format") != _FORMAT:
+        raise InputError(f'{path}: expected an object with "format": "{_FORMAT}"')
+    known: dict[str, Glyph] = {}
+    pieces = [
+        _piece(piece, f"{path}: piece {k + 1}", known)
+        for k, piece in enumerate(_list(data, "pieces", f"{path}"))
+    ]
+    source, licence = (_text(data, key, f"{path}") for key in ("source", "licence"))
+    return Page(tuple(pieces), source, licence)
+
+
+def _piece(data: Any, name: str, known: dict[str, Glyph]) -> Piece:
+    """A piece; its glyph is one of those known already where it is the same."""
+    at = as_array(_list(data, "at", name), f"{name}: at", (2,))
+    key = json.dumps({**data, "at": None}, sort_keys=True)
+    if key not in known:
+        known[key] = _glyph(data, name)
+    return Piece(known[key], (float(at[0]), float(at[1])))
+
+
+def _glyph(data: dict[str, Any], name: str) -> Glyph:
+    strokes = _list(data, "strokes", name)
+    read = [_stroke(stroke, f"{name}, stroke {k + 1}") for k, stroke in enumerate(strokes)]
+    read.sort(key=lambda one: one[0])
+    box = as_array(_list(data, "box", name), f"{name}: box", (4,))
+    if not (box[2:] > box[:2]).all():
+        raise InputError(f"{name}: box is {box.tolist()}; expected left, lower, right, upper side")
+    left, lower, right, upper = box.tolist()
+    text = _text(data, "text", name)
+    return Glyph(text, tuple(stroke for _, stroke in read), (left, lower, right, upper))
+
+
+def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
+    """Its number in the order of writing, and the stroke."""
+    rings = [
+        as_array(ring, f"{name}: ring {k + 1}", (None, 2))
+        for k, ring in enumerate(_list(data, "rings", name))
+    ]
+    if not rings or min(map(len, rings)) < 3:
+        raise InputError(f"{name}: expected rings of 3 points or more, the outer one first")
+    line = as_array(_list(data, "line", name), f"{name}: line", (None, 2))
+    if len(line) < 2:
+        raise InputError(f"{name}: line has {len(line)} points; expected 2 or more")
+    dryness = as_array(data.get("dryness", []), f"{name}: dryness", (None,))
+    if ((dryness < 0.0) | (dryness > 1.0)).any():
+        raise InputError(f"{name}: dryness is {dryness.tolist()}; expected numbers from 0 to 1")
+    order = as_number(data.get("order"), f"{name}: order")
+    return order, GlyphStroke(rings[0], line, tuple(rings[1:]), tuple(dryness.tolist()))
+
+
+def _list(data: Any, key: str, name: str) -> list[Any]:
+    value = data.get(key) if isinstance(data, dict) else None
+    if not isinstance(value, list):
+        raise InputError(f"{name}: expected an object with a list named {key}")
+    return value
+
+
+def _text(data: dict[str, Any], key: str, name: str) -> str:
+    value = data.get(key)
+    if not isinstance(value, str):
+        raise InputError(f"{name}: {key} is {value!r}; expected text")
+    return value

@@ -1,0 +1,324 @@
+"""An SVG drawing as a page: what is filled is taken apart into strokes, what is stroked is one.
+
+Ink is ink: of colours only white counts, as paper that covers what lies below it. Elements whose
+boxes overlap are one piece, so that they lie on the object as they do on the page.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
+from paint3d.calligraphy.hand_packages import package_of_the_hand
+from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
+from paint3d.calligraphy.page.ink import (
+    as_multipolygon,
+    bezier_points,
+    fill_rings,
+    polygons_of,
+    rings_of,
+)
+from paint3d.calligraphy.page.page import Page, Piece, bounds_of
+from paint3d.calligraphy.page.svg_safety import check_svg
+from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
+__all__ = ["load_svg"]
+
+_LOG = logging.getLogger(__name__)
+_MOST_BYTES = 20_000_000
+_FLATNESS = 1.0 / 8192.0  # of the drawing's longer side
+_FAINT = 20  # of 255: an opacity below it is none
+_PAPER = 245  # of 255: what is lighter is paper
+_CAPS = {"round": "round", "square": "square"}
+_JOINS = {"round": "round", "bevel": "bevel"}
+_NOT_PAINTED = ("text", "image", "clipPath", "mask", "foreignObject")
+
+
+@dataclass(frozen=True, eq=False)
+class _Ink:
+    """One element's fill or stroke, in the drawing's unit, y downwards."""
+
+    name: str
+    shape: MultiPolygon
+    line: AnyArray | None  # of what is stroked, in the direction of its path
+    closed: bool = False
+    width: float = 0.0
+
+
+def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
+    """Read a drawing as a page whose longer side is 1024 units.
+
+    Parameters
+    ----------
+    file : path
+    ids : sequence of str
+        Only elements and groups of these names; by default all.
+
+    Raises
+    ------
+    InputError
+        If the file is no SVG, is not self-contained, has nothing to paint, or an id is not in it.
+    """
+    path = Path(file)
+    try:
+        data = path.read_bytes()
+    except OSError as cause:
+        raise InputError(f"{path}: {cause.strerror or cause}") from None
+    if len(data) > _MOST_BYTES:
+        raise InputError(f"{path}: {len(data):,} bytes; expected {_MOST_BYTES:,} at most")
+    root = check_svg(data, path.name)
+    inks = _covered(list(_read(data, path.name, ids)))
+    if not inks:
+        raise InputError(
+            f"{path}: nothing is filled or stroked; expected shapes (text has to be turned into "
+            "paths, pictures into drawings)"
+        )
+    tags = {element.tag.rpartition("}")[2] for element in root.iter()}
+    left_out = [tag for tag in _NOT_PAINTED if tag in tags]
+    if left_out:
+        _LOG.warning("%s: not painted: %s", path.name, ", ".join(left_out))
+    return Page(_pieces(inks), path.name, f"Drawing: {path.name}")
+
+
+# -- reading ------------------------------------------------------------------------------------
+
+
+def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
+    """The inks of a drawing in document order."""
+    svg = package_of_the_hand("svgelements")
+    try:
+        document = svg.SVG.parse(BytesIO(data), reify=True)
+    except Exception as cause:  # of its many kinds, none is documented
+        raise InputError(f"{name}: cannot be read ({cause}); expected SVG") from None
+    shapes = list(_chosen(document, set(ids), not ids, svg))
+    missing = [one for one in ids if one not in _names(document, svg)]
+    if missing:
+        known = ", ".join(sorted(_names(document, svg))[:12]) or "none"
+        raise InputError(f"{name}: no id {', '.join(map(repr, missing))}; it has {known}")
+    paths = [(svg.Path(shape), shape) for shape in shapes]
+    boxes = [box for path, _ in paths if (box := path.bbox()) is not None]
+    if not boxes:
+        return
+    left, upper, right, lower = bounds_of(boxes)
+    flatness = _FLATNESS * max(right - left, lower - upper, 1e-9)
+    for k, (path, shape) in enumerate(paths):
+        label = shape.id or f"element {k + 1}"
+        yield from _inks(list(_subpaths(path, flatness, svg)), shape, label)
+
+
+def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:
+    """The shapes below an element that are asked for, in document order."""
+    taken = taken or element.values.get("id") in ids
+    if isinstance(element, svg.Shape):
+        values = element.values
+        hidden = values.get("visibility") in ("hidden", "collapse")
+        if taken and not hidden and values.get("display") != "none":
+            yield element
+    elif isinstance(element, svg.Group | svg.Use):  # the document is a group, too
+        for child in element:
+            yield from _chosen(child, ids, taken, svg)
+
+
+def _names(element: Any, svg: Any) -> set[str]:
+    """All ids at and below an element."""
+    names = {element.values.get("id")} - {None}
+    if isinstance(element, svg.Group | svg.Use) and not isinstance(element, svg.Shape):
+        for child in element:
+            names |= _names(child, svg)
+    return names
+
+
+def _subpaths(path: Any, flatness: float, svg: Any) -> Iterator[tuple[AnyArray, bool]]:
+    """Every line of a path as points (N, 2), and whether it is closed."""
+    points: list[AnyArray] = []
+    for segment in path:
+        if isinstance(segment, svg.Move):
+            if len(points) > 1:
+                yield np.array(points), False
+            points = [_point(segment.end)]
+        elif isinstance(segment, svg.Close):
+            if len(points) > 1:
+                yield _opened(np.array(points)), True
+            points = points[:1]
+        else:
+            points.extend(_segment(segment, flatness, svg))
+    if len(points) > 1:
+        yield np.array(points), False
+
+
+def _segment(segment: Any, flatness: float, svg: Any) -> AnyArray:
+    """Points of a segment after its start."""
+    if isinstance(segment, svg.Arc):
+        radius = max(abs(segment.rx), abs(segment.ry), 1e-12)
+        step = 2.0 * np.arccos(max(0.0, 1.0 - flatness / radius))
+        n = int(min(max(4.0, np.ceil(abs(segment.sweep) / max(step, 1e-3))), 2000))
+        return np.array([_point(segment.point(t)) for t in np.linspace(0.0, 1.0, n + 1)[1:]])
+    names = ("start", "control", "control1", "control2", "end")
+    controls = [_point(p) for name in names if (p := getattr(segment, name, None)) is not None]
+    return bezier_points(np.array(controls), flatness)
+
+
+def _point(point: Any) -> AnyArray:
+    return np.array([point.x, point.y], np.float64)
+
+
+def _opened(points: AnyArray) -> AnyArray:
+    """A ring without its first point at its end."""
+    closes = len(points) > 2 and np.allclose(points[0], points[-1])
+    return np.array(points[:-1] if closes else points)
+
+
+def _inks(lines: list[tuple[AnyArray, bool]], shape: Any, name: str) -> Iterator[_Ink]:
+    """What an element fills and strokes; white covers what was there before."""
+    from shapely import LineString
+
+    if _is_seen(shape.fill):
+        rings = [points for points, _ in lines if len(points) > 2]
+        filled = fill_rings(rings, even_odd=shape.values.get("fill-rule") == "evenodd")
+        if not filled.is_empty:
+            yield _Ink(_paper(shape.fill) + name, filled, None)
+    width = float(shape.stroke_width or 0.0)
+    if not _is_seen(shape.stroke) or width <= 0.0:
+        return
+    cap = _CAPS.get(shape.values.get("stroke-linecap", ""), "flat")
+    join = _JOINS.get(shape.values.get("stroke-linejoin", ""), "mitre")
+    for points, closed in lines:
+        line = np.concatenate([points, points[:1]]) if closed else points
+        if np.ptp(line, axis=0).max() > 0.0:
+            band = LineString(line).buffer(0.5 * width, cap_style=cap, join_style=join)
+            label = _paper(shape.stroke) + name
+            yield _Ink(label, as_multipolygon(band), line, closed, width)
+
+
+def _is_seen(colour: Any) -> bool:
+    return colour is not None and colour.value is not None and (colour.alpha or 0) > _FAINT
+
+
+def _paper(colour: Any) -> str:
+    """A mark before the name of what is as white as paper."""
+    return "\0" if min(colour.red, colour.green, colour.blue) >= _PAPER else ""
+
+
+def _covered(inks: Sequence[_Ink]) -> list[_Ink]:
+    """The inks without what white elements above them cover."""
+    left: list[_Ink] = []
+    for ink in inks:
+        if not ink.name.startswith("\0"):
+            left.append(ink)
+            continue
+        cut = [
+            _Ink(one.name, as_multipolygon(one.shape.difference(ink.shape)), one.line, one.closed)
+            if one.shape.intersects(ink.shape)
+            else one
+            for one in left
+        ]
+        left = [one for one in cut if not one.shape.is_empty]
+    return left
+
+
+# -- strokes ------------------------------------------------------------------------------------
+
+
+def _pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
+    """The inks' strokes in glyph units, those whose boxes overlap together."""
+    from shapely import transform
+
+    left, upper, right, lower = bounds_of(ink.shape.bounds for ink in inks)
+    scale = EM_UNITS / max(right - left, lower - upper)
+    flip = np.array([scale, -scale])
+
+    def placed(points: AnyArray) -> AnyArray:
+        moved: AnyArray = (points - np.array([left, lower])) * flip
+        return moved
+
+    scaled = [
+        _Ink(
+            ink.name,
+            as_multipolygon(transform(ink.shape, placed)),
+            None if ink.line is None else placed(ink.line),
+            ink.closed,
+            scale * ink.width,
+        )
+        for ink in inks
+    ]
+    pieces = []
+    for group in _together(scaled):
+        box = bounds_of(ink.shape.bounds for ink in group)
+        strokes = tuple(stroke for ink in group for stroke in _strokes(ink))
+        if strokes:
+            glyph = Glyph(group[0].name, strokes, box)
+            pieces.append(Piece(glyph, glyph.middle))
+    return tuple(pieces)
+
+
+def _together(inks: Sequence[_Ink]) -> list[list[_Ink]]:
+    """Groups of inks whose boxes overlap, by their first ones."""
+    groups: list[list[_Ink]] = []
+    for ink in inks:
+        hits = [group for group in groups if _overlap(group, ink)]
+        for group in hits[1:]:
+            hits[0].extend(group)
+            groups.remove(group)
+        if hits:
+            hits[0].append(ink)
+        else:
+            groups.append([ink])
+    place = {id(ink): k for k, ink in enumerate(inks)}
+    return [sorted(group, key=lambda ink: place[id(ink)]) for group in groups]
+
+
+def _overlap(group: Sequence[_Ink], ink: _Ink) -> bool:
+    one, two = bounds_of(other.shape.bounds for other in group), ink.shape.bounds
+    across = one[0] < two[2] and two[0] < one[2]
+    return bool(across and one[1] < two[3] and two[1] < one[3])
+
+
+def _strokes(ink: _Ink) -> list[GlyphStroke]:
+    """The strokes of an ink, what is wider than the brush in bands."""
+    if ink.line is None:
+        taken = decompose(ink.shape)
+    elif len(ink.shape.geoms) == 1:
+        outer, holes = rings_of(ink.shape.geoms[0])
+        taken = [GlyphStroke(outer, _led_over(ink), tuple(holes))]
+    else:  # white has cut it
+        taken = decompose(ink.shape)
+    if not any(is_wide(stroke) for stroke in taken):
+        return taken
+    return _banded(ink, taken)
+
+
+def _banded(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:
+    from shapely import Polygon
+
+    strokes: list[GlyphStroke] = []
+    for stroke in taken:
+        if is_wide(stroke):
+            for area in polygons_of(Polygon(stroke.outline, stroke.holes).buffer(0.0)):
+                strokes += fill_in_bands(area)
+        else:
+            strokes.append(stroke)
+    return strokes
+
+
+def _led_over(ink: _Ink) -> AnyArray:
+    """The line of a stroke; one that closes is led over its start by half its width."""
+    assert ink.line is not None
+    if not ink.closed:
+        return ink.line
+    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ink.line, axis=0), axis=1))]
+    after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
+    last = [np.interp(0.5 * ink.width, way, ink.line[:, k]) for k in range(2)]
+    result: AnyArray = np.concatenate([ink.line, ink.line[after], [last]])
+    return result

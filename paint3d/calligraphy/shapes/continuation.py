@@ -1,0 +1,192 @@
+"""Which branches of a skeleton are one stroke: those that go on straight through a junction."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
+from paint3d.core.types import AnyArray
+
+__all__ = ["Chain", "End", "chains_of", "mates_of", "resampled", "turn_between"]
+
+_MOST_TURN = 50.0  # degrees, of two branches that are one stroke
+_DIRECTION_FROM, _DIRECTION_TO = 1.0, 3.0  # radii beyond a junction where directions are taken
+_OWN_TURN, _GAPS_TURN = 0.6, 0.4  # how both turns count
+_WIDTHS = 8.0  # degrees that a ratio of e between the widths costs
+_MOST_ENDS = 8  # at a junction, of which all pairings are tried
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a branch: how it leaves the junction that is there.
+
+    Attributes
+    ----------
+    branch : int
+        Its index.
+    side : int
+        0 for the first point of its line, 1 for the last.
+    way : (2,) float64
+        Unit vector away from the junction.
+    start : (2,) float64
+        Where the branch is clear of the junction.
+    width : float
+        Half of the branch's width there.
+    """
+
+    branch: int
+    side: int
+    way: NDArray[np.float64]
+    start: NDArray[np.float64]
+    width: float
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Branches that are one stroke, in order: their indices, and whether each is walked forward."""
+
+    links: tuple[tuple[int, bool], ...]
+    closed: bool = False
+
+
+def resampled(line: AnyArray, step: float, least: int = 2) -> NDArray[np.float64]:
+    """A line (N, 2) at even distances of about `step`, at `least` so many points."""
+    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    n = max(least, math.ceil(way[-1] / step) + 1) if way[-1] > 0.0 else least
+    at = np.linspace(0.0, way[-1], n)
+    return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
+
+
+def turn_between(one: AnyArray, two: AnyArray) -> float:
+    """The angle between two directions, degrees."""
+    size = float(np.linalg.norm(one) * np.linalg.norm(two))
+    return math.degrees(math.acos(min(1.0, max(-1.0, float(one @ two) / size)))) if size else 0.0
+
+
+def chains_of(
+    skeleton: Skeleton,
+    half_widths: Callable[[AnyArray], NDArray[np.float64]],
+    cost: Callable[[End, End], float] | None = None,
+) -> list[Chain]:
+    """Divide the branches of a skeleton into strokes.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    half_widths : callable
+        Distances of points (N, 2) to the edge.
+    cost : callable, optional
+        What is added to the turn of two ends (degrees) where they shall be one stroke.
+    """
+    mates = mates_of(skeleton, half_widths, cost)
+    used: set[int] = set()
+    chains = []
+    free = [(k, s) for k in range(len(skeleton.branches)) for s in (0, 1) if (k, s) not in mates]
+    for k, side in [*free, *((k, 0) for k in range(len(skeleton.branches)))]:
+        if k in used:
+            continue
+        links = [(k, side == 0)]
+        used.add(k)
+        tail = (k, 1 - side)
+        while tail in mates and mates[tail][0] not in used:
+            tail = mates[tail]
+            links.append((tail[0], tail[1] == 0))
+            used.add(tail[0])
+            tail = (tail[0], 1 - tail[1])
+        chains.append(Chain(tuple(links), closed=mates.get(tail) == (k, side)))
+    return chains
+
+
+def mates_of(
+    skeleton: Skeleton,
+    half_widths: Callable[[AnyArray], NDArray[np.float64]],
+    cost: Callable[[End, End], float] | None = None,
+) -> dict[tuple[int, int], tuple[int, int]]:
+    """Which end of a branch goes on in which other: (index, side) to (index, side)."""
+    ends: dict[int, list[tuple[int, int]]] = {}
+    for k, branch in enumerate(skeleton.branches):
+        for side in (0, 1):
+            ends.setdefault(branch.ends[side], []).append((k, side))
+    mates = {}
+    for number, here in ends.items():
+        if len(here) < 2 or number in skeleton.cuts:
+            continue
+        junction = skeleton.junctions[number]
+        leaving = [_end(skeleton.branches[k], k, side, junction, half_widths) for k, side in here]
+        limit = _MOST_TURN if len(here) > 2 else math.inf
+        prices = {}
+        for a, b in itertools.combinations(range(len(here)), 2):
+            price = _turning(leaving[a], leaving[b])
+            price += cost(leaving[a], leaving[b]) if cost is not None else 0.0
+            if price < limit:
+                prices[a, b] = price - (limit if math.isfinite(limit) else 400.0)
+        for a, b in _best_pairs(prices, len(here)):
+            mates[here[a]], mates[here[b]] = here[b], here[a]
+    return mates
+
+
+def _end(
+    branch: Branch,
+    index: int,
+    side: int,
+    junction: Junction,
+    half_widths: Callable[[AnyArray], NDArray[np.float64]],
+) -> End:
+    """How a branch leaves a junction, taken where it is clear of it."""
+    line = resampled(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
+    way = np.linspace(0.0, branch.length, len(line))
+    low = min(_DIRECTION_FROM * junction.radius, 0.4 * branch.length)
+    high = min(low + (_DIRECTION_TO - _DIRECTION_FROM) * junction.radius, branch.length)
+    part = line[(way >= low) & (way <= high)]
+    if len(part) < 2:
+        part = line[[0, -1]]
+    direction = np.linalg.svd(part - part.mean(axis=0), full_matrices=False)[2][0]
+    direction = -direction if direction @ (part[-1] - part[0]) < 0.0 else direction
+    width = float(half_widths(part[len(part) // 4 : len(part) // 4 + 1])[0])
+    return End(index, side, direction, part[0], width)
+
+
+def _turning(one: End, two: End) -> float:
+    """What it costs that one end goes on in another, degrees."""
+    own = turn_between(-one.way, two.way)
+    gap = two.start - one.start
+    if np.linalg.norm(gap) > 0.2 * (one.width + two.width):
+        across = 0.5 * (turn_between(-one.way, gap) + turn_between(two.way, gap))
+    else:
+        across = own
+    ratio = max(one.width, 1e-12) / max(two.width, 1e-12)
+    return _OWN_TURN * own + _GAPS_TURN * across + _WIDTHS * abs(math.log(ratio))
+
+
+def _best_pairs(prices: dict[tuple[int, int], float], n: int) -> list[tuple[int, int]]:
+    """Pairs of n ends, each in one pair at the most, whose prices (below 0) sum to the least."""
+    if n > _MOST_ENDS:
+        chosen: list[tuple[int, int]] = []
+        for pair in sorted(prices, key=lambda pair: (prices[pair], pair)):
+            if not any(set(pair) & set(other) for other in chosen):
+                chosen.append(pair)
+        return chosen
+    return _tried(tuple(range(n)), prices)[1]
+
+
+def _tried(
+    left: Sequence[int], prices: dict[tuple[int, int], float]
+) -> tuple[float, list[tuple[int, int]]]:
+    """The least sum of prices among the ends that are left, and its pairs."""
+    if len(left) < 2:
+        return 0.0, []
+    best = _tried(left[1:], prices)
+    for other in left[1:]:
+        price = prices.get((left[0], other))
+        if price is not None:
+            rest = tuple(k for k in left[1:] if k != other)
+            total, pairs = _tried(rest, prices)
+            if total + price < best[0] - 1e-12:
+                best = total + price, [(left[0], other), *pairs]
+    return best

@@ -1,0 +1,141 @@
+"""Corners where one stroke ends and the next begins, although the ink goes on.
+
+At the upper left of 口 two strokes begin, at its lower left and lower right one ends at the other:
+no straightness shows that, only the custom of writing. A stroke may turn at its upper right, and
+where no ring is closed also at its lower left (山) and with a hook at its lower right (月).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.shapes.continuation import resampled, turn_between
+from paint3d.calligraphy.shapes.skeleton import Branch, Skeleton
+from paint3d.calligraphy.shapes.triangles import Triangles
+from paint3d.core.types import AnyArray
+
+__all__ = ["cut_at_corners", "cut_branch"]
+
+_SHARP = 50.0  # degrees
+_NEAR, _FAR = 0.8, 3.0  # half widths beside a corner between which its legs are taken
+_LEAST = 2.2  # half widths from a corner to the branch's end
+_STEP = 0.25  # half widths between the places looked at
+_BEGINNING = (-105.0, -10.0)  # where a corner opens to, degrees: two strokes begin there
+_ENDING = (15.0, 160.0)  # and there one ends at another, if a ring closes
+_TRIES = 8  # corners of one branch
+
+
+def cut_at_corners(
+    skeleton: Skeleton,
+    triangles: Triangles,
+    half_widths: Callable[[AnyArray], NDArray[np.float64]],
+) -> None:
+    """Cut the branches of a skeleton at the corners where a stroke ends."""
+    waiting = list(skeleton.branches)
+    tries = _TRIES * len(waiting)
+    while waiting and tries > 0:
+        tries -= 1
+        branch = waiting.pop()
+        corner = _corner_of(branch, skeleton, half_widths)
+        if corner is not None:
+            waiting += cut_branch(skeleton, triangles, branch, *corner)
+
+
+def cut_branch(
+    skeleton: Skeleton, triangles: Triangles, branch: Branch, point: AnyArray, radius: float
+) -> list[Branch]:
+    """Cut a branch at the place of its line nearest to a point; a ring becomes one open branch."""
+    line = branch.line
+    at = int(np.argmin(np.linalg.norm(line - point, axis=1)))
+    at = min(max(at, 1), len(line) - 2)
+    if skeleton.is_ring(branch):
+        number = branch.ends[0]
+        skeleton.cuts.add(number)
+        skeleton.junctions[number].move_to(line[at], radius)
+        branch.line = np.concatenate([line[at:-1], line[: at + 1]])
+        return [branch]
+    number = skeleton.add(line[at], radius)
+    middles = triangles.points[triangles.corners[np.array(branch.cells, np.int64)]].mean(axis=1)
+    away = np.linalg.norm(middles[:, None] - line[None], axis=2)
+    first = np.argmin(away, axis=1) < at
+    gate = np.array([line[at], line[at]])
+    cells = np.array(branch.cells, np.int64)
+    one = Branch(
+        (branch.ends[0], number), line[: at + 1], cells[first].tolist(), (branch.gates[0], gate)
+    )
+    two = Branch(
+        (number, branch.ends[1]), line[at:], cells[~first].tolist(), (gate, branch.gates[1])
+    )
+    skeleton.branches[skeleton.branches.index(branch)] = one
+    skeleton.branches.append(two)
+    return [one, two]
+
+
+def _corner_of(
+    branch: Branch,
+    skeleton: Skeleton,
+    half_widths: Callable[[AnyArray], NDArray[np.float64]],
+) -> tuple[NDArray[np.float64], float] | None:
+    """The sharpest corner of a branch where a stroke ends, and its half width; or None."""
+    coarse = resampled(branch.line, branch.length / 16.0, 16)
+    half = float(np.median(half_widths(coarse)))
+    if not half > 0.0 or branch.length < 4.0 * half:
+        return None
+    points = resampled(branch.line, _STEP * half)
+    step = branch.length / (len(points) - 1)
+    near, far = max(1, round(_NEAR * half / step)), max(2, round(_FAR * half / step))
+    ring = skeleton.is_ring(branch)
+    margin = 0 if ring else max(near + 1, round(_LEAST * half / step))
+    places = range(margin, len(points) - margin)
+    legs = {k: [_leg(points, k, sign, near, far, ring) for sign in (-1, 1)] for k in places}
+    turns = {k: turn_between(-one, two) for k, (one, two) in legs.items()}
+    for k in sorted(places, key=lambda k: -turns[k]):
+        if turns[k] <= _SHARP:
+            return None
+        around = (turns.get(k + d, 0.0) for d in range(-far, far + 1))
+        if turns[k] >= max(around) and _ends_a_stroke(legs[k], branch, skeleton):
+            return points[k], half
+    return None
+
+
+def _leg(
+    points: AnyArray, k: int, sign: int, near: int, far: int, ring: bool
+) -> NDArray[np.float64]:
+    """Unit vector from a corner along one of its legs."""
+    at = np.array([k + sign * near, k + sign * far])
+    at = at % (len(points) - 1) if ring else np.clip(at, 0, len(points) - 1)
+    way = points[at[1]] - points[at[0]]
+    size = float(np.linalg.norm(way))
+    if size <= 0.0:
+        way, size = points[at[1]] - points[k], float(np.linalg.norm(points[at[1]] - points[k]))
+    result: NDArray[np.float64] = way / size if size > 0.0 else np.zeros(2)
+    return result
+
+
+def _ends_a_stroke(legs: list[NDArray[np.float64]], branch: Branch, skeleton: Skeleton) -> bool:
+    opening = legs[0] + legs[1]
+    angle = math.degrees(math.atan2(opening[1], opening[0]))
+    if _BEGINNING[0] <= angle <= _BEGINNING[1]:
+        return True
+    return _ENDING[0] <= angle <= _ENDING[1] and _closes_a_ring(branch, skeleton)
+
+
+def _closes_a_ring(branch: Branch, skeleton: Skeleton) -> bool:
+    """Whether both ends of a branch are joined by others too."""
+    start, goal = branch.ends
+    reached, waiting = {start}, [start]
+    while waiting:
+        here = waiting.pop()
+        if here == goal:
+            return True
+        for other in skeleton.branches:
+            if other is not branch and here in other.ends:
+                beyond = other.ends[1] if other.ends[0] == here else other.ends[0]
+                if beyond not in reached:
+                    reached.add(beyond)
+                    waiting.append(beyond)
+    return start == goal

@@ -1,0 +1,184 @@
+"""Taking an ink shape apart into strokes, each with its region and its centre line."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.shapes.bands import bands_of, is_wide
+from paint3d.calligraphy.shapes.continuation import Chain, chains_of
+from paint3d.calligraphy.shapes.corners import cut_at_corners
+from paint3d.calligraphy.shapes.regions import Ink, Piece, piece_of, shared_out
+from paint3d.calligraphy.shapes.skeleton import skeleton_of
+from paint3d.calligraphy.shapes.transfer import (
+    fits,
+    in_known_order,
+    label_chains,
+    lay_over,
+)
+from paint3d.calligraphy.shapes.triangles import triangulate
+from paint3d.calligraphy.shapes.writing_order import directed, in_writing_order
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon, Polygon
+
+__all__ = ["decompose"]
+
+_SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
+_GRID = 2.0**32  # points to the size of a shape
+_COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
+_SHORTEST = 0.25  # of a dot's width: its line
+_JOINED = 0.65  # of the known strokes: a shape that has fewer joins them
+
+
+def decompose(
+    outline: MultiPolygon, *, template: Glyph | None = None, widest: float | None = None
+) -> list[GlyphStroke]:
+    """The strokes that an ink shape is made of, in order and direction of writing.
+
+    Parameters
+    ----------
+    outline : shapely.MultiPolygon
+        Any unit, y upwards.
+    template : Glyph, optional
+        The strokes of the character where it is known, in any frame: their order and direction
+        are carried onto the shape. Where the shape joins its strokes, as running hands do, or
+        is another character, its own strokes stay, in the order and direction of those that they
+        lie upon.
+    widest : float, optional
+        How wide the brush is, in the unit of the outline: what is wider becomes bands.
+
+    Returns
+    -------
+    list of GlyphStroke
+        In the frame of the outline. Their regions together are the shape, but for specks of less
+        than a hundredth of the square of a stroke's mean width.
+
+    Raises
+    ------
+    InputError
+        If the outline has no area.
+    """
+    parts = _parts(outline)
+    low = np.array(outline.bounds[:2])
+    size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
+    even = [_evened(part, low, size) for part in parts]
+    pieces = _pieces_of(even, template)
+    if widest is not None:
+        pieces = [band for piece in pieces for band in _narrow(piece, widest / size)]
+    return [_stroke(piece, low, size) for piece in pieces]
+
+
+def _narrow(piece: Piece, widest: float) -> list[Piece]:
+    """A stroke as it is, or as bands where it is wider than the brush."""
+    if not is_wide(piece, widest):
+        return [piece]
+    bands = [_by_shape(_ink_of(part)) for part in bands_of(piece, widest)]
+    return [Piece(directed(one.line), one.region) for band in bands for one in band]
+
+
+def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
+    """A polygon from 0 to 1, on a grid so fine that none sees it: where it was does not matter."""
+    import shapely
+
+    return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
+
+
+def _pieces_of(parts: list[Polygon], template: Glyph | None) -> list[Piece]:
+    """The strokes of connected shapes, in order and direction of writing."""
+    if template is None or not template.strokes:
+        return in_writing_order([piece for part in parts for piece in _by_shape(_ink_of(part))])
+    shapes = [_by_shape(_ink_of(part)) for part in parts]
+    inks = [_ink_of(part) for part in parts]
+    known = lay_over([stroke.median for stroke in template.strokes], inks, _width(parts))
+    joins = sum(map(len, shapes)) < _JOINED * known.count
+    told = [label_chains(ink, known) for ink in inks]
+    if joins or not fits(inks, known, told):
+        free = [(piece, None) for pieces in shapes for piece in pieces]
+        return in_known_order(free, known)
+    pairs = zip(inks, told, strict=True)
+    return in_known_order([x for ink, chains in pairs for x in _by_template(ink, chains)], known)
+
+
+def _width(parts: list[Polygon]) -> float:
+    """Mean width of the strokes of all parts."""
+    import shapely
+
+    areas, lengths = (sum(map(size, parts)) for size in (shapely.area, shapely.length))
+    return float(2.0 * areas / lengths)
+
+
+def _ink_of(part: Polygon) -> Ink:
+    triangles = triangulate(part)
+    return Ink(triangles, skeleton_of(triangles))
+
+
+def _parts(outline: MultiPolygon) -> list[Polygon]:
+    """The connected polygons of a shape without specks, from the left, then from the top."""
+    import shapely
+
+    valid = outline if shapely.is_valid(outline) else shapely.make_valid(outline)
+    parts = shapely.get_parts(shapely.get_parts(valid))
+    parts = [part for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
+    if not parts:
+        raise InputError("the outline has no area; expected a shape to fill")
+    least = _SPECK * _width(parts) ** 2
+    kept = [part for part in parts if part.area >= least]
+    return sorted(kept, key=lambda part: (part.bounds[0], -part.bounds[3], part.area))
+
+
+def _by_shape(ink: Ink) -> list[Piece]:
+    """The strokes of one connected shape, by what it looks like alone."""
+    if _is_dot(ink):
+        return [Piece(_axis(ink), ink.shape)]
+    cut_at_corners(ink.skeleton, ink.triangles, ink.half_widths)
+    chains = chains_of(ink.skeleton, ink.half_widths)
+    if not chains:
+        return [Piece(_axis(ink), ink.shape)]
+    return shared_out([piece_of(chain, ink) for chain in chains], ink)
+
+
+def _by_template(ink: Ink, told: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
+    """The strokes of one connected shape as those of a known character."""
+    if not told or _is_dot(ink):
+        return [(Piece(_axis(ink), ink.shape), None)]
+    pieces = shared_out([piece_of(chain, ink) for chain, _ in told], ink)
+    return [(piece, stroke) for piece, (_, stroke) in zip(pieces, told, strict=True)]
+
+
+def _is_dot(ink: Ink) -> bool:
+    """Whether a shape is so compact that it has no direction of its own."""
+    shape = ink.shape
+    return not shape.interiors and bool(4.0 * math.pi * shape.area > _COMPACT * shape.length**2)
+
+
+def _axis(ink: Ink) -> NDArray[np.float64]:
+    """A line along a dot, half a width from both its ends."""
+    import shapely
+
+    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(ink.shape))
+    sides = np.diff(corners[:3], axis=0)
+    sizes = np.linalg.norm(sides, axis=1)
+    long = int(np.argmax(sizes))
+    middle = ink.shape.centroid
+    middle = middle if ink.shape.contains(middle) else ink.shape.representative_point()
+    reach = max(sizes[long] - sizes[1 - long], _SHORTEST * sizes[1 - long])
+    along = 0.5 * reach * sides[long] / sizes[long]
+    centre = np.array(middle.coords[0])
+    line = shapely.LineString([centre - along, centre + along])
+    inside = line.intersection(ink.shape)
+    longest = max(shapely.get_parts(inside), key=lambda part: part.length)
+    return np.array(longest.coords)
+
+
+def _stroke(piece: Piece, low: NDArray[np.float64], size: float) -> GlyphStroke:
+    """A piece as a stroke of the outline's frame: rings without their last point."""
+    region = piece.region
+    rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
+    outer, line, *holes = (low + size * points for points in (rings[0], piece.line, *rings[1:]))
+    return GlyphStroke(outer, line, tuple(holes))

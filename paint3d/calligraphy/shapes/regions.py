@@ -1,0 +1,191 @@
+"""The line and the region of each stroke, from the branches that it is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.centre_line import smoothed
+from paint3d.calligraphy.shapes.continuation import Chain, resampled
+from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton, length_of
+from paint3d.calligraphy.shapes.triangles import Triangles
+from paint3d.core.types import AnyArray
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+__all__ = ["Ink", "Piece", "line_of", "piece_of", "shared_out"]
+
+_LEFT_OUT, _LEFT_OUT_SHARE = 0.9, 0.35  # radii and share of a branch: straight through a junction
+_CALM = 0.35  # half widths that lines are smoothed over
+_STEP = 0.25  # half widths between the points of a line
+_LEAST_CALM = 0.02
+_SWELL = 1.03  # how much wider than the line's half width a junction is swept
+_OVERLAP = 0.06  # half widths that regions reach beyond their triangles
+_NONE = 1e-9  # of the ink: areas that are not there
+
+
+@dataclass(frozen=True, eq=False)
+class Ink:
+    """One connected shape with its triangles and its skeleton."""
+
+    triangles: Triangles
+    skeleton: Skeleton
+
+    @property
+    def shape(self) -> Polygon:
+        """The polygon."""
+        return self.triangles.shape
+
+    @cached_property
+    def edge(self) -> Polygon:
+        """The rings around it."""
+        return self.shape.boundary
+
+    def half_widths(self, points: AnyArray) -> NDArray[np.float64]:
+        """Distances of points (N, 2) to the edge."""
+        import shapely
+
+        result: NDArray[np.float64] = shapely.distance(shapely.points(points), self.edge)
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One stroke: its line (N, 2) and its region."""
+
+    line: NDArray[np.float64]
+    region: Polygon
+
+
+def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
+    """The line of a stroke; through junctions it goes straight."""
+    parts, n = [], len(chain.links)
+    for k, (index, forward) in enumerate(chain.links):
+        branch = ink.skeleton.branches[index]
+        line = branch.away_from(0 if forward else 1)
+        ends = branch.ends if forward else branch.ends[::-1]
+        radii = [ink.skeleton.junctions[number].radius for number in ends]
+        most = _LEFT_OUT_SHARE * branch.length
+        cut = [min(_LEFT_OUT * radius, most) for radius in radii]
+        way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+        low = cut[0] if k > 0 or (chain.closed and n > 1) else 0.0
+        high = way[-1] - (cut[1] if k + 1 < n or (chain.closed and n > 1) else 0.0)
+        parts.append(_between(line, way, low, high))
+    joined = np.concatenate(parts)
+    return np.concatenate([joined, joined[:1]]) if chain.closed and n > 1 else joined
+
+
+def _between(line: AnyArray, way: AnyArray, low: float, high: float) -> NDArray[np.float64]:
+    ends = [[np.interp(at, way, line[:, k]) for k in range(2)] for at in (low, high)]
+    inner = line[(way > low) & (way < high)]
+    return np.concatenate([ends[:1], inner, ends[1:]])
+
+
+def piece_of(chain: Chain, ink: Ink) -> Piece:
+    """The smoothed line of a stroke, and what is its own: triangles along it and at junctions."""
+    import shapely
+
+    line = line_of(chain, ink)
+    half = max(
+        float(np.median(ink.half_widths(resampled(line, 0.02 * length_of(line) + 1e-12, 8)))), 1e-9
+    )
+    cells: list[int] = []
+    sweeps = []
+    degrees = ink.skeleton.degrees()
+    for index, _ in chain.links:
+        branch = ink.skeleton.branches[index]
+        cells += branch.cells
+        for side, number in enumerate(branch.ends):
+            junction = ink.skeleton.junctions[number]
+            if not ink.skeleton.is_shared(number, degrees):
+                cells += junction.cells
+            else:
+                sweeps.append(_swept(branch.away_from(side), junction, line, ink))
+    region = ink.triangles.region(sorted(set(cells))) if cells else shapely.Polygon()
+    grown = region.buffer(_OVERLAP * half, join_style="mitre")
+    region = shapely.union_all([grown, *sweeps]).intersection(ink.shape)
+    return Piece(_calmed(line, half, region), region)
+
+
+def _swept(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) -> Polygon:
+    """What a stroke of the branch's width sweeps along its line near a junction."""
+    import shapely
+
+    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(branch, axis=0), axis=1))]
+    clear = min(1.2 * junction.radius, 0.5 * way[-1])
+    outside = np.array([[np.interp(clear, way, branch[:, k]) for k in range(2)]])
+    half = float(min(ink.half_widths(outside)[0], junction.radius))
+    near = shapely.union_all([shapely.Point(p).buffer(1.2 * r) for p, r in junction.members])
+    path = shapely.LineString(line).intersection(near)
+    return path.buffer(max(_SWELL * half, 1e-12))
+
+
+def _calmed(line: AnyArray, half: float, region: Polygon) -> NDArray[np.float64]:
+    """Smooth a line as far as it stays in its region."""
+    import shapely
+
+    step = min(_STEP * half, length_of(line) / 8.0)
+    even = resampled(line, max(step, 1e-12), 4)
+    shapely.prepare(region)
+    calm = _CALM
+    while calm > _LEAST_CALM:
+        points = smoothed(even, calm * half / step)
+        if region.covers(shapely.LineString(points)):
+            return points
+        calm *= 0.5
+    return even if region.covers(shapely.LineString(even)) else line
+
+
+def shared_out(pieces: Sequence[Piece], ink: Ink) -> list[Piece]:
+    """Make every region one polygon, and what no stroke has to the one it touches most."""
+    import shapely
+
+    regions = [_along(piece.region, piece.line) for piece in pieces]
+    tiny = _NONE * ink.shape.area
+    for _ in range(3):
+        rest = ink.shape.difference(shapely.union_all(regions))
+        lost = [part for part in shapely.get_parts(rest) if part.area > tiny]
+        if not lost:
+            break
+        for part in lost:
+            reach = 1e-3 * float(np.sqrt(part.area)) + 1e-9 * ink.shape.length
+            rim = part.buffer(reach, join_style="mitre")
+            touch = [float(rim.intersection(region).area) for region in regions]
+            k = int(np.argmax(touch))
+            joined = shapely.union_all([regions[k], rim.intersection(ink.shape)])
+            regions[k] = _along(joined, pieces[k].line)
+    return [
+        Piece(_within(piece.line, region), region)
+        for piece, region in zip(pieces, regions, strict=True)
+    ]
+
+
+def _along(region: Polygon, line: AnyArray) -> Polygon:
+    """The polygon of a region that has most of a line in it."""
+    import shapely
+
+    parts = [part for part in shapely.get_parts(region) if part.geom_type == "Polygon"]
+    way = shapely.LineString(line)
+    inside = [(float(part.intersection(way).length), float(part.area)) for part in parts]
+    return parts[inside.index(max(inside))]
+
+
+def _within(line: AnyArray, region: Polygon) -> NDArray[np.float64]:
+    """The longest piece of a line that lies in a region."""
+    import shapely
+
+    way = shapely.LineString(line)
+    if region.covers(way):
+        return line
+    inside = shapely.line_merge(region.intersection(way))
+    parts = [part for part in shapely.get_parts(inside) if part.geom_type == "LineString"]
+    longest = max(parts, key=lambda part: part.length, default=way)
+    kept = np.array(longest.coords)
+    along = (kept[-1] - kept[0]) @ (line[-1] - line[0])
+    return kept if along >= 0.0 else kept[::-1]

@@ -1,0 +1,109 @@
+"""A shape as triangles between its edges, and which of them lie beside which.
+
+The edges are sampled so closely that a triangle reaches across the stroke it lies in: those with
+one neighbour end a stroke, those with two lie along it, and where three meet, strokes do (the
+chordal axis of Prasad, 1997).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+__all__ = ["Triangles", "mean_width", "triangulate"]
+
+_SAMPLES = 8.0  # of the edge, to a stroke's width
+_MOST_SAMPLES = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """A constrained Delaunay triangulation of a polygon with holes.
+
+    Attributes
+    ----------
+    shape : shapely.Polygon
+        What is triangulated, with its sampled edges.
+    points : (P, 2) float64
+    corners : (T, 3) int64
+    neighbours : (T, 3) int64
+        The triangle beyond the edge from corner k to corner k + 1, -1 where the shape ends.
+    """
+
+    shape: Polygon
+    points: NDArray[np.float64]
+    corners: NDArray[np.int64]
+    neighbours: NDArray[np.int64]
+
+    def degrees(self) -> NDArray[np.int64]:
+        """How many neighbours each has (T,)."""
+        result: NDArray[np.int64] = (self.neighbours >= 0).sum(axis=1)
+        return result
+
+    def edge(self, triangle: int, k: int) -> NDArray[np.float64]:
+        """Corner k of a triangle and the next (2, 2)."""
+        result: NDArray[np.float64] = self.points[self.corners[triangle, [k, (k + 1) % 3]]]
+        return result
+
+    def middle_of_edge(self, triangle: int, k: int) -> NDArray[np.float64]:
+        """Half-way between corner k of a triangle and the next."""
+        result: NDArray[np.float64] = self.edge(triangle, k).mean(axis=0)
+        return result
+
+    def middle(self, triangle: int) -> NDArray[np.float64]:
+        """The circumcentre; of an obtuse triangle the middle of its longest edge."""
+        corners = self.points[self.corners[triangle]]
+        edges = np.roll(corners, -1, axis=0) - corners
+        squares = np.sum(edges**2, axis=1)
+        longest = int(np.argmax(squares))
+        if 2.0 * squares[longest] >= squares.sum():
+            return self.middle_of_edge(triangle, longest)
+        # barycentric coordinates of the circumcentre, by the edges opposite to the corners
+        opposite = np.roll(squares, -1)
+        weights = opposite * (squares.sum() - 2.0 * opposite)
+        result: NDArray[np.float64] = weights @ corners / weights.sum()
+        return result
+
+    def region(self, triangles: AnyArray | list[int]) -> Polygon:
+        """The union of some triangles."""
+        import shapely
+
+        corners = self.points[self.corners[np.asarray(triangles, np.int64)]]
+        rings = np.concatenate([corners, corners[:, :1]], axis=1)
+        return shapely.coverage_union_all(shapely.polygons(rings))
+
+
+def mean_width(shape: Polygon) -> float:
+    """The mean width of the strokes of a shape: twice its area by its perimeter."""
+    return 2.0 * float(shape.area) / float(shape.length)
+
+
+def triangulate(shape: Polygon) -> Triangles:
+    """Sample the edges of a polygon and divide it into triangles."""
+    import shapely
+
+    step = max(mean_width(shape) / _SAMPLES, float(shape.length) / _MOST_SAMPLES)
+    dense = shapely.segmentize(shape, step)
+    parts = shapely.get_parts(shapely.constrained_delaunay_triangles(dense))
+    corners = shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3]
+    points, index = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
+    index = index.reshape(-1, 3)
+    return Triangles(dense, points, index, _neighbours(index))
+
+
+def _neighbours(corners: AnyArray) -> NDArray[np.int64]:
+    ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
+    one, two = order[:-1][same], order[1:][same]
+    beyond = np.full(len(ends), -1, np.int64)
+    beyond[one], beyond[two] = two // 3, one // 3
+    return beyond.reshape(-1, 3)

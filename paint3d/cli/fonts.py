@@ -1,0 +1,43 @@
+"""List the fonts of this system that can be written with."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "list the fonts that can be written with"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    parser.add_argument(
+        "text", metavar="TEXT", nargs="?", default="", help="only fonts that have its characters"
+    )
+    parser.add_argument("--files", action="store_true", help="also say where each face is kept")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print families and their styles, or every face with its file.
+
+    Raises
+    ------
+    InputError
+        If fontconfig is not there to be asked, or no font has the characters.
+    """
+    from paint3d.calligraphy.fonts.system_fonts import list_fonts
+    from paint3d.errors import InputError
+
+    fonts = list_fonts(options.text)
+    if not fonts:
+        what = f" with {options.text!r}" if options.text else ""
+        raise InputError(f"no font of outlines{what} on this system; expected one (or --font FILE)")
+    if options.files:
+        lines = [f"{font.family} {font.style}\t{font.path}" for font in fonts]
+    else:
+        styles: dict[str, list[str]] = {}
+        for font in fonts:
+            styles.setdefault(font.family, []).append(font.style)
+        lines = [f"{name}: {', '.join(dict.fromkeys(styles[name]))}" for name in styles]
+    sys.stdout.write("\n".join(lines) + "\n")

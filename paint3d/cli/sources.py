@@ -1,0 +1,203 @@
+"""What `paint3d write` writes: a text in known characters or in a font, a drawing, or strokes."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from paint3d.calligraphy.fonts.typesetting import FontText
+    from paint3d.calligraphy.page.page import Composer
+    from paint3d.calligraphy.writing import Written
+
+__all__ = ["STROKES_FILE", "add_source_options", "check_source", "open_page", "save_written"]
+
+STROKES_FILE = (".strokes.json",)
+
+_OF_A_FONT = ("font_number", "features", "variation", "direction", "language")
+
+
+def add_source_options(parser: argparse.ArgumentParser) -> None:
+    """Add what is written instead of a text, and the file that its strokes are kept in."""
+    _add_font_options(parser)
+    parser.add_argument(
+        "--svg", metavar="FILE", type=Path, help="write a drawing instead of a text"
+    )
+    parser.add_argument(
+        "--ids",
+        metavar="A,B",
+        type=_parse_names,
+        help="of the drawing, only the elements and groups with these ids",
+    )
+    parser.add_argument(
+        "--strokes",
+        metavar="FILE",
+        type=Path,
+        help="write what --save-strokes kept (.strokes.json), as it may have been corrected",
+    )
+    parser.add_argument(
+        "--save-strokes",
+        metavar="FILE",
+        type=Path,
+        help="also keep the strokes of a font's text or a drawing in a plain file (.strokes.json)",
+    )
+
+
+def _add_font_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--font",
+        metavar="FONT",
+        help="write the text in a font: a .ttf, .otf or .ttc, or a name that `paint3d fonts` lists",
+    )
+    parser.add_argument(
+        "--font-number",
+        metavar="N",
+        type=parse_number,
+        help="which face of a .ttc, from 0 (default: 0)",
+    )
+    parser.add_argument(
+        "--features",
+        metavar="TAG=N,...",
+        type=_parse_features,
+        help="features of the font, such as liga=0,ss01",
+    )
+    parser.add_argument(
+        "--variation",
+        metavar="AXIS=V,...",
+        type=_parse_variation,
+        help="of a variable font, such as wght=700",
+    )
+    parser.add_argument(
+        "--direction",
+        choices=("ltr", "rtl", "ttb"),
+        help="of the font's lines (default: as the text begins; ttb with --layout columns)",
+    )
+    parser.add_argument(
+        "--language", metavar="CODE", help="of the text, such as ar, sr, ja: fonts may heed it"
+    )
+
+
+def parse_number(text: str) -> int:
+    """A whole number, 0 or more."""
+    if not (text.isascii() and text.isdigit() and len(text) < 7):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number; expected 0 or more")
+    return int(text)
+
+
+def _parse_features(text: str) -> dict[str, int]:
+    """Tags of four letters with a number; alone 1, with a minus before it 0."""
+    features = {}
+    for part in text.split(","):
+        tag, _, number = part.strip().partition("=")
+        value = number or ("0" if tag.startswith("-") else "1")
+        tag = tag.lstrip("+-")
+        if len(tag) != 4 or not tag.isascii() or not value.isdigit():
+            raise argparse.ArgumentTypeError(f"{part!r}; expected a feature such as liga=0")
+        features[tag] = int(value)
+    return features
+
+
+def _parse_variation(text: str) -> dict[str, float]:
+    values = {}
+    for part in text.split(","):
+        tag, _, number = part.strip().partition("=")
+        try:
+            values[tag] = float(number)
+        except ValueError:
+            values[tag] = math.nan
+        if len(tag) != 4 or not math.isfinite(values[tag]):
+            raise argparse.ArgumentTypeError(f"{part!r}; expected an axis such as wght=700")
+    return values
+
+
+def _parse_names(text: str) -> list[str]:
+    names = [name.strip() for name in text.split(",")]
+    if not all(names):
+        raise argparse.ArgumentTypeError(f"{text!r}; expected names, such as leaf,stem")
+    return names
+
+
+def check_source(options: argparse.Namespace) -> None:
+    """Refuse options that do not go together, before any work.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to write, more than one thing, or an option of another one.
+    """
+    given = [
+        name
+        for name, value in (
+            ("a text", options.text),
+            ("--svg", options.svg),
+            ("--strokes", options.strokes),
+        )
+        if value is not None
+    ]
+    if len(given) != 1:
+        got = " and ".join(given) or "nothing to write"
+        raise InputError(f"got {got}; expected one of TEXT, --svg FILE and --strokes FILE")
+    if options.ids is not None and options.svg is None:
+        raise InputError("--ids is given without a drawing; expected --svg FILE")
+    if options.font is not None and options.text is None:
+        raise InputError("--font is given without a text; expected TEXT")
+    if options.save_strokes is not None and options.svg is None and options.font is None:
+        raise InputError(
+            "--save-strokes is given without a font or a drawing; expected --font or --svg"
+        )
+    for name in _OF_A_FONT if options.font is None else ():
+        if getattr(options, name) is not None:
+            option = name.replace("_", "-")
+            raise InputError(f"--{option} is given without a font; expected --font FONT")
+
+
+def open_page(options: argparse.Namespace) -> Composer | None:
+    """The page that is to be written; None where it is a text in known characters.
+
+    Raises
+    ------
+    InputError
+        If a font, a drawing or a file of strokes cannot be used.
+    """
+    if options.svg is not None:
+        from paint3d.calligraphy.page.svg_drawing import load_svg
+
+        return load_svg(options.svg, options.ids or ())
+    if options.strokes is not None:
+        from paint3d.calligraphy.page.strokes_file import load_strokes
+
+        return load_strokes(options.strokes)
+    return _open_text(options) if options.font is not None else None
+
+
+def _open_text(options: argparse.Namespace) -> FontText:
+    """The text in a font; the strokes of characters are known from a folder or `kanjivg`."""
+    from paint3d.calligraphy.fonts.font_file import open_font
+    from paint3d.calligraphy.fonts.shaping import Style
+    from paint3d.calligraphy.fonts.typesetting import set_text
+    from paint3d.calligraphy.glyph_sources import open_glyphs
+    from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+
+    known = options.glyphs is not None or find_kanjivg() is not None
+    templates = open_glyphs(options.glyphs) if known else None
+    font = open_font(options.font, options.font_number or 0, options.variation)
+    style = Style(options.features or {}, options.direction, options.language)
+    return set_text(options.text, font, style, templates, options.layout)
+
+
+def save_written(written: Written, file: Path) -> None:
+    """Keep the strokes of what was written, as it was composed.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written.
+    """
+    from paint3d.calligraphy.page.strokes_file import save_strokes
+
+    assert written.page is not None
+    save_strokes(written.page, file)

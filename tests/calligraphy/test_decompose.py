@@ -1,0 +1,191 @@
+"""Shapes taken apart into strokes: what holds for all of them, and what is known of some."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+import shapely.affinity
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapely import LineString, MultiPolygon, Point, Polygon, box
+
+from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.errors import InputError
+from tests.support.found_strokes import joined, region_of, score
+
+NOTHING = MultiPolygon()
+
+
+def ink(*shapes):
+    """Shapes as one."""
+    whole = shapely.union_all(list(shapes))
+    return MultiPolygon([part for part in shapely.get_parts(whole) if part.area > 0.0])
+
+
+@st.composite
+def scribbles(draw):
+    """Up to four strokes of several widths, which may cross, touch and close on themselves."""
+    place = st.tuples(st.integers(0, 100), st.integers(0, 100))
+    shapes = []
+    for _ in range(draw(st.integers(1, 4))):
+        points = draw(st.lists(place, min_size=2, max_size=4, unique=True))
+        shapes.append(LineString(points).buffer(draw(st.floats(2.0, 7.0)), quad_segs=6))
+    return ink(*shapes)
+
+
+@given(scribbles())
+@settings(deadline=None, max_examples=40)
+def test_regions_together_are_the_ink(shape):
+    regions = [region_of(stroke) for stroke in decompose(shape)]
+    assert all(region.geom_type == "Polygon" for region in regions)
+    assert shapely.union_all(regions).symmetric_difference(shape).area < 1e-6 * shape.area
+
+
+@given(scribbles())
+@settings(deadline=None, max_examples=40)
+def test_lines_lie_in_their_regions(shape):
+    for stroke in decompose(shape):
+        assert len(stroke.median) >= 2
+        outside = LineString(stroke.median).difference(region_of(stroke).buffer(1e-6))
+        assert outside.length < 1e-6
+
+
+@given(scribbles(), st.sampled_from([2.0**-20, 0.125, 1024.0]), st.integers(-64, 64))
+@settings(deadline=None, max_examples=25)
+def test_place_and_size_do_not_matter(shape, scale, away):
+    strokes = decompose(shape)
+    moved = decompose(shapely.transform(shape, lambda points: scale * (points + away)))
+    assert len(moved) == len(strokes)
+    for one, two in zip(strokes, moved, strict=True):
+        back = shapely.transform(region_of(two), lambda points: points / scale - away)
+        assert back.symmetric_difference(region_of(one)).area < 1e-3 * shape.area
+
+
+@given(scribbles())
+@settings(deadline=None, max_examples=25)
+def test_the_same_shape_gives_the_same_strokes(shape):
+    for one, two in zip(decompose(shape), decompose(shape), strict=True):
+        assert np.array_equal(one.outline, two.outline)
+        assert np.array_equal(one.median, two.median)
+
+
+def test_a_cross_is_two_strokes_that_share_the_middle():
+    level, upright = box(0, 45, 100, 55), box(45, 0, 55, 100)
+    strokes = decompose(ink(level, upright))
+    assert len(strokes) == 2
+    for stroke, bar in zip(strokes, (level, upright), strict=True):
+        region = region_of(stroke)
+        assert region.intersection(bar).area / region.union(bar).area > 0.95
+    first, second = (s.median[-1] - s.median[0] for s in strokes)
+    assert first[0] > 80.0, "the level one first, to the right"
+    assert second[1] < -80.0, "then downwards"
+
+
+def test_a_frame_is_written_in_three_strokes():
+    """As the character for mouth: its left side, its top with the right one, its bottom."""
+    frame = ink(box(0, 0, 100, 100).difference(box(10, 10, 90, 90)))
+    left, fold, bottom = decompose(frame)
+    assert np.ptp(left.median[:, 0]) < 10 < 80 < left.median[0, 1] - left.median[-1, 1]
+    assert fold.median[-1, 0] - fold.median[0, 0] > 80 < fold.median[0, 1] - fold.median[-1, 1]
+    assert np.ptp(bottom.median[:, 1]) < 10 < 80 < bottom.median[-1, 0] - bottom.median[0, 0]
+
+
+def test_a_round_letter_is_one_closed_stroke_with_a_hole():
+    (stroke,) = decompose(ink(Point(0, 0).buffer(50, 32).difference(Point(0, 0).buffer(40, 32))))
+    assert len(stroke.holes) == 1
+    assert np.array_equal(stroke.median[0], stroke.median[-1])
+    assert np.hypot(*stroke.median.T) == pytest.approx(45.0, abs=0.5)
+    assert stroke.median[0, 1] == pytest.approx(45.0, abs=1.0), "begun at its top"
+
+
+@pytest.mark.parametrize("shape", [Point(3, 4).buffer(2.0), box(0, 0, 3, 2), box(0, 0, 2, 2)])
+def test_a_dot_is_a_stroke(shape):
+    (stroke,) = decompose(ink(shape))
+    assert region_of(stroke).symmetric_difference(shape).area < 1e-7
+    assert shape.covers(LineString(stroke.median))
+
+
+def test_specks_are_left_out():
+    strokes = decompose(ink(box(0, 0, 100, 10), Point(50, 30).buffer(0.3)))
+    assert len(strokes) == 1
+
+
+def test_nothing_is_refused():
+    with pytest.raises(InputError, match="no area"):
+        decompose(NOTHING)
+
+
+def known(text):
+    return open_glyphs(None).load(text)
+
+
+@pytest.mark.parametrize("text", "永世目和国")
+def test_known_strokes_come_back_in_their_order(text):
+    glyph = known(text)
+    result = score(decompose(joined(glyph.strokes), template=glyph), glyph.strokes)
+    assert result.found >= 0.8
+    assert result.tau == pytest.approx(1.0)
+    assert result.direction == 1.0
+
+
+@given(
+    turn=st.floats(-0.12, 0.12),
+    wide=st.floats(0.8, 1.25),
+    slant=st.floats(-0.15, 0.15),
+    text=st.sampled_from("木大王田"),
+)
+@settings(deadline=None, max_examples=25)
+def test_another_drawing_of_a_character_takes_its_strokes(turn, wide, slant, text):
+    """Turned, wider, slanted, elsewhere and of another size: order and direction are the same."""
+    cosine, sine = math.cos(turn), math.sin(turn)
+    change = np.array([[cosine, -sine], [sine, cosine]]) @ np.array([[wide, slant], [0.0, 1.0]])
+    glyph = known(text)
+    strokes = [
+        GlyphStroke(0.01 * s.outline @ change.T + 7.0, 0.01 * s.median @ change.T + 7.0)
+        for s in glyph.strokes
+    ]
+    result = score(decompose(joined(strokes), template=glyph), strokes)
+    assert result.count == 0
+    assert result.found >= 0.75
+    assert result.tau == pytest.approx(1.0)
+    assert result.direction == 1.0
+
+
+def test_a_shape_that_joins_strokes_keeps_its_own():
+    """Where a hand runs three strokes together, they are not torn apart."""
+    path = [(0, 100), (100, 100), (0, 50), (100, 50), (0, 0), (100, 0)]
+    shape = ink(LineString(path).buffer(5.0))
+    assert len(decompose(shape, template=known("三"))) < 3
+    forward = decompose(shape, template=known("三"))[0].median
+    assert forward[0, 1] > forward[-1, 1]
+
+
+def test_a_template_without_strokes_is_none():
+    shape = ink(box(0, 45, 100, 55), box(45, 0, 55, 100))
+    bare = decompose(shape, template=Glyph("?", ()))
+    assert [len(s.outline) for s in bare] == [len(s.outline) for s in decompose(shape)]
+
+
+def test_a_polygon_that_crosses_itself_is_mended():
+    bow = MultiPolygon([Polygon([(0, 0), (10, 10), (10, 0), (0, 10)])])
+    assert sum(region_of(stroke).area for stroke in decompose(bow)) >= 49.9
+
+
+@given(st.floats(5.0, 30.0), st.floats(0.0, 3.0))
+@settings(deadline=None, max_examples=25)
+def test_what_is_wider_than_the_brush_is_filled_in_bands(widest, turn):
+    leaf = Point(0, 0).buffer(40, 16).intersection(Point(30, 0).buffer(40, 16))
+    leaf = shapely.affinity.rotate(leaf, turn, use_radians=True)
+    strokes = decompose(ink(leaf), widest=widest)
+    assert len(strokes) >= 50.0 / widest
+    regions = [region_of(stroke) for stroke in strokes]
+    assert shapely.union_all(regions).symmetric_difference(leaf).area < 1e-6 * leaf.area
+    for stroke, region in zip(strokes, regions, strict=True):
+        assert 2.0 * shapely.maximum_inscribed_circle(region).length <= 1.001 * widest
+        assert LineString(stroke.median).difference(region.buffer(1e-6)).length < 1e-6
+    assert len(decompose(ink(leaf), widest=100.0)) == 1

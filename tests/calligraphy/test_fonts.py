@@ -1,0 +1,147 @@
+"""Text in fonts: its direction, its lines, its glyphs, and the pieces they become."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paint3d.calligraphy.fonts.bidi import base_level, levels_of, visual_order
+from paint3d.calligraphy.fonts.font_file import open_font
+from paint3d.calligraphy.fonts.line_breaks import break_line
+from paint3d.calligraphy.fonts.shaping import Shaper, Style
+from paint3d.calligraphy.fonts.typesetting import FontText, set_text
+from paint3d.calligraphy.page.laying import lay_page
+from paint3d.errors import InputError
+from paint3d.files.load import load_mesh
+from paint3d.mesh.closest_points import ClosestPoints
+
+pytest.importorskip("uharfbuzz")
+pytest.importorskip("fontTools")
+
+
+@cache
+def dejavu():
+    places = [Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")]
+    try:
+        import matplotlib
+
+        places.append(Path(matplotlib.get_data_path(), "fonts/ttf/DejaVuSans.ttf"))
+    except ImportError:
+        pass
+    found = [place for place in places if place.exists()]
+    if not found:
+        pytest.skip("DejaVu Sans is not there")
+    return open_font(found[0])
+
+
+def texts(text, order="row", room=math.inf, **style):
+    page = set_text(text, dejavu(), Style(**style), None, order).compose(room)
+    return [piece.glyph.text for piece in page.pieces]
+
+
+@pytest.mark.parametrize(
+    ("text", "levels"),
+    [
+        ("ab", "00"),
+        ("אב", "11"),
+        ("אב 12", "11122"),
+        ("ab אב cd", "00011000"),
+        ("אב ab 3.5", "111222222"),
+        ("a (b)", "00000"),
+        ("سلام 12", "1111122"),
+    ],
+)
+def test_levels_of_mixed_lines(text, levels) -> None:
+    assert "".join(map(str, levels_of(text, base_level(text)))) == levels
+
+
+def test_runs_are_put_in_visual_order() -> None:
+    assert visual_order([0, 1, 0]) == [0, 1, 2]
+    assert visual_order([1, 2, 1]) == [2, 1, 0]
+    assert visual_order([0, 1, 2, 1]) == [0, 3, 2, 1]
+
+
+def test_lines_are_broken_between_words_and_ideographs() -> None:
+    text = "one two-three"
+    assert break_line(text, [1.0] * len(text), 8) == ["one two-", "three"]
+    assert break_line(text, [1.0] * len(text), 3) == ["one", "two-", "three"]
+    assert break_line("永和。九年", [1.0] * 5, 2) == ["永", "和。", "九年"]
+    assert break_line("永「和九」", [1.0] * 5, 2) == ["永", "「和", "九」"]
+
+
+def test_letters_stand_on_their_baseline_in_reading_order() -> None:
+    page = set_text("Ag", dejavu(), Style(), None, None).compose(math.inf)
+    first, second = page.pieces
+    assert [first.glyph.text, second.glyph.text] == ["A", "g"]
+    assert first.at[0] < second.at[0]
+    assert first.at[1] == pytest.approx(second.at[1]), "boxes hang on the middle of the line"
+    lowest = [min(s.outline[:, 1].min() for s in p.glyph.strokes) for p in page.pieces]
+    assert lowest[0] == pytest.approx(0.0, abs=1.0)
+    assert lowest[1] < -150.0
+
+
+def test_marks_follow_their_body() -> None:
+    strokes = set_text("i", dejavu(), Style(), None, None).compose(math.inf).pieces[0].glyph.strokes
+    highest = [stroke.outline[:, 1].max() for stroke in strokes]
+    assert len(strokes) == 2
+    assert highest[0] < highest[1], "the dot is last"
+
+
+def test_arabic_is_joined_and_runs_to_the_left() -> None:
+    page = set_text("سلام", dejavu(), Style(), None, None).compose(math.inf)
+    assert [piece.glyph.text for piece in page.pieces] == ["سلا", "م"]
+    assert page.pieces[0].at[0] > page.pieces[1].at[0]
+
+
+def test_words_of_another_direction_run_their_own_way() -> None:
+    page = set_text("ab אב", dejavu(), Style(), None, None).compose(math.inf)
+    assert [piece.glyph.text for piece in page.pieces] == ["a", "b", "א", "ב"]
+    x = [piece.at[0] for piece in page.pieces]
+    assert x[0] < x[1] < x[3] < x[2]
+
+
+def test_columns_run_down_and_lines_break_to_the_room() -> None:
+    page = set_text("ab", dejavu(), Style(), None, "columns").compose(math.inf)
+    assert page.pieces[0].at[1] > page.pieces[1].at[1]
+    text = FontText("ab cd", dejavu())
+    whole, broken = text.compose(math.inf), text.compose(1500.0)
+    assert whole is not broken
+    assert text.compose(1e9) is whole
+    assert broken.pieces[2].at[1] < broken.pieces[0].at[1]
+    assert broken.pieces[0].glyph is whole.pieces[0].glyph
+
+
+def test_features_are_heeded() -> None:
+    shaped = {on: len(Shaper(dejavu(), Style({"liga": on})).shape("fi")) for on in (0, 1)}
+    assert shaped == {0: 2, 1: 1}
+
+
+def test_pieces_lie_level_and_apart_as_on_the_page() -> None:
+    surface = ClosestPoints(load_mesh("vase"))
+    page, placed = lay_page(surface, FontText("HH HH", dejavu()), 12.0)
+    origins = np.array([piece.square.chart.frame.origin for piece in placed])
+    assert np.ptp(origins[:, 2]) < 0.2
+    ways = np.linalg.norm(np.diff(origins, axis=0), axis=1)
+    wanted = 12.0 / 1024.0 * np.diff([piece.at[0] for piece in page.pieces])
+    np.testing.assert_allclose(ways, wanted, rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: FontText("a永b", dejavu()), r"no glyph for '永' \(U\+6C38\)"),
+        (lambda: FontText(" ", dejavu()), "the text is empty"),
+        (lambda: FontText("a", dejavu(), Style(direction="up")), "direction is 'up'"),
+        (lambda: open_font("nowhere.ttf"), "no such file"),
+        (lambda: open_font(__file__), "not a font"),
+        (lambda: open_font(dejavu().path, 3), "no face 3"),
+        (lambda: open_font(dejavu().path, 0, {"wght": 700.0}), "no axis 'wght'"),
+    ],
+)
+def test_what_cannot_be_written_is_said(make, words) -> None:
+    with pytest.raises(InputError, match=words):
+        make()

@@ -1,0 +1,168 @@
+"""Strokes in a plain file, and drawings that become such."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from shapely import Polygon, unary_union
+
+from paint3d.calligraphy.page.bands import WIDEST
+from paint3d.calligraphy.page.ink import fill_rings
+from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
+from paint3d.calligraphy.page.svg_drawing import load_svg
+from paint3d.errors import InputError
+
+pytest.importorskip("svgelements")
+
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">'
+
+
+def draw(tmp_path, body, head=HEAD):
+    file = tmp_path / "a.svg"
+    file.write_text(f"{head}{body}</svg>", encoding="utf-8")
+    return file
+
+
+def ink(page):
+    """The area of all strokes together, square units."""
+    strokes = [stroke for piece in page.pieces for stroke in piece.glyph.strokes]
+    return unary_union([Polygon(s.outline, s.holes).buffer(0.0) for s in strokes])
+
+
+def test_a_stroked_path_is_the_way_itself(tmp_path) -> None:
+    body = (
+        '<style>.a{fill:none;stroke:#000;stroke-width:2}</style><g transform="scale(2)">'
+        '<path class="a" d="M0 0L100 0"/><path class="a" d="M100 50L0 50"/></g>'
+    )
+    page = load_svg(draw(tmp_path, body))
+    first, second = (piece.glyph.strokes[0] for piece in page.pieces)
+    assert first.median[0, 0] < first.median[-1, 0]
+    assert second.median[0, 0] > second.median[-1, 0]
+    assert first.median[0, 1] > second.median[0, 1], "y is upwards"
+    width = np.ptp(first.outline[:, 1])
+    assert width == pytest.approx(2.0 / 100.0 * 1024.0)
+
+
+def test_arc_flags_may_stand_without_separators(tmp_path) -> None:
+    body = '<path fill="none" stroke="#000" d="M0 0a10 10 0 0110 10"/>'
+    one = load_svg(draw(tmp_path, body))
+    two = load_svg(draw(tmp_path, body.replace("0 0110 10", "0 0 1 10 10")))
+    lines = [page.pieces[0].glyph.strokes[0].median for page in (one, two)]
+    np.testing.assert_allclose(*lines)
+
+
+def test_fill_rules_transforms_and_uses(tmp_path) -> None:
+    square = "M0 0h40v40h-40zM10 10h20v20h-20z"
+    body = (
+        f'<defs><path id="p" d="{square}"/></defs><use xlink:href="#p" fill-rule="evenodd"/>'
+        '<g transform="translate(60 0)"><use xlink:href="#p" id="full"/></g>'
+    )
+    file = draw(tmp_path, body)
+    scale = (1024.0 / 100.0) ** 2
+    assert ink(load_svg(file)).area == pytest.approx(scale * (1600 - 400 + 1600), rel=0.02)
+    alone = load_svg(file, ["full"])
+    assert ink(alone).area == pytest.approx(1024.0**2, rel=0.02)
+    assert len(alone.pieces[0].glyph.strokes) > 1024.0 / WIDEST, "in bands"
+
+
+def test_white_covers_what_lies_below_it(tmp_path) -> None:
+    body = '<rect width="100" height="10"/><rect fill="white" x="40" width="20" height="10"/>'
+    page = load_svg(draw(tmp_path, body))
+    assert ink(page).area == pytest.approx(0.8 * 1024.0 * 102.4, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("head", "body", "words"),
+    [
+        ('<!DOCTYPE svg [<!ENTITY a "b">]>' + HEAD, "<g/>", "declares entities"),
+        (HEAD, '<use xlink:href="http://a.b/c.svg#d"/>', "outside of itself"),
+        (HEAD, "<style>@import url(a.css);</style>", "outside of itself"),
+        (HEAD, '<g id="a"><use xlink:href="#a"/></g>', "uses itself"),
+        (HEAD, "<text>hi</text>", "nothing is filled or stroked"),
+        (HEAD, "<g>", "not well-formed"),
+        ("<html>", "", "not well-formed|expected svg"),
+    ],
+)
+def test_bad_drawings_are_refused(tmp_path, head, body, words) -> None:
+    with pytest.raises(InputError, match=words):
+        load_svg(draw(tmp_path, body, head))
+
+
+def test_uses_cannot_explode(tmp_path) -> None:
+    body = '<rect id="a0" width="1" height="1"/>' + "".join(
+        f'<g id="a{k}">' + f'<use xlink:href="#a{k - 1}"/>' * 10 + "</g>" for k in range(1, 9)
+    )
+    with pytest.raises(InputError, match="elements; expected"):
+        load_svg(draw(tmp_path, body))
+
+
+def test_unknown_ids_are_named(tmp_path) -> None:
+    with pytest.raises(InputError, match="no id 'root'; it has leaf"):
+        load_svg(draw(tmp_path, '<rect id="leaf" width="9" height="1"/>'), ["root"])
+
+
+def test_a_file_gives_back_what_was_kept(tmp_path) -> None:
+    body = (
+        '<circle cx="5" cy="5" r="4" fill="none" stroke="#000"/><rect x="20" width="9" height="1"/>'
+    )
+    page = load_svg(draw(tmp_path, body))
+    file = tmp_path / "a.strokes.json"
+    save_strokes(page, file)
+    again = load_strokes(file)
+    assert (again.source, again.licence) == (page.source, page.licence)
+    for one, two in zip(page.pieces, again.pieces, strict=True):
+        np.testing.assert_allclose(one.box, two.box, atol=1e-3)
+        for a, b in zip(one.glyph.strokes, two.glyph.strokes, strict=True):
+            np.testing.assert_allclose(a.outline, b.outline, atol=1e-3)
+            np.testing.assert_allclose(a.median, b.median, atol=1e-3)
+            assert len(a.holes) == len(b.holes)
+    assert len(again.pieces[0].glyph.strokes[0].holes) == 1
+    kept = file.read_bytes()
+    save_strokes(again, file)
+    assert file.read_bytes() == kept
+
+
+STROKE = {"order": 1, "line": [[0, 0], [9, 0]], "rings": [[[0, -1], [9, -1], [9, 1], [0, 1]]]}
+PIECE = {"text": "a", "at": [0, 0], "box": [0, -1, 9, 1], "strokes": [STROKE]}
+FILE = {"format": "paint3d strokes 1", "source": "s", "licence": "l", "pieces": [PIECE]}
+
+
+def test_strokes_are_written_by_their_numbers(tmp_path) -> None:
+    other = {**STROKE, "order": 0.5, "line": [[9, 0], [0, 0]], "dryness": [0, 1]}
+    file = tmp_path / "a.strokes.json"
+    file.write_text(json.dumps({**FILE, "pieces": [{**PIECE, "strokes": [STROKE, other]}]}))
+    strokes = load_strokes(file).pieces[0].glyph.strokes
+    assert [stroke.median[0, 0] for stroke in strokes] == [9, 0]
+    assert strokes[0].dryness == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"format": "2"}, "expected an object with"),
+        ({"pieces": []}, "nothing to write"),
+        ({"pieces": [3]}, "piece 1: expected an object with a list named at"),
+        ({"pieces": [{**PIECE, "box": [0, 0, 0, 0]}]}, "piece 1: box is"),
+        ({"pieces": [{**PIECE, "strokes": [{**STROKE, "rings": []}]}]}, "stroke 1: expected rings"),
+        ({"pieces": [{**PIECE, "strokes": [{**STROKE, "line": [[0, 0]]}]}]}, "line has 1 points"),
+        ({"pieces": [{**PIECE, "strokes": [{**STROKE, "order": "x"}]}]}, "order is 'x'"),
+        ({"pieces": [{**PIECE, "strokes": [{**STROKE, "dryness": [2]}]}]}, "from 0 to 1"),
+        ({"licence": 3}, "licence is 3"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path, change, words) -> None:
+    file = tmp_path / "a.strokes.json"
+    file.write_text(json.dumps({**FILE, **change}), encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        load_strokes(file)
+
+
+def test_rings_are_filled_by_how_often_they_go_around() -> None:
+    outer, inner = (np.array([[a, a], [b, a], [b, b], [a, b]], float) for a, b in ((0, 10), (2, 4)))
+    assert fill_rings([outer, inner]).area == pytest.approx(100.0)
+    assert fill_rings([outer, inner[::-1]]).area == pytest.approx(96.0)
+    assert fill_rings([outer, inner], even_odd=True).area == pytest.approx(96.0)
+    bow = np.array([[0, 0], [10, 10], [10, 0], [0, 10]], float)
+    assert fill_rings([bow]).area == pytest.approx(50.0)
