@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 import shapely
-import shapely.affinity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import LineString, MultiPolygon, Point, Polygon, box
@@ -174,18 +173,3 @@ def test_a_template_without_strokes_is_none():
 def test_a_polygon_that_crosses_itself_is_mended():
     bow = MultiPolygon([Polygon([(0, 0), (10, 10), (10, 0), (0, 10)])])
     assert sum(region_of(stroke).area for stroke in decompose(bow)) >= 49.9
-
-
-@given(st.floats(5.0, 30.0), st.floats(0.0, 3.0))
-@settings(deadline=None, max_examples=25)
-def test_what_is_wider_than_the_brush_is_filled_in_bands(widest, turn):
-    leaf = Point(0, 0).buffer(40, 16).intersection(Point(30, 0).buffer(40, 16))
-    leaf = shapely.affinity.rotate(leaf, turn, use_radians=True)
-    strokes = decompose(ink(leaf), widest=widest)
-    assert len(strokes) >= 50.0 / widest
-    regions = [region_of(stroke) for stroke in strokes]
-    assert shapely.union_all(regions).symmetric_difference(leaf).area < 1e-6 * leaf.area
-    for stroke, region in zip(strokes, regions, strict=True):
-        assert 2.0 * shapely.maximum_inscribed_circle(region).length <= 1.001 * widest
-        assert LineString(stroke.median).difference(region.buffer(1e-6)).length < 1e-6
-    assert len(decompose(ink(leaf), widest=100.0)) == 1

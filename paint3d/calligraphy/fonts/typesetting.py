@@ -18,6 +18,7 @@ from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece, bounds_of
 from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
@@ -28,6 +29,7 @@ __all__ = ["FontText", "is_written_down", "set_text"]
 
 _COLUMN_SCRIPTS = ("CJK UNIFIED", "CJK COMPATIBILITY", "HIRAGANA", "KATAKANA", "BOPOMOFO")
 _COLUMN_PITCH, _LEAST_PITCH = 1.15, 1.0  # ems from column to column; of lines at least
+_TAUGHT = WHOLE | {"Latn", "Grek", "Cyrl", "Zyyy"}  # scripts whose strokes may be known
 _MIRROR = np.array([-1.0, 1.0])
 _ROUNDING = 3  # decimals of glyph units by which bodies are known again
 
@@ -150,10 +152,10 @@ class FontText:
 
     def _template(self, body: Body, text: str) -> Glyph | None:
         """The strokes of a character that is known; none of what is joined of several."""
-        known = len(body.glyphs) == 1 and len(text) == 1 and body.glyphs[0].script in WHOLE
-        if not known or self.templates is None or not self.templates.has(text):
+        single = len(body.glyphs) == 1 and len(text) == 1
+        if not single or self.templates is None or body.glyphs[0].script not in _TAUGHT:
             return None
-        return self.templates.load(text)
+        return known_strokes(self.templates, text)
 
 
 def _taken_apart(part: MultiPolygon, template: Glyph | None, is_rtl: bool) -> list[GlyphStroke]:

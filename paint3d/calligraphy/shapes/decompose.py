@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.shapes.bands import bands_of, is_wide
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.regions import Ink, Piece, piece_of, shared_out
@@ -21,7 +20,7 @@ from paint3d.calligraphy.shapes.transfer import (
     lay_over,
 )
 from paint3d.calligraphy.shapes.triangles import triangulate
-from paint3d.calligraphy.shapes.writing_order import directed, in_writing_order
+from paint3d.calligraphy.shapes.writing_order import in_writing_order
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -33,12 +32,9 @@ _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
 _GRID = 2.0**32  # points to the size of a shape
 _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
 _SHORTEST = 0.25  # of a dot's width: its line
-_JOINED = 0.65  # of the known strokes: a shape that has fewer joins them
 
 
-def decompose(
-    outline: MultiPolygon, *, template: Glyph | None = None, widest: float | None = None
-) -> list[GlyphStroke]:
+def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[GlyphStroke]:
     """The strokes that an ink shape is made of, in order and direction of writing.
 
     Parameters
@@ -50,8 +46,6 @@ def decompose(
         are carried onto the shape. Where the shape joins its strokes, as running hands do, or
         is another character, its own strokes stay, in the order and direction of those that they
         lie upon.
-    widest : float, optional
-        How wide the brush is, in the unit of the outline: what is wider becomes bands.
 
     Returns
     -------
@@ -68,18 +62,7 @@ def decompose(
     low = np.array(outline.bounds[:2])
     size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
     even = [_evened(part, low, size) for part in parts]
-    pieces = _pieces_of(even, template)
-    if widest is not None:
-        pieces = [band for piece in pieces for band in _narrow(piece, widest / size)]
-    return [_stroke(piece, low, size) for piece in pieces]
-
-
-def _narrow(piece: Piece, widest: float) -> list[Piece]:
-    """A stroke as it is, or as bands where it is wider than the brush."""
-    if not is_wide(piece, widest):
-        return [piece]
-    bands = [_by_shape(_ink_of(part)) for part in bands_of(piece, widest)]
-    return [Piece(directed(one.line), one.region) for band in bands for one in band]
+    return [_stroke(piece, low, size) for piece in _pieces_of(even, template)]
 
 
 def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
@@ -93,16 +76,15 @@ def _pieces_of(parts: list[Polygon], template: Glyph | None) -> list[Piece]:
     """The strokes of connected shapes, in order and direction of writing."""
     if template is None or not template.strokes:
         return in_writing_order([piece for part in parts for piece in _by_shape(_ink_of(part))])
-    shapes = [_by_shape(_ink_of(part)) for part in parts]
     inks = [_ink_of(part) for part in parts]
     known = lay_over([stroke.median for stroke in template.strokes], inks, _width(parts))
-    joins = sum(map(len, shapes)) < _JOINED * known.count
     told = [label_chains(ink, known) for ink in inks]
-    if joins or not fits(inks, known, told):
-        free = [(piece, None) for pieces in shapes for piece in pieces]
-        return in_known_order(free, known)
-    pairs = zip(inks, told, strict=True)
-    return in_known_order([x for ink, chains in pairs for x in _by_template(ink, chains)], known)
+    if fits(inks, known, told):
+        pairs = zip(inks, told, strict=True)
+        mine = [x for ink, one in pairs for x in _by_template(ink, one.chains)]
+    else:
+        mine = [(piece, None) for part in parts for piece in _by_shape(_ink_of(part))]
+    return in_known_order(mine, known)
 
 
 def _width(parts: list[Polygon]) -> float:

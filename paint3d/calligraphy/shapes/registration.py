@@ -19,7 +19,7 @@ from paint3d.core.types import AnyArray
 __all__ = ["register", "tangents_of"]
 
 _SIDE = 900.0  # the larger side of what is laid over, in the units of the lengths below
-_MOST_POINTS, _LEAST_STEP = 200, 14.0
+_MOST_POINTS, _LEAST_STEP = 120, 14.0
 _SIGHTS = (110.0, 80.0, 60.0, 45.0, 34.0, 26.0, 20.0, 15.0, 12.0)
 _COARSE = 24.0  # sights above it move all strokes together, others each nearly for itself
 _REACH, _OWN_REACH = 170.0, 90.0  # how far a point takes others along

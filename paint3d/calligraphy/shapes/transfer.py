@@ -20,7 +20,7 @@ from paint3d.calligraphy.shapes.registration import register, tangents_of
 from paint3d.calligraphy.shapes.skeleton import Branch, length_of
 from paint3d.core.types import AnyArray
 
-__all__ = ["KnownStrokes", "fits", "in_known_order", "label_chains", "lay_over"]
+__all__ = ["KnownStrokes", "Told", "fits", "in_known_order", "label_chains", "lay_over"]
 
 _STEP = 0.25  # widths between the points that are given to strokes
 _ACROSS = 1.5  # widths that a stroke at right angles seems farther away
@@ -31,6 +31,8 @@ _TOGETHER, _ASUNDER = -90.0, 400.0  # degrees, for ends of the same stroke and o
 _SPUR = 1.5  # widths: what a stroke has besides its longest part is no part of it below that
 _AWAY = 0.25  # widths: the mean distance up to which a shape is the known character
 _THERE = 0.9  # of the known strokes, that it must have
+_SMOOTH = 35.0  # degrees: no corner
+_TORN = 0.15  # of the known strokes: more smooth lines are not torn for them
 _SAMPLE = 6.0  # points of the known lines to a width
 
 
@@ -107,17 +109,15 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
     )
 
 
-def fits(
-    inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Sequence[tuple[Chain, int]]]
-) -> bool:
+def fits(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> bool:
     """Whether a shape is a drawing of the known character, by how the lines lie upon it.
 
     Parameters
     ----------
     inks : sequence of Ink
     known : KnownStrokes
-    told : sequence of sequences
-        What `label_chains` gives for each ink.
+    told : sequence of Told
+        Of each ink.
     """
     away = total = 0.0
     for ink in inks:
@@ -125,14 +125,32 @@ def fits(
             line = resampled(branch.line, _STEP * known.width, 3)
             away += branch.length * known.residual(line)
             total += branch.length
-    strokes = {stroke for chains in told for _, stroke in chains}
-    dots = sum(not chains for chains in told)
+    strokes = {stroke for part in told for _, stroke in part.chains}
+    dots = sum(not part.chains for part in told)
+    if sum(part.torn for part in told) > _TORN * known.count:
+        return False
     return away <= _AWAY * total and len(strokes) + dots >= _THERE * known.count
 
 
-def label_chains(ink: Ink, known: KnownStrokes) -> list[tuple[Chain, int]]:
-    """Divide a part's branches among known strokes: chains, each with the number of its stroke."""
-    _cut_where_strokes_change(ink, known)
+@dataclass(frozen=True, eq=False)
+class Told:
+    """A part's branches divided among known strokes.
+
+    Attributes
+    ----------
+    chains : list of (Chain, int)
+        Each with the number of its stroke.
+    torn : int
+        How many smooth lines had to be cut: a hand that writes them means one stroke.
+    """
+
+    chains: list[tuple[Chain, int]]
+    torn: int
+
+
+def label_chains(ink: Ink, known: KnownStrokes) -> Told:
+    """Divide a part's branches among known strokes."""
+    torn = _cut_where_strokes_change(ink, known)
     labels = [_label(branch, known) for branch in ink.skeleton.branches]
 
     def cost(one: End, two: End) -> float:
@@ -144,11 +162,12 @@ def label_chains(ink: Ink, known: KnownStrokes) -> list[tuple[Chain, int]]:
     longest = {
         k: max(n for n, (_, j) in zip(lengths, told, strict=True) if j == k) for _, k in told
     }
-    return [
+    kept = [
         entry
         for entry, length in zip(told, lengths, strict=True)
         if length >= min(_SPUR * known.width, longest[entry[1]])
     ]
+    return Told(kept, torn)
 
 
 def _label(branch: Branch, known: KnownStrokes) -> int:
@@ -157,7 +176,9 @@ def _label(branch: Branch, known: KnownStrokes) -> int:
     return int(np.argmin(inner.sum(axis=0)))
 
 
-def _cut_where_strokes_change(ink: Ink, known: KnownStrokes) -> None:
+def _cut_where_strokes_change(ink: Ink, known: KnownStrokes) -> int:
+    """Cut branches where the stroke changes; how many of the cuts are at no corner."""
+    torn = 0
     waiting = list(ink.skeleton.branches)
     left = 4 * len(waiting) + known.count
     while waiting and left > 0:
@@ -165,12 +186,15 @@ def _cut_where_strokes_change(ink: Ink, known: KnownStrokes) -> None:
         branch = waiting.pop()
         place = _change_in(branch, known)
         if place is not None:
-            radius = float(ink.half_widths(place[None])[0])
-            waiting += cut_branch(ink.skeleton, ink.triangles, branch, place, radius)
+            point, turn = place
+            torn += turn < _SMOOTH
+            radius = float(ink.half_widths(point[None])[0])
+            waiting += cut_branch(ink.skeleton, ink.triangles, branch, point, radius)
+    return torn
 
 
-def _change_in(branch: Branch, known: KnownStrokes) -> NDArray[np.float64] | None:
-    """The first place of a branch where one stroke ends and another begins; None without."""
+def _change_in(branch: Branch, known: KnownStrokes) -> tuple[NDArray[np.float64], float] | None:
+    """Where in a branch a stroke first gives way to another, and its turn there, degrees."""
     points = resampled(branch.line, _STEP * known.width, 3)
     step = branch.length / (len(points) - 1)
     reach = max(2, round(known.width / max(step, 1e-12)))
@@ -185,8 +209,7 @@ def _change_in(branch: Branch, known: KnownStrokes) -> NDArray[np.float64] | Non
     shortest = max(1, round(_SHORTEST * known.width / max(step, 1e-12)))
     for k in (np.flatnonzero(np.diff(labels)) + 1).tolist():
         if shortest <= k <= len(points) - 1 - shortest:
-            result: NDArray[np.float64] = points[k]
-            return result
+            return points[k], float(turns[max(0, k - reach) : k + reach + 1].max())
     return None
 
 
