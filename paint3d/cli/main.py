@@ -19,12 +19,9 @@ from collections.abc import Sequence
 from paint3d.cli import (
     batch,
     bench,
-    brushes,
     demo,
     devices,
     export,
-    fonts,
-    inks,
     paint,
     picture,
     replay,
@@ -32,6 +29,7 @@ from paint3d.cli import (
     study,
     write,
 )
+from paint3d.cli.lists import brushes, fonts, inks
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.errors import Paint3DError
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.cli.inks import swatches_table
+from paint3d.cli.lists.inks import swatches_table
 from paint3d.cli.main import main
 from paint3d.colour.layers import layer_reflectance
 from paint3d.colour.materials import Material, load_material, load_materials, material_names

@@ -1,0 +1,1 @@
+"""What there is to paint with: lists that commands print."""
