@@ -111,11 +111,17 @@ def test_live_colours_over_dry_layers_are_within_the_stated_difference():
         shown.append(target.srgb.copy())
         wanted.append(srgb_from_reflectance(below))
         target.dry()
-    shown, wanted = (lab_from_srgb(np.concatenate(codes)) for codes in (shown, wanted))
+    codes = np.concatenate(wanted)
+    shown, wanted = (lab_from_srgb(np.concatenate(colours)) for colours in (shown, wanted))
     apart = delta_e(shown, wanted)
-    # whole codes are compared: in dark colours one code alone is 0.5
+    # whole codes are compared: in dark colours one code alone is .5, in the blackest 1.1
+    one_code = np.zeros(len(codes))
+    for channel in range(3):
+        beside = codes.astype(int)
+        beside[:, channel] += np.where(beside[:, channel] < 255, 1, -1)
+        one_code = np.maximum(one_code, delta_e(wanted, lab_from_srgb(beside.astype(np.uint8))))
     assert apart.mean() < 0.1
-    assert apart.max() < 0.6 + 0.5
+    assert (apart - one_code).max() < 0.6
 
 
 def test_memory_is_for_painted_vertices_alone():
