@@ -15,6 +15,7 @@ from paint3d.cli.options import (
     check_output_file,
     check_output_folder,
     check_overwriting,
+    parse_number,
 )
 from paint3d.errors import DeviceError
 
@@ -36,13 +37,7 @@ _SUFFIXES = (".jsonl", ".jsonl.gz", ".csv", ".csv.gz")
 
 
 def _parse_seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = float("nan")
-    if not 0.0 < seconds <= _LONGEST_S:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a time; expected seconds above 0")
-    return seconds
+    return parse_number(text, "a time", "seconds above 0", lambda n: 0.0 < n <= _LONGEST_S)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from paint3d.errors import ExportError
@@ -25,6 +25,7 @@ __all__ = [
     "parse_count",
     "parse_hairs",
     "parse_length_mm",
+    "parse_number",
     "parse_place",
     "parse_resolution_mm",
     "parse_seconds",
@@ -39,26 +40,25 @@ TIP_REACH = 0.35  # as in the studio
 _FINEST_MM, _COARSEST_MM = 0.005, 1e6  # that `PaintedSurface` takes, known here before NumPy is
 
 
+def parse_number(text: str, what: str, expected: str, fits: Callable[[float], bool]) -> float:
+    """A number from the command line; what does not fit, and NaN never does, is refused."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not fits(number):
+        raise argparse.ArgumentTypeError(f"{text!r} is not {what}; expected {expected}")
+    return number
+
+
 def parse_length_mm(text: str) -> float:
     """A positive length in mm from the command line."""
-    try:
-        length = float(text)
-    except ValueError:
-        length = math.nan
-    if not (math.isfinite(length) and length > 0):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a length; expected a number above 0, mm")
-    return length
+    return parse_number(text, "a length", "a number above 0, mm", lambda n: 0.0 < n < math.inf)
 
 
 def parse_seconds(text: str) -> float:
     """A time in seconds from the command line, 0 or more."""
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = math.nan
-    if not (math.isfinite(seconds) and seconds >= 0):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a time; expected seconds, 0 or more")
-    return seconds
+    return parse_number(text, "a time", "seconds, 0 or more", lambda n: 0.0 <= n < math.inf)
 
 
 def parse_resolution_mm(text: str) -> float:
@@ -91,24 +91,12 @@ def parse_hairs(text: str) -> int:
 
 def parse_share(text: str) -> float:
     """A share from the command line, above 0 to 1."""
-    try:
-        share = float(text)
-    except ValueError:
-        share = math.nan
-    if not 0.0 < share <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a share; expected above 0 to 1")
-    return share
+    return parse_number(text, "a share", "above 0 to 1", lambda n: 0.0 < n <= 1.0)
 
 
 def _parse_rate(text: str) -> float:
     """A rate from the command line, 1/mm, 0 or more."""
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = math.nan
-    if not (math.isfinite(rate) and rate >= 0):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a rate; expected 1/mm, 0 or more")
-    return rate
+    return parse_number(text, "a rate", "1/mm, 0 or more", lambda n: 0.0 <= n < math.inf)
 
 
 def parse_place(text: str) -> tuple[float, float]:

@@ -14,6 +14,7 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
+    parse_number,
 )
 from paint3d.cli.paintings import add_painting_argument, is_recording, open_painting
 from paint3d.cli.progress import ProgressBar
@@ -113,13 +114,7 @@ def _parse_size(text: str) -> tuple[int, int]:
 
 
 def _parse_turn(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = math.nan
-    if not 0.1 <= seconds <= 120.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a time; expected 0.1 to 120 seconds")
-    return seconds
+    return parse_number(text, "a time", "0.1 to 120 seconds", lambda n: 0.1 <= n <= 120.0)
 
 
 def run(options: argparse.Namespace) -> None:

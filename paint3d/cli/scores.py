@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["replay_score"]
 
-_OWN = {"brush": "--brush", "ink": "--ink", "hairs": "--hairs", "at": "--at", "size": "--size",
-        "spread": "--spread"}  # fmt: skip
+_OWN = ("brush", "ink", "tip", "pickup", "hairs", "at", "size", "spread")  # what a score says
+_UNSAID = {"pickup": 0.0}  # options that are not None where they are not given
 
 
 def replay_score(options: argparse.Namespace) -> None:
@@ -33,11 +33,11 @@ def replay_score(options: argparse.Namespace) -> None:
     """
     from paint3d.recording.score import load_score
 
-    for name, word in _OWN.items():
-        if getattr(options, name) is not None:
+    for name in _OWN:
+        if getattr(options, name) != _UNSAID.get(name):
             raise InputError(
-                f"{word} is given, and {options.recording} is a whole painting with brushes, inks, "
-                f"places and time of its own; expected no {word}"
+                f"--{name} is given, and {options.recording} is a whole painting with brushes, "
+                f"inks, places and time of its own; expected no --{name}"
             )
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         score = load_score(options.recording, progress)

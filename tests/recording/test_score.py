@@ -132,5 +132,14 @@ def test_the_command_line_paints_it(tmp_path, capsys) -> None:
     assert main([*words, "--force"]) == 0
     assert out.read_bytes() == first
     assert isinstance(session.score, Score)
-    assert main([*words, "--ink", "cinnabar"]) == 2
-    assert "expected no --ink" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("brush", "full"), ("ink", "cinnabar"), ("tip", "cinnabar"), ("pickup", ".05"),
+     ("hairs", "0"), ("at", ".5,.5"), ("size", "20"), ("spread", "1")],
+)  # fmt: skip
+def test_the_command_line_refuses_what_a_score_says_itself(tmp_path, capsys, option, value) -> None:
+    words = ["replay", str(EXAMPLE), "--on", "plane", "--out", str(tmp_path / "a.p3d")]
+    assert main([*words, f"--{option}", value]) == 2
+    assert f"expected no --{option}" in capsys.readouterr().err
