@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from paint3d.device.recorded import Recording
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["check_is_plane", "export_outlines", "export_recordings"]
+__all__ = ["brush_of", "check_is_plane", "export_outlines", "export_recordings"]
 
 _FLAT_MM = 1e-3
 _MARGIN_MM = 1.0
@@ -55,27 +55,37 @@ def export_outlines(
     write_svg(file, [(_colour_of(ink), outlines)], bounds, _title(recording))
 
 
-def export_recordings(recordings: Sequence[Recording], file: Path) -> None:
-    """Write the strokes of recordings on the plane z = 0, each in its ink, as large as they are.
+def brush_of(recording: Recording) -> BrushSpec:
+    """The brush that a recording names, which is no file of this machine.
+
+    Raises
+    ------
+    InputError
+        If it is not known.
+    """
+    from paint3d.brush.presets import load_brush
+
+    return load_brush(str(recording.header.get("brush", _BRUSH)), own_files=False)
+
+
+def export_recordings(strokes: Sequence[tuple[Recording, BrushSpec]], file: Path) -> None:
+    """Write strokes on the plane z = 0, each with its brush and in its ink, as large as they are.
 
     Raises
     ------
     ExportError
         If there is none, or the file cannot be written.
     InputError
-        If one leans or lets the surface turn the tuft, or its brush or ink is not known.
+        If one leans or lets the surface turn the tuft, or its ink is not known.
     """
     import numpy as np
 
-    from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.stroke_sides import stroke_outlines
     from paint3d.files.writers.write_svg import write_svg
 
     groups = []
-    for recording in recordings:
-        told = recording.header
-        brush = load_brush(str(told.get("brush", _BRUSH)), own_files=False)
-        ink = _colour_of(str(told.get("ink", _INK)), own_tables=False)
+    for recording, brush in strokes:
+        ink = _colour_of(str(recording.header.get("ink", _INK)), own_tables=False)
         groups.append((ink, stroke_outlines(recording, brush)))
     points = [ring for _, outlines in groups for rings in outlines for ring in rings]
     if not points:
@@ -83,7 +93,7 @@ def export_recordings(recordings: Sequence[Recording], file: Path) -> None:
     low = np.min([ring.min(axis=0) for ring in points], axis=0) - _MARGIN_MM
     high = np.max([ring.max(axis=0) for ring in points], axis=0) + _MARGIN_MM
     bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-    write_svg(file, groups, bounds, "".join(map(_title, recordings)))
+    write_svg(file, groups, bounds, "".join(_title(recording) for recording, _ in strokes))
 
 
 def _title(recording: Recording) -> str:

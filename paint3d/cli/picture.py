@@ -136,13 +136,15 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _draw_outlines(options: argparse.Namespace) -> None:
-    from paint3d.cli.outlines import check_is_plane, export_recordings
+    from paint3d.app.model.stroke_log import strokes_of
+    from paint3d.cli.outlines import brush_of, check_is_plane, export_recordings
     from paint3d.errors import ExportError
     from paint3d.files.project.session import Session
     from paint3d.recording.recording import load_recording
 
     if is_recording(options.painting):
-        recordings = [load_recording(options.painting)]
+        recording = load_recording(options.painting)
+        strokes = [(recording, brush_of(recording))]
     else:
         painting = open_painting(options)
         if not isinstance(painting, Session) or not (painting.recordings or painting.strokes):
@@ -151,9 +153,12 @@ def _draw_outlines(options: argparse.Namespace) -> None:
                 "recordings, for an .svg of strokes"
             )
         check_is_plane(painting.surface.source)
-        recordings = [*painting.recordings, *painting.strokes]
+        strokes = [(recording, brush_of(recording)) for recording in painting.recordings]
+        by_hand = strokes_of(painting.strokes, painting.settings.get("brushes"))
+        brushes = [stroke.brush for stroke in by_hand]
+        strokes += zip(painting.strokes, brushes, strict=True)
     with ProgressBar("drawing", enabled=not options.quiet):
-        export_recordings(recordings, options.out)
+        export_recordings(strokes, options.out)
 
 
 def _take_picture(options: argparse.Namespace) -> None:

@@ -186,6 +186,17 @@ def test_an_opened_painting_goes_on_with_what_the_brush_was_dipped_in(tmp_path):
     assert [stroke.ink for stroke in again.strokes] == [document.strokes[0].ink]
 
 
+def test_brushes_of_one_name_are_told_apart_when_a_painting_is_opened(tmp_path):
+    document = small_plane()
+    own = dataclasses.replace(document.painter.brush, name="mine")
+    brushes = [own, dataclasses.replace(own, hardness=0.4), own]
+    for y, brush in zip((-20, 0, 20), brushes, strict=True):
+        document.set_brush(brush)
+        paint(document, (-20, y), (20, y))
+    document.save(tmp_path / "a.p3d")
+    assert [stroke.brush for stroke in Document.open(tmp_path / "a.p3d").strokes] == brushes
+
+
 def test_what_cannot_be_opened_is_told(tmp_path):
     (tmp_path / "bad.p3d").write_bytes(b"no session")
     with pytest.raises(SessionError, match=r"bad\.p3d"):

@@ -18,6 +18,7 @@ from paint3d.recording.recording import Recording, save_recording
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import AUTO, FLAT, UNLIT, VIEWS
 from paint3d.view.studio import LIGHTS
+from tests.support.app.hands import paint, small_plane
 from tests.support.surface_cases import flat, poses, sheet
 from tests.view.test_view_picture import needs_opengl
 
@@ -86,6 +87,19 @@ def test_outlines_of_a_recording_and_of_a_session_are_the_same(saved: Path, tmp_
     groups = root.findall("{*}g")
     assert [len(group.findall("{*}path")) for group in groups] == [1]
     assert float(root.get("width").removesuffix("mm")) > 16.0
+
+
+def test_outlines_of_strokes_by_hand_are_of_the_brush_that_painted_them(tmp_path: Path) -> None:
+    widths = []
+    for length in (35.0, 17.5):  # the presets know no brush of the second name
+        document = small_plane()
+        document.resize_brush(length)
+        paint(document, (-20, 0), (20, 0), height=length)
+        document.save(tmp_path / f"{length}.p3d")
+        assert run(tmp_path / f"{length}.p3d", "--out", tmp_path / "a.svg", "--force") == 0
+        root = ElementTree.parse(tmp_path / "a.svg").getroot()
+        widths.append(float(root.get("height").removesuffix("mm")))
+    assert widths[1] < 0.7 * widths[0]
 
 
 @pytest.mark.parametrize(

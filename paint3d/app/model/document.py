@@ -27,7 +27,7 @@ from paint3d.app.model.persistence.saved_settings import (
 )
 from paint3d.app.model.score.keeping import ScoreKeeper, keeps_score
 from paint3d.app.model.stroke_commands import StrokeCommands
-from paint3d.app.model.stroke_log import StrokeLog, strokes_of, weights_of
+from paint3d.app.model.stroke_log import StrokeLog, names_apart, strokes_of, weights_of
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.materials import Material
 from paint3d.core.types import AnyArray
@@ -305,11 +305,10 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         history, gone = saved_history(self.surface, self._undo, self._log.current, MOST_BYTES)
         kept, steps = len(history["done"]) + len(history["undone"]), self._undo
         self.left_out = kept < len(steps.done) + len(steps.undone)
-        settings["brushes"] = {
-            stroke.brush.name: brush_words(stroke.brush) for stroke in (*self.strokes, *gone)
-        }
-        strokes = tuple(stroke.recording() for stroke in self.strokes)
-        undone = tuple(stroke.recording() for stroke in gone)
+        names = names_apart(stroke.brush for stroke in (*self.strokes, *gone))
+        settings["brushes"] = {name: brush_words(brush) for brush, name in names.items()}
+        strokes = tuple(stroke.recording(names[stroke.brush]) for stroke in self.strokes)
+        undone = tuple(stroke.recording(names[stroke.brush]) for stroke in gone)
         score = None if self.in_stroke else self.score  # what of it is painted, nobody could say
         return Session(self.surface, self._recordings, settings, strokes, undone, history, score)
 

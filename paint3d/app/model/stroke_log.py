@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -20,7 +20,7 @@ from paint3d.errors import RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
 from paint3d.pose.brush_pose import contacts_of
 
-__all__ = ["Stroke", "StrokeLog", "recording_of", "strokes_of", "weights_of"]
+__all__ = ["Stroke", "StrokeLog", "names_apart", "recording_of", "strokes_of", "weights_of"]
 
 _PAUSE_NS = 200_000_000  # before a stroke whose clock is not that of those before it
 _LANDING_NS = 1_000_000
@@ -61,10 +61,10 @@ class Stroke:
             return 0.0
         return (self.samples[-1].time_ns - self.samples[0].time_ns) * 1e-9
 
-    def header(self) -> dict[str, object]:
-        """What a recording's header says of it."""
+    def header(self, brush: str = "") -> dict[str, object]:
+        """What a recording's header says of it; its brush by that name, or by its own."""
         return {
-            "brush": self.brush.name,
+            "brush": brush or self.brush.name,
             "ink": max(self.ink, key=self.ink.__getitem__) if self.ink else None,
             "parts": dict(self.ink),
             "layer": self.layer,
@@ -73,9 +73,9 @@ class Stroke:
             "tags": dict(self.tags),
         }
 
-    def recording(self) -> Recording:
-        """The stroke by itself."""
-        return recording_of(self.samples, self.header())
+    def recording(self, brush: str = "") -> Recording:
+        """The stroke by itself; see `header`."""
+        return recording_of(self.samples, self.header(brush))
 
 
 class StrokeLog:
@@ -236,9 +236,7 @@ def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) 
     )
 
 
-def strokes_of(
-    recordings: Sequence[Recording], brushes: Mapping[str, Mapping[str, Any]] | None = None
-) -> list[Stroke]:
+def strokes_of(recordings: Sequence[Recording], brushes: object = None) -> list[Stroke]:
     """Strokes that were saved; see `StrokeLog`.
 
     Raises
@@ -270,6 +268,18 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -
         )  # fmt: skip
     except (KeyError, TypeError, ValueError, AttributeError) as cause:
         raise SessionError(f"a stroke of the session cannot be used: {cause}") from None
+
+
+def names_apart(brushes: Iterable[BrushSpec]) -> dict[BrushSpec, str]:
+    """A name for each brush that no other has; its own for the first that is called so."""
+    names: dict[BrushSpec, str] = {}
+    for brush in dict.fromkeys(brushes):
+        name, n = brush.name, 1
+        while name in names.values():
+            n += 1
+            name = f"{brush.name} ({n})"
+        names[brush] = name
+    return names
 
 
 def weights_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
