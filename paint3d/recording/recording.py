@@ -23,7 +23,9 @@ import json
 import math
 import os
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -44,13 +46,13 @@ __all__ = [
     "SampleRows",
     "TextLines",
     "decode_line",
-    "decompressed",
     "load_recording",
+    "opened",
     "sample_lines",
+    "save_lines",
     "save_recording",
     "share_read",
     "write_jsonl",
-    "write_lines",
 ]
 
 _GZIP_MAGIC = b"\x1f\x8b"
@@ -101,13 +103,26 @@ def load_recording(
         it cannot be read at all.
     """
     name = Path(path).name
+    with opened(path) as (raw, stream):
+        start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
+        told = None if progress is None else share_read(raw, progress)
+        return _read(stream, start, name, Path(path), scale, y_down, told)
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[tuple[BinaryIO, io.BufferedReader]]:
+    """A recording's file, and what it holds when it is unpacked.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be read, or its packing is damaged.
+    """
     try:
         with open(path, "rb") as raw:
-            stream = decompressed(raw)
-            start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
-            told = None if progress is None else share_read(raw, progress)
-            return _read(stream, start, name, Path(path), scale, y_down, told)
+            yield raw, _decompressed(raw)
     except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
+        name = Path(path).name
         raise RecordingError(f"{name}: the gzip data are damaged or cut short ({cause})") from None
     except OSError as cause:
         reason = cause.strerror or str(cause)
@@ -139,7 +154,7 @@ def _read(
     )
 
 
-def decompressed(raw: io.BufferedReader) -> io.BufferedReader:
+def _decompressed(raw: io.BufferedReader) -> io.BufferedReader:
     """What a file holds, whether it is gzipped or not."""
     if raw.peek(2)[:2] == _GZIP_MAGIC:
         return io.BufferedReader(gzip.GzipFile(fileobj=raw))
@@ -568,16 +583,26 @@ def save_recording(
     RecordingError
         If the recording has no place in the format.
     """
+    writers = {suffix: partial(write, recording) for suffix, write in _WRITERS.items()}
+    save_lines(writers, path, progress)
+
+
+def save_lines(
+    writers: Mapping[str, Callable[[], Iterable[str]]],
+    path: str | os.PathLike[str],
+    progress: Callable[[float], None] | None,
+) -> None:
+    """Write a file of lines by its suffix, also with .gz; see `save_recording`."""
     target = Path(path)
     zipped = target.suffix.lower() == ".gz"
     suffix = (target.with_suffix("") if zipped else target).suffix.lower()
-    if suffix not in _WRITERS:
-        raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(_WRITERS)} [.gz]")
+    if suffix not in writers:
+        raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(writers)} [.gz]")
     with write_atomically(target, progress) as part, open(part, "wb") as raw:
-        write_lines(_WRITERS[suffix](recording), raw, zipped)
+        _write_lines(writers[suffix](), raw, zipped)
 
 
-def write_lines(lines: Iterable[str], raw: BinaryIO, zipped: bool) -> None:
+def _write_lines(lines: Iterable[str], raw: BinaryIO, zipped: bool) -> None:
     """Write lines to a file, gzipped or not; the same lines give the same bytes."""
     data = "".join(lines).encode()
     if not zipped:

@@ -7,18 +7,16 @@ a line: ``{"do": "dip", "ink": {"pine soot": 0.2, "water": 0.8}}``. What a line 
 
 from __future__ import annotations
 
-import gzip
 import json
 import os
-import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError, RecordingError
 from paint3d.recording.recording import (
@@ -27,10 +25,10 @@ from paint3d.recording.recording import (
     SampleRows,
     TextLines,
     decode_line,
-    decompressed,
+    opened,
     sample_lines,
+    save_lines,
     share_read,
-    write_lines,
 )
 from paint3d.recording.score_schema import check_command, check_header, check_sample
 
@@ -151,10 +149,9 @@ def _joined(parts: list[Recording]) -> Recording:
 def is_score(path: str | os.PathLike[str]) -> bool:
     """Whether a file is a recording of version 2; False also where it cannot be read."""
     try:
-        with open(path, "rb") as raw:
-            line = decompressed(raw).readline(MAX_LINE + 1).decode("utf-8-sig")
-        header = decode_line(line)
-    except (OSError, EOFError, zlib.error, UnicodeDecodeError, RecordingError):
+        with opened(path) as (_, stream):
+            header = decode_line(stream.readline(MAX_LINE + 1).decode("utf-8-sig"))
+    except (UnicodeDecodeError, RecordingError):
         return False
     return header.get("version") == VERSION
 
@@ -177,16 +174,9 @@ def load_score(
         cannot be read at all.
     """
     name = Path(path).name
-    try:
-        with open(path, "rb") as raw:
-            stream = decompressed(raw)
-            told = None if progress is None else share_read(raw, progress)
-            return _read(TextLines(stream, name, told), name)
-    except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
-        raise RecordingError(f"{name}: the gzip data are damaged or cut short ({cause})") from None
-    except OSError as cause:
-        reason = cause.strerror or str(cause)
-        raise RecordingError(f"{path}: cannot be read: {reason}; expected a recording") from None
+    with opened(path) as (raw, stream):
+        told = None if progress is None else share_read(raw, progress)
+        return _read(TextLines(stream, name, told), name)
 
 
 def _read(lines: Iterator[tuple[int, str]], name: str) -> Score:
@@ -296,10 +286,4 @@ def save_score(
     ExportError
         If the suffix is another one, or the file cannot be written.
     """
-    target = Path(path)
-    zipped = target.suffix.lower() == ".gz"
-    suffix = (target.with_suffix("") if zipped else target).suffix.lower()
-    if suffix not in _SUFFIXES:
-        raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(_SUFFIXES)} [.gz]")
-    with write_atomically(target, progress) as part, open(part, "wb") as raw:
-        write_lines(write_score(score), raw, zipped)
+    save_lines({suffix: partial(write_score, score) for suffix in _SUFFIXES}, path, progress)
