@@ -15,10 +15,10 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 from xml.etree import ElementTree
-from xml.parsers import expat
 
 import numpy as np
 
+from paint3d.core.foreign_xml import XmlFault, parse_xml
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
@@ -61,7 +61,10 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
     RecordingError
         If it is not InkML, declares a document type, or a trace is broken.
     """
-    root = _parse(data, name)
+    try:
+        root = parse_xml(data, _MAX_DEPTH, doctypes=False)
+    except XmlFault as fault:
+        raise RecordingError(f"{name}:{fault.line}: {fault.what}; expected InkML") from None
     if _local(root) != "ink":
         raise RecordingError(f"{name}:1: the root element is <{_local(root)}>; expected <ink>")
     channels, intermittent = _channels(root, name)
@@ -83,47 +86,6 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
         return _assemble(traces, channels, _note(root), scale, y_down)
     except RecordingError as cause:
         raise RecordingError(f"{name}: {cause}") from None
-
-
-def _parse(data: bytes, name: str) -> ElementTree.Element:
-    """Parse XML from strangers: no document type, hence no entities, and no deep nesting."""
-    builder = ElementTree.TreeBuilder()
-    parser = expat.ParserCreate(namespace_separator="}")
-    depth = 0
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > _MAX_DEPTH:
-            raise RecordingError(
-                f"{name}:{parser.CurrentLineNumber}: elements are nested over {_MAX_DEPTH} deep"
-            )
-        builder.start(tag, attributes)
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
-
-    def refuse(*_: object) -> None:
-        raise RecordingError(
-            f"{name}:{parser.CurrentLineNumber}: there is a document type; expected none"
-        )
-
-    parser.buffer_text = True
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.CharacterDataHandler = builder.data
-    parser.StartDoctypeDeclHandler = refuse
-    try:
-        parser.Parse(data, True)
-        return builder.close()
-    except (expat.ExpatError, LookupError, ValueError, AssertionError) as cause:
-        if isinstance(cause, RecordingError):
-            raise
-        line = getattr(cause, "lineno", 1)
-        raise RecordingError(
-            f"{name}:{line}: not well-formed XML ({cause}); expected InkML"
-        ) from None
 
 
 def _local(element: ElementTree.Element) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from xml.etree import ElementTree
-from xml.parsers import expat
 
+from paint3d.core.foreign_xml import XmlFault, parse_xml
 from paint3d.errors import InputError
 
 __all__ = ["check_svg"]
@@ -35,7 +35,10 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
     InputError
         Which of these it is, or that it is no SVG.
     """
-    root = _parsed(data, name)
+    try:
+        root = parse_xml(data, _MOST_DEPTH, doctypes=True)
+    except XmlFault as fault:
+        raise InputError(f"{name}:{fault.line}: {fault.what}; expected a plain SVG") from None
     if root.tag.rpartition("}")[2] != "svg":
         raise InputError(f"{name}: the outermost element is {root.tag!r}; expected svg")
     for element in root.iter():
@@ -56,42 +59,6 @@ def _outside(name: str, reference: str) -> InputError:
         f"{name}: refers to {reference[:60].strip()!r} outside of itself; "
         "expected a drawing that holds all that it shows"
     )
-
-
-def _parsed(data: bytes, name: str) -> ElementTree.Element:
-    """The tree; entities and deep nesting are refused while it is read."""
-    builder = ElementTree.TreeBuilder()
-    parser = expat.ParserCreate(namespace_separator="}")
-    depth = 0
-
-    def named(tag: str) -> str:
-        return "{" + tag if "}" in tag else tag
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > _MOST_DEPTH:
-            raise InputError(f"{name}: elements are nested over {_MOST_DEPTH} deep")
-        builder.start(named(tag), {named(key): value for key, value in attributes.items()})
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(named(tag))
-
-    def refuse(*_: object) -> None:
-        raise InputError(f"{name}: declares entities; expected a plain SVG (save it as one)")
-
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.CharacterDataHandler = builder.data
-    parser.EntityDeclHandler = refuse
-    try:
-        parser.Parse(data, True)
-        return builder.close()
-    except (expat.ExpatError, LookupError, ValueError, AssertionError) as cause:
-        if isinstance(cause, InputError):
-            raise
-        raise InputError(f"{name}: not well-formed XML ({cause}); expected SVG") from None
 
 
 def _count(root: ElementTree.Element, name: str) -> None:
