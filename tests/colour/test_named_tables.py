@@ -35,13 +35,13 @@ def table(tmp_path, monkeypatch):
     return path, asked
 
 
-def recording(path, ink):
+def recording(path, ink, **more):
     n = 20
     at = np.column_stack([np.linspace(-15, 15, n), np.zeros(n), np.full(n, 30.0)])
     pressure = np.where((np.arange(n) > 0) & (np.arange(n) < n - 1), 0.2, 0.0)
     times = np.arange(n, dtype=np.int64) * 10_000_000
     turned = np.tile(UPRIGHT, (n, 1))
-    save_recording(Recording(times, at, turned, pressure, header={"ink": ink}), path)
+    save_recording(Recording(times, at, turned, pressure, header={"ink": ink, **more}), path)
     return path
 
 
@@ -58,6 +58,27 @@ def test_a_recording_names_no_table(table, tmp_path, capsys):
     assert not out.exists()
     assert main.main([*told, "--ink", f"{path}:mine"]) == 0  # who replays it may
     assert asked
+
+
+def test_the_parts_of_a_recording_are_its_ink_and_name_no_table(table, tmp_path, capsys):
+    path, asked = table
+    codes = []
+    for k, more in enumerate(({"parts": {"cinnabar": 0.2, "water": 0.8}}, {})):
+        strokes = recording(tmp_path / f"{k}.jsonl", "cinnabar:0.2,water:0.8", **more)
+        out = tmp_path / f"{k}.ply"
+        told = ["replay", str(strokes), "--on", "plane", "--out", str(out), "--quiet"]
+        assert main.main([*told, "--resolution", "2"]) == 0
+        codes.append(out.read_bytes())
+    assert codes[0] == codes[1]
+    for parts, fault in (
+        ({f"{path}:mine": 0.5, "water": 0.5}, "which a file may not name"),
+        ({"cinnabar": "much", "water": 0.5}, "part of cinnabar is 'much'"),
+    ):
+        strokes = recording(tmp_path / "bad.jsonl", "cinnabar", parts=parts)
+        told = ["replay", str(strokes), "--on", "plane", "--out", str(tmp_path / "a.ply")]
+        assert main.main(told) == 2
+        assert fault in capsys.readouterr().err
+    assert not asked
 
 
 def test_a_trial_of_a_study_names_no_table(table, tmp_path):
