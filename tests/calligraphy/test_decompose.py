@@ -85,6 +85,18 @@ def test_a_cross_is_two_strokes_that_share_the_middle():
     assert second[1] < -80.0, "then downwards"
 
 
+@pytest.mark.parametrize(("turn", "goes_on"), [(0.0, True), (30.0, True), (75.0, False)])
+def test_a_stroke_goes_on_through_a_junction_where_it_turns_little(turn, goes_on):
+    """Of a trunk and two arms: to the arm that turns by `turn`, else the arms are one stroke."""
+    trunk = LineString([(0, -70), (0, 0)])
+    ways = np.radians([90.0 - turn, 170.0])
+    arms = [LineString([(0, 0), (70 * np.cos(way), 70 * np.sin(way))]) for way in ways]
+    strokes = decompose(ink(*(line.buffer(5.0) for line in (trunk, *arms))))
+    assert len(strokes) == 2
+    (lowest,) = (stroke for stroke in strokes if stroke.median[:, 1].min() < -50.0)
+    assert (LineString(lowest.median).length > 120.0) is goes_on
+
+
 def test_a_frame_is_written_in_three_strokes():
     """As the character for mouth: its left side, its top with the right one, its bottom."""
     frame = ink(box(0, 0, 100, 100).difference(box(10, 10, 90, 90)))
