@@ -56,7 +56,7 @@ def _add_font_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--font-number",
         metavar="N",
-        type=parse_number,
+        type=_parse_face,
         help="which face of a .ttc, from 0 (default: 0)",
     )
     parser.add_argument(
@@ -81,7 +81,7 @@ def _add_font_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def parse_number(text: str) -> int:
+def _parse_face(text: str) -> int:
     """A whole number, 0 or more."""
     if not (text.isascii() and text.isdigit() and len(text) < 7):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number; expected 0 or more")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,6 +55,7 @@ class _Ink:
     line: AnyArray | None  # of what is stroked, in the direction of its path
     closed: bool = False
     width: float = 0.0
+    is_paper: bool = False
 
 
 def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
@@ -188,7 +189,7 @@ def _inks(lines: list[tuple[AnyArray, bool]], shape: Any, name: str) -> Iterator
         rings = [points for points, _ in lines if len(points) > 2]
         filled = fill_rings(rings, even_odd=shape.values.get("fill-rule") == "evenodd")
         if not filled.is_empty:
-            yield _Ink(_paper(shape.fill) + name, filled, None)
+            yield _Ink(name, filled, None, is_paper=_is_white(shape.fill))
     width = float(shape.stroke_width or 0.0)
     if not _is_seen(shape.stroke) or width <= 0.0:
         return
@@ -198,28 +199,27 @@ def _inks(lines: list[tuple[AnyArray, bool]], shape: Any, name: str) -> Iterator
         line = np.concatenate([points, points[:1]]) if closed else points
         if np.ptp(line, axis=0).max() > 0.0:
             band = LineString(line).buffer(0.5 * width, cap_style=cap, join_style=join)
-            label = _paper(shape.stroke) + name
-            yield _Ink(label, as_multipolygon(band), line, closed, width)
+            white = _is_white(shape.stroke)
+            yield _Ink(name, as_multipolygon(band), line, closed, width, white)
 
 
 def _is_seen(colour: Any) -> bool:
     return colour is not None and colour.value is not None and (colour.alpha or 0) > _FAINT
 
 
-def _paper(colour: Any) -> str:
-    """A mark before the name of what is as white as paper."""
-    return "\0" if min(colour.red, colour.green, colour.blue) >= _PAPER else ""
+def _is_white(colour: Any) -> bool:
+    return bool(min(colour.red, colour.green, colour.blue) >= _PAPER)
 
 
 def _covered(inks: Sequence[_Ink]) -> list[_Ink]:
     """The inks without what white elements above them cover."""
     left: list[_Ink] = []
     for ink in inks:
-        if not ink.name.startswith("\0"):
+        if not ink.is_paper:
             left.append(ink)
             continue
         cut = [
-            _Ink(one.name, as_multipolygon(one.shape.difference(ink.shape)), one.line, one.closed)
+            replace(one, shape=as_multipolygon(one.shape.difference(ink.shape)))
             if one.shape.intersects(ink.shape)
             else one
             for one in left
@@ -244,12 +244,11 @@ def _pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
         return moved
 
     scaled = [
-        _Ink(
-            ink.name,
-            as_multipolygon(transform(ink.shape, placed)),
-            None if ink.line is None else placed(ink.line),
-            ink.closed,
-            scale * ink.width,
+        replace(
+            ink,
+            shape=as_multipolygon(transform(ink.shape, placed)),
+            line=None if ink.line is None else placed(ink.line),
+            width=scale * ink.width,
         )
         for ink in inks
     ]
