@@ -9,7 +9,7 @@ import argparse
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.objects import load_object
@@ -44,7 +44,6 @@ __all__ = [
     "HELP",
     "PaintOptions",
     "add_arguments",
-    "of_ink",
     "paint",
     "prepare",
     "read_for_ink",
@@ -76,6 +75,22 @@ class PaintOptions:
     reach: float = TIP_REACH
     pickup: float = 0.0
 
+    @classmethod
+    def of(cls, options: argparse.Namespace) -> PaintOptions:
+        """What the options of `add_painting_options` say."""
+        return cls(
+            brush=options.brush,
+            ink=options.ink,
+            material=options.material or cls.material,
+            resolution_mm=options.resolution or cls.resolution_mm,
+            quiet=options.quiet,
+            spread_s=options.spread,
+            hairs=options.hairs,
+            tip=options.tip,
+            reach=options.reach,
+            pickup=options.pickup,
+        )
+
     def check(self) -> None:
         """Look up everything that is named, before any work.
 
@@ -94,12 +109,6 @@ class PaintOptions:
         for ink in (self.ink, self.tip):
             if ink is not None:
                 load_ink(ink)
-
-
-def of_ink(options: argparse.Namespace) -> dict[str, Any]:
-    """What the options of `add_ink_options` say, as `PaintOptions` has it."""
-    names = {"ink": "ink", "tip": "tip", "reach": "reach", "pickup": "pickup", "spread_s": "spread"}
-    return {ours: getattr(options, theirs) for ours, theirs in names.items()}
 
 
 def read_for_ink(options: argparse.Namespace) -> list[str]:
@@ -158,14 +167,7 @@ def run(options: argparse.Namespace) -> None:
 
         replay_score(options)
         return
-    wanted = PaintOptions(
-        brush=options.brush,
-        material=options.material or PaintOptions.material,
-        resolution_mm=options.resolution or PaintOptions.resolution_mm,
-        hairs=options.hairs,
-        quiet=options.quiet,
-        **of_ink(options),
-    )
+    wanted = PaintOptions.of(options)
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)

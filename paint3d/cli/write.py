@@ -24,7 +24,7 @@ from paint3d.cli.options import (
 )
 from paint3d.cli.outlines import check_is_plane, export_outlines
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.replay import DEFAULT_INK, PaintOptions, of_ink, paint, prepare, read_for_ink
+from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare, read_for_ink
 from paint3d.cli.results import result_suffixes, timed, write_report, write_result
 from paint3d.cli.sources import (
     STROKES_FILE,
@@ -129,14 +129,7 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.recording.recording import save_recording
 
     _check_files(options)
-    wanted = PaintOptions(
-        brush=options.brush,
-        material=options.material,
-        resolution_mm=options.resolution,
-        hairs=options.hairs,
-        quiet=options.quiet,
-        **of_ink(options),
-    )
+    wanted = PaintOptions.of(options)
     wanted.check()
     check_source(options)
     pen, (write, source) = _pen(options), _prepared(options)

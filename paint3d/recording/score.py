@@ -147,7 +147,9 @@ def _joined(parts: list[Recording]) -> Recording:
 
 
 def is_score(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is a recording of version 2; False also where it cannot be read."""
+    """Whether a file is a recording of version 2; False also where it cannot be read twice."""
+    if not os.path.isfile(path):  # what is looked at in a pipe would be gone
+        return False
     try:
         with opened(path) as (_, stream):
             header = decode_line(stream.readline(MAX_LINE + 1).decode("utf-8-sig"))

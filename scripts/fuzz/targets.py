@@ -383,16 +383,11 @@ def _check_command(_: str, content: bytes) -> None:
     if {"-h", "--help", "--version"} & set(words):
         return
     try:
-        chosen = vars(_make_parser().parse_args(words))
+        chosen = _make_parser().parse_args(words)
     except UsageError as cause:
         raise InputError(" ".join(str(cause).split())) from None
-    if "resolution" in chosen:
-        PaintOptions(
-            brush=chosen.get("brush"),
-            ink=chosen.get("ink"),
-            material=chosen["material"],
-            resolution_mm=chosen["resolution"],
-        ).check()
+    if "spread" in chosen:
+        PaintOptions.of(chosen).check()
 
 
 def _table_seeds() -> list[tuple[str, bytes]]:

@@ -121,6 +121,16 @@ def test_a_dot_is_a_stroke(shape):
     assert shape.covers(LineString(stroke.median))
 
 
+def test_branches_of_no_length_are_no_strokes():
+    lines = [[(10, 10), (50, 40)], [(0, 10), (70, 100), (10, 70)], [(30, 30), (10, 90)]]
+    pairs = zip(lines, (7.0, 7.0, 6.0), strict=True)
+    shape = ink(*(LineString(points).buffer(half, quad_segs=6) for points, half in pairs))
+    strokes = decompose(shape)
+    assert all(LineString(stroke.median).length > 1.0 for stroke in strokes)
+    regions = shapely.union_all([region_of(stroke) for stroke in strokes])
+    assert regions.symmetric_difference(shape).area < 1e-6 * shape.area
+
+
 def test_specks_are_left_out():
     strokes = decompose(ink(box(0, 0, 100, 10), Point(50, 30).buffer(0.3)))
     assert len(strokes) == 1

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
-from paint3d.calligraphy.shapes.regions import Ink, Piece, piece_of, shared_out
+from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
     fits,
@@ -119,7 +119,7 @@ def _by_shape(ink: Ink) -> list[Piece]:
     if _is_dot(ink):
         return [Piece(_axis(ink), ink.shape)]
     cut_at_corners(ink.skeleton, ink.triangles, ink.half_widths)
-    chains = chains_of(ink.skeleton, ink.half_widths)
+    chains = [one for one in chains_of(ink.skeleton, ink.half_widths) if has_way(one, ink)]
     if not chains:
         return [Piece(_axis(ink), ink.shape)]
     return shared_out([piece_of(chain, ink) for chain in chains], ink)
@@ -127,6 +127,7 @@ def _by_shape(ink: Ink) -> list[Piece]:
 
 def _by_template(ink: Ink, told: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
     """The strokes of one connected shape as those of a known character."""
+    told = [(chain, stroke) for chain, stroke in told if has_way(chain, ink)]
     if not told or _is_dot(ink):
         return [(Piece(_axis(ink), ink.shape), None)]
     pieces = shared_out([piece_of(chain, ink) for chain, _ in told], ink)

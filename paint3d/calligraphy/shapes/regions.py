@@ -19,7 +19,7 @@ from paint3d.core.types import AnyArray
 if TYPE_CHECKING:
     from shapely import Polygon
 
-__all__ = ["Ink", "Piece", "line_of", "piece_of", "shared_out"]
+__all__ = ["Ink", "Piece", "has_way", "line_of", "piece_of", "shared_out"]
 
 _LEFT_OUT, _LEFT_OUT_SHARE = 0.9, 0.35  # radii and share of a branch: straight through a junction
 _CALM = 0.35  # half widths that lines are smoothed over
@@ -28,6 +28,7 @@ _LEAST_CALM = 0.02
 _SWELL = 1.03  # how much wider than the line's half width a junction is swept
 _OVERLAP = 0.06  # half widths that regions reach beyond their triangles
 _NONE = 1e-9  # of the ink: areas that are not there
+_NO_WAY = 0.25  # half widths: shorter lines lead nowhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +80,12 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
         parts.append(_between(line, way, low, high))
     joined = np.concatenate(parts)
     return np.concatenate([joined, joined[:1]]) if chain.closed and n > 1 else joined
+
+
+def has_way(chain: Chain, ink: Ink) -> bool:
+    """Whether a stroke leads anywhere: junctions that fall together leave branches of no length."""
+    line = line_of(chain, ink)
+    return bool(length_of(line) > _NO_WAY * ink.half_widths(line).max())
 
 
 def _between(line: AnyArray, way: AnyArray, low: float, high: float) -> NDArray[np.float64]:
