@@ -38,6 +38,7 @@ __all__ = ["Kill", "kill_at_random"]
 STEP_NS, BATCH, STROKE = 1_000_000, 5, 120  # batches of a stroke
 ALLOWED_NS = 100_000_000
 EVENTS = 1 << 16
+BEGUN = 100  # events that are told before the time to the kill begins: a busy machine starts slowly
 BASES_S = 0.3  # between two at the least: in the studio they are rare
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=40))
@@ -123,7 +124,7 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
 
 
 def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
-    """Let a sitting go on for so long, kill it, and take up what it left."""
+    """Let a sitting that has begun go on for so long, kill it, and take up what it left."""
     teller = Teller()
     process = os.fork()
     if process == 0:
@@ -131,16 +132,19 @@ def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
             sit(folder, teller, seed)
         finally:
             os._exit(1)
-    while teller.times[0] == 0 and os.waitpid(process, os.WNOHANG) == (0, 0):
+    while teller.times[0] < BEGUN and os.waitpid(process, os.WNOHANG) == (0, 0):
         time.sleep(0.001)
     time.sleep(seconds)
     killed_ns = time.monotonic_ns()
     os.kill(process, signal.SIGKILL)
     os.waitpid(process, 0)
-    (unfinished,) = recoverable(folder)
+    n_told, found = int(teller.times[0]), recoverable(folder)
+    if not found:  # killed before any of it was on the disk: all of it is lost
+        return Kill(n_told, 0, killed_ns - int(teller.times[1]), 0, 0, False, True)
+    (unfinished,) = found
     recovered = unfinished.recover()
     _check(recovered)
-    document, n_told = recovered.document, int(teller.times[0])
+    document = recovered.document
     n_kept = int(document.tags.get("event", 0))
     lost_ns = killed_ns - int(teller.times[n_kept + 1]) if n_kept < n_told else 0
     return Kill(
