@@ -84,6 +84,8 @@ def demo(app: QtWidgets.QApplication, path: Path) -> None:
     window = opened(app, "bowl", "en", dark=False)
     recording = importlib.resources.files("paint3d.calligraphy").joinpath("data/demo.jsonl.gz")
     window.recordings.replay_file(str(recording))
+    while window.player.is_playing:
+        live(0.1)
     window.stage.easel.post(lambda document: None).result()
     height = window.canvas.height()
     camera = orbit(window.hand.camera, -10.0, -120.0, height)
