@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+from functools import cache
 from itertools import chain
 
 import numpy as np
@@ -17,11 +18,14 @@ from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmet
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.score.of_strokes import score_of_strokes
 from paint3d.app.model.score.playing import painted
+from paint3d.app.model.score.words import Inks, asked_by, line_of
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import Pigment
 from paint3d.errors import Paint3DError, RecordingError
+from paint3d.files.load import load_mesh
 from paint3d.recording.score import Score, load_score, save_score, write_score
-from paint3d.recording.score_schema import command_names
+from paint3d.recording.score_schema import check_command, command_names
+from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import line, paint, small_plane
 
 OWN = Pigment("iron gall", "", np.linspace(2.0, 9.0, 31), np.full(31, 0.5))
@@ -149,6 +153,55 @@ def sitting(document: Document) -> None:
     document.undo()
     document.dip({OWN: 1.0}, 0.5)
     paint(document, (-10, -20), (20, 15))
+
+
+@pytest.mark.parametrize("command", ["swap_inks", "pick_colour"])
+def test_what_is_written_down_as_a_dip_is_dipped_in(tmp_path, command) -> None:
+    document = small_plane(2.0)
+    document.inks = [{"pine soot": 1.0}, {"cinnabar": 1.0}]
+    paint(document, (-20, -10), (20, -10))
+    document.dip("indigo")
+    if command == "swap_inks":
+        document.swap_inks()
+    else:
+        ids = np.flatnonzero(document.surface.amounts.sum(axis=1) > 0.1)
+        document.pick_colour(int(ids[0]))
+    assert document.painter.dipped != {"indigo": 1.0}
+    paint(document, (-20, 10), (20, 10))
+    same_paintings(document, painted(read_back(document.score, tmp_path), document.surface.source))
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    face=st.integers(0, 15_000),
+    up_to=st.sampled_from(["crease", "piece"]),
+    degrees=st.floats(1.0, 90.0),
+    leaning=st.floats(1.0, 90.0),
+    inverted=st.booleans(),
+)
+def test_a_mask_is_said_and_heard(face, up_to, degrees, leaning, inverted) -> None:
+    surface, inks = bowl(), Inks({})
+    angle = AngleMask((0.0, 0.6, 0.8), leaning)
+    mask = Mask(angle, (RegionPick(face, up_to, degrees), RegionPick(7)), inverted)
+    line = line_of("set_mask", {"mask": mask}, surface, inks)
+    check_command(json.loads(json.dumps(line)))
+    assert asked_by(line, surface, inks)["mask"] == mask
+
+
+@settings(deadline=None, max_examples=25)
+@given(point=st.tuples(*[st.floats(-50, 50)] * 3), count=st.integers(2, 12))
+def test_a_symmetry_is_said_and_heard(point, count) -> None:
+    surface, inks = bowl(), Inks({})
+    axis = (0.0, 0.6, 0.8)
+    symmetry = Symmetry((MirrorPlane(point, axis),), RadialSymmetry(count, point, axis))
+    line = line_of("set_symmetry", {"symmetry": symmetry}, surface, inks)
+    check_command(json.loads(json.dumps(line)))
+    assert asked_by(line, surface, inks)["symmetry"] == symmetry
+
+
+@cache
+def bowl() -> PaintedSurface:
+    return PaintedSurface(load_mesh("bowl"), 4.0)
 
 
 def test_a_saved_painting_goes_on_with_its_score(tmp_path) -> None:
