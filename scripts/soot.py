@@ -61,9 +61,9 @@ class Soot(NamedTuple):
 
 SOOTS = {"pine soot": Soot(20.0, 400.0), "oil soot": Soot(15.0, 80.0)}
 STRENGTH = 4.8
-"""Absorption of a coat at 550 nm, before the third step: such that what a brush that runs dry still
-touches is as black, beside its gaps, as in scans of dry strokes (docs/model.md, flying white). It is
-1.2 percent of soot by volume in 0.03 mm of liquid."""
+"""Absorption of a coat at 550 nm, before the third step: such that what a brush that runs dry
+still touches is as black, beside its gaps, as in scans of dry strokes (docs/model.md, flying
+white). It is 1.2 percent of soot by volume in 0.03 mm of liquid."""
 
 
 def index_of(nm: float) -> complex:

@@ -47,7 +47,9 @@ def covered(
     x = math.cos(turn) * vertices[:, 0] + math.sin(turn) * vertices[:, 1]
     y = math.cos(turn) * vertices[:, 1] - math.sin(turn) * vertices[:, 0]
     places = (np.stack([x, y], axis=1) - [BOX[0], BOX[2]]) / GRID_MM
-    picture = np.empty((round((BOX[3] - BOX[2]) / GRID_MM), round((BOX[1] - BOX[0]) / GRID_MM)), "f4")
+    picture = np.empty(
+        (round((BOX[3] - BOX[2]) / GRID_MM), round((BOX[1] - BOX[0]) / GRID_MM)), "f4"
+    )
     faces = np.asarray(surface.mesh.faces, np.int32)
     fill_triangles(places, surface.coverage.astype(np.float32), faces, picture)
     return picture
