@@ -56,7 +56,7 @@ def export(
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
     after the position); .3mf (mm, sRGB at each corner, for printers); .usdz (metres, y up, linear
     displayColor); .wrl VRML97 (metres, y up, sRGB, for colour printers); .p3d.txt the paper's
-    records (vertices only); .html a page that shows the object, by itself; .png a picture; .p3d a
+    records; .html a page that shows the object, by itself; .png a picture; .p3d a
     session, to which no option applies.
 
     Parameters
@@ -263,10 +263,16 @@ def _write_wrl(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.project.records import write_records
+    from paint3d.files.project.records import standing_place, write_records
 
     arrays = painting.vertices, painting.normals, painting.srgb
-    write_records(path, *arrays, packed=options.packed_normals)
+    write_records(
+        path,
+        *arrays,
+        faces=painting.faces,
+        initial_position=standing_place(painting.vertices),
+        packed=options.packed_normals,
+    )
 
 
 def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
