@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from paint3d.cli.lights import add_light_options, viewing_of
 from paint3d.cli.options import (
     UNITS,
     add_force_option,
@@ -64,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=".p3d.txt: seven numbers a vertex, as the paper prints them, instead of nine",
     )
+    add_light_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
@@ -87,6 +89,7 @@ def run(options: argparse.Namespace) -> None:
 
     check_output_file(options.file, EXPORT_SUFFIXES)
     check_overwriting((options.file,), (options.painting,), force=options.force)
+    viewing = viewing_of(options)
     painting = open_painting(options)
     with ProgressBar("writing", enabled=not options.quiet) as progress:
         if is_session_path(options.file):
@@ -106,6 +109,7 @@ def run(options: argparse.Namespace) -> None:
                 texture=options.texture,
                 filaments=options.filaments,
                 packed_normals=options.packed_normals,
+                viewing=viewing,
             )
             surface = painting.surface if isinstance(painting, Session) else painting
             export(surface, options.file, wishes, progress)
