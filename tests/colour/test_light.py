@@ -94,7 +94,7 @@ def test_without_adaptation_white_has_the_colour_of_the_light():
     assert red > green + 40 > blue + 80
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=25)
 @given(st.floats(0.02, 1.0), st.sampled_from(["A", "F11", "LED-B3"]))
 def test_greys_stay_grey_and_as_light(level, light):
     linear = Viewing(light).linear_rgb(np.full((1, N_BANDS), level))

@@ -30,11 +30,13 @@ READERS |= {".glb": "gltf", ".gltf": "gltf", ".p3d.txt": "records"}
 UNREAD = {  # what other programs read, and ours does not
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
     **dict.fromkeys((".wrl", ".vrml", ".x3d"), "VRML"),
-    **{".fbx": "FBX", ".dae": "COLLADA", ".blend": "a .blend file"},
+    **{".fbx": "FBX", ".blend": "a .blend file"},
 }
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
 BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
-MESH_SUFFIXES = tuple(READERS)
+FOREIGN_SUFFIXES = (".dae", ".zae", ".xaml", ".ctm", ".xyz", ".dxf", ".svg")
+"""What trimesh reads, `readers.read_foreign`."""
+MESH_SUFFIXES = (*READERS, *FOREIGN_SUFFIXES)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 # What damaged structure makes a reader stumble over; the careful messages come before these.
@@ -132,6 +134,8 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     data = read_contents(path)
     if data.startswith(WIDE):
         data = plain_text(data)
+    if kind in FOREIGN_SUFFIXES:
+        return read(data, kind, texture)
     if kind in BESIDE:
         return read(data, path.parent, texture)
     return read(data, texture) if kind == "3mf" else read(data)
@@ -159,6 +163,8 @@ def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
     suffix = inner.suffix.lower()
     if inner.name.lower().endswith(RECORDS):
         suffix = RECORDS
+    if suffix in FOREIGN_SUFFIXES:
+        return suffix, import_module("paint3d.files.readers.read_foreign").read_foreign
     if suffix not in READERS:
         wanted = " ".join(MESH_SUFFIXES)
         shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
