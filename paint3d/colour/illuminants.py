@@ -124,7 +124,8 @@ def _of_file(path: Path) -> NDArray[np.float64]:
 
 
 def _fine(nm: AnyArray, values: AnyArray) -> NDArray[np.float64]:
-    return np.interp(FINE_NM, nm, values)
+    result: NDArray[np.float64] = np.interp(FINE_NM, nm, values)
+    return result
 
 
 @lru_cache(maxsize=2)

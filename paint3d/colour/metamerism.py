@@ -28,7 +28,7 @@ class Seen(NamedTuple):
         CIE L*a*b* of each, relative to the light's white.
     difference : float
         dE00.
-    index : float
+    shift : float
         dE00 that is left when the second's XYZ are scaled so that both are the same in the first
         light: the special metamerism index for a change of light, with the multiplicative
         correction of CIE 15. 0 in the first light.
@@ -37,7 +37,7 @@ class Seen(NamedTuple):
     illuminant: str
     lab: AnyArray
     difference: float
-    index: float
+    shift: float
 
 
 def compare_spectra(

@@ -82,8 +82,7 @@ def _of_spectra(path: Path) -> Mapping[str, Pigment]:
                 "expected the reflectance of a masstone, between 0 and 1"
             )
         k, s = masstone_strengths(reflectance)
-        words = {"chinese": "", "source": path.name, "basis": "masstone", "licence": ""}
-        pigments[name] = Pigment(name=name, K=k, S=s, **words)
+        pigments[name] = Pigment(name, "", K=k, S=s, source=path.name, basis="masstone")
     return MappingProxyType(pigments)
 
 

@@ -136,8 +136,9 @@ class Viewing:
         matrix = ADAPTATIONS[self.adaptation]
         if matrix is not None:
             return weights @ adapt_white(matrix, weights.sum(axis=0), WHITE_XYZ).T @ primaries.T
-        seen = weights @ primaries.T
-        return seen / seen.sum(axis=0).max()
+        seen: AnyArray = weights @ primaries.T
+        seen = seen / seen.sum(axis=0).max()
+        return seen
 
     def linear_rgb(self, spectra: ArrayLike) -> AnyArray:
         """Linear RGB (..., 3) of reflectance spectra (..., 31); it leaves [0, 1] out of gamut."""

@@ -171,10 +171,10 @@ def test_metamerism_of_two_inks():
     other = mixture_reflectance({"indigo": 0.6, "lapis lazuli": 0.4}, 1.0, GROUND)
     rows = compare_spectra(azurite, other)
     assert [row.illuminant for row in rows][:3] == ["D65", "D50", "A"]
-    assert rows[0].index == pytest.approx(0.0, abs=1e-9)
-    assert max(row.index for row in rows) > 3.0
+    assert rows[0].shift == pytest.approx(0.0, abs=1e-9)
+    assert max(row.shift for row in rows) > 3.0
     for row in compare_spectra(azurite, azurite * 1.0):
-        assert row.difference == row.index == 0.0
+        assert row.difference == row.shift == 0.0
     xyz = by_colour_science_xyz([azurite, other], "A", 2)
     white = colour.XYZ_to_xy(xyz[0])
     theirs = colour.delta_E(*(colour.XYZ_to_Lab(x, white) for x in xyz[1:]), method="CIE 2000")

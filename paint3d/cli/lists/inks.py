@@ -13,6 +13,7 @@ from paint3d.cli.options import MATERIALS
 
 if TYPE_CHECKING:
     from paint3d.colour.pigment import Pigment
+    from paint3d.core.types import AnyArray
 
 HELP = "the palette with sources and swatches"
 
@@ -88,21 +89,29 @@ def run(options: argparse.Namespace) -> None:
 
 def comparison_table(options: argparse.Namespace) -> list[str]:
     """Lines of CSV: a head, then one light a line, with colours, dE00 and metamerism index."""
-    from paint3d.colour.inks import load_ink
-    from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
     from paint3d.colour.metamerism import COMPARED, compare_spectra
     from paint3d.core.arrays import as_number
 
     coats = as_number(options.coats, "--coats", 0.0, 100.0)
     ground = load_material(options.material).reflectance
-    spectra = [mixture_reflectance(load_ink(ink), coats, ground) for ink in options.compare]
-    seen = compare_spectra(*spectra, options.illuminant or COMPARED, options.observer)
+    one, two = (_film(ink, coats, ground) for ink in options.compare)
+    seen = compare_spectra(one, two, options.illuminant or COMPARED, options.observer)
     lines = ["illuminant,L_A,a_A,b_A,L_B,a_B,b_B,dE00,metamerism_index"]
     for row in seen:
-        numbers = [*row.lab.ravel().tolist(), row.difference, row.index]
+        numbers = [*row.lab.ravel().tolist(), row.difference, row.shift]
         lines.append(",".join([_csv_word(row.illuminant), *(f"{x:.2f}" for x in numbers)]))
     return lines
+
+
+def _film(ink: str, coats: float, ground: AnyArray) -> AnyArray:
+    """Reflectance (31,) of a film of an ink in words."""
+    from paint3d.colour.inks import load_ink
+    from paint3d.colour.layers import mixture_reflectance
+
+    stirred: dict[str | Pigment, float] = {}
+    stirred.update(load_ink(ink).items())
+    return mixture_reflectance(stirred, coats, ground)
 
 
 def _csv_word(text: str) -> str:

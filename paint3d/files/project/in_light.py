@@ -13,6 +13,7 @@ from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.spectra import decode_srgb
 from paint3d.colour.viewing import GAMUTS, Codes, Viewing
 from paint3d.core.types import AnyArray
+from paint3d.files.progress import Progress
 
 __all__ = ["InLight", "tell_clipped"]
 
@@ -55,12 +56,13 @@ class InLight:
         self,
         tolerance: float | None = 1.0,
         srgb: NDArray[np.uint8] | None = None,
-        **progress: Any,
+        progress: Progress | None = None,
     ) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
         """As the surface's own, with these colours."""
         codes = self.srgb if srgb is None else srgb
         arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray]
-        arrays = self._surface.export_arrays(tolerance, codes, **progress)
+        told = {} if progress is None else {"progress": progress}
+        arrays = self._surface.export_arrays(tolerance, codes, **told)
         return arrays
 
     def detail_arrays(self) -> tuple[AnyArray, ...]:
