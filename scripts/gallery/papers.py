@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
+from scipy.interpolate import CubicSpline
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ink import draw, line, sheet, sheet_chart
@@ -191,41 +192,62 @@ def draw_beside_copybook(file: Path, glyphs: Path) -> None:
 
 
 def draw_bowl_bottom(file: Path, glyphs: Path) -> None:
-    """A branch of plum in the bottom of the bowl, and a character beside it."""
+    """A branch of plum in the bottom of the bowl: a twig dark at its tip, pale petals, buds."""
     mesh = load_mesh("bowl")
-    surface, closest = PaintedSurface(mesh, 0.25, "porcelain"), ClosestPoints(mesh)
+    surface, closest = PaintedSurface(mesh, 0.2, "porcelain"), ClosestPoints(mesh)
     chart = make_chart(closest, place(closest, (0.5, 0.5), side="top"), 44.0, 44.0)
-    painter = Painter(surface, "xiaobaiyun", {"pine soot": 0.5, "water": 0.5})
-    painter.dip("pine soot", reach=0.3)
-    line(chart, painter, [(-30, -22), (-18, -8), (-6, -4), (8, 8), (24, 14)],
-         [0.12, 0.42, 0.32, 0.26, 0.02])  # fmt: skip
-    painter.dip("pine soot", reach=0.4)
-    line(chart, painter, [(-16, -7), (-14, 8), (-6, 22), (-4, 30)], [0.22, 0.22, 0.14, 0.02])
-    line(chart, painter, [(2, 3), (14, 0), (26, -8)], [0.2, 0.16, 0.02])
-    for x, y, turn in ((9, 17, 0.2), (-14, 21, 0.9), (20, 4, 0.5), (-24, -4, 0.1), (24, -12, 0.7)):
-        blossom(chart, painter, np.array([x, y], float), turn)
-    draw(surface, file, (1400, 1050), View((0.0, -0.55, 1.0), (0.0, 0.0, 1.0), 1.15))
+    painter = Painter(surface, "xiaobaiyun", "heavy")
+    twigs = (
+        (
+            [(-17, -9), (-10, -6), (-3, -4.5), (4, 1), (9, 3.5), (15, 10)],
+            (0.5, 0.34, 0.4, 0.24, 0.02),
+        ),
+        ([(-9, -6), (-8.5, 0), (-5, 5), (-4.5, 12), (-2, 17)], (0.28, 0.22, 0.12, 0.02)),
+        ([(3, 0), (8, -2), (12, -7)], (0.24, 0.15, 0.02)),
+        ([(5.5, 2), (6, 8), (9, 14)], (0.16, 0.11, 0.02)),
+    )
+    for points, presses in twigs:
+        painter.dip("heavy")
+        painter.dip("burnt", reach=0.4)
+        knots = np.array(points, float)
+        t = np.linspace(0.0, 1.0, 60)
+        way = CubicSpline(np.linspace(0.0, 1.0, len(knots)), knots)(t)
+        way += 0.12 * np.column_stack([np.sin(17.0 * t), np.sin(13.0 * t)])
+        line(chart, painter, way, np.interp(t, np.linspace(0.0, 1.0, len(presses)), presses))
+    surface.dry()
+    for x, y, size, turn in ((10.5, 4.0, 1.0, 0.2), (-4.5, 9.0, 1.0, 0.9), (-9.0, -5.5, 1.0, 0.6)):
+        blossom(chart, painter, np.array([x, y]), size, turn)
+    for x, y, turn in ((11.6, -6.6, -0.8), (8.8, 13.6, 1.2), (-2.2, 16, 1.4), (14.4, 9.6, 0.6)):
+        petal(chart, painter, np.array([x, y]), turn, 0.55, 0.3)
+    draw(surface, file, (1400, 1050), View((0.0, -0.5, 1.0), (0.0, 0.0, 1.0), 1.9))
 
 
-def blossom(chart, painter: Painter, centre: NDArray, turn: float) -> None:
-    """Five petals, each pressed from outside in, and a dark heart."""
-    for k in range(5):
-        painter.rinse()
-        painter.dip({"carmine": 0.25, "water": 0.75})
-        painter.dip({"carmine": 0.6, "water": 0.4}, reach=0.25)
-        angle = turn + k * 2.0 * np.pi / 5.0 + 0.12 * np.sin(7.0 * k)
-        out = np.array([np.cos(angle), np.sin(angle)])
-        way = centre + out * np.linspace(5.6, 2.0, 10)[:, None]
-        painter.replay(
-            way_of(chart, way, 0.42 * np.sin(np.pi * np.linspace(0.1, 0.95, 10)) ** 0.7,
-                   np.full(10, angle))
-        )  # fmt: skip
+def petal(chart, painter: Painter, centre: NDArray, turn: float, size: float, deep: float) -> None:
+    """A round dab, dark without and pale within, whose tip points away from its heart."""
     painter.rinse()
-    painter.dip("pine soot")
-    for k in range(6):
-        angle = turn + k * np.pi / 3.0
+    painter.dip({"carmine": 0.06, "water": 0.94})
+    painter.dip({"carmine": deep, "water": 1.0 - deep}, reach=0.3)
+    for aside in (-0.34, 0.34):  # two halves, so that it is round
+        out = np.array([np.cos(turn + aside), np.sin(turn + aside)])
+        way = centre + size * out * np.linspace(2.3, 1.3, 16)[:, None]
+        press = 0.36 * size * np.sin(np.pi * np.linspace(0.0, 1.0, 16)) ** 0.6
+        painter.replay(way_of(chart, way, press, np.full(16, turn + 0.6 * aside), "xiaobaiyun"))
+
+
+def blossom(chart, painter: Painter, centre: NDArray, size: float, turn: float) -> None:
+    """Five petals, then stamens from the heart and dots at their ends."""
+    for k in range(5):
+        angle = turn + k * 2.0 * np.pi / 5.0 + 0.15 * np.sin(7.0 * k)
+        petal(chart, painter, centre, angle, size * (1.0 + 0.1 * np.cos(3.0 * k)), 0.22)
+    painter.rinse()
+    painter.dip("burnt")
+    for k in range(7):
+        angle = turn + 0.3 + k * 2.0 * np.pi / 7.0
         out = np.array([np.cos(angle), np.sin(angle)])
-        line(chart, painter, centre + np.outer([0.4, 2.6], out), [0.03, 0.05])
+        length = 2.2 + 0.4 * np.cos(5.0 * k)
+        line(
+            chart, painter, centre + np.outer([0.3, length, length + 0.25], out), [0.01, 0.02, 0.07]
+        )
 
 
 def draw_shi(file: Path, glyphs: Path) -> None:
@@ -234,17 +256,17 @@ def draw_shi(file: Path, glyphs: Path) -> None:
 
 
 def draw_manbu(file: Path, glyphs: Path) -> None:
-    """漫步人生 on the bowl as it is written, and half a minute later: xuan drinks."""
+    """漫步人生 on the bowl as it is written, and some seconds later: xuan drinks."""
     pen = Pen(load_brush("xiaobaiyun"), 30.0, PlanSettings())
     mesh, pictures = load_mesh("bowl"), []
     told = write_text(mesh, "漫步人生", open_glyphs(glyphs), pen, Layout("row"))
-    for seconds in (0.0, 30.0):
+    for seconds in (0.0, 4.0):
         surface = PaintedSurface(mesh, 0.3, "xuan")
         painter = Painter(surface, "xiaobaiyun", {"pine soot": 0.6, "water": 0.4})
         painter.replay(told.recording)
         surface.diffuse(seconds)
         part = file.with_name(f"part_{seconds:g}.png")
-        draw(surface, part, (900, 675), View((0.0, -1.0, 0.3), (0.0, 0.0, 1.0), 1.3))
+        draw(surface, part, (900, 675), View((0.0, -1.0, 0.3), (0.0, 0.0, 1.0), 1.12))
         pictures.append(Image.open(part).convert("RGB"))
         part.unlink()
     beside(pictures).save(file)
