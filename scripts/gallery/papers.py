@@ -44,6 +44,7 @@ from paint3d.view.studio import Gloss
 FORCES = (0.5, 2.0, 4.0, 6.0, 7.9)  # N
 GREATEST = 7.9  # N, of the papers' device
 STEP = 40.0  # mm between brushes
+SPACING = 0.144  # the same as a share of the picture's width
 HAIR = (52, 46, 40)
 RED = (190, 40, 30)
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -133,7 +134,7 @@ def named(picture: Image.Image, words: list[str]) -> Image.Image:
     page.paste(picture, (0, 0))
     pen = ImageDraw.Draw(page)
     for k, word in enumerate(words):
-        x = picture.width * (k + 0.5) / len(words)
+        x = picture.width * (0.5 + SPACING * (k - 0.5 * (len(words) - 1)))
         pen.text((x, picture.height + 8), word, fill=(60, 40, 40), anchor="ma", font_size=18)
     return page
 
