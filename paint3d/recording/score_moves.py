@@ -206,12 +206,15 @@ def _smallest_turns(a: AnyArray, b: AnyArray) -> AnyArray:
     k[:, [2, 0, 1], [1, 2, 0]] = cross
     k[:, [1, 2, 0], [2, 0, 1]] = -cross
     scale = 1.0 / np.where(opposite, 1.0, 1.0 + cosine)
-    turns = np.eye(3) + k + (k @ k) * scale[:, None, None]
-    return np.where(opposite[:, None, None], half, turns) if opposite.any() else turns
+    turns: AnyArray = np.eye(3) + k + (k @ k) * scale[:, None, None]
+    if opposite.any():
+        turns[opposite] = half[opposite]
+    return turns
 
 
 def _turn_about(axis: AnyArray, angle: float) -> AnyArray:
     """The rotation (3, 3) about a unit axis."""
     x, y, z = axis
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k)
+    turn: AnyArray = np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k)
+    return turn
