@@ -102,8 +102,9 @@ def move_stroke(
         mm: on a lying surface along x and y, on a standing one to the right and upwards.
     turn_deg : float
         About the surface's normal, counter-clockwise for who looks at it.
-    to : (3,), optional
-        Where its middle comes to, in the object's frame, mm; before `along`.
+    to : (3,) or (2, 3), optional
+        Where its middle comes to, in the object's frame, mm, or where a place comes to at which it
+        is taken hold of; before `along`.
 
     Raises
     ------

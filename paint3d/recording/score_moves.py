@@ -81,8 +81,9 @@ def carried(
         mm along the surface; see `tangents_at`.
     turn_deg : float
         About the normal, counter-clockwise for who looks at the surface.
-    to : (3,), optional
-        Where the middle of the stroke comes to, in the object's frame, mm; before `along`.
+    to : (3,) or (2, 3), optional
+        Where the middle of the stroke comes to, in the object's frame, mm; or the place where it is
+        taken hold of, and where that comes to; before `along`.
 
     Raises
     ------
@@ -93,8 +94,11 @@ def carried(
     middle, normal = middle_of(parts, ground)
     place, up, turn = middle, normal, np.eye(3)
     if to is not None:
-        found = ground.find(np.asarray(to, np.float64)[None])
-        place, up = found.points[0], found.normals[0]
+        ends = np.atleast_2d(np.asarray(to, np.float64))
+        found = ground.find(ends)
+        if len(ends) == 2:
+            middle, normal = found.points[0], found.normals[0]
+        place, up = found.points[-1], found.normals[-1]
         turn = _smallest_turns(normal[None], up[None])[0]
     ahead = np.asarray(along, np.float64) @ tangents_at(up)
     place, after, walked = _walk(ground, place, up, ahead)

@@ -137,6 +137,9 @@ def test_a_stroke_is_carried_to_a_place() -> None:
     score = load_score(EXAMPLE)
     moved = move_stroke(score, 3, ground(), to=(20.0, 10.0, 5.0)).strokes()[2]
     np.testing.assert_allclose(moved.position[1:-1].mean(axis=0), [20.0, 10.0, 35.0], atol=0.5)
+    held = move_stroke(score, 3, ground(), to=((0.0, 0.0, 1.0), (4.0, -3.0, 1.0))).strokes()[2]
+    own = score.strokes()[2].position
+    np.testing.assert_allclose(held.position - own, np.tile([4.0, -3.0, 0.0], (len(own), 1)))
 
 
 def test_a_stroke_does_not_go_beyond_an_edge() -> None:
