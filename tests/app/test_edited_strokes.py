@@ -82,7 +82,7 @@ def test_any_stroke_of_any_sitting_is_edited_as_its_score_is(passages, number, e
     for k, one in enumerate(chain.from_iterable(passages)):
         do(document, one, 1_000_000_000 * (k + 1))
     document.break_off()
-    if document._looking:
+    if document.looks_back:
         document.replay_history(len(document.strokes) + len(document.undone_strokes))
     before, score = snap(document), list(write_score(document.score))
     if not document.strokes:
@@ -179,7 +179,7 @@ def test_strokes_that_one_only_looked_behind_come_back_for_an_edit() -> None:
         document.edit_stroke(4, {"do": "delete"})
 
 
-def test_symmetry_mask_and_layers_are_as_they_were_when_it_was_painted() -> None:
+def test_symmetry_mask_and_layers_are_as_they_were_when_it_was_painted(tmp_path) -> None:
     document = small_plane(3.0)
     document.set_symmetry(Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),)))
     paint(document, (-12, 4), (12, 6), t0=1_000_000_000)
@@ -191,11 +191,16 @@ def test_symmetry_mask_and_layers_are_as_they_were_when_it_was_painted() -> None
     paint(document, (-12, 12), (12, 12), t0=3_000_000_000)
     document.set_locked(0)
     document.set_visible(1, False)
-    mask, layers, saved = document.mask, document.layers, document._saved_at
+    document.save(tmp_path / "a.p3d")
+    mask, layers = document.mask, document.layers
     for number in range(3):
         document.edit_stroke(number, {"do": "move", "along": (1.0, 0.0)})
         as_replayed(document)
-    assert (document.mask, document.layers, document._saved_at) == (mask, layers, saved)
+        assert (document.mask, document.layers) == (mask, layers)
+        assert document.modified
+    for _ in range(3):
+        document.undo()
+    assert not document.modified
 
 
 def test_an_edit_that_is_stopped_or_fails_leaves_everything() -> None:

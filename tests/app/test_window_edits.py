@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 
 import numpy as np
@@ -12,6 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model import edit_commands
 from paint3d.app.window.dialogs.stroke_dialogs import MoveDialog, TimeDialog
 from tests.support.app.gestures import (
     BUTTON,
@@ -50,7 +50,7 @@ def as_it_was(window):
     with faults() as found:
         yield
         settled(window)
-    while len(window.document._edits):
+    while window.document.n_edits:
         press(window, QtCore.Qt.Key.Key_Z, QtCore.Qt.KeyboardModifier.ControlModifier)
     same(window, before[0])
     assert len(window.document.strokes) == before[1]
@@ -130,17 +130,17 @@ def test_a_stroke_is_dragged_on_the_object(window) -> None:
     assert window.stage.easel.n_painted == n_samples  # the drag did not paint
     after = inked(window)
     assert after[:, 1].max() > before[:, 1].max() + 3.0
-    assert not window.editing._drag.is_waiting
+    assert not window.editing.drag.is_waiting
 
 
 def test_a_drag_beside_the_object_waits_and_esc_leaves_it(window) -> None:
     canvas, before = window.canvas, state(window)
     choose(window, 0, "drag")
     drag(canvas, (0.01, 0.02), (0.02, 0.03))
-    assert window.editing._drag.is_waiting
+    assert window.editing.drag.is_waiting
     assert "nothing of the object" in window.status.told.text()
     press(window, QtCore.Qt.Key.Key_Escape)
-    assert not window.editing._drag.is_waiting
+    assert not window.editing.drag.is_waiting
     same(window, before)
 
 
@@ -210,7 +210,7 @@ def test_the_button_edits_the_stroke_that_is_shown_last(window) -> None:
 
     when(menu.isVisible, click, "the button's menu opens")
     QtTest.QTest.mouseClick(panel.edit, LEFT)
-    wait_for(lambda: len(window.document._edits) == 1)
+    wait_for(lambda: window.document.n_edits == 1)
     settled(window)
     assert len(window.document.strokes) == 4  # those behind it have come back
 
@@ -224,20 +224,14 @@ def test_what_cannot_be_is_told_and_cancel_leaves_everything(window, monkeypatch
     assert "stroke 5 is undone" in str(window.workspace.error)
     window.workspace.post("redo")
     settled(window)
-    document, count = window.document, itertools.count()
-    play = document._play
+    play = edit_commands.play
 
-    def slowly(*given) -> None:
-        own = document.progress
+    def slowly(*given):
+        for k, step in enumerate(play(*given)):
+            time.sleep(0.1 if k < 50 else 0.0)
+            yield step
 
-        def told(share: float) -> None:
-            time.sleep(0.1 if next(count) < 50 else 0.0)
-            own(share)
-
-        document.progress = told
-        play(*given)
-
-    monkeypatch.setattr(document, "_play", slowly)
+    monkeypatch.setattr(edit_commands, "play", slowly)
     answer_bar(lambda bar: bar.findChild(QtWidgets.QPushButton).click())
     choose(window, 0, "delete")
     wait_for(lambda: not window.workspace.is_waiting)

@@ -261,6 +261,11 @@ class EditCommands(HistoryCommands):
         return super().can_redo or self._can_edit_again
 
     @property
+    def n_edits(self) -> int:
+        """How many edits undo can take back."""
+        return len(self._edits)
+
+    @property
     def has_edits(self) -> bool:
         """Whether undo or redo may lead over an edit, which no file keeps."""
         return bool(self._edits or self._unedits)

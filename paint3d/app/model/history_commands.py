@@ -51,6 +51,11 @@ class HistoryCommands(RecallCommands):
         """Whether there is something to do again."""
         return bool(self._undo.undone)
 
+    @property
+    def looks_back(self) -> bool:
+        """Whether strokes were undone by `replay_history` and not done again since."""
+        return self._looking
+
     def undo(self) -> AnyArray:
         """Take back the last step; the brush stays the one that was chosen last.
 

@@ -24,10 +24,11 @@ class StrokeEditing:
     ----------
     workspace : Workspace
     drag : StrokeDrag
+        Of the next stroke that is to be moved so.
     """
 
     def __init__(self, workspace: Workspace, drag: StrokeDrag) -> None:
-        self._workspace, self._drag = workspace, drag
+        self._workspace, self.drag = workspace, drag
         drag.dragged.connect(
             lambda number, ends: self.edit(number, {"do": "move", "to": [e.tolist() for e in ends]})
         )
@@ -45,9 +46,9 @@ class StrokeEditing:
         strokes = [*document.strokes, *document.undone_strokes]
         if not 0 <= number < len(strokes):
             return
-        self._drag.end()
+        self.drag.end()
         if what == "drag":
-            self._drag.begin(number)
+            self.drag.begin(number)
             return
         edit: Mapping[str, Any] | None = {"do": what}
         if what == "ink":
