@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from itertools import chain
 
 import numpy as np
@@ -15,6 +16,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask
 from paint3d.app.model.score.playing import painted
+from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
 from paint3d.errors import InputError, Paint3DError, RecordingError
 from paint3d.recording.score import write_score
@@ -201,6 +203,20 @@ def test_symmetry_mask_and_layers_are_as_they_were_when_it_was_painted(tmp_path)
     for _ in range(3):
         document.undo()
     assert not document.modified
+
+
+def test_strokes_of_single_hairs_are_edited_and_the_ledger_closes() -> None:
+    hairs = dataclasses.replace(load_brush("full"), bristles=BristleSpec(n_hairs=40))
+    document = sitting(brush=hairs)
+    before = snap(document)
+    for edit in ({"do": "ink", "ink": "cinnabar"}, {"do": "brush", "brush": "feibai"}):
+        document.edit_stroke(1, edit)
+        accounts = document.painter.ledger()
+        loaded = accounts.pop("loaded")
+        assert sum(accounts.values()) == pytest.approx(loaded)
+        assert document.painter.brush == hairs
+        document.undo()
+        same(before, snap(document))
 
 
 def test_an_edit_that_is_stopped_or_fails_leaves_everything() -> None:

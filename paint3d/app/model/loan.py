@@ -74,7 +74,8 @@ class Loan:
                 left = _left(hairs.load.sum(axis=1), self._hair_load.sum(axis=1))
                 load = of_hairs["load"] * left[:, None]
                 of_hairs = {"load": load, "memory": hairs.memory.copy()}
-                own = replace(own, load=load.sum(axis=0))
+                held = load.sum(axis=0)  # hairs know only the inks that they have held
+                own = replace(own, load=np.pad(held, (0, len(own.load) - len(held))))
         before, loaded = painter.in_brush(), painter.loaded
         own.put(surface)
         surface.ink.off_surface[:] = now.off_surface
