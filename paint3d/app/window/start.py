@@ -11,6 +11,7 @@ import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.input.plugging import plug_in_mice
 from paint3d.app.model.persistence.places import stand_in
 from paint3d.app.model.persistence.settings import load_settings
 from paint3d.app.window.garbage import collect_here
@@ -19,7 +20,6 @@ from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
 from paint3d.device.force.force_port import HidForcePort
 from paint3d.device.hid_nodes import list_nodes
-from paint3d.device.hot_plug import PluggedDevices
 from paint3d.errors import InputError, Paint3DError
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
@@ -105,7 +105,7 @@ def run_studio(
     settings, problem = load_settings()
     choose_language(language or settings.language)
     _translate_qt(app)
-    window = StudioWindow(app, settings, plugged=_plugged(), feel=_feel)
+    window = StudioWindow(app, settings, plugged=plug_in_mice(), feel=_feel)
     if problem is not None:
         window.workspace.tell(problem, state="bad", stays=True)
     elif (kept := stand_in()) is not None:
@@ -137,14 +137,6 @@ class _FirstPaint(QtCore.QObject):
 def _tell_painted(window: StudioWindow) -> None:
     if log.isEnabledFor(logging.DEBUG):
         window.installEventFilter(_FirstPaint(window))
-
-
-def _plugged() -> PluggedDevices | None:
-    """Pens and 6-DOF mice that are there or come; None where HID devices cannot be read."""
-    try:
-        return PluggedDevices(find=lambda: list_nodes(("mouse", "pen")))
-    except (Paint3DError, ImportError, OSError):
-        return None
 
 
 def _feel(document: Document) -> ForceFeedback | None:

@@ -33,6 +33,8 @@ class Touch:
         Whether it touches: the left button, or the tip.
     eraser : bool
         The other end of the pen.
+    bends : bool
+        Whether Shift is held with a mouse: its motion turns the tuft's bend in place.
     """
 
     time_ns: int
@@ -44,13 +46,15 @@ class Touch:
     twist: float = 0.0
     down: bool = False
     eraser: bool = False
+    bends: bool = False
 
 
 def touch_of_mouse(event: QtGui.QMouseEvent, time_ns: int) -> Touch:
     """What a mouse says."""
     place = event.position()
     down = bool(event.buttons() & _LEFT)
-    return Touch(time_ns, place.x(), place.y(), down=down)
+    bends = bool(event.modifiers() & QtCore.Qt.KeyboardModifier.ShiftModifier)
+    return Touch(time_ns, place.x(), place.y(), down=down, bends=bends)
 
 
 def touch_of_tablet(event: QtGui.QTabletEvent, time_ns: int) -> Touch:
