@@ -3,9 +3,10 @@
 A window says where the pointer's ray meets the object, or gives the ray. That place is what every
 sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
 What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
-way, for the tuft trails behind, unless it is told whither (Guo 2015, Table 2: device I). A stroke waits until it is known whither it goes, so that the tuft
-comes down trailing and need not turn round. Strokes can be steadied by a string that pulls the
-brush; its end is reached when the stroke ends.
+way, for the tuft trails behind, unless it is told whither (Guo 2015, Table 2: device I). A stroke
+waits until it is known whither it goes, so that the tuft comes down trailing and need not turn
+round. Strokes can be steadied by a string that pulls the brush; its end is reached when the stroke
+ends.
 
 One step after the other over events; nothing here has a clock.
 """

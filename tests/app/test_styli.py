@@ -1,0 +1,118 @@
+"""Styli that push back, chosen by a word: each paints in the window, and is felt as its brush."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from paint3d.app.model.input.plugging import start_feeling
+from paint3d.app.model.persistence.calibrations import kept_calibration
+from paint3d.app.model.persistence.settings import Settings
+from paint3d.app.window.studio import StudioWindow
+from paint3d.brush.presets import load_brush
+from paint3d.haptics.settings import DeviceLimits, HapticSettings
+from tests.support.app.gestures import live, wait_for
+from tests.support.app.windows import close_unasked, settled
+from tests.support.styli import Inverse3StandIn, OpenHapticsStandIn
+
+DEEP = 6.0  # mm
+LIFTED = 80.0
+SHEET = ((-105.0, -74.0), (105.0, -74.0), (105.0, 74.0), (-105.0, 74.0))
+
+
+@pytest.fixture(params=[OpenHapticsStandIn, Inverse3StandIn])
+def stylus(request, tmp_path, monkeypatch):
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
+    stylus = request.param(tmp_path)
+    for name, value in stylus.environment.items():
+        monkeypatch.setenv(name, value)
+    stylus.hold(0.0, 0.0, LIFTED)
+    yield stylus
+    stylus.close()
+
+
+@pytest.fixture
+def window(program, stylus):
+    settings = Settings(stylus=stylus.choice)
+    window = StudioWindow(program, settings, feel=start_feeling)
+    window.show()
+    window.workspace.quiet = True
+    assert window.opening.open_path("plane", 1.5, "porcelain", asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
+    yield window
+    close_unasked(window)
+
+
+def paint_a_line(window, stylus, at=(0.0, 0.0)) -> np.ndarray:
+    """Go from 15 mm to the left of a place to 15 mm to the right: the vertices that are inked."""
+    n = len(window.document.strokes)
+    z = window.document.painter.brush.length_mm - DEEP
+    stylus.hold(at[0] - 15.0, at[1], LIFTED)
+    live(0.1)
+    for x in np.linspace(-15.0, 15.0, 40):
+        stylus.hold(at[0] + x, at[1], z)
+        live(0.01)
+    stylus.hold(at[0] + 15.0, at[1], LIFTED)
+    wait_for(lambda: len(window.document.strokes) == n + 1)
+    settled(window)
+    surface = window.document.surface
+    return surface.paint_mesh.vertices[np.flatnonzero(surface.painted)]
+
+
+def felt_as(window, stylus, name: str) -> bool:
+    """Whether the stylus is told the force of that brush where it is held now."""
+    brush = load_brush(name)
+    spring = HapticSettings.for_brush(brush, DeviceLimits(*stylus.limits)).spring
+    softening = window.both_hands.feeling.feedback.status().softening
+    wanted = min(spring, stylus.limits[1]) * softening * DEEP
+    return abs(stylus.force()[2] - wanted) < 0.03 * wanted
+
+
+def test_it_paints_under_its_place_and_is_felt_as_the_brush_in_the_hand(window, stylus) -> None:
+    places = paint_a_line(window, stylus)
+    assert abs(np.median(places[:, 1])) < 1.0
+    assert np.ptp(places[:, 0]) > 30.0
+    assert window.panels.devices.stylus.kind.currentData() == stylus.choice.partition("=")[0]
+    for name in ("full", "gongbi", "dakai"):
+        stylus.hold(0.0, 40.0, LIFTED)
+        window.workspace.post("set_brush", name)
+        settled(window)
+        stylus.hold(0.0, 40.0, load_brush(name).length_mm - DEEP)
+        wait_for(lambda name=name: felt_as(window, stylus, name), 60.0)
+    stylus.hold(0.0, 40.0, LIFTED)
+    wait_for(lambda: not stylus.force().any())
+
+
+def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, stylus) -> None:
+    """The sheet lies 20 mm to the right of where the device has its middle, and 5 mm lower."""
+    form = window.panels.devices.stylus
+    form.calibrate.click()
+    for x, y in SHEET:
+        said = form.told.text()
+        assert "corner" in said
+        for buttons in (0, 1, 0):
+            stylus.hold(x + 20.0, y, -5.0, buttons)
+            live(0.2)
+        wait_for(lambda said=said: form.told.text() != said)
+    assert "0.0" in form.told.text()
+    assert not window.document.strokes  # touching paints nothing
+    feeling = window.both_hands.feeling
+    middle = kept_calibration(feeling.key).to_world(np.zeros(3))
+    assert np.allclose(feeling.calibration.to_world(np.zeros(3)), middle)
+    assert np.allclose(middle, [-20.0, 0.0, 5.0], atol=0.01)
+    stylus.hold(20.0, 0.0, LIFTED)
+    wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
+
+
+def test_what_is_missing_is_said(window) -> None:
+    form = window.panels.devices.stylus
+    form.kind.setCurrentIndex(form.kind.findData("hid"))
+    form.kind.activated.emit(form.kind.currentIndex())
+    assert "f055:4a50" in window.status.told.text()
+    assert window.workspace.settings.stylus == "hid"
+    assert window.both_hands.feeling is None
+    form.calibrate.click()
+    assert "No stylus" in form.told.text()
