@@ -149,6 +149,8 @@ class Touches:
             )
         device = np.array(self.touched)
         _check_spread(device, "touches")
+        if not scaled:
+            _check_distances(device, self.points)
         calibration = fit_calibration(device, self.points, scaled=scaled)
         errors = np.linalg.norm(calibration.to_world(device) - self.points, axis=1)
         most = _MOST_LEFT * _greatest_distance(self.points)
@@ -178,6 +180,20 @@ def _check_spread(points: AnyArray, what: str) -> None:
         raise DeviceError(
             f"the {what} lie within {spread[1]:.2f} mm of one line, along which they spread "
             f"{spread[0]:.1f} mm; expected at least {least:.1f} across it"
+        )
+
+
+def _check_distances(device: AnyArray, world: AnyArray) -> None:
+    """Refuse touches whose distances are not those of their points, whatever the frame."""
+    between = [np.linalg.norm(p[:, None] - p[None], axis=2) for p in (device, world)]
+    off = np.abs(between[0] - between[1])
+    i, j = np.unravel_index(np.argmax(off), off.shape)
+    most = _MOST_LEFT * _greatest_distance(world)
+    if off[i, j] > most:
+        raise DeviceError(
+            f"touches {min(i, j) + 1} and {max(i, j) + 1} lie {between[0][i, j]:.1f} mm apart, "
+            f"their points {between[1][i, j]:.1f}; expected within {most:.1f}: were they touched "
+            "in the order that was asked for, and is the sheet as large as was said?"
         )
 
 

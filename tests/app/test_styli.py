@@ -7,18 +7,22 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.model.input.plugging import start_feeling
+from paint3d.app.model.input.devices import NothingPlugged
+from paint3d.app.model.input.plugging import Feeling, start_feeling
 from paint3d.app.model.persistence.calibrations import kept_calibration
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import load_brush
+from paint3d.haptics.feel import Feel
 from paint3d.haptics.settings import DeviceLimits, HapticSettings
 from tests.support.app.gestures import live, wait_for
-from tests.support.app.windows import close_unasked, settled
+from tests.support.app.windows import close_unasked
+from tests.support.force_model import ForceModel
 from tests.support.styli import Inverse3StandIn, OpenHapticsStandIn
 
 DEEP = 6.0  # mm
 LIFTED = 80.0
+BRUSH = load_brush("full")
 SHEET = ((-105.0, -74.0), (105.0, -74.0), (105.0, 74.0), (-105.0, 74.0))
 
 
@@ -46,6 +50,12 @@ def window(program, stylus):
     close_unasked(window)
 
 
+def done(window) -> None:
+    """Wait until what was asked for is painted: a stylus that is held is never still."""
+    window.stage.easel.post(lambda document: None).result(300)
+    live(0.1)
+
+
 def paint_a_line(window, stylus, at=(0.0, 0.0)) -> np.ndarray:
     """Go from 15 mm to the left of a place to 15 mm to the right: the vertices that are inked."""
     n = len(window.document.strokes)
@@ -57,18 +67,18 @@ def paint_a_line(window, stylus, at=(0.0, 0.0)) -> np.ndarray:
         live(0.01)
     stylus.hold(at[0] + 15.0, at[1], LIFTED)
     wait_for(lambda: len(window.document.strokes) == n + 1)
-    settled(window)
+    done(window)
     surface = window.document.surface
     return surface.paint_mesh.vertices[np.flatnonzero(surface.painted)]
 
 
-def felt_as(window, stylus, name: str) -> bool:
-    """Whether the stylus is told the force of that brush where it is held now."""
-    brush = load_brush(name)
-    spring = HapticSettings.for_brush(brush, DeviceLimits(*stylus.limits)).spring
-    softening = window.both_hands.feeling.feedback.status().softening
-    wanted = min(spring, stylus.limits[1]) * softening * DEEP
-    return abs(stylus.force()[2] - wanted) < 0.03 * wanted
+def is_pushed_back(stylus, x: float, y: float, z: float) -> bool:
+    """Whether it is told to push upwards when it is pressed down from above."""
+    stylus.hold(x, y, LIFTED)  # after a pause of the machine it is felt again when it was lifted
+    live(0.2)
+    stylus.hold(x, y, z)
+    live(0.5)
+    return bool(stylus.force()[2] > 0.02)
 
 
 def test_it_paints_under_its_place_and_is_felt_as_the_brush_in_the_hand(window, stylus) -> None:
@@ -76,14 +86,57 @@ def test_it_paints_under_its_place_and_is_felt_as_the_brush_in_the_hand(window, 
     assert abs(np.median(places[:, 1])) < 1.0
     assert np.ptp(places[:, 0]) > 30.0
     assert window.panels.devices.stylus.kind.currentData() == stylus.choice.partition("=")[0]
-    for name in ("full", "gongbi", "dakai"):
-        stylus.hold(0.0, 40.0, LIFTED)
-        window.workspace.post("set_brush", name)
-        settled(window)
-        stylus.hold(0.0, 40.0, load_brush(name).length_mm - DEEP)
-        wait_for(lambda name=name: felt_as(window, stylus, name), 60.0)
+    wait_for(lambda: is_pushed_back(stylus, 0.0, 40.0, BRUSH.length_mm - DEEP))
     stylus.hold(0.0, 40.0, LIFTED)
     wait_for(lambda: not stylus.force().any())
+
+
+class Law(NothingPlugged):
+    """Stands in for a servo: tells the force of its settings, 6 mm deep in the tree's surface."""
+
+    last_force = np.zeros(3)
+
+    def __init__(self, tree, settings) -> None:
+        super().__init__()
+        self.tree, self.settings = tree, settings
+
+    take = NothingPlugged.nodes
+
+    def publish(self, object_pose=None) -> None:
+        assert object_pose is not None
+
+    def is_running(self) -> bool:
+        return True
+
+    def felt(self) -> float:
+        model = ForceModel(self.tree, self.settings, awake=True)
+        for _ in range(60):
+            step = model.step([0.0, 0.0, self.settings.length - DEEP])
+        return float(step.force[2])
+
+
+def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
+    limits, laws = DeviceLimits(5.0, 0.6), []
+
+    def feel(document, settings):
+        brush = Feel.from_words(settings.feel).settings(document.painter.brush, limits)
+        laws.append(Law(document.surface.contact_tree, brush))
+        return Feeling(laws[-1], limits=limits)
+
+    window = StudioWindow(program, Settings(), feel=feel)
+    window.workspace.quiet = True
+    assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    for name in ("full", "gongbi", "dakai", "full"):
+        window.workspace.post("set_brush", name)
+        done(window)
+        brush = load_brush(name)
+        spring = min(HapticSettings.for_brush(brush, limits).spring, limits.max_stiffness)
+        wanted = spring * DEEP
+        wait_for(lambda wanted=wanted: abs(laws[-1].felt() - wanted) < 0.01 * wanted, 30.0)
+    window.panels.devices.stylus.limit.setValue(0.5)
+    wait_for(lambda: abs(laws[-1].felt() - 0.5) < 1e-6, 30.0)
+    assert window.workspace.settings.feel["limit_n"] == 0.5
+    close_unasked(window)
 
 
 def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, stylus) -> None:

@@ -9,6 +9,7 @@ import json
 import shutil
 import subprocess
 import threading
+import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from websockets.sync.server import serve
 
 __all__ = ["Inverse3StandIn", "OpenHapticsStandIn", "compile_library"]
 
+_PERIOD_S = 0.002  # of the service: a program beside it must get its turn
 SOURCE = Path(__file__).with_name("openhaptics_stand_in.c")
 
 
@@ -94,6 +96,7 @@ class Inverse3StandIn:
                 asked = json.loads(message)["inverse3"][0]["commands"]
                 values = asked["set_cursor_force"]["values"]
                 self._told = values["x"], values["y"], values["z"]
+                time.sleep(_PERIOD_S)
                 socket.send(self._said())
 
     def _said(self) -> str:
