@@ -23,6 +23,10 @@ class Feel:
     ----------
     limit_n : float
         The stylus never pushes harder, N, 0 to 7.9.
+    anticipation_mm : float
+        So far before the surface it is felt already (Guo 2017, section 6), 0 to 20; 0: not.
+    click_n : float
+        Force of the click when the brush is dipped, N, 0 to 1; 0: none.
 
     Raises
     ------
@@ -31,9 +35,13 @@ class Feel:
     """
 
     limit_n: float = MAX_FORCE_N
+    anticipation_mm: float = 0.0
+    click_n: float = 0.0
 
     def __post_init__(self) -> None:
         as_number(self.limit_n, "limit_n", 0.0, MAX_FORCE_N, DeviceError)
+        as_number(self.anticipation_mm, "anticipation_mm", 0.0, 20.0, DeviceError)
+        as_number(self.click_n, "click_n", 0.0, 1.0, DeviceError)
 
     @classmethod
     def from_words(cls, words: Mapping[str, float]) -> Feel:
@@ -47,4 +55,10 @@ class Feel:
 
     def settings(self, brush: BrushSpec, limits: DeviceLimits) -> HapticSettings:
         """What the servo works with: of the brush, the device and these choices."""
-        return HapticSettings.for_brush(brush, limits, user_limit=self.limit_n)
+        return HapticSettings.for_brush(
+            brush,
+            limits,
+            user_limit=self.limit_n,
+            ahead_mm=self.anticipation_mm,
+            click_n=self.click_n,
+        )

@@ -118,6 +118,7 @@ CHINESE = {
     "The first there is": "自动选择", "HID protocol of paint3d": "paint3d 的 HID 协议",
     "OpenHaptics (Touch, Phantom)": "OpenHaptics（Touch、Phantom）",
     "Haply Inverse3": "Haply Inverse3", "None": "无", "Sheet to touch, wide": "校准纸宽",
+    "Felt before contact": "触前感知", "Click at a dip": "蘸墨轻叩",
     "and deep": "纸深", "Calibrate…": "校准…",
     "Touch the four corners of a sheet on the table": "依次点触桌上一张纸的四角",
     "Touch the {corner} corner and press the stylus' button": "点触{corner}角，并按笔上的键",

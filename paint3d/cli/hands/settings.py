@@ -100,6 +100,20 @@ def add_set(parser: argparse.ArgumentParser) -> None:
         type=_number(7.9),
         help="the stylus never pushes harder, N",
     )
+    parser.add_argument(
+        "--stylus-anticipation",
+        dest="anticipation_mm",
+        metavar="MM",
+        type=_number(20.0),
+        help="so far before the surface a gentle force begins; 0: none",
+    )
+    parser.add_argument(
+        "--stylus-click",
+        dest="click_n",
+        metavar="N",
+        type=_number(1.0),
+        help="force of the click when the brush is dipped; 0: none",
+    )
     add_stylus_option(parser, "")
     parser.add_argument("--defaults", action="store_true", help="begin with how it was at first")
 

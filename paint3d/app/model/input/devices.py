@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -17,7 +18,7 @@ from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.report_rate import find_report_rate
-from paint3d.device.sample import DeviceSample, StylusReading
+from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.device.space_mouse import MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
 from paint3d.haptics.servo import ServoStatus
@@ -117,6 +118,9 @@ class Feedback(Protocol):
     def publish(self, object_pose: AnyArray | None = None) -> None:
         """Tell where the object is, (7,), and that the program is alive."""
 
+    def click(self) -> None:
+        """Let a click be felt."""
+
     def is_running(self) -> bool:
         """Whether the servo runs; the device of one that was killed is told to rest."""
 
@@ -208,7 +212,7 @@ class DeviceHub:
         self._feedback = feedback
         self._actions = checked_actions(actions)
         self._clock = clock
-        self._buttons = 0
+        self._buttons = self._held = 0
         self._heard: dict[str, deque[int]] = {h: deque(maxlen=_REMEMBERED) for h in _HANDS}
         self._force = 0.0
 
@@ -247,11 +251,20 @@ class DeviceHub:
                 samples += self.hands.take(event.time_ns)  # what was before it
                 commands += self._act(action)
             self._buttons = event.buttons
+        self._click(commands, readings)
         self._heard["left"].extend(event.time_ns for event in events)
         self._heard["right"].extend(reading.time_ns for reading in readings)
         self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
         return Taken(samples, commands, self.hands.object_pose)
+
+    def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
+        """Let a dip be felt, whichever hand's button asked for it."""
+        held = [self._held, *(reading.buttons for reading in readings)]
+        self._held = held[-1]
+        by_stylus = any(now & ~before & DIP for before, now in pairwise(held))
+        if self._feedback is not None and (by_stylus or "dip" in commands):
+            self._feedback.click()
 
     def _let_go_of_what_ended(self, feedback: Feedback) -> None:
         """Have a device rest whose servo was killed: it would push on with its last force."""

@@ -98,6 +98,10 @@ class StylusForm(_Form):
         self.kind.activated.connect(lambda: self.chosen.emit(self.kind.currentData()))
         self.limit = self._number("Pushes at most", 0.0, 7.9, "N", 1)
         self.limit.valueChanged.connect(lambda n: self.felt.emit({"limit_n": n}))
+        self.ahead = self._number("Felt before contact", 0.0, 20.0, "mm")
+        self.ahead.valueChanged.connect(lambda n: self.felt.emit({"anticipation_mm": n}))
+        self.click = self._number("Click at a dip", 0.0, 1.0, "N", 1)
+        self.click.valueChanged.connect(lambda n: self.felt.emit({"click_n": n}))
         self.width_box = self._number("Sheet to touch, wide", 20.0, 2000.0, "mm")
         self.depth_box = self._number("and deep", 20.0, 2000.0, "mm")
         for box, value in zip((self.width_box, self.depth_box), SHEET_MM, strict=True):
@@ -115,9 +119,14 @@ class StylusForm(_Form):
     def show_choices(self, stylus: str, feel: Feel) -> None:
         """Show what is chosen."""
         kind = stylus.partition("=")[0]
-        with QtCore.QSignalBlocker(self.limit):
-            self.kind.setCurrentIndex(max(0, self.kind.findData(kind)))
-            self.limit.setValue(feel.limit_n)
+        self.kind.setCurrentIndex(max(0, self.kind.findData(kind)))
+        for box, value in (
+            (self.limit, feel.limit_n),
+            (self.ahead, feel.anticipation_mm),
+            (self.click, feel.click_n),
+        ):
+            with QtCore.QSignalBlocker(box):
+                box.setValue(value)
 
     def show_calibrating(self, told: str, going_on: bool) -> None:
         """Say what is to be touched next, or what came of it."""
