@@ -93,6 +93,11 @@ def add_set(parser: argparse.ArgumentParser) -> None:
         help="what a button does, from 1; recentre, dip, undo, redo, toggle_turning, "
         "toggle_moving, toggle_dominant_axis, toggle_camera, calibrate_rest, or nothing",
     )
+    _add_stylus(parser)
+    parser.add_argument("--defaults", action="store_true", help="begin with how it was at first")
+
+
+def _add_stylus(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--stylus-limit",
         dest="limit_n",
@@ -115,7 +120,6 @@ def add_set(parser: argparse.ArgumentParser) -> None:
         help="force of the click when the brush is dipped; 0: none",
     )
     add_stylus_option(parser, "")
-    parser.add_argument("--defaults", action="store_true", help="begin with how it was at first")
 
 
 def set_devices(options: argparse.Namespace) -> None:

@@ -57,12 +57,7 @@ def contact_force(tree, settings, state, root, q, work, force):
     height, along_way = _keep_foot(state, root, foot, normal)
     descent = length * sine - height
     if descent <= 0.0:
-        nearing = nearing_force(settings, state, -descent)
-        state.stored = nearing_store(settings, state, -descent)
-        for axis in range(3):
-            force[axis] = nearing * normal[axis]
-            state.proxy[axis] = foot[axis]
-        return nearing > 0.0
+        return _near(settings, state, foot, normal, -descent, force)
     state.descent = descent
     stiffness = min(settings.spring, settings.stiffest) * state.softening
     pressing = stiffness * descent
@@ -76,6 +71,17 @@ def contact_force(tree, settings, state, root, q, work, force):
     held = _hold_proxy(settings, state, foot, normal, pressing, force)
     state.stored = stored_in_contact(settings, state, stiffness, descent) + held
     return True
+
+
+@kernel(error_model="numpy")
+def _near(settings, state, foot, normal, gap, force):
+    """Fill in the force (3,), N, at a gap (mm) before the surface; whether there is any."""
+    nearing = nearing_force(settings, state, gap)
+    state.stored = nearing_store(settings, state, gap)
+    for axis in range(3):
+        force[axis] = nearing * normal[axis]
+        state.proxy[axis] = foot[axis]
+    return nearing > 0.0
 
 
 @kernel(error_model="numpy")
