@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,14 +12,17 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from paint3d.app.model.input.devices import NothingPlugged
 from paint3d.app.model.input.plugging import Feeling, start_feeling
 from paint3d.app.model.persistence.calibrations import kept_calibration
-from paint3d.app.model.persistence.settings import Settings
+from paint3d.app.model.persistence.settings import Settings, load_settings
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import load_brush
+from paint3d.device.force import haptic_stylus
 from paint3d.haptics.feel import Feel
 from paint3d.haptics.settings import DeviceLimits, HapticSettings
+from paint3d.pose.mouse_settings import MouseSettings
 from tests.support.app.gestures import live, wait_for
 from tests.support.app.windows import close_unasked
 from tests.support.force_model import ForceModel
+from tests.support.plugged import device
 from tests.support.styli import Inverse3StandIn, OpenHapticsStandIn
 
 DEEP = 6.0  # mm
@@ -169,3 +174,105 @@ def test_what_is_missing_is_said(window) -> None:
     assert window.both_hands.feeling is None
     form.calibrate.click()
     assert "No stylus" in form.told.text()
+
+
+class Caps(NothingPlugged):
+    """Notes how caps are to be read."""
+
+    read = None
+
+    def read_caps(self, deflection) -> None:
+        self.read = deflection
+
+
+def test_the_panel_sets_the_mouse_and_what_it_says_is_kept(program, tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    caps = Caps()
+    window = StudioWindow(program, Settings(), plugged=caps)
+    form, hands = window.panels.devices.mouse, window.both_hands.desk.hands
+
+    def pick(box, value) -> None:
+        box.setCurrentIndex(box.findData(value))
+        box.activated.emit(box.currentIndex())
+
+    form.speed.setValue(300.0)
+    form.turn.setValue(45.0)
+    form.dead_zone.setValue(20.0)
+    form.curve.setValue(2.0)
+    form.turning.setChecked(False)
+    form.dominant.setChecked(True)
+    pick(form.mode, "camera")
+    pick(form.zoom, "z")
+    pick(form.axes[0], "-y")
+    form.button.setValue(3)
+    pick(form.action, "toggle_camera")
+    steering = hands.steering
+    assert (steering.speed_mm_s, steering.mode, steering.zoom_axis) == (300.0, "camera", "z")
+    assert steering.turn_rad_s == pytest.approx(np.radians(45.0))
+    assert (steering.turning, steering.moving, steering.dominant_axis) == (False, True, True)
+    assert steering.order == (1, 0, 2, 3, 4, 5)  # the motion that had y has x now
+    assert steering.inverted == (True, False, False, False, False, False)
+    assert (caps.read.dead_zone, caps.read.curve) == (0.2, 2.0)
+    kept = load_settings()[0]
+    assert MouseSettings.from_words(kept.mouse).steering() == steering
+    assert kept.buttons[2] == "toggle_camera"
+    again = StudioWindow(program, kept, plugged=Caps())
+    assert again.panels.devices.mouse.axes[0].currentData() == "-y"
+    assert again.both_hands.desk.hands.steering == steering
+    close_unasked(window)
+    close_unasked(again)
+
+
+HID_STUDIO = """
+import json, sys
+sys.path.insert(0, ROOT)
+
+def main():
+    import numpy as np
+    from paint3d.app.model.input.plugging import plug_in_mice, start_feeling
+    from paint3d.app.model.persistence.settings import Settings, load_settings
+    from paint3d.app.window.start import make_program
+    from paint3d.app.window.studio import StudioWindow
+    from tests.support.app.gestures import wait_for
+    from tests.support.app.windows import close_unasked
+
+    settings = Settings(stylus="hid")
+    window = StudioWindow(make_program(), settings, plugged=plug_in_mice(), feel=start_feeling)
+    window.show()
+    assert window.opening.open_path("plane", 1.5, "porcelain", asked=True)
+    wait_for(lambda: len(window.document.strokes) == 1, 120.0)
+    window.stage.easel.post(lambda document: None).result(120)
+    surface = window.document.surface
+    places = surface.paint_mesh.vertices[np.flatnonzero(surface.painted)]
+    print(json.dumps({"y": float(np.median(places[:, 1])), "wide": float(np.ptp(places[:, 0])),
+                      "views": [view.kind for view in window.both_hands.desk.views()]}))
+    close_unasked(window)
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def test_the_hid_stylus_paints_in_the_window_under_the_real_hidapi(
+    plugged, screen, tmp_path
+) -> None:
+    assert screen
+    upright, z = [1.0, 0.0, 0.0, 0.0], BRUSH.length_mm - DEEP
+    places = [(-15.0, 20.0, LIFTED)] * 40
+    places += [(x, 20.0, z) for x in np.linspace(-15.0, 15.0, 100)]
+    places += [(15.0, 20.0, LIFTED)] * 40
+    script = [
+        [0.008, "send", haptic_stylus.encode_pose(place, upright, 0, k).hex()]
+        for k, place in enumerate(places)
+    ]
+    ids = haptic_stylus.VENDOR_ID, haptic_stylus.PRODUCT_ID
+    program = tmp_path / "hid_studio.py"
+    program.write_text(HID_STUDIO.replace("ROOT", repr(str(Path(__file__).parents[2]))))
+    code = f"import runpy, sys; sys.argv = [{str(program)!r}]; runpy.run_path({str(program)!r}, "
+    said = plugged(
+        [device(*ids, "haptic stylus", haptic_stylus.DESCRIPTOR, script)],
+        code + "run_name='__main__')",
+    ).said
+    assert abs(said["y"] - 20.0) < 1.0
+    assert said["wide"] > 30.0
+    assert said["views"] == ["stylus"]

@@ -25,7 +25,7 @@ _STYLUS_NAMES = {
     "inverse3": "Haply Inverse3",
     "none": "None",
 }
-_MODE_NAMES = {"object": "The cap is the object", "camera": "The cap is the viewer"}
+_MODE_NAMES = {"object": "the object", "camera": "the viewer"}
 _ACTION_NAMES = {
     "": "Nothing",
     "recentre": "Recentre",
@@ -38,7 +38,14 @@ _ACTION_NAMES = {
     "toggle_camera": "Object or viewer",
     "calibrate_rest": "The cap rests here",
 }
-_MOTIONS = ("right", "away", "up", "turn about right", "turn about away", "turn about up")
+_MOTIONS = (
+    "Right by",
+    "Away by",
+    "Up by",
+    "Turn about right by",
+    "Turn about away by",
+    "Turn about up by",
+)
 _MOST_BUTTONS = 31
 
 
@@ -156,7 +163,7 @@ class MouseForm(_Form):
         super().__init__("6-DOF mouse")
         self._actions: Mapping[int, str] = {}
         self._mouse = MouseSettings()
-        self.mode = self._choice("Mode", "mode", {mode: _MODE_NAMES[mode] for mode in MODES})
+        self.mode = self._choice("The cap is", "mode", {mode: _MODE_NAMES[mode] for mode in MODES})
         self.speed = self._scaled("Moves", "speed_mm_s", (0.0, 5000.0), "mm/s")
         self.turn = self._scaled("Turns", "turn_deg_s", (0.0, 2800.0), "°/s")
         self.dead_zone = self._scaled("Dead zone", "dead_zone", (0.0, 90.0), "%", 0.01)
@@ -164,8 +171,8 @@ class MouseForm(_Form):
         self.moving = self._check("It moves", "moving")
         self.turning = self._check("It turns", "turning")
         self.dominant = self._check("One axis at a time", "dominant_axis")
-        zooms = {"y": "pushed", "z": "lifted"}
-        self.zoom = self._choice("Comes near when the cap is", "zoom_axis", zooms)
+        zooms = {"y": "the cap is pushed", "z": "the cap is lifted"}
+        self.zoom = self._choice("Comes near when", "zoom_axis", zooms)
         signed = {sign + axis: sign + axis for axis in AXES for sign in ("", "-")}
         self.axes = [self._box(motion, signed) for motion in _MOTIONS]
         for k, box in enumerate(self.axes):
