@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from paint3d.app.model.persistence.settings import Settings, load_settings
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import load_brush
 from paint3d.device.force import haptic_stylus
+from paint3d.device.sample import DIP, StylusReading
 from paint3d.haptics.feel import Feel
 from paint3d.haptics.settings import DeviceLimits, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
@@ -28,6 +30,7 @@ from tests.support.styli import Inverse3StandIn, OpenHapticsStandIn
 DEEP = 6.0  # mm
 LIFTED = 80.0
 BRUSH = load_brush("full")
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 SHEET = ((-105.0, -74.0), (105.0, -74.0), (105.0, 74.0), (-105.0, 74.0))
 
 
@@ -105,7 +108,15 @@ class Law(NothingPlugged):
         super().__init__()
         self.tree, self.settings = tree, settings
 
-    take = NothingPlugged.nodes
+        self.readings: list[StylusReading] = []
+        self.clicks = 0
+
+    def take(self) -> list[StylusReading]:
+        taken, self.readings = self.readings, []
+        return taken
+
+    def click(self) -> None:
+        self.clicks += 1
 
     def publish(self, object_pose=None) -> None:
         assert object_pose is not None
@@ -141,6 +152,16 @@ def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
     window.panels.devices.stylus.limit.setValue(0.5)
     wait_for(lambda: abs(laws[-1].felt() - 0.5) < 1e-6, 30.0)
     assert window.workspace.settings.feel["limit_n"] == 0.5
+    window.workspace.post("wipe")
+    done(window)
+    empty = window.document.surface.ink.load.sum()
+    for buttons in (0, DIP, DIP, 0):  # the stylus' own button, while it is lifted
+        now, lifted = time.monotonic_ns(), np.array([0.0, 0.0, LIFTED])
+        laws[-1].readings.append(StylusReading(now, lifted, UPRIGHT, None, buttons))
+        live(0.1)
+    wait_for(lambda: window.document.surface.ink.load.sum() > empty, 30.0)
+    assert laws[-1].clicks == 1
+    assert not window.document.strokes
     close_unasked(window)
 
 

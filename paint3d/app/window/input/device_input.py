@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions, rotate
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.device.sample import DeviceSample, StylusReading
+from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.errors import Paint3DError
 from paint3d.haptics.feel import Feel
 from paint3d.pose.calibration import DeviceCalibration
@@ -86,6 +87,7 @@ class DeviceInput:
         self._pose = ObjectPose()
         self._ticks = 0
         self._told: str | None = None
+        self._buttons = 0
         self._closed = False
         self._show_choices()
         for signal, slot in self._heard():
@@ -257,7 +259,12 @@ class DeviceInput:
         if self._touches is not None:
             self._hear_touches(taken.samples)
             return
-        for part in self._cutter.cut(taken.samples):
+        parts = self._cutter.cut(taken.samples)
+        held = [self._buttons, *(sample.buttons for sample in taken.samples)]
+        self._buttons = held[-1]
+        if not parts and any(now & ~before & DIP for before, now in pairwise(held)):
+            easel.post("dip")  # in a stroke its samples ask for it themselves
+        for part in parts:
             if isinstance(part, str):
                 if part == "begin_stroke":
                     self._workspace.hand.began.emit()
