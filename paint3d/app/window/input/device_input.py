@@ -115,7 +115,14 @@ class DeviceInput:
         return self._feeling
 
     def open(self, document: Document) -> None:
-        """Let the haptic stylus feel another object."""
+        """Let the haptic stylus feel another object, which stands as its picture shows it."""
+        if self.desk is not None:
+            self.desk.hands.set_object_pose(ObjectPose())
+        self._pose = ObjectPose()
+        self._start_feeling(document)
+
+    def _start_feeling(self, document: Document) -> None:
+        """Feel with the stylus that the settings ask for; the object stays where it is."""
         self._stop_calibrating()
         if self._feeling is not None:
             self._feeling.feedback.stop()
@@ -153,7 +160,7 @@ class DeviceInput:
         if kept.partition("=")[0] != stylus:  # the place of a library or a service stays
             self._workspace.keep(stylus=stylus)
         if self._workspace.stage.easel is not None:
-            self.open(self._workspace.document)
+            self._start_feeling(self._workspace.document)
             if self._feeling is not None:
                 self._workspace.tell(self._feeling.name, state="good")
 
@@ -228,7 +235,7 @@ class DeviceInput:
             self._ask_for_touch(say_error(error))
             return
         self._touches = None
-        self.open(self._workspace.document)
+        self._start_feeling(self._workspace.document)
         told = say("Calibrated: {mm:.2f} mm off", mm=fitted.calibration.residual_mm)
         self._panel.stylus.show_calibrating(told, False)
 
