@@ -85,9 +85,8 @@ class Inverse3StandIn:
         return np.array(self._told)
 
     def close(self) -> None:
-        """Stop the service."""
-        self._server.shutdown()
-        self._thread.join()
+        """Stop the service; it bids its connections farewell for some seconds, for itself."""
+        threading.Thread(target=self._server.shutdown, daemon=True).start()
 
     def _talk(self, socket) -> None:
         with suppress(ConnectionClosed):
