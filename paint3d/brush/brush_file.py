@@ -7,21 +7,18 @@ say; without, every parameter that has no default must be there.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import json
-import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from paint3d.brush.bristle_spec import TABLES, BristleSpec, hair_ranges
 from paint3d.brush.spec import HAIRS, BrushSpec, parameter_ranges
+from paint3d.core.parameter_file import check_known, is_parameter_file, read_parameters
 from paint3d.errors import BrushError
 
 __all__ = ["brush_text", "is_brush_file", "read_brush"]
 
-_SUFFIXES = (".toml", ".json")
-_MOST_BYTES = 1 << 20
 _LONGEST_NAME = 60
 _WORDS = ("note", "base")
 _MEANINGS = {
@@ -68,7 +65,7 @@ def is_brush_file(name: str) -> bool:
     >>> is_brush_file("mine.toml"), is_brush_file("full")
     (True, False)
     """
-    return name.lower().endswith(_SUFFIXES)
+    return is_parameter_file(name)
 
 
 def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
@@ -88,35 +85,16 @@ def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
         Naming the file and the parameter, what was got and what was expected.
     """
     path = Path(path)
-    values = _parse(path)
+    values = read_parameters(path, "a brush", BrushError)
     try:
         return _brush_of(values, path.stem, presets)
     except BrushError as cause:
         raise BrushError(f"{path}: {cause}") from None
 
 
-def _parse(path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        raise BrushError(f"{path}: there is no such file; expected a brush in .toml or .json")
-    parse: Callable[[str], Any] = json.loads if path.suffix.lower() == ".json" else tomllib.loads
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(_MOST_BYTES + 1)
-        if len(data) > _MOST_BYTES:
-            raise BrushError(f"{path}: is over 1 MiB; expected a brush")
-        values = parse(data.decode("utf-8-sig"))
-    except OSError as cause:
-        raise BrushError(f"{path}: {cause.strerror or cause}") from None
-    except (ValueError, RecursionError) as cause:
-        raise BrushError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {cause}") from None
-    if not isinstance(values, dict):
-        raise BrushError(f"{path}: holds {values!r:.40}; expected parameters by name")
-    return values
-
-
 def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
     fields = {field.name: field for field in dataclasses.fields(BrushSpec)}
-    _check_names(values, [*_WORDS, *fields], "")
+    check_known(values, [*_WORDS, *fields], BrushError)
     name, base = values.pop("name", called), values.pop("base", None)
     values.pop("note", None)
     given: dict[str, Any] = {}
@@ -160,20 +138,11 @@ def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
     if not isinstance(values, dict):
         raise BrushError(f"bristles is {values!r:.40}; expected parameters by name, or false")
     names = [field.name for field in dataclasses.fields(BristleSpec)]
-    _check_names(values, names, "bristles: ")
+    check_known(values, names, BrushError, "bristles: ")
     try:
         return dataclasses.replace(base or BristleSpec(), **values)
     except BrushError as cause:
         raise BrushError(f"bristles: {cause}") from None
-
-
-def _check_names(values: Mapping[str, Any], known: Iterable[str], what: str) -> None:
-    known = list(known)
-    for name in values:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise BrushError(f"{what}there is no {name!r:.60}: {hint}expected {', '.join(known)}")
 
 
 def brush_text(brush: BrushSpec, note: str = "") -> str:

@@ -1,7 +1,8 @@
 """Materials of the surface: what shines through thin paint, and how the surface looks and drinks.
 
 The table `data/materials.csv` is built by `scripts/build_materials.py`; each row says where its
-reflectance was measured and for what it stands in. The other properties are chosen by eye.
+reflectance was measured and for what it stands in, and `note` where the other numbers are from.
+Materials of one's own are files: `colour.material_file`.
 """
 
 from __future__ import annotations
@@ -17,25 +18,46 @@ from typing import Any
 
 from paint3d.colour.pigments import BANDS_NM
 from paint3d.core.arrays import as_array, as_number
+from paint3d.core.parameter_file import is_parameter_file
 from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError, UnknownNameError
 
-__all__ = ["WET_COAT_MM", "Material", "load_material", "load_materials", "material_names"]
+__all__ = [
+    "WET_COAT_MM",
+    "Material",
+    "load_material",
+    "load_materials",
+    "material_names",
+    "material_ranges",
+]
 
 _TABLE = Path(__file__).parent / "data" / "materials.csv"
-_LOOKS = ("roughness", "coat", "absorbency", "grain")
-_DRINKS = {  # greatest value of each
-    "pores_mm": 10.0,
-    "residual": 0.95,
-    "advance": 1.0,
-    "spread_mm2_s": 1000.0,
-    "passing": 1.0,
-    "drying_mm_s": 1.0,
-    "tooth_mm": 10.0,
+_FRICTION = (0.2, 2.0)
+_MOST_SPREAD = 2.5  # times the friction that a brush was rated on: what shapes are tabulated for
+_RANGES = {
+    "roughness": (0.0, 1.0),
+    "coat": (0.0, 1.0),
+    "absorbency": (0.0, 1.0),
+    "grain": (0.0, 1.0),
+    "friction": _FRICTION,
+    "pores_mm": (0.0, 10.0),
+    "residual": (0.0, 0.95),
+    "advance": (0.0, 1.0),
+    "spread_mm2_s": (0.0, 1000.0),
+    "passing": (0.0, 1.0),
+    "drying_mm_s": (0.0, 1.0),
+    "tooth_mm": (0.0, 10.0),
 }
+_RATED = {"rated_absorbency": "absorbency", "rated_friction": "friction"}
+_NOTES = ("source", "basis", "licence", "note")
 
 WET_COAT_MM = 0.03
 """Depth of the liquid in one wet coat, mm: a full stroke brushed on. Chosen by eye."""
+
+
+def material_ranges() -> dict[str, tuple[float, float]]:
+    """Least and greatest value of every number of a material."""
+    return _RANGES | {name: _RANGES[of] for name, of in _RATED.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,10 +94,14 @@ class Material:
         Depth of water that evaporates in a second.
     tooth_mm : float
         Length of the bumps that break a dry stroke, 0 for none.
-    rated_absorbency : float, optional
-        The absorbency at which brushes give their ink as `BrushSpec` says. NaN: its own.
-    chinese, source, basis, licence : str
-        Whose measurement the reflectance is, for what it stands in, and its terms.
+    friction : float
+        How many times as much hairs rub on it as on raw xuan, .2 to 2: with the brush's own mu it
+        is mu of Guo 2015, Eqs. 2 and 5 (`slip`).
+    rated_absorbency, rated_friction : float, optional
+        Those at which brushes give their ink, spread and drag as `BrushSpec` says. NaN: its own.
+    chinese, source, basis, licence, note : str
+        Its Chinese name; whose measurement the reflectance is, for what it stands in, and its
+        terms; where the other numbers are from.
 
     Raises
     ------
@@ -101,6 +127,9 @@ class Material:
     source: str = ""
     basis: str = ""
     licence: str = ""
+    friction: float = 1.0
+    rated_friction: float = math.nan
+    note: str = ""
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -115,18 +144,20 @@ class Material:
             )
         values.flags.writeable = False
         object.__setattr__(self, "reflectance", values)
-        if isinstance(self.rated_absorbency, float) and math.isnan(self.rated_absorbency):
-            object.__setattr__(self, "rated_absorbency", self.absorbency)
-        for key in (*_LOOKS, "rated_absorbency"):
+        for rated, own in _RATED.items():
+            stated = getattr(self, rated)
+            if isinstance(stated, float) and math.isnan(stated):
+                object.__setattr__(self, rated, getattr(self, own))
+        for key, (low, high) in material_ranges().items():
             number = as_number(
-                getattr(self, key), f"{key} of {self.name}", 0.0, 1.0, error=PigmentError
+                getattr(self, key), f"{key} of {self.name}", low, high, error=PigmentError
             )
             object.__setattr__(self, key, number)
-        for key, most in _DRINKS.items():
-            number = as_number(
-                getattr(self, key), f"{key} of {self.name}", 0.0, most, error=PigmentError
+        if self.slip > _MOST_SPREAD:
+            raise PigmentError(
+                f"friction of {self.name} is {self.friction:g}, {self.slip:.3g} times its "
+                f"rated_friction {self.rated_friction:g}; expected at most {_MOST_SPREAD:g} times"
             )
-            object.__setattr__(self, key, number)
 
     @property
     def uptake(self) -> float:
@@ -137,6 +168,15 @@ class Material:
         """
         return (1.0 + self.absorbency) / (1.0 + self.rated_absorbency)
 
+    @property
+    def slip(self) -> float:
+        """How many times as much hairs rub on it as where a brush was rated.
+
+        Friction belongs to brush and surface (Guo 2015, section 4): what is painted has
+        mu = `BrushSpec.friction` times this, what is felt `BrushSpec.friction` times `friction`.
+        """
+        return self.friction / self.rated_friction
+
 
 @lru_cache(maxsize=1)
 def load_materials() -> Mapping[str, Material]:
@@ -145,29 +185,44 @@ def load_materials() -> Mapping[str, Material]:
         rows = list(csv.DictReader(stream))
     materials = {}
     for row in rows:
-        words: dict[str, Any] = {
-            key: row[key] for key in ("name", "chinese", "source", "basis", "licence")
-        }
-        looks: dict[str, Any] = {key: float(row[key]) for key in (*_LOOKS, *_DRINKS)}
+        words: dict[str, Any] = {key: row[key] for key in ("name", "chinese", *_NOTES)}
+        looks: dict[str, Any] = {key: float(row[key]) for key in _RANGES}
         looks["reflectance"] = [float(row[f"R_{nm:.0f}"]) for nm in BANDS_NM]
         materials[row["name"]] = Material(**words, **looks)
     return MappingProxyType(materials)
 
 
 def material_names() -> list[str]:
-    """Names of the materials."""
+    """Names of the materials that come with the program."""
     return list(load_materials())
 
 
-def load_material(name: str) -> Material:
-    """Return a material by its name.
+def load_material(name: str, *, own_files: bool = True) -> Material:
+    """Return a material by its name, or of a file of one's own (``mine.toml``, ``mine.json``).
+
+    Parameters
+    ----------
+    name : str
+    own_files : bool
+        Whether the name may be that of a file. Names that come from somebody else's file may not.
 
     Raises
     ------
     UnknownNameError
         If there is none; the message lists them.
+    PigmentError
+        If the file cannot be used, or may not be read.
     """
     materials = load_materials()
-    if name not in materials:
-        raise UnknownNameError("material", name, materials)
-    return materials[name]
+    if name in materials:
+        return materials[name]
+    if isinstance(name, str) and is_parameter_file(name):
+        if not own_files:
+            raise PigmentError(
+                f"the material {name[-100:]!r} is a file of this machine, which a file may not "
+                "name; expected a material that comes with the program"
+            )
+        from paint3d.colour.material_file import read_material
+
+        return read_material(name, materials)
+    raise UnknownNameError("material", str(name), materials)
