@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from PIL import Image
 
+from paint3d.colour.materials import Material
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, InputError
 from paint3d.files.export import gloss_of
@@ -18,6 +19,7 @@ from paint3d.files.progress import Progress
 from paint3d.files.project.painting import Exportable, Painting, read_painting
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.shot import Shot, take_shot, take_turning
+from paint3d.view.studio import Gloss
 
 __all__ = ["FILM_SUFFIXES", "PICTURE_SUFFIXES", "Turning", "write_picture"]
 
@@ -44,7 +46,7 @@ def write_picture(
     path: str | os.PathLike[str],
     shot: Shot | None = None,
     turning: Turning | None = None,
-    material: str | None = None,
+    material: str | Material | None = None,
     progress: Progress | None = None,
 ) -> None:
     """Write a picture (.png, .webp), or a film of the object turning once (.gif, .webp).
@@ -58,7 +60,7 @@ def write_picture(
         Default: onto the painted side, in the studio.
     turning : Turning, optional
         Make a film.
-    material : str, optional
+    material : str or Material, optional
         Whose gloss is shown; by default that of the painting, and glazed porcelain for meshes.
     progress : callable, optional
         Called with the share done; what it raises leaves everything as it was.
@@ -74,7 +76,7 @@ def write_picture(
     form = _form_of(path, shot, turning)
     read = read_painting(painting, ExportOptions())
     assert isinstance(read, Painting), "no texture was asked for"
-    gloss = gloss_of(material or read.material)
+    gloss = gloss_of(read) if material is None else Gloss.of(material)
     arrays = read[:4]
     with write_atomically(path, progress) as part:
         if turning is None:

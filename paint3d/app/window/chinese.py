@@ -20,6 +20,12 @@ CHINESE = {
     "There is paint on it. Turned, it is begun anew without the paint; what is open can be "
     "saved first.":
         "上面已有墨迹。转动后将重新开始，不带墨迹；可先保存现有作品。",
+    "There is paint on it. Of another material it is begun anew without the paint; what is open "
+    "can be saved first.":
+        "上面已有墨迹。换材质后将重新开始，不带墨迹；可先保存现有作品。",
+    "From a file…": "从文件……", "Materials": "材质", "Friction": "摩擦",
+    "What the surface is made of; a file of your own describes others":
+        "表面的材质；可用自己的文件描述其他材质",
     "{axis} was taken for up; Edit ▸ Turn and scale the object changes it":
         "已取 {axis} 朝上；可用“编辑 ▸ 转动、缩放器物”更改",
     "Which way is up is not sure; Edit ▸ Turn and scale the object changes it":

@@ -152,8 +152,9 @@ def _feel(document: Document) -> ForceFeedback | None:
     nodes = list_nodes(("stylus",))
     if not nodes:
         return None
-    settings = HapticSettings.for_brush(document.painter.brush)
-    return ForceFeedback(HidForcePort(nodes[0]), document.surface.contact_tree, settings)
+    surface = document.surface
+    settings = HapticSettings.for_brush(document.painter.brush, material=surface.material)
+    return ForceFeedback(HidForcePort(nodes[0]), surface.contact_tree, settings)
 
 
 def _translate_qt(app: QtWidgets.QApplication) -> None:

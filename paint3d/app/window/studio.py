@@ -44,6 +44,7 @@ from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.window_place import first_size, restore_window, window_words
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
+from paint3d.colour.materials import Material
 from paint3d.errors import Paint3DError
 
 __all__ = ["StudioWindow"]
@@ -168,9 +169,15 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.recent.chosen.connect(self.opening.open_path)
         self.commands.menus["file"].aboutToShow.connect(self.recovery.fill_menu)
         panels.history.asked.connect(self.recalling.go_to)
+        panels.surface.asked.connect(self._take_material)
         panels.history.exported.connect(self.recordings.do_save_recording)
         panels.hand.turns.connect(self.painting.set_turns)
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
+
+    def _take_material(self, material: str | Material) -> None:
+        """Let the object be of another material; where it is not to be, show what it is."""
+        if not self.standing.take_material(material):
+            self.panels.surface.show_surface(self.document.surface)
 
     # -- the document -----------------------------------------------------------------------
 

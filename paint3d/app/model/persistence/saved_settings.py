@@ -13,7 +13,7 @@ from paint3d.app.model.stroke_log import weights_of
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.ink_text import names_table
-from paint3d.colour.materials import material_names
+from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 from paint3d.core.arrays import as_number
 from paint3d.errors import Paint3DError, SessionError
@@ -104,8 +104,18 @@ def chosen_brush(settings: Settings) -> BrushSpec:
 
 
 def chosen_material(settings: Settings) -> str:
-    """The material that a user chose last; porcelain where there is none such any more."""
-    return settings.material if settings.material in material_names() else "porcelain"
+    """The material that a user chose last; porcelain where there is none such any more.
+
+    Returns
+    -------
+    str
+        A name for `load_material`; it may be that of a file of the user's own.
+    """
+    try:
+        load_material(settings.material)
+    except Paint3DError:
+        return "porcelain"
+    return settings.material
 
 
 def chosen_inks(settings: Settings) -> list[Mixture | str]:

@@ -92,6 +92,7 @@ class Panels:
         self.brushes.chosen.connect(self._take_brush)
         self.brushes.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self._workspace.hand.sized.connect(self.brushes.resize_brush)
+        self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(
