@@ -34,9 +34,9 @@ DRINK = {
     "xuan": (0.06, 0.15, 0.3, 10.0, 0.8, 8e-5, 0.5),
     "plaster": (0.5, 0.08, 0.2, 3.0, 0.9, 4e-5, 0.4),
     "terracotta": (0.3, 0.08, 0.2, 3.0, 0.9, 4e-5, 0.55),
-    "sized xuan": (0.02, 0.5, 0.95, 0.5, 0.3, 4e-5, 0.45),
-    "tinted xuan": (0.045, 0.3, 0.55, 3.0, 0.6, 6e-5, 0.5),
-    "silk": (0.015, 0.5, 0.9, 1.0, 0.4, 4e-5, 0.25),
+    "sized xuan": (0.02, 0.5, 0.95, 0.004, 0.3, 4e-5, 0.45),
+    "tinted xuan": (0.045, 0.3, 0.55, 1.0, 0.6, 6e-5, 0.5),
+    "silk": (0.015, 0.5, 0.9, 0.008, 0.4, 4e-5, 0.25),
 }
 EYE = "all but the reflectance set by eye; "
 NOTES = {
@@ -47,9 +47,9 @@ NOTES = {
     "1 by definition",
     "plaster": EYE + "it drinks in depth",
     "terracotta": EYE + "the coarsest of these to hairs",
-    "sized xuan": EYE + "alum and glue fill its pores: ink stays on it",
+    "sized xuan": EYE + "alum and glue close its pores: ink stays where it is laid",
     "tinted xuan": EYE + "half sized: between raw and sized xuan",
-    "silk": EYE + "sized for painting; the tooth is about the pitch of its threads",
+    "silk": EYE + "sized for painting, threads draw a little; the tooth is about their pitch",
 }
 
 # name, Chinese name, file, column, basis, roughness, coat, absorbency, grain,

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.colour.materials import Material, material_ranges
+from paint3d.colour.material import Material, material_ranges
 from paint3d.colour.spectra import WAVELENGTHS, decode_srgb
 from paint3d.core.parameter_file import check_known, is_parameter_file, read_parameters
 from paint3d.core.types import AnyArray
