@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 __all__ = ["block", "columns_of", "hexadecimal", "padded_line"]
 
 
-def hexadecimal(srgb: Sequence[int]) -> str:
+def hexadecimal(srgb: Iterable[int]) -> str:
     """An sRGB colour as #rrggbb."""
     red, green, blue = (int(code) for code in srgb)
     return f"#{red:02x}{green:02x}{blue:02x}"
