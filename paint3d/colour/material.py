@@ -27,6 +27,8 @@ _RANGES = {
     "drying_mm_s": (0.0, 1.0),
     "tooth_mm": (0.0, 10.0),
 }
+_BUMPS = 2.0  # lengths of a bump from one to the next
+_SHORTEST_WAVE, _LONGEST_WAVE = 0.1, 20.0  # mm
 _RATED = {"rated_absorbency": "absorbency", "rated_friction": "friction"}
 
 WET_COAT_MM = 0.03
@@ -136,6 +138,11 @@ class Material:
                 f"friction of {self.name} is {self.friction:g}, {self.slip:.3g} times its "
                 f"rated_friction {self.rated_friction:g}; expected at most {_MOST_SPREAD:g} times"
             )
+
+    @property
+    def wave_mm(self) -> float:
+        """How far apart the bumps of its grain are, mm: as they are felt and seen."""
+        return min(max(_BUMPS * self.tooth_mm, _SHORTEST_WAVE), _LONGEST_WAVE)
 
     @property
     def uptake(self) -> float:

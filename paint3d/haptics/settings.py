@@ -24,7 +24,6 @@ _AS_THEY_ARE = (
 )  # fmt: skip
 _TEXTURE = 0.25  # of the friction, by which it varies on the coarsest grain
 _SHORTEST_WAVE, _LONGEST_WAVE = 0.1, 20.0  # mm
-_BUMPS = 2.0  # lengths of a bump from one to the next
 _PATCH = 0.08  # of the tuft's length: the disc over which the surface's normal is averaged
 
 
@@ -140,10 +139,9 @@ class HapticSettings:
         friction = brush.friction
         if material is not None:
             friction *= material.friction
-            tooth = material.tooth_mm
             more = {
-                "grain": material.grain if tooth > 0.0 else 0.0,
-                "wave_mm": min(max(_BUMPS * tooth, _SHORTEST_WAVE), _LONGEST_WAVE),
+                "grain": material.grain if material.tooth_mm > 0.0 else 0.0,
+                "wave_mm": material.wave_mm,
                 **more,
             }
         return cls(brush.length_mm, spring, friction, limits, **more)

@@ -42,12 +42,20 @@ class Gloss:
         Microfacet roughness of the body, 0 (mirror) to 1 (chalk).
     coat : float
         Strength of the clear glaze over it, 0 (none) to 1.
+    grain : float
+        How coarse it is, 0 (smooth) to 1: its bumps are lighter and its pits darker.
+    wave_mm : float
+        How far apart they are.
     """
 
     roughness: float
     coat: float
+    grain: float = 0.0
+    wave_mm: float = 1.0
 
     def __post_init__(self) -> None:
+        as_number(self.grain, "grain", 0.0, 1.0)
+        as_number(self.wave_mm, "wave_mm", 0.01, 100.0)
         as_number(self.roughness, "roughness", 0.0, 1.0)
         as_number(self.coat, "coat", 0.0, 1.0)
 

@@ -135,6 +135,10 @@ class DrawnMesh:
         result: AnyArray = self._points[marks.astype(bool)]
         return result
 
+    def keep_places(self) -> None:
+        """Hand shaders the points as they are: by itself VTK may shift and scale each mesh's."""
+        self._mapper.SetVBOShiftScaleMethod(0)
+
     def drop_nothing(self) -> None:
         """Draw also pixels that let everything through: being asked, a renderer tests depth late.
 

@@ -108,7 +108,8 @@ class Stage:
         self.points = opened.points
         shown = self._object = opened.shown
         material = opened.document.surface.material
-        gloss = Gloss(material.roughness, material.coat)
+        grain = material.grain if material.tooth_mm > 0.0 else 0.0
+        gloss = Gloss(material.roughness, material.coat, grain, material.wave_mm)
         self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
         self.scene.apply(opened.uploads)
         self._unlit = shown.light
