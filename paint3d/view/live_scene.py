@@ -54,14 +54,18 @@ _SHINE = """
 _RELIEF = """
 float relief() {
   vec3 turned = grainPlace * TURNS;
+  float seen = clamp(2.0 - 1.6 * length(fwidth(turned)), 0.0, 1.0);
+  if (seen <= 0.0) return 1.0;
+  turned += 2.3 * sin(0.31 * turned.yzx + vec3(0.7, 3.1, 5.3));
+  turned += 1.1 * sin(0.79 * turned.zxy + vec3(2.2, 0.3, 4.1));
   vec3 up = turned.yxz * 0.526 + turned.zyx * 0.851;
   vec3 down = turned.zyx * 0.851 - turned.yxz * 0.526;
   vec3 one = sin(up * vec3(1.0, 0.94, 0.9) + vec3(0.4, 5.1, 3.6));
   vec3 two = sin(down * vec3(0.85, 0.81, 0.97) + vec3(2.9, 1.3, 4.4));
-  float seen = clamp(2.0 - length(fwidth(turned)), 0.0, 1.0);
   return 1.0 + DEPTH * seen * (dot(one, vec3(1.0)) + dot(two, vec3(1.0)));
 }
-"""  # waves that stand in the object, as in `haptics.kernels.force`; not where pixels are coarser
+"""  # waves that stand in the object, as in `haptics.kernels.force`, drawn to and fro so that no
+# weave is seen; nothing where pixels are coarser
 _SHADE_ALONE = """
   fragOutput0 = vec4(0.0, 0.0, 0.0, texture(actortexture, tcoordVCVSOutput).r);
 """  # on the floor: black, as dense as its only channel says
