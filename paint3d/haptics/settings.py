@@ -20,7 +20,7 @@ __all__ = ["PHANTOM_DESKTOP", "TOUCH", "DeviceLimits", "HapticSettings"]
 _LOWEST_TILT = math.radians(30.0)  # where the model of the bent brush ends
 _AS_THEY_ARE = (
     "length", "spring", "friction", "user_limit", "stick", "ramp_s", "slew", "max_pose_age_s",
-    "max_snapshot_age_s", "start_force", "rise_s", "follow_s",
+    "max_snapshot_age_s", "start_force", "rise_s", "follow_s", "ahead_n", "click_n",
 )  # fmt: skip
 _TEXTURE = 0.25  # of the friction, by which it varies on the coarsest grain
 _SHORTEST_WAVE, _LONGEST_WAVE = 0.1, 20.0  # mm
@@ -76,6 +76,11 @@ class HapticSettings:
         How far apart the bumps of the grain are.
     texture : float
         How much of the grain is felt, 0 (nothing) to 1.
+    ahead_mm, ahead_n : float
+        Before the surface a force is felt from so far on, which grows to so much at contact; 0 mm:
+        none.
+    click_n : float
+        Greatest force of the click at a dip.
 
     Raises
     ------
@@ -99,6 +104,9 @@ class HapticSettings:
     grain: float = 0.0
     wave_mm: float = 1.0
     texture: float = 1.0
+    ahead_mm: float = 0.0
+    ahead_n: float = 0.3
+    click_n: float = 0.0
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -117,6 +125,9 @@ class HapticSettings:
             ("grain", 0.0, 1.0),
             ("wave_mm", _SHORTEST_WAVE, _LONGEST_WAVE),
             ("texture", 0.0, 1.0),
+            ("ahead_mm", 0.0, 20.0),
+            ("ahead_n", 0.0, 1.0),
+            ("click_n", 0.0, 1.0),
         ):
             as_number(getattr(self, name), name, low, high, DeviceError)
 
@@ -160,6 +171,7 @@ class HapticSettings:
         out["patch"] = _PATCH * self.length
         out["texture"] = _TEXTURE * self.grain * self.texture
         out["wave"] = self.wave_mm
+        out["ahead"] = self.ahead_mm
         for name in _AS_THEY_ARE:
             out[name] = getattr(self, name)
         return out

@@ -11,7 +11,8 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Event
 from paint3d.app.model.frame import Frame
-from paint3d.app.model.input.devices import Feedback, Plugged
+from paint3d.app.model.input.devices import Plugged
+from paint3d.app.model.input.plugging import Feeling
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
@@ -82,7 +83,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         *,
         dark: bool | None = None,
         plugged: Plugged | None = None,
-        feel: Callable[[Document], Feedback | None] | None = None,
+        feel: Callable[[Document, Settings], Feeling | None] | None = None,
     ) -> None:
         super().__init__()
         self.setObjectName("studio")
