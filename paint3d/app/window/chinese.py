@@ -114,6 +114,15 @@ CHINESE = {
     "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real one "
     "does.":
         "用一支会弯、会散、会干的笔，在器物上写字作画。",
+    "Mix a colour…": "调一种颜色…", "Open a table of pigments…": "打开颜料表…",
+    "Tables of pigments": "颜料表", "Pigments": "颜料", "Pick-up": "沾回",
+    "How much of the tuft is dipped, from the tip": "从笔尖起蘸多少",
+    "Colour": "颜色", "Asked for": "所求", "A coat of it": "涂一层",
+    "Into the mixing dish": "倒入调色碟", "Dip the brush": "蘸笔",
+    "hardly to be seen": "几乎看不出差别", "seen side by side": "并排才看得出",
+    "no mixture of these inks comes nearer": "这些墨色调不出更近的",
+    "Burnt": "焦", "Thick": "浓", "Heavy": "重", "Light": "淡", "Clear": "清",
+    "{tone}: {share:.0f} % ink, the rest water": "{tone}：墨 {share:.0f} %，其余是水",
     "Brush editor": "制笔", "Edit the brush…": "修改毛笔…", "Open a brush…": "打开毛笔文件…",
     "Edit…": "修改…", "Open…": "打开…", "Brushes": "毛笔", "Name": "名称", "Close": "关闭",
     "Force, spread, ink": "力、散、墨", "Hairs": "毛", "Dynamics": "动态", "by": "随",

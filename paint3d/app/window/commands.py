@@ -23,7 +23,8 @@ MENUS: dict[str, tuple[str, ...]] = {
     "brush": ("smaller", "larger", "smoothing", "brush", "-",
               *(f"brush_{k}" for k in range(1, 1 + len(brush_names()))), "-", "edit_brush",
               "open_brush"),
-    "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-", "wet", "dry"),
+    "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-",
+            "choose_colour", "open_pigments", "-", "wet", "dry"),
     "stroke": ("mirror", "radial", "-", "mask", "pick_region", "clear_mask", "-", "refine"),
     "view": ("frame_all", "frame_selected", "nearer", "farther", "-", "look_front", "look_back",
              "look_left", "look_right", "look_top", "look_bottom", "-", "turn_left", "turn_right",
@@ -78,6 +79,8 @@ _OWN = {
     "stand": "Turn and scale the object…",
     "dark": "Dark theme",
     "about": "menu.about",
+    "choose_colour": "Mix a colour…",
+    "open_pigments": "Open a table of pigments…",
     "edit_brush": "Edit the brush…",
     "open_brush": "Open a brush…",
 }

@@ -120,6 +120,7 @@ class Panels:
         self.brushes.show_brush(document.painter.brush)
         self.inks.show_inks(document.inks)
         self.brushes.set_ink(document.inks[0])
+        self.inks.show_pickup(document.pickup)
         self.layers.show_layers(document.layers, document.active_layer)
         self.copybook.show_copybook(None)
         self.history.open(document)
@@ -133,6 +134,7 @@ class Panels:
         self.surface.show_surface(document.surface)
         self.layers.show_layers(document.layers, document.active_layer)
         self.history.follow(document, frame)
+        self.inks.show_pickup(document.pickup)
         if document.inks[0] != self.inks.ink:
             self.inks.show_inks(document.inks)
             self.brushes.set_ink(document.inks[0])
