@@ -190,6 +190,9 @@ class BrushEditor(QtWidgets.QDialog):
         return column
 
     def _make_foot(self) -> QtWidgets.QVBoxLayout:
+        self.told = QtWidgets.QLabel()
+        self.told.setObjectName("heading")
+        self.told.setWordWrap(True)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Name")))
         self.name_box = QtWidgets.QLineEdit(self._first_name())
@@ -204,9 +207,6 @@ class BrushEditor(QtWidgets.QDialog):
         self.keep.clicked.connect(lambda: self._give(self.kept))
         self.again.clicked.connect(self._begin_anew)
         self.leave.clicked.connect(self.close)
-        self.told = QtWidgets.QLabel()
-        self.told.setObjectName("heading")
-        self.told.setWordWrap(True)
         column = QtWidgets.QVBoxLayout()
         column.addWidget(self.told)
         column.addLayout(row)
@@ -314,8 +314,8 @@ class BrushEditor(QtWidgets.QDialog):
         self.curves.setText("\n".join(told) or say("Nothing drives this brush"))
 
     def _show_drawn(self, drawn: Drawn) -> None:
-        if drawn.error is not None:
-            self.tell(say_error(drawn.error))
+        if drawn.error is not None or drawn.footprints is None or drawn.stroke is None:
+            self.tell(say_error(drawn.error or ""))
             return
         for label, pixels in ((self.footprints, drawn.footprints), (self.stroke, drawn.stroke)):
             pixmap = pixmap_of(pixels, label.size() * _SHARPER)

@@ -41,7 +41,7 @@ def ink_label(ink: str | Pigment) -> str:
 def paint_dish(
     painter: QtGui.QPainter,
     box: QtCore.QRectF,
-    parts: Mapping[str | Pigment, float],
+    parts: Mapping[Any, float],
     theme: Theme,
 ) -> None:
     """A porcelain dish with ink in it: deep in the middle, a wash toward the rim."""
