@@ -42,7 +42,15 @@ def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def type_in(box: QtWidgets.QWidget, text: str) -> None:
-    """Write into a box with the keys, and press Enter."""
+    """Write into a box with the keys, and press Enter; turn to its page first."""
+    box.window().activateWindow()
+    wait_for(box.isActiveWindow)
+    page = box.parentWidget()
+    while page is not None and not isinstance(page.parentWidget(), QtWidgets.QStackedWidget):
+        page = page.parentWidget()
+    if page is not None and not page.isVisible():
+        page.parentWidget().parentWidget().setCurrentWidget(page)
+        live(0.02)
     box.setFocus()
     box.selectAll()
     QtTest.QTest.keyClicks(box, text)
@@ -66,8 +74,7 @@ def test_a_brush_is_changed_kept_painted_with_and_there_the_next_time(program, o
     with opened(program) as window:
         click(window.findChild(QtWidgets.QPushButton, "edit_brush"))
         editor = window.brushes.editor
-        editor.activateWindow()
-        wait_for(editor.isActiveWindow)
+        assert editor.isVisible()
         before = drawn(editor)
         type_in(editor.rows["root_diameter_mm"].box, "5")
         assert editor.brush.root_diameter_mm == 5.0
@@ -110,6 +117,7 @@ def test_out_of_range_and_bad_names_are_told_in_the_editor(program) -> None:
         window.workspace.actions["edit_brush"].trigger()
         editor = window.brushes.editor
         type_in(editor.rows["hardness"].box, "0.5")
+        assert editor.brush.hardness == 0.5
         for name, told in (("full", "a brush that comes with the program"), ("", "expected 1 to")):
             editor.name_box.setText(name)
             click(editor.keep)
@@ -215,3 +223,19 @@ def test_all_that_the_editor_says_is_said_in_chinese() -> None:
     texts |= set(re.findall(r'self\._button\("([^"]+)"', source))
     assert len(texts) > 40
     assert {text for text in texts if "." not in text and text not in CHINESE} == set()
+
+
+def test_numbers_are_shown_with_their_units_and_ranges(program) -> None:
+    with opened(program) as window:
+        window.workspace.actions["edit_brush"].trigger()
+        rows = window.brushes.editor.rows
+        shown = {name: (row.box.text(), row.range.text()) for name, row in rows.items()}
+        assert shown["length_mm"] == ("35 mm", "5 – 200")
+        assert shown["hardness"] == ("0.7", "0.3 – 0.7")
+        assert shown["n_segments"] == ("9", "8 – 13")
+        assert shown["n_hairs"] == ("1000", "1 – 10000")
+        assert shown["load"] == ("6000 mm²", "1 – 10⁷")
+        assert shown["transfer_per_mm"] == ("0.006", "10⁻⁶ – 1")
+        type_in(rows["transfer_per_mm"].box, "0.00025")
+        assert window.brushes.editor.brush.transfer_per_mm == 0.00025
+        window.brushes.editor.close()

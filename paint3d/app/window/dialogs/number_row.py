@@ -11,6 +11,7 @@ from paint3d.app.window.wording import say
 __all__ = ["NumberRow"]
 
 _STEPS = 1000
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DIGITS = 3  # significant, of the narrower end of a range
 
 
@@ -56,7 +57,7 @@ class NumberRow(QtCore.QObject):
         self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.slider.setRange(0, _STEPS)
         self.slider.setMinimumWidth(90)
-        self.box = QtWidgets.QDoubleSpinBox()
+        self.box = _PlainBox()
         self.box.setObjectName(name)
         self.box.setKeyboardTracking(False)
         self.box.setSuffix(f" {unit}" if unit else "")
@@ -111,9 +112,23 @@ class NumberRow(QtCore.QObject):
             self.changed.emit(self.name, value)
 
 
+class _PlainBox(QtWidgets.QDoubleSpinBox):
+    """Shows no zeros behind the last digit that says something."""
+
+    def textFromValue(self, value: float) -> str:
+        """The number as it is shown."""
+        text = super().textFromValue(value)
+        point = self.locale().decimalPoint()
+        return text.rstrip("0").removesuffix(point) if point in text else text
+
+
 def _told(number: float) -> str:
-    """An end of a range: three digits, and no powers of ten below a million."""
-    return f"{number:.3g}" if abs(number) < 1e3 else f"{number:.6g}"
+    """An end of a range: three digits; powers of ten below a thousandth and from a million on."""
+    if number != 0.0 and not 1e-3 <= abs(number) < 1e6:
+        digits, power = f"{number:.2e}".split("e")
+        digits = digits.rstrip("0").rstrip(".")
+        return f"{'' if digits == '1' else digits + '·'}10{str(int(power)).translate(_RAISED)}"
+    return f"{number:.3g}" if abs(number) < 1e3 else f"{number:.0f}"
 
 
 def _digits_for(low: float, high: float, even: bool) -> int:

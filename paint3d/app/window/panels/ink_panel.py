@@ -355,6 +355,7 @@ class InkPanel(QtWidgets.QWidget):
         scroll = QtWidgets.QScrollArea()
         scroll.setWidgetResizable(True)
         scroll.setWidget(self.dishes)
+        scroll.setMinimumHeight(_DISH + _LABEL + 3 * _GAP)
         layout.addWidget(scroll, 1)
         layout.addWidget(self.tones)
         layout.addWidget(self._make_mixing_card())

@@ -52,7 +52,7 @@ class Panels:
         self.devices = DevicePanel(theme)
         self.surface = SurfacePanel(actions[name] for name in ("wet", "dry", "refine"))
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
-        self._tall = (self.hand, self.copybook, self.devices, self.surface)
+        self._tall = (self.inks, self.hand, self.copybook, self.devices, self.surface)
         upper = [
             self._dock("brushes", "panel.brushes", self.brushes),
             self._dock("inks", "panel.inks", self.inks),
