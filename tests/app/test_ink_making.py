@@ -119,7 +119,8 @@ def test_pigments_of_ones_own_are_dishes_to_dip_in(window, tmp_path: Path, monke
     red, green, _ = window.document.surface.srgb[window.document.surface.painted][-1].tolist()
     assert red > green
     click(window.panels.inks.tones.buttons["clear"])
-    assert held(window) == pytest.approx({"dragon blood": 0.09, "water": 0.91})
+    clear = TONES["clear"].share
+    assert held(window) == pytest.approx({"dragon blood": clear, "water": 1.0 - clear})
     dishes.stirred.emit("dragon blood")
     dishes.stirred.emit("indigo")
     window.panels.inks.dip_mixture()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 import textwrap
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from paint3d.app.model.persistence.own_brushes import keep_brush
 from paint3d.brush.fitting import press_errors, read_presses
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.cli.main import main
@@ -153,3 +155,18 @@ def test_a_brush_is_not_fitted_into_another_file(
     message = capsys.readouterr().err
     assert told in message
     assert message.count("\n") == 1
+
+
+def test_brushes_that_the_studio_keeps_are_listed_with_their_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    path = keep_brush(dataclasses.replace(load_brush("full"), name="wolf 1", hardness=0.4))
+    (tmp_path / "brushes" / "z.toml").write_text("hardness = 0.4", encoding="utf-8")
+    assert main(["brushes"]) == 0
+    told = capsys.readouterr()
+    (line,) = (line for line in told.out.splitlines() if line.startswith("wolf 1"))
+    assert f"--brush {path}" in line
+    assert " 0.4 " in line
+    assert "z.toml: says no hair" in told.err
+    assert load_brush(str(path)).hardness == 0.4

@@ -91,6 +91,7 @@ def run(options: argparse.Namespace) -> None:
     if options.action == "fit":
         _fit(options)
         return
+    from paint3d.app.model.persistence.own_brushes import own_brush_path, own_brushes
     from paint3d.brush.presets import brush_note, load_presets
 
     presets = load_presets()
@@ -98,7 +99,11 @@ def run(options: argparse.Namespace) -> None:
         _draw(presets.values(), options.pictures, quiet=options.quiet)
     if not options.quiet:
         notes = {name: brush_note(name) for name in presets}
-        sys.stdout.write("\n".join(brush_lines(presets.values(), notes)) + "\n")
+        own, problems = own_brushes()
+        notes |= {name: f"your own: --brush {own_brush_path(name)}" for name in own}
+        lines = brush_lines([*presets.values(), *own.values()], notes)
+        sys.stdout.write("\n".join(lines) + "\n")
+        sys.stderr.writelines(f"paint3d: note: {problem}\n" for problem in problems)
 
 
 def _show(name: str) -> None:
