@@ -12,12 +12,22 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from paint3d.brush.bristle_spec import TABLES, BristleSpec, hair_ranges
+from paint3d.brush.bristle_spec import (
+    SHAPE_COLUMNS,
+    TABLES,
+    BristleSpec,
+    ShapeRows,
+    hair_ranges,
+)
 from paint3d.brush.spec import HAIRS, BrushSpec, parameter_ranges
+from paint3d.core.atomic import write_atomically
 from paint3d.core.parameter_file import check_known, is_parameter_file, read_parameters
 from paint3d.errors import BrushError
 
-__all__ = ["brush_text", "is_brush_file", "read_brush"]
+__all__ = [
+    "brush_text", "check_brush_name", "is_brush_file", "meaning_of", "read_brush",
+    "write_brush",
+]  # fmt: skip
 
 _LONGEST_NAME = 60
 _WORDS = ("note", "base")
@@ -55,6 +65,11 @@ _MEANINGS = {
     "levelling_mm": "way over which wet neighbours share their ink",
     "set_share": "descent over which a remembered bend is pressed out, of the length",
 }
+
+
+def meaning_of(parameter: str) -> str:
+    """What a parameter of a brush, or of its hairs, is, in a few words."""
+    return _MEANINGS[parameter]
 
 
 def is_brush_file(name: str) -> bool:
@@ -112,7 +127,7 @@ def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSp
             )
     if "bristles" in values:
         values["bristles"] = _hairs_of(values["bristles"], given.get("bristles"))
-    _check_name(name)
+    check_brush_name(name)
     brush = BrushSpec(**(given | values | {"name": name}))
     if brush.name in presets and brush != presets[brush.name]:
         raise BrushError(
@@ -122,7 +137,14 @@ def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSp
     return brush
 
 
-def _check_name(name: object) -> None:
+def check_brush_name(name: object) -> None:
+    """Refuse what no brush of one's own can be called.
+
+    Raises
+    ------
+    BrushError
+        What was got and what was expected.
+    """
     is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
     if not is_name or " @" in str(name) or is_brush_file(str(name)):
         raise BrushError(
@@ -145,7 +167,7 @@ def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
         raise BrushError(f"bristles: {cause}") from None
 
 
-def brush_text(brush: BrushSpec, note: str = "") -> str:
+def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
     """The file of a brush in TOML, with ranges and meanings as comments.
 
     `read_brush` makes the same brush of it, but for the name, which is then that of the file.
@@ -155,12 +177,15 @@ def brush_text(brush: BrushSpec, note: str = "") -> str:
     brush : BrushSpec
     note : str
         Said above, in one line.
+    named : bool
+        Whether the file says the brush's name, too.
     """
     ranges = parameter_ranges(brush.length_mm)
     lines = [
         "# A brush of paint3d: --brush FILE paints with it. It is called like the file,",
         '# or as name = "..." says. Behind each value: its range; what it is.',
     ]
+    lines += [f"name = {json.dumps(brush.name, ensure_ascii=False)}"] if named else []
     lines += [f"note = {json.dumps(note, ensure_ascii=False)}"] if note else []
     for field in dataclasses.fields(brush):
         if field.name not in ("name", "bristles", "inputs"):
@@ -169,13 +194,54 @@ def brush_text(brush: BrushSpec, note: str = "") -> str:
         lines += ["", "[bristles]"]
         for field in dataclasses.fields(brush.bristles):
             value = getattr(brush.bristles, field.name)
-            lines.append(_line(field.name, value, hair_ranges(), TABLES))
+            if field.name == "table" and not isinstance(value, str):
+                lines += _shape_lines(value)
+            else:
+                lines.append(_line(field.name, value, hair_ranges(), TABLES))
     for setting, by_input in brush.inputs:
         lines += ["", f"[inputs.{setting}]  # factors, from 0.05 to 20"]
         for name, points in by_input:
             pairs = ", ".join(f"[{x!r}, {y!r}]" for x, y in points)
             lines.append(f"{name} = [{pairs}]")
     return "\n".join(lines) + "\n"
+
+
+def write_brush(
+    path: str | Path, brush: BrushSpec, presets: Mapping[str, BrushSpec], note: str = ""
+) -> None:
+    """Write a brush of one's own with its name, in TOML, beside the file and then over it.
+
+    Parameters
+    ----------
+    path : path-like
+    brush : BrushSpec
+    presets : mapping
+        What no other brush may be called.
+    note : str
+
+    Raises
+    ------
+    BrushError
+        For a name that no brush of one's own can have.
+    ExportError
+        If the file cannot be written.
+    """
+    check_brush_name(brush.name)
+    if brush.name in presets:
+        raise BrushError(
+            f"name is {brush.name!r}, a brush that comes with the program; expected another"
+        )
+    with write_atomically(path) as file:
+        file.write_text(brush_text(brush, note, named=True), encoding="utf-8")
+
+
+def _shape_lines(rows: ShapeRows) -> list[str]:
+    """Measured shapes of one's own, one row a line."""
+    return [
+        f"table = [  # bent shapes of one's own: {', '.join(SHAPE_COLUMNS)}",
+        *(f"  [{', '.join(f'{x!r}' for x in row)}]," for row in rows),
+        "]",
+    ]
 
 
 def _line(
@@ -186,4 +252,4 @@ def _line(
     if name in ranges:
         low, high = ranges[name]
         among = f"{low:.5g} to {high:.5g}"
-    return f"{f'{name} = {told}':<36}# {among}; {_MEANINGS[name]}"
+    return f"{f'{name} = {told}':<35} # {among}; {_MEANINGS[name]}"

@@ -16,7 +16,10 @@ from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import answer, drag, live, wait_for
 from tests.support.app.windows import close_unasked, settled
 
-WITHOUT_EFFECT: dict[str, str] = {}
+WITHOUT_EFFECT = {
+    "Edit…": "opens the editor, whose controls are turned by themselves below",
+    "Open…": "asks for a file of a brush",
+}
 """What a control says (its words, or its object's name), and why it changes nothing that is
 painted, seen or felt."""
 TURNED = (
@@ -75,7 +78,10 @@ def turn(widget: QtWidgets.QWidget) -> None:
         QtTest.QTest.keyClick(widget, KEY.Key_Down)
         QtTest.QTest.keyClick(widget, KEY.Key_Return)
     else:
-        QtTest.QTest.keyClick(widget, KEY.Key_Down)
+        at_end = isinstance(widget, QtWidgets.QComboBox) and (
+            widget.currentIndex() == widget.count() - 1
+        )
+        QtTest.QTest.keyClick(widget, KEY.Key_Up if at_end else KEY.Key_Down)
     live(0.3)  # sliders settle
 
 
@@ -133,6 +139,32 @@ def test_every_control_of_brush_and_surface_acts(window) -> None:
     paint_something(window)
     assert len(turn_all(window, "brushes")) >= 2
     assert len(turn_all(window, "surface")) >= 4
+
+
+def test_every_control_of_the_brush_editor_acts(window) -> None:
+    """On the brush that it makes; that every parameter acts is held by `tests/laws`."""
+    window.findChild(QtWidgets.QPushButton, "edit_brush").click()
+    editor = window.brushes.editor
+    editor.single.click()  # hairs, or theirs could not be turned
+    assert editor.brush.bristles is not None
+    found = [editor.hair, editor.table, *(row.slider for row in editor.rows.values())]
+    for page in range(editor.tabs.count()):
+        editor.tabs.setCurrentIndex(page)
+        live(0.05)
+        for widget in [widget for widget in found if widget.isVisible()]:
+            found.remove(widget)
+            assert widget.isEnabled()
+            before = editor.brush
+            if isinstance(widget, QtWidgets.QSlider):  # some stand for whole numbers
+                widget.setFocus()
+                at_end = widget.value() == widget.maximum()
+                QtTest.QTest.keyClick(widget, KEY.Key_Home if at_end else KEY.Key_End)
+                live(0.05)
+            else:
+                turn(widget)
+            assert editor.brush != before, f"the one before {len(found)} others does nothing"
+    assert found == []
+    editor.close()
 
 
 def test_a_control_that_does_nothing_is_found(window) -> None:

@@ -355,7 +355,8 @@ class Stage:
             if self._brush is not None:
                 self._drawn.touch_front(self.brush_box)
                 self._brush.remove()
-            self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair)
+            bristles = None if painter.hairs is None else painter.hairs.bristles
+            self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair, bristles)
             self._brush_spec = painter.brush
         self._drawn.touch_front(self._brush.screen_box())
         if seen is None or not self.shows_brush:

@@ -23,7 +23,9 @@ from paint3d.app.window.hud import Hud
 from paint3d.app.window.input.device_input import DeviceInput
 from paint3d.app.window.input.keys import HeldKeys
 from paint3d.app.window.input.steering import Steering
+from paint3d.app.window.jobs.brush_making import BrushMaking
 from paint3d.app.window.jobs.exporting import Exporting
+from paint3d.app.window.jobs.ink_making import InkMaking
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.jobs.opening import Opening
 from paint3d.app.window.jobs.pictures import Pictures
@@ -131,10 +133,13 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _bind_actions(self) -> None:
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
+        self.brushes = BrushMaking(self.workspace, self.panels)
+        self.inks = InkMaking(self.workspace, self.panels)
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.painting, self.viewing)
+             self.standing, self.painting, self.brushes, self.inks,
+             self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)
