@@ -13,6 +13,7 @@ from paint3d.errors import ExportError, MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import UNITS_MM
 from paint3d.files.progress import Progress, part_of
+from paint3d.files.project.in_light import InLight, tell_clipped
 from paint3d.files.project.position_steps import find_steps
 from paint3d.files.writers.filaments import (
     choose_filaments,
@@ -71,7 +72,7 @@ class Painting(NamedTuple):
 
     `finish` is how rough the material is and how strong its glaze, None where it does not say it.
     `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
-    `paint3d.files.project.position_steps`.
+    `paint3d.files.project.position_steps`. `gamut` is what the codes mean.
     """
 
     vertices: NDArray[np.float32]
@@ -85,6 +86,7 @@ class Painting(NamedTuple):
     face_filaments: NDArray[np.int32] | None = None
     steps: NDArray[np.float32] | None = None
     finish: tuple[float, float] | None = None
+    gamut: str = "srgb"
 
     def placed(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
@@ -177,6 +179,19 @@ def read_painting(
     """
     if isinstance(surface, TriangleMesh):
         surface = PlainSurface(surface)
+    viewing = options.viewing
+    if viewing is not None and not viewing.is_plain:
+        surface = InLight(surface, viewing)
+    tell_clipped(surface, viewing)
+    painting = _read(surface, options, progress)
+    if isinstance(painting, Painting):
+        return painting._replace(gamut=options.gamut or "srgb")
+    return painting
+
+
+def _read(
+    surface: Exportable, options: ExportOptions, progress: Progress | None
+) -> Painting | Untextured:
     material = str(getattr(surface.material, "name", "painting"))
     finish = _finish_of(surface.material)
     if options.texture:
@@ -201,7 +216,7 @@ def _finish_of(material: object) -> tuple[float, float] | None:
     return roughness, coat
 
 
-def _detail_of(surface: Exportable | PlainSurface) -> Detail:
+def _detail_of(surface: Exportable) -> Detail:
     """Copies of what a texture is baked from.
 
     Raises
