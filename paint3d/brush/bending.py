@@ -50,6 +50,7 @@ _N_DESCENTS = 129
 _N_ARCS = 2 * (STATIONS - 1)
 _CROWDING = 2.6  # arcs at the tip are so much shorter that the lightest touch bends some of them
 Chain = tuple[float, float, float, float]
+_FARTHEST_DRAG = 0.5  # as of brushes
 _LEAST_COSINE = 1e-3  # of sections: what stands straighter is clear of the plane
 
 
@@ -191,13 +192,21 @@ def _openness(chords: AnyArray, diameters: AnyArray) -> NDArray[np.float32]:
 def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
     """The brush ready for kernels, on a surface that may draw more or less ink out of it.
 
+    Friction belongs to both: hairs spread by d + h mu with mu = `BrushSpec.friction` times
+    `Material.slip` (Guo 2015, Eq. 2), and the contact is dragged back so many times as far.
+
     Raises
     ------
     BrushError
         If the bending of this brush cannot be solved.
     """
     tuft = build_tuft(spec)
-    return tuft._replace(transfer_per_mm=tuft.transfer_per_mm * material.uptake)
+    rubbing = spec.spread_by_friction * spec.friction
+    return tuft._replace(
+        transfer_per_mm=tuft.transfer_per_mm * material.uptake,
+        spread=tuft.spread + (material.slip - 1.0) * rubbing,
+        drag_fraction=min(_FARTHEST_DRAG, tuft.drag_fraction * material.slip),
+    )
 
 
 @functools.lru_cache(maxsize=64)

@@ -3,14 +3,38 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+from typing import Any
 
 from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError
 
-__all__ = ["MOST_HAIRS", "TABLES", "BristleSpec", "hair_ranges"]
+__all__ = [
+    "MOST_HAIRS", "SHAPE_COLUMNS", "TABLES", "BristleSpec", "ShapeRows", "hair_ranges",
+    "shape_rows",
+]  # fmt: skip
 
 MOST_HAIRS = 10_000
 TABLES = ("energy", "measured")
+
+SHAPE_COLUMNS = ("angle", "height", "offset", "imprint", "upper", "lower", "spread")
+"""What a row of measured shapes holds: the handle's angle from the upright (degrees), the root's
+height over that of the straight hair, and in hair lengths how far the tip lies ahead of where the
+handle's axis meets the paper, the imprint, and the control lengths of the cubic Bezier curve along
+the handle and along the paper; the hairs' spread (degrees)."""
+
+ShapeRows = tuple[tuple[float, ...], ...]
+
+_SHAPE_RANGES = (
+    (0.0, 60.0),
+    (0.0, 1.0),
+    (-1.0, 1.5),
+    (0.0, 1.5),
+    (0.0, 2.0),
+    (0.0, 2.0),
+    (0.0, 90.0),
+)
+_MOST_SHAPES = 1000
 
 _RANGES = {
     "hair_mm": (0.01, 2.0),
@@ -38,9 +62,9 @@ class BristleSpec:
     ----------
     n_hairs : int
         1 to 10,000.
-    table : {"energy", "measured"}
-        Where bent shapes come from: the least bending energy of the brush, or the shapes measured
-        on a real brush (FastBrush).
+    table : {"energy", "measured"} or rows of numbers
+        Where bent shapes come from: the least bending energy of the brush, the shapes measured on a
+        real brush (FastBrush), or those of one's own: rows of `SHAPE_COLUMNS`.
     hair_mm : float
         Thickness of a dry hair, mm.
     film : float
@@ -68,7 +92,7 @@ class BristleSpec:
     """
 
     n_hairs: int = 1000
-    table: str = "energy"
+    table: str | ShapeRows = "energy"
     hair_mm: float = 0.12
     film: float = 0.011
     threshold_mm: float = 0.15
@@ -84,7 +108,51 @@ class BristleSpec:
         if count != int(count):
             raise BrushError(f"n_hairs is {self.n_hairs}; expected a whole number")
         object.__setattr__(self, "n_hairs", int(count))
-        if self.table not in TABLES:
-            raise BrushError(f"table is {self.table!r}; expected {' or '.join(TABLES)}")
+        if isinstance(self.table, list | tuple):
+            object.__setattr__(self, "table", shape_rows(self.table))
+        elif self.table not in TABLES:
+            raise BrushError(
+                f"table is {self.table!r:.60}; expected {', '.join(TABLES)} or rows of numbers"
+            )
         for name, (low, high) in _RANGES.items():
             as_number(getattr(self, name), name, low, high, BrushError)
+
+
+def shape_rows(rows: Any) -> ShapeRows:
+    """Measured shapes, checked and in order: by angle, and the straight hair first.
+
+    Parameters
+    ----------
+    rows : sequence of sequences of 7 numbers
+        `SHAPE_COLUMNS`. An angle without a row of height 1 is given one: the straight hair.
+
+    Raises
+    ------
+    BrushError
+        Naming the row and the column, what was got and what was expected.
+    """
+    if not isinstance(rows, list | tuple) or not 1 <= len(rows) <= _MOST_SHAPES:
+        raise BrushError(f"table has {len(rows)} rows; expected 1 to {_MOST_SHAPES}")
+    checked = set()
+    for k, row in enumerate(rows, 1):
+        if not isinstance(row, list | tuple) or len(row) != len(SHAPE_COLUMNS):
+            raise BrushError(
+                f"table: row {k} is {row!r:.60}; expected 7 numbers: {', '.join(SHAPE_COLUMNS)}"
+            )
+        named = zip(SHAPE_COLUMNS, row, _SHAPE_RANGES, strict=True)
+        checked.add(
+            tuple(as_number(x, f"table: row {k}: {what}", *r, BrushError) for what, x, r in named)
+        )
+    checked |= {(angle, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0) for angle, height, *_ in checked} - {
+        (angle, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0) for angle, height, *_ in checked if height == 1.0
+    }
+    ordered = tuple(sorted(checked, key=lambda row: (row[0], -row[1])))
+    for one, other in itertools.pairwise(ordered):
+        if one[:2] == other[:2]:
+            raise BrushError(
+                f"table has two rows of angle {one[0]:g} and height {one[1]:g}; expected one"
+            )
+    for angle in {row[0] for row in ordered}:
+        if sum(row[0] == angle for row in ordered) < 2:
+            raise BrushError(f"table has no bent hair of angle {angle:g}; expected heights below 1")
+    return ordered

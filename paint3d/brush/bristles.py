@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, bending_table
-from paint3d.brush.bristle_shapes import energy_shapes, measured_shapes
+from paint3d.brush.bristle_shapes import MEASURED, energy_shapes, measured_shapes
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.bristles.bend import ARCS, BLOCK, Bristles
@@ -51,7 +51,8 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
     if hairs.table == "energy":
         shapes, fans = energy_shapes(table)
     else:
-        shapes, fans = measured_shapes(table.tilts, table.fractions)
+        rows = MEASURED if isinstance(hairs.table, str) else hairs.table
+        shapes, fans = measured_shapes(table.tilts, table.fractions, rows)
     n, noise = hairs.n_hairs, _noise()
     radius = 0.5 * hairs.hair_mm
     padded = np.minimum(np.arange(-(-n // BLOCK) * BLOCK), n - 1).reshape(-1, BLOCK)

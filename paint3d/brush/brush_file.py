@@ -7,21 +7,28 @@ say; without, every parameter that has no default must be there.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import json
-import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from paint3d.brush.bristle_spec import TABLES, BristleSpec, hair_ranges
+from paint3d.brush.bristle_spec import (
+    SHAPE_COLUMNS,
+    TABLES,
+    BristleSpec,
+    ShapeRows,
+    hair_ranges,
+)
 from paint3d.brush.spec import HAIRS, BrushSpec, parameter_ranges
+from paint3d.core.atomic import write_atomically
+from paint3d.core.parameter_file import check_known, is_parameter_file, read_parameters
 from paint3d.errors import BrushError
 
-__all__ = ["brush_text", "is_brush_file", "read_brush"]
+__all__ = [
+    "brush_text", "check_brush_name", "is_brush_file", "meaning_of", "read_brush",
+    "write_brush",
+]  # fmt: skip
 
-_SUFFIXES = (".toml", ".json")
-_MOST_BYTES = 1 << 20
 _LONGEST_NAME = 60
 _WORDS = ("note", "base")
 _MEANINGS = {
@@ -60,6 +67,11 @@ _MEANINGS = {
 }
 
 
+def meaning_of(parameter: str) -> str:
+    """What a parameter of a brush, or of its hairs, is, in a few words."""
+    return _MEANINGS[parameter]
+
+
 def is_brush_file(name: str) -> bool:
     """Whether a brush's name is that of a file.
 
@@ -68,7 +80,7 @@ def is_brush_file(name: str) -> bool:
     >>> is_brush_file("mine.toml"), is_brush_file("full")
     (True, False)
     """
-    return name.lower().endswith(_SUFFIXES)
+    return is_parameter_file(name)
 
 
 def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
@@ -88,35 +100,16 @@ def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
         Naming the file and the parameter, what was got and what was expected.
     """
     path = Path(path)
-    values = _parse(path)
+    values = read_parameters(path, "a brush", BrushError)
     try:
         return _brush_of(values, path.stem, presets)
     except BrushError as cause:
         raise BrushError(f"{path}: {cause}") from None
 
 
-def _parse(path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        raise BrushError(f"{path}: there is no such file; expected a brush in .toml or .json")
-    parse: Callable[[str], Any] = json.loads if path.suffix.lower() == ".json" else tomllib.loads
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(_MOST_BYTES + 1)
-        if len(data) > _MOST_BYTES:
-            raise BrushError(f"{path}: is over 1 MiB; expected a brush")
-        values = parse(data.decode("utf-8-sig"))
-    except OSError as cause:
-        raise BrushError(f"{path}: {cause.strerror or cause}") from None
-    except (ValueError, RecursionError) as cause:
-        raise BrushError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {cause}") from None
-    if not isinstance(values, dict):
-        raise BrushError(f"{path}: holds {values!r:.40}; expected parameters by name")
-    return values
-
-
 def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
     fields = {field.name: field for field in dataclasses.fields(BrushSpec)}
-    _check_names(values, [*_WORDS, *fields], "")
+    check_known(values, [*_WORDS, *fields], BrushError)
     name, base = values.pop("name", called), values.pop("base", None)
     values.pop("note", None)
     given: dict[str, Any] = {}
@@ -134,7 +127,7 @@ def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSp
             )
     if "bristles" in values:
         values["bristles"] = _hairs_of(values["bristles"], given.get("bristles"))
-    _check_name(name)
+    check_brush_name(name)
     brush = BrushSpec(**(given | values | {"name": name}))
     if brush.name in presets and brush != presets[brush.name]:
         raise BrushError(
@@ -144,7 +137,14 @@ def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSp
     return brush
 
 
-def _check_name(name: object) -> None:
+def check_brush_name(name: object) -> None:
+    """Refuse what no brush of one's own can be called.
+
+    Raises
+    ------
+    BrushError
+        What was got and what was expected.
+    """
     is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
     if not is_name or " @" in str(name) or is_brush_file(str(name)):
         raise BrushError(
@@ -160,23 +160,14 @@ def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
     if not isinstance(values, dict):
         raise BrushError(f"bristles is {values!r:.40}; expected parameters by name, or false")
     names = [field.name for field in dataclasses.fields(BristleSpec)]
-    _check_names(values, names, "bristles: ")
+    check_known(values, names, BrushError, "bristles: ")
     try:
         return dataclasses.replace(base or BristleSpec(), **values)
     except BrushError as cause:
         raise BrushError(f"bristles: {cause}") from None
 
 
-def _check_names(values: Mapping[str, Any], known: Iterable[str], what: str) -> None:
-    known = list(known)
-    for name in values:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise BrushError(f"{what}there is no {name!r:.60}: {hint}expected {', '.join(known)}")
-
-
-def brush_text(brush: BrushSpec, note: str = "") -> str:
+def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
     """The file of a brush in TOML, with ranges and meanings as comments.
 
     `read_brush` makes the same brush of it, but for the name, which is then that of the file.
@@ -186,12 +177,15 @@ def brush_text(brush: BrushSpec, note: str = "") -> str:
     brush : BrushSpec
     note : str
         Said above, in one line.
+    named : bool
+        Whether the file says the brush's name, too.
     """
     ranges = parameter_ranges(brush.length_mm)
     lines = [
         "# A brush of paint3d: --brush FILE paints with it. It is called like the file,",
         '# or as name = "..." says. Behind each value: its range; what it is.',
     ]
+    lines += [f"name = {json.dumps(brush.name, ensure_ascii=False)}"] if named else []
     lines += [f"note = {json.dumps(note, ensure_ascii=False)}"] if note else []
     for field in dataclasses.fields(brush):
         if field.name not in ("name", "bristles", "inputs"):
@@ -200,13 +194,54 @@ def brush_text(brush: BrushSpec, note: str = "") -> str:
         lines += ["", "[bristles]"]
         for field in dataclasses.fields(brush.bristles):
             value = getattr(brush.bristles, field.name)
-            lines.append(_line(field.name, value, hair_ranges(), TABLES))
+            if field.name == "table" and not isinstance(value, str):
+                lines += _shape_lines(value)
+            else:
+                lines.append(_line(field.name, value, hair_ranges(), TABLES))
     for setting, by_input in brush.inputs:
         lines += ["", f"[inputs.{setting}]  # factors, from 0.05 to 20"]
         for name, points in by_input:
             pairs = ", ".join(f"[{x!r}, {y!r}]" for x, y in points)
             lines.append(f"{name} = [{pairs}]")
     return "\n".join(lines) + "\n"
+
+
+def write_brush(
+    path: str | Path, brush: BrushSpec, presets: Mapping[str, BrushSpec], note: str = ""
+) -> None:
+    """Write a brush of one's own with its name, in TOML, beside the file and then over it.
+
+    Parameters
+    ----------
+    path : path-like
+    brush : BrushSpec
+    presets : mapping
+        What no other brush may be called.
+    note : str
+
+    Raises
+    ------
+    BrushError
+        For a name that no brush of one's own can have.
+    ExportError
+        If the file cannot be written.
+    """
+    check_brush_name(brush.name)
+    if brush.name in presets:
+        raise BrushError(
+            f"name is {brush.name!r}, a brush that comes with the program; expected another"
+        )
+    with write_atomically(path) as file:
+        file.write_text(brush_text(brush, note, named=True), encoding="utf-8")
+
+
+def _shape_lines(rows: ShapeRows) -> list[str]:
+    """Measured shapes of one's own, one row a line."""
+    return [
+        f"table = [  # bent shapes of one's own: {', '.join(SHAPE_COLUMNS)}",
+        *(f"  [{', '.join(f'{x!r}' for x in row)}]," for row in rows),
+        "]",
+    ]
 
 
 def _line(
@@ -217,4 +252,4 @@ def _line(
     if name in ranges:
         low, high = ranges[name]
         among = f"{low:.5g} to {high:.5g}"
-    return f"{f'{name} = {told}':<36}# {among}; {_MEANINGS[name]}"
+    return f"{f'{name} = {told}':<35} # {among}; {_MEANINGS[name]}"

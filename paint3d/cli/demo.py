@@ -10,7 +10,7 @@ import sys
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from paint3d.cli.options import add_quiet_option, check_output_folder, parse_hairs
+from paint3d.cli.options import MATERIALS, add_quiet_option, check_output_folder, parse_hairs
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.replay import PaintOptions, paint, prepare
 from paint3d.cli.results import timed, write_report, write_results
@@ -41,6 +41,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--hairs", metavar="N", type=parse_hairs, help="paint with so many single hairs, 1 to 10000"
     )
+    parser.add_argument(
+        "--material",
+        metavar="NAME|FILE",
+        default=MATERIALS[0],
+        help=f"of the bowl: {', '.join(MATERIALS)}, or a file of your own "
+        f"(default: {MATERIALS[0]})",
+    )
     add_quiet_option(parser)
 
 
@@ -51,7 +58,13 @@ def run(options: argparse.Namespace) -> None:
     ------
     ExportError
         If the folder or a file cannot be written.
+    InputError
+        If the material is not known or cannot be read.
     """
+    if options.material not in MATERIALS:
+        from paint3d.colour.materials import load_material
+
+        load_material(options.material)  # what is wrong with it is said before anything is made
     _make_folder(options.out)
     if not options.quiet:
         sys.stdout.write(f"painting the bowl, into {options.out}\n")
@@ -65,7 +78,12 @@ def run(options: argparse.Namespace) -> None:
     ):
         recording = load_recording(path, progress=progress)
         mesh = load_mesh("bowl")
-    wanted = PaintOptions(resolution_mm=_RESOLUTION_MM, quiet=options.quiet, hairs=options.hairs)
+    wanted = PaintOptions(
+        resolution_mm=_RESOLUTION_MM,
+        quiet=options.quiet,
+        hairs=options.hairs,
+        material=options.material,
+    )
     seconds: dict[str, float] = {}
     painting = paint(prepare(mesh, wanted, seconds), recording, wanted, seconds)
     written = [options.out / name for name in _FILES]

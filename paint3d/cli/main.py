@@ -30,7 +30,7 @@ from paint3d.cli import (
     study,
     write,
 )
-from paint3d.cli.lists import brushes, fonts, inks
+from paint3d.cli.lists import brushes, fonts, inks, materials
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.errors import Paint3DError
 
@@ -48,6 +48,7 @@ _COMMANDS = {
     "devices": devices,
     "inks": inks,
     "brushes": brushes,
+    "materials": materials,
     "fonts": fonts,
     "study": study,
     "bench": bench,

@@ -21,7 +21,7 @@ __all__ = [
     "check_output_file",
     "check_output_folder",
     "check_overwriting",
-    "own_brush",
+    "own_file",
     "parse_count",
     "parse_hairs",
     "parse_length_mm",
@@ -33,7 +33,9 @@ __all__ = [
 ]
 
 UNITS = ("mm", "cm", "m", "in")
-MATERIALS = ("porcelain", "bisque", "xuan", "plaster", "terracotta")  # known before NumPy is
+MATERIALS = (  # known before NumPy is
+    "porcelain", "bisque", "xuan", "plaster", "terracotta", "sized xuan", "tinted xuan", "silk",
+)  # fmt: skip
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
 _MOST_HAIRS = 10_000  # as `brush.bristle_spec.MOST_HAIRS`, known here before NumPy is loaded
 TIP_REACH = 0.35  # as in the studio
@@ -117,9 +119,9 @@ def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="print errors only")
 
 
-def own_brush(brush: str | None) -> str | None:
-    """The file that a brush is read from; None for those that come with the program."""
-    return brush if (brush or "").lower().endswith((".toml", ".json")) else None
+def own_file(name: str | None) -> str | None:
+    """The file that a brush or a material is read from; None for what comes with the program."""
+    return name if (name or "").lower().endswith((".toml", ".json")) else None
 
 
 def add_force_option(parser: argparse.ArgumentParser) -> None:
@@ -148,9 +150,10 @@ def add_surface_options(parser: argparse.ArgumentParser) -> None:
     """Add what a surface is made of, and how fine."""
     parser.add_argument(
         "--material",
-        metavar="NAME",
+        metavar="NAME|FILE",
         default=MATERIALS[0],
-        help=f"of the surface: {', '.join(MATERIALS)} (default: {MATERIALS[0]})",
+        help=f"of the surface: {', '.join(MATERIALS)}, or a file of your own, mine.toml or "
+        f"mine.json (default: {MATERIALS[0]})",
     )
     parser.add_argument(
         "--resolution",

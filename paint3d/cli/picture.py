@@ -15,6 +15,7 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
+    own_file,
     parse_number,
 )
 from paint3d.cli.paintings import add_painting_argument, is_recording, open_painting
@@ -70,9 +71,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--material",
-        metavar="NAME",
-        choices=MATERIALS,
-        help=f"whose gloss a mesh shows: {', '.join(MATERIALS)} (default: porcelain)",
+        metavar="NAME|FILE",
+        help=f"whose gloss is shown: {', '.join(MATERIALS)}, or a file of your own (default: the "
+        "painting's own; of a mesh porcelain)",
     )
     parser.add_argument(
         "--turn",
@@ -128,7 +129,8 @@ def run(options: argparse.Namespace) -> None:
         If the painting cannot be opened, or the picture cannot be made or written.
     """
     check_output_file(options.out, _SUFFIXES)
-    check_overwriting((options.out,), (options.painting,), force=options.force)
+    read = (options.painting, own_file(options.material))
+    check_overwriting((options.out,), read, force=options.force)
     if options.out.suffix.lower() == ".svg":
         _draw_outlines(options)
     else:
@@ -169,11 +171,13 @@ def _take_picture(options: argparse.Namespace) -> None:
             f"{options.painting} is a recording; expected a painting, or --out FILE.svg "
             "(paint3d replay paints it)"
         )
+    from paint3d.colour.materials import load_material
     from paint3d.core.arrays import as_number
     from paint3d.files.pictures import Turning, write_picture
     from paint3d.files.project.session import Session
     from paint3d.view.shot import Shot
 
+    material = None if options.material is None else load_material(options.material)
     turning = None
     if options.turn is not None or options.out.suffix.lower() == ".gif":
         rate = as_number(options.rate, "pictures a second", 1.0, 50.0)
@@ -184,4 +188,4 @@ def _take_picture(options: argparse.Namespace) -> None:
     painting = open_painting(options)
     surface = painting.surface if isinstance(painting, Session) else painting
     with ProgressBar("drawing", enabled=not options.quiet) as progress:
-        write_picture(surface, options.out, shot, turning, options.material, progress, viewing)
+        write_picture(surface, options.out, shot, turning, material, progress, viewing)

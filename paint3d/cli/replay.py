@@ -21,7 +21,7 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
-    own_brush,
+    own_file,
     parse_length_mm,
     parse_place,
 )
@@ -159,7 +159,13 @@ def run(options: argparse.Namespace) -> None:
         check_output_file(options.report, (".json",))
     check_overwriting(
         (options.out, options.report),
-        (options.recording, options.on, *read_for_ink(options), own_brush(options.brush)),
+        (
+            options.recording,
+            options.on,
+            *read_for_ink(options),
+            own_file(options.brush),
+            own_file(options.material),
+        ),
         force=options.force,
     )
     if is_score(options.recording):

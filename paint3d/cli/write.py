@@ -17,7 +17,7 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
-    own_brush,
+    own_file,
     parse_count,
     parse_length_mm,
     parse_place,
@@ -181,7 +181,8 @@ def _check_files(options: argparse.Namespace) -> None:
         (
             options.on,
             *read_for_ink(options),
-            own_brush(options.brush),
+            own_file(options.brush),
+            own_file(options.material),
             options.font,
             options.svg,
             options.strokes,

@@ -290,12 +290,12 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
     from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
     look: dict[str, Any] = {} if options.size is None else {"size": options.size}
-    pixels = draw_picture(*painting[:4], gloss=gloss_of(painting.material), **look)
+    pixels = draw_picture(*painting[:4], gloss=gloss_of(painting), **look)
     Image.fromarray(pixels).save(path, format="PNG", **picture_tags(painting.gamut, "PNG"))
 
 
 def _finish(painting: Painting) -> Finish:
-    gloss = gloss_of(painting.material)
+    gloss = gloss_of(painting)
     return Finish(painting.material, DEFAULT_ROUGHNESS if gloss is None else gloss.roughness)
 
 
@@ -305,14 +305,14 @@ def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: st
     write_html(path, *painting[:4], title=painting.title)
 
 
-def gloss_of(material: str) -> Gloss | None:
-    """Return how a material shines, or None for one that the view does not know."""
+def gloss_of(painting: Painting) -> Gloss | None:
+    """Return how a painting's material shines, or None for one that does not say it."""
     from paint3d.view.studio import Gloss
 
     try:
-        return Gloss.of(material)
+        return Gloss.of(painting.material)
     except UnknownNameError:
-        return None
+        return None if painting.finish is None else Gloss(*painting.finish)
 
 
 FORMATS: dict[str, Format] = {

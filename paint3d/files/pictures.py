@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from PIL import Image
 
+from paint3d.colour.materials import Material
 from paint3d.colour.viewing import Viewing
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, InputError
@@ -20,6 +21,7 @@ from paint3d.files.project.painting import Exportable, Painting, read_painting
 from paint3d.files.writers.colour_tags import picture_tags
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.shot import Shot, take_shot, take_turning
+from paint3d.view.studio import Gloss
 
 __all__ = ["FILM_SUFFIXES", "PICTURE_SUFFIXES", "Turning", "write_picture"]
 
@@ -46,7 +48,7 @@ def write_picture(
     path: str | os.PathLike[str],
     shot: Shot | None = None,
     turning: Turning | None = None,
-    material: str | None = None,
+    material: str | Material | None = None,
     progress: Progress | None = None,
     viewing: Viewing | None = None,
 ) -> None:
@@ -61,7 +63,7 @@ def write_picture(
         Default: onto the painted side, in the studio.
     turning : Turning, optional
         Make a film.
-    material : str, optional
+    material : str or Material, optional
         Whose gloss is shown; by default that of the painting, and glazed porcelain for meshes.
     progress : callable, optional
         Called with the share done; what it raises leaves everything as it was.
@@ -81,7 +83,7 @@ def write_picture(
         raise InputError(f"{path}: a .gif is in sRGB; expected .png or .webp for {viewing.gamut}")
     read = read_painting(painting, ExportOptions(viewing=viewing))
     assert isinstance(read, Painting), "no texture was asked for"
-    gloss = gloss_of(material or read.material)
+    gloss = gloss_of(read) if material is None else Gloss.of(material)
     arrays, how = read[:4], _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.materials import Material
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError
@@ -27,6 +28,8 @@ class Feel:
         So far before the surface it is felt already (Guo 2017, section 6), 0 to 20; 0: not.
     click_n : float
         Force of the click when the brush is dipped, N, 0 to 1; 0: none.
+    texture : float
+        How much of the surface's grain is felt, 0 (nothing) to 1.
 
     Raises
     ------
@@ -37,11 +40,13 @@ class Feel:
     limit_n: float = MAX_FORCE_N
     anticipation_mm: float = 0.0
     click_n: float = 0.0
+    texture: float = 1.0
 
     def __post_init__(self) -> None:
         as_number(self.limit_n, "limit_n", 0.0, MAX_FORCE_N, DeviceError)
         as_number(self.anticipation_mm, "anticipation_mm", 0.0, 20.0, DeviceError)
         as_number(self.click_n, "click_n", 0.0, 1.0, DeviceError)
+        as_number(self.texture, "texture", 0.0, 1.0, DeviceError)
 
     @classmethod
     def from_words(cls, words: Mapping[str, float]) -> Feel:
@@ -53,11 +58,15 @@ class Feel:
         """Everything, ready for a file."""
         return dataclasses.asdict(self)
 
-    def settings(self, brush: BrushSpec, limits: DeviceLimits) -> HapticSettings:
-        """What the servo works with: of the brush, the device and these choices."""
+    def settings(
+        self, brush: BrushSpec, limits: DeviceLimits, material: Material | None = None
+    ) -> HapticSettings:
+        """What the servo works with: of the brush, the device, the surface and these choices."""
         return HapticSettings.for_brush(
             brush,
             limits,
+            material,
+            texture=self.texture,
             user_limit=self.limit_n,
             ahead_mm=self.anticipation_mm,
             click_n=self.click_n,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.materials import Material
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError
@@ -21,6 +22,8 @@ _AS_THEY_ARE = (
     "length", "spring", "friction", "user_limit", "stick", "ramp_s", "slew", "max_pose_age_s",
     "max_snapshot_age_s", "start_force", "rise_s", "follow_s", "ahead_n", "click_n",
 )  # fmt: skip
+_TEXTURE = 0.25  # of the friction, by which it varies on the coarsest grain
+_SHORTEST_WAVE, _LONGEST_WAVE = 0.1, 20.0  # mm
 _PATCH = 0.08  # of the tuft's length: the disc over which the surface's normal is averaged
 
 
@@ -47,8 +50,10 @@ class HapticSettings:
 
     Parameters
     ----------
-    length, spring, friction : float
-        Of the brush: tuft length, lambda_c S in N/mm, mu.
+    length, spring : float
+        Of the brush: tuft length, lambda_c S in N/mm.
+    friction : float
+        mu, of brush and surface.
     limits : DeviceLimits
     user_limit : float
         Never push harder than this.
@@ -65,6 +70,12 @@ class HapticSettings:
         Stiffness with which friction holds the foot before it slips, N/mm.
     follow_s : float
         Time constant with which the servo follows the object between two snapshots.
+    grain : float
+        Of the surface, 0 to 1: friction varies over it by up to a quarter, times this.
+    wave_mm : float
+        How far apart the bumps of the grain are.
+    texture : float
+        How much of the grain is felt, 0 (nothing) to 1.
     ahead_mm, ahead_n : float
         Before the surface a force is felt from so far on, which grows to so much at contact; 0 mm:
         none.
@@ -90,6 +101,9 @@ class HapticSettings:
     rise_s: float = 2.0
     stick: float = 0.3
     follow_s: float = 0.02
+    grain: float = 0.0
+    wave_mm: float = 1.0
+    texture: float = 1.0
     ahead_mm: float = 0.0
     ahead_n: float = 0.3
     click_n: float = 0.0
@@ -108,6 +122,9 @@ class HapticSettings:
             ("rise_s", 0.1, 60.0),
             ("stick", 0.0, 20.0),
             ("follow_s", 0.0005, 0.2),
+            ("grain", 0.0, 1.0),
+            ("wave_mm", _SHORTEST_WAVE, _LONGEST_WAVE),
+            ("texture", 0.0, 1.0),
             ("ahead_mm", 0.0, 20.0),
             ("ahead_n", 0.0, 1.0),
             ("click_n", 0.0, 1.0),
@@ -116,15 +133,29 @@ class HapticSettings:
 
     @classmethod
     def for_brush(
-        cls, brush: BrushSpec, limits: DeviceLimits = PHANTOM_DESKTOP, **more: float
+        cls,
+        brush: BrushSpec,
+        limits: DeviceLimits = PHANTOM_DESKTOP,
+        material: Material | None = None,
+        **more: float,
     ) -> HapticSettings:
         """Settings of a brush on a device; the force at pe = 1 is the device's own greatest.
 
         Guo 2017 divides by the maximum output force of the device at hand, so a weaker device
-        pushes back more softly instead of reaching its limit sooner.
+        pushes back more softly instead of reaching its limit sooner. With a `material` the
+        friction is that of brush and surface (Guo 2015, Eq. 5), and the surface's grain is felt;
+        without, it is that of raw xuan, which has none.
         """
         spring = brush.spring * min(1.0, limits.max_force / brush.max_force)
-        return cls(brush.length_mm, spring, brush.friction, limits, **more)
+        friction = brush.friction
+        if material is not None:
+            friction *= material.friction
+            more = {
+                "grain": material.grain if material.tooth_mm > 0.0 else 0.0,
+                "wave_mm": material.wave_mm,
+                **more,
+            }
+        return cls(brush.length_mm, spring, friction, limits, **more)
 
     @property
     def limit(self) -> float:
@@ -138,6 +169,8 @@ class HapticSettings:
         out["device_limit"], out["stiffest"] = limits.max_force, limits.max_stiffness
         out["lowest_sine"] = math.sin(_LOWEST_TILT)
         out["patch"] = _PATCH * self.length
+        out["texture"] = _TEXTURE * self.grain * self.texture
+        out["wave"] = self.wave_mm
         out["ahead"] = self.ahead_mm
         for name in _AS_THEY_ARE:
             out[name] = getattr(self, name)

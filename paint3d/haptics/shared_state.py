@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 SNAPSHOT_COLUMNS = 32
-"""time (as int64 bits), object pose (7), settings (16), spare."""
+"""time (as int64 bits), object pose (7), settings (22), spare."""
 _RING_ROWS = 8192
 RING_COLUMNS = 16
 """time (as int64 bits), root (3), orientation (4), buttons, force (3), descent, flags, spare."""

@@ -443,4 +443,9 @@ def _known(kind: type[_Record], entry: object, table: Mapping[str, _Record]) -> 
     except InputError as cause:
         raise SessionError(str(cause)) from None
     own = table.get(record.name)
-    return own if own is not None and _as_dict(own) == _as_dict(record) else record
+    if own is None:
+        return record
+    there, said = _as_dict(own), _as_dict(record)
+    if all(said[key] == there[key] for key in given):  # older files do not say all that there is
+        return own
+    return record

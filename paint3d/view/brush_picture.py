@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,11 +99,21 @@ def _samples(brush: BrushSpec, width: float) -> list[DeviceSample]:
     return samples
 
 
-def draw_footprints(brush: BrushSpec, columns: int = 240) -> NDArray[np.uint8]:
-    """(W, W, 3) uint8: the footprints of an upright brush at `PRESSES`, each over the larger ones.
+def draw_footprints(
+    brush: BrushSpec, columns: int = 240, presses: Sequence[float] = PRESSES
+) -> NDArray[np.uint8]:
+    """(W, W, 3) uint8: the footprints of an upright brush, each over the larger ones.
 
     The tip is on the left. The picture is 1.3 tufts wide, of every brush, so that two of one length
     can be compared.
+
+    Parameters
+    ----------
+    brush : BrushSpec
+    columns : int
+        W.
+    presses : sequence of float
+        Pressures, 0 to 1, that rise.
     """
     tuft = build_tuft(brush)
     n = _FINER * columns
@@ -111,7 +121,7 @@ def draw_footprints(brush: BrushSpec, columns: int = 240) -> NDArray[np.uint8]:
     place = (np.arange(n) + 0.5) / n * 2.0 * half - half
     shade = np.zeros((n, n))
     deepest = greatest_descent(tuft, 0.5 * math.pi)
-    for k, pe in reversed(list(enumerate(PRESSES))):
+    for k, pe in reversed(list(enumerate(presses))):
         descent = min(pe * tuft.full_press, deepest)
         footprint = make_footprint(tuft, descent, 0.5 * math.pi, 0.0, pe)
         if footprint.is_empty:
@@ -120,7 +130,7 @@ def draw_footprints(brush: BrushSpec, columns: int = 240) -> NDArray[np.uint8]:
         # the picture's middle is half way between the root's foot and the deepest press's tip
         along = 0.25 * brush.length_mm - place
         across = np.interp(along, reach, width, left=-1.0, right=-1.0)
-        shade[np.abs(place)[:, None] < across[None, :]] = 1.0 - 0.8 * k / len(PRESSES)
+        shade[np.abs(place)[:, None] < across[None, :]] = 1.0 - 0.8 * k / len(presses)
     mean = shade.reshape(columns, _FINER, columns, _FINER).mean(axis=(1, 3))[..., None]
     return np.asarray(np.rint(_PAPER + mean * (_INK - _PAPER)), np.uint8)
 

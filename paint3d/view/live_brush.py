@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.bristles.bend import Bristles
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.core.arrays import cross
 from paint3d.core.types import AnyArray
@@ -21,10 +22,11 @@ from paint3d.view.brush_shape import (
     torn_faces,
     tuft_rings,
 )
-from paint3d.view.camera import Camera
+from paint3d.view.camera import Camera, picture_axes
 from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_layers import Box
 from paint3d.view.live_scene import LiveScene
+from paint3d.view.single_hairs import SingleHairs
 from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["HAIR_COLOURS", "LiveBrush", "laid_rings"]
@@ -43,6 +45,8 @@ _DARKEST = 96  # of 255, the shadow where the brush touches
 _SHADOW_REACH = 220.0  # mm
 _SOFT = np.array([-1.6, -0.9, 0.0, 0.9, 1.6])  # radii across the shadow
 _SOFT_SHARE = np.array([0.0, 0.75, 1.0, 0.75, 0.0])
+_PARTS = ("tuft", "hairs", "handle", "shadow", "outline")
+_LINE_WIDTHS = (1.0, 24.0)  # pixels
 _OUTLINE = (198, 60, 40, 235)  # seal red
 _HOVER = (60, 60, 60, 200)
 
@@ -56,12 +60,21 @@ class LiveBrush:
     tuft : Tuft
     hair : str
         What its hairs are: a key of `HAIR_COLOURS`.
+    bristles : Bristles, optional
+        Its single hairs, which are then drawn as lines; without, the tuft is one solid.
     """
 
-    def __init__(self, scene: LiveScene, tuft: Tuft, hair: str = "mixed") -> None:
+    def __init__(
+        self,
+        scene: LiveScene,
+        tuft: Tuft,
+        hair: str = "mixed",
+        bristles: Bristles | None = None,
+    ) -> None:
         self._tuft = tuft
+        self.hairs = None if bristles is None else SingleHairs(tuft, bristles, AROUND)
         self._hair = np.array(HAIR_COLOURS.get(hair, HAIR_COLOURS["mixed"]), np.float64)
-        self._parts = {name: DrawnMesh() for name in ("tuft", "handle", "shadow", "outline")}
+        self._parts = {name: DrawnMesh() for name in _PARTS}
         self._scene = scene
         self._seen: list[AnyArray] = []
         self._seen_from: Camera | None = None
@@ -119,10 +132,13 @@ class LiveBrush:
         rings, arc = tuft_rings(self._tuft, stand)
         if stand.touches:  # the model's plane is flat, what the hairs lie on need not be
             rings = laid_rings(self._tuft, rings, stand, tree)
-        torn = torn_faces(self._tuft, stand.pressed) if stand.pressed is not None else None
-        self._draw("tuft", rings, self._tuft_colours(arc, ink, fill), torn)
-        wet = 0.15 + 0.55 * min(1.0, 2.0 * fill) if ink is not None else 0.08
-        self._parts["tuft"].actor.GetProperty().SetSpecular(wet)
+        if self.hairs is not None:
+            self._draw_hairs(self.hairs, rings, stand.root, up, (ink, fill))
+        else:
+            torn = torn_faces(self._tuft, stand.pressed) if stand.pressed is not None else None
+            self._draw("tuft", rings, self._tuft_colours(arc, _hair_shades(), ink, fill), torn)
+            wet = 0.15 + 0.55 * min(1.0, 2.0 * fill) if ink is not None else 0.08
+            self._parts["tuft"].actor.GetProperty().SetSpecular(wet)
         points, colours = handle_rings(self._tuft, stand)
         self._draw("handle", points, colours)
         self._draw_shadow(stand, rings, points, tree, up)
@@ -138,16 +154,55 @@ class LiveBrush:
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, colours.shape[-1]).astype(np.uint8))
         part.show(True)
 
-    def _tuft_colours(self, arc: AnyArray, ink: tuple[Any, ...] | None, fill: float) -> AnyArray:
-        """(R, AROUND, 3): hair, darker at the root, with the ink as high as the tuft is full."""
-        hairs = _hair_shades()
+    def _draw_hairs(
+        self,
+        hairs: SingleHairs,
+        rings: AnyArray,
+        root: AnyArray,
+        up: AnyArray,
+        held: tuple[tuple[int, int, int] | None, float],
+    ) -> None:
+        """Draw the hairs as lines, as thick as they are seen, lit from where the sun stands."""
+        part = self._parts["hairs"]
+        points, outward = hairs.points(rings)
+        light = -_SHADOW_FALL @ up
+        lit = outward @ (light / np.linalg.norm(light))
+        shades = _line_shades(hairs.count)
+        colours = np.empty((*points.shape[:2], 3))
+        colours[:] = np.swapaxes(self._tuft_colours(hairs.arc.T, shades, *held), 0, 1)
+        colours *= (0.82 + 0.3 * np.clip(lit, -0.6, 1.0))[..., None]
+        part.set_strands(points)
+        part.set_colours(np.clip(colours, 0, 255).reshape(-1, 3).astype(np.uint8))
+        camera = self._scene.camera
+        ahead = float((camera.position - root) @ picture_axes(camera)[2])
+        seen = 2.0 * max(ahead, 1e-3) * np.tan(0.5 * camera.view_angle)  # mm from top to bottom
+        width = hairs.line_mm * self._scene.size[1] / seen
+        part.actor.GetProperty().SetLineWidth(float(np.clip(width, *_LINE_WIDTHS)))
+        part.show(True)
+        self._seen.append(rings.reshape(-1, 3))
+
+    def _tuft_colours(
+        self, arc: AnyArray, hairs: AnyArray, ink: tuple[Any, ...] | None, fill: float
+    ) -> AnyArray:
+        """(R, H, 3): hair, darker at the root, with the ink as high as the tuft is full.
+
+        Parameters
+        ----------
+        arc : (R,) or (R, H)
+            How far up the tuft, 0 to 1.
+        hairs : (H,)
+            How light each hair is, about 1.
+        ink : (3,) or None
+        fill : float
+        """
+        arc = arc if arc.ndim > 1 else arc[:, None]
         shade = 0.72 + 0.28 * np.clip((1.0 - arc) / 0.25, 0.0, 1.0)
-        colours = self._hair[None, None] * hairs[None, :, None] * shade[:, None, None]
+        colours = self._hair[None, None] * hairs[None, :, None] * shade[..., None]
         if ink is None or fill <= 0.0:
             return colours
         height = 0.30 + 0.55 * np.sqrt(min(fill, 1.0))
         ragged = height + 0.07 * (hairs - 1.0) / 0.14
-        share = np.clip((ragged[None] - arc[:, None]) / 0.10, 0.0, 1.0)
+        share = np.clip((ragged[None] - arc) / 0.10, 0.0, 1.0)
         share *= 0.45 + 0.55 * min(1.0, 3.0 * fill)
         inked = np.asarray(ink, np.float64) * (0.9 + 0.2 * (hairs - 0.86))[None, :, None]
         result: AnyArray = colours + share[..., None] * (inked - colours)
@@ -282,6 +337,12 @@ def _ground_under(
 
 
 @cache
+def _line_shades(n: int) -> AnyArray:
+    """(n,): how light each single hair is, always the same."""
+    return 0.8 + 0.36 * np.random.default_rng(11).random(n)
+
+
+@cache
 def _hair_shades() -> AnyArray:
     """(AROUND,): how light each hair is, always the same."""
     return 0.86 + 0.28 * np.random.default_rng(11).random(AROUND)
@@ -310,6 +371,9 @@ def _whole_faces(landed: AnyArray) -> NDArray[np.int32]:
 def _look(part: DrawnMesh, name: str) -> None:
     look = part.actor.GetProperty()
     look.SetInterpolationToPhong()
+    if name == "hairs":
+        look.LightingOff()
+        return
     if name in ("shadow", "outline"):
         look.LightingOff()
         look.SetLineWidth(2.0)

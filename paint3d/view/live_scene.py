@@ -6,6 +6,7 @@ the desktop window, which lays its own pictures over them.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -47,12 +48,28 @@ _SHINE = """
                      dot(normalVCVSOutput, lightDirectionVC1),
                      dot(normalVCVSOutput, lightDirectionVC2));
   vec3 bright = step(vec3(0.0), -facing) * pow(max(vec3(1e-5), toward), vec3(specularPowerUniform));
-  fragOutput0 = vec4(vertexColorVSOutput.rgb + specularIntensity
+  fragOutput0 = vec4(RELIEF * vertexColorVSOutput.rgb + specularIntensity
     * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
 """  # of three parallel lamps, as VTK draws them but for what comes to nothing
+_RELIEF = """
+float relief() {
+  vec3 turned = grainPlace * TURNS;
+  float seen = clamp(2.0 - 1.6 * length(fwidth(turned)), 0.0, 1.0);
+  if (seen <= 0.0) return 1.0;
+  turned += 2.3 * sin(0.31 * turned.yzx + vec3(0.7, 3.1, 5.3));
+  turned += 1.1 * sin(0.79 * turned.zxy + vec3(2.2, 0.3, 4.1));
+  vec3 up = turned.yxz * 0.526 + turned.zyx * 0.851;
+  vec3 down = turned.zyx * 0.851 - turned.yxz * 0.526;
+  vec3 one = sin(up * vec3(1.0, 0.94, 0.9) + vec3(0.4, 5.1, 3.6));
+  vec3 two = sin(down * vec3(0.85, 0.81, 0.97) + vec3(2.9, 1.3, 4.4));
+  return 1.0 + DEPTH * seen * (dot(one, vec3(1.0)) + dot(two, vec3(1.0)));
+}
+"""  # waves that stand in the object, as in `haptics.kernels.force`, drawn to and fro so that no
+# weave is seen; nothing where pixels are coarser
 _SHADE_ALONE = """
   fragOutput0 = vec4(0.0, 0.0, 0.0, texture(actortexture, tcoordVCVSOutput).r);
 """  # on the floor: black, as dense as its only channel says
+_DEEPEST = 0.1  # by which the coarsest grain makes its bumps lighter
 _LIGHTS = (  # of what shines and of the brush; the object's own light is baked
     ((-0.55, 0.75, 1.0), 0.85, (1.0, 0.985, 0.96)),
     ((0.9, 0.25, 0.45), 0.35, (0.93, 0.96, 1.0)),
@@ -231,7 +248,7 @@ class LiveScene:
         look = drawn.actor.GetProperty()
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
-        _mirror(drawn, True)
+        _mirror(drawn, True, self._gloss)
         self.renderer.AddActor(drawn.actor)
         return drawn
 
@@ -303,7 +320,7 @@ class LiveScene:
         if bool(look.GetLighting()) == near:
             for drawn in self._coarse:
                 drawn.actor.GetProperty().SetLighting(not near)
-                _mirror(drawn, not near)
+                _mirror(drawn, not near, self._gloss)
 
     def add(self, drawn: DrawnMesh, *, front: bool = False) -> None:
         """Show something else besides: a line on the object; in front, a brush over it."""
@@ -617,13 +634,29 @@ def _unit(vector: Iterable[float]) -> AnyArray:
     return array / np.linalg.norm(array)
 
 
-def _mirror(drawn: DrawnMesh, on: bool) -> None:
-    """Let lamps be mirrored pixel by pixel, or not."""
+def _mirror(drawn: DrawnMesh, on: bool, gloss: Gloss) -> None:
+    """Let lamps be mirrored pixel by pixel and grain be seen, or not."""
     shader = drawn.actor.GetShaderProperty()
     shader.ClearAllFragmentShaderReplacements()
+    shader.ClearAllVertexShaderReplacements()
     drawn.drop_nothing()
-    if on:
-        shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _SHINE, False)
+    if not on:
+        return
+    place = "//VTK::PositionVC::Dec"
+    shine = _SHINE.replace("RELIEF *", "relief() *" if gloss.grain > 0.0 else "")
+    shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, shine, False)
+    if gloss.grain > 0.0:
+        drawn.keep_places()
+        depth, turns = _DEEPEST * gloss.grain / 3.0, 2.0 * math.pi / gloss.wave_mm
+        relief = _RELIEF.replace("DEPTH", f"{depth:.6f}").replace("TURNS", f"{turns:.6f}")
+        shader.AddFragmentShaderReplacement(
+            place, True, f"{place}\nin vec3 grainPlace;\n{relief}", False
+        )
+        shader.AddVertexShaderReplacement(place, True, f"{place}\nout vec3 grainPlace;", False)
+        told = place.replace("Dec", "Impl")
+        shader.AddVertexShaderReplacement(
+            told, True, f"{told}\n  grainPlace = vertexMC.xyz;", False
+        )
 
 
 def _shine(look: Any, gloss: Gloss) -> None:

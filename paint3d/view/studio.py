@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.materials import Material, load_materials
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import UnknownNameError
@@ -41,21 +42,38 @@ class Gloss:
         Microfacet roughness of the body, 0 (mirror) to 1 (chalk).
     coat : float
         Strength of the clear glaze over it, 0 (none) to 1.
+    grain : float
+        How coarse it is, 0 (smooth) to 1: its bumps are lighter and its pits darker.
+    wave_mm : float
+        How far apart they are.
     """
 
     roughness: float
     coat: float
+    grain: float = 0.0
+    wave_mm: float = 1.0
 
     def __post_init__(self) -> None:
+        as_number(self.grain, "grain", 0.0, 1.0)
+        as_number(self.wave_mm, "wave_mm", 0.01, 100.0)
         as_number(self.roughness, "roughness", 0.0, 1.0)
         as_number(self.coat, "coat", 0.0, 1.0)
 
     @classmethod
-    def of(cls, material: str) -> Gloss:
-        """Return the preset of a material's name; UnknownNameError lists the known ones."""
-        if material not in _GLOSSES:
-            raise UnknownNameError("material", material, _GLOSSES)
-        return _GLOSSES[material]
+    def of(cls, material: str | Material) -> Gloss:
+        """Return how a material shines; UnknownNameError lists the names that are known.
+
+        Those that pictures were tuned for by eye shine so, others as they say themselves.
+        """
+        name = material if isinstance(material, str) else material.name
+        if name in _GLOSSES:
+            return _GLOSSES[name]
+        if isinstance(material, str):
+            known = load_materials()
+            if name not in known:
+                raise UnknownNameError("material", name, known)
+            material = known[name]
+        return cls(material.roughness, material.coat)
 
 
 _GLOSSES = {

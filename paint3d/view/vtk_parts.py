@@ -49,6 +49,7 @@ class DrawnMesh:
         self._vtk_normals: Any = None
         self._vtk_colours: Any = None
         self._shown = True
+        self._strands: tuple[int, ...] = ()
         self.actor = vtkActor()
         self.actor.SetMapper(self._mapper)
         self.actor.PickableOff()
@@ -112,6 +113,30 @@ class DrawnMesh:
         self._data.SetPoints(place)
         self._data.SetLines(cells)
 
+    def set_strands(self, points: AnyArray) -> None:
+        """Replace everything by lines of as many points each (L, S, 3).
+
+        Given as many as the last time, only the places are replaced.
+        """
+        flat = points.reshape(-1, 3)
+        if self._strands == points.shape[:2] and self._move(flat, None):
+            return
+        from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkCellArray
+
+        self._strands = points.shape[:2]
+        self._points = np.array(flat, np.float32, order="C")
+        self._place, cells = vtkPoints(), vtkCellArray()
+        self._place.SetData(numpy_to_vtk(self._points, deep=False))
+        starts = points.shape[1] * np.arange(points.shape[0] + 1, dtype=np.int64)
+        cells.SetData(
+            numpy_to_vtkIdTypeArray(starts, deep=True),
+            numpy_to_vtkIdTypeArray(np.arange(len(flat), dtype=np.int64), deep=True),
+        )
+        self._data.SetPoints(self._place)
+        self._data.SetLines(cells)
+
     def set_colours(self, colours: AnyArray) -> None:
         """Replace the colours (K, 3) or (K, 4) uint8 of the points."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
@@ -134,6 +159,10 @@ class DrawnMesh:
         mark_changed(before, colours, self._faces, marks)
         result: AnyArray = self._points[marks.astype(bool)]
         return result
+
+    def keep_places(self) -> None:
+        """Hand shaders the points as they are: by itself VTK may shift and scale each mesh's."""
+        self._mapper.SetVBOShiftScaleMethod(0)
 
     def drop_nothing(self) -> None:
         """Draw also pixels that let everything through: being asked, a renderer tests depth late.

@@ -52,7 +52,7 @@ def test_every_action_group_object_and_material_has_its_text():
     wanted = [f"action.{shortcut.action}" for shortcut in SHORTCUTS]
     wanted += [f"group.{group}" for group in GROUPS] + [f"gesture.{g}" for g in GESTURES]
     wanted += [f"object.{name}" for name in BUILT_IN_OBJECTS]
-    wanted += [f"surface.{name}" for name in load_materials()]
+    wanted += [f"surface.{name.replace(' ', '_')}" for name in load_materials()]
     assert not set(wanted) - set(texts)
     used = {s.action for s in SHORTCUTS}
     assert {k.removeprefix("action.") for k in texts if k.startswith("action.")} == used

@@ -64,6 +64,7 @@ COMMANDS_ASKED = st.one_of(
     st.tuples(st.just("set_mask"), MASKS),
     st.tuples(st.just("set_symmetry"), SYMMETRIES),
     st.tuples(st.just("pick_colour"), st.integers(0, 400)),
+    st.tuples(st.just("set_pickup"), st.sampled_from([0.0, 0.05])),
     st.tuples(st.just("set_azimuth"), st.sampled_from(["commanded", "dragged"])),
 )  # fmt: skip
 

@@ -16,6 +16,7 @@ from paint3d.app.model.persistence.calibrations import kept_calibration
 from paint3d.app.model.persistence.settings import Settings, load_settings
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import load_brush
+from paint3d.colour.materials import load_material
 from paint3d.device.force import haptic_stylus
 from paint3d.device.sample import DIP, StylusReading
 from paint3d.haptics.feel import Feel
@@ -162,6 +163,28 @@ def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
     wait_for(lambda: window.document.surface.ink.load.sum() > empty, 30.0)
     assert laws[-1].clicks == 1
     assert not window.document.strokes
+    close_unasked(window)
+
+
+def test_the_surface_is_felt_as_it_is_and_its_grain_as_much_as_is_wanted(program) -> None:
+    laws = []
+
+    def feel(document, settings):
+        laws.append(Law(document.surface.contact_tree, HapticSettings(35.0, 0.4, 0.2)))
+        return Feeling(laws[-1])
+
+    window = StudioWindow(program, Settings(), feel=feel)
+    window.workspace.quiet = True
+    for name in ("porcelain", "terracotta"):
+        assert window.opening.open_path("plane", 2.0, name, asked=True)
+        material, brush = load_material(name), window.document.painter.brush
+        mu = brush.friction * material.friction
+        wait_for(lambda mu=mu: abs(laws[-1].settings.friction - mu) < 1e-12, 30.0)
+        assert laws[-1].settings.grain == material.grain
+        assert laws[-1].settings.texture == 1.0  # at first
+    window.panels.devices.stylus.texture.setValue(0.5)
+    wait_for(lambda: laws[-1].settings.texture == 0.5, 30.0)
+    assert window.workspace.settings.feel["texture"] == 0.5
     close_unasked(window)
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import re
+import textwrap
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from paint3d.brush.presets import brush_names
+from paint3d.app.model.persistence.own_brushes import keep_brush
+from paint3d.brush.fitting import press_errors, read_presses
+from paint3d.brush.presets import brush_names, load_brush
 from paint3d.cli.main import main
 
 SHEET = "v 0 0 0\nv 90 0 0\nv 90 90 0\nv 0 90 0\nf 1 2 3 4\n"
@@ -89,3 +94,79 @@ def test_unknown_brushes_are_one_line(capsys: pytest.CaptureFixture[str]) -> Non
     assert "did you mean 'full'?" in capsys.readouterr().err
     assert main(["brushes", "show", "none.toml"]) == 2
     assert "none.toml: there is no such file" in capsys.readouterr().err
+
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "brushes.md"
+
+
+def tables_of_the_page() -> list[str]:
+    """Presses and bent hairs as docs/brushes.md shows them."""
+    blocks = re.findall(r"(?:^    .*\n)+", DOCUMENT.read_text(encoding="utf-8"), re.MULTILINE)
+    tables = [
+        textwrap.dedent(block) for block in blocks if re.match(r"    (depth_mm|angle),", block)
+    ]
+    assert len(tables) == 2
+    return tables
+
+
+def commands_of_the_page() -> list[list[str]]:
+    text = DOCUMENT.read_text(encoding="utf-8")
+    found = re.findall(r"^    paint3d (brushes fit [^#\n]*)", text, re.MULTILINE)
+    assert len(found) == 2
+    return [command.split() for command in found]
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_the_commands_of_the_page_fit_brushes(
+    which: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = commands_of_the_page()[which]
+    Path(command[2]).write_text(tables_of_the_page()[which], encoding="utf-8")
+    assert main(command) == 0
+    told = capsys.readouterr().out
+    brush = load_brush("mine.toml")
+    assert brush.name == "mine"
+    if which:
+        assert "3 bent hairs" in told
+        assert brush.bristles.n_hairs == 400
+        assert brush.bristles.table[1][:2] == (0.0, 0.8)
+    else:
+        assert brush.length_mm == 30.0
+        presses = read_presses("presses.csv")
+        off, before = (
+            np.square(press_errors(one, presses)).sum() for one in (brush, load_brush("calibrated"))
+        )
+        assert off < 0.7 * before
+        assert "width" in told
+
+
+@pytest.mark.parametrize(
+    ("out", "told"),
+    [("mine.txt", "expected the name of a brush file"), ("full.toml", "a brush that comes with"),
+     ("none/mine.toml", "none")],
+)  # fmt: skip
+def test_a_brush_is_not_fitted_into_another_file(
+    out: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "t.csv").write_text(tables_of_the_page()[1], encoding="utf-8")
+    table = str(tmp_path / "t.csv")
+    assert main(["brushes", "fit", table, "--base", "full", "--out", str(tmp_path / out)]) == 2
+    message = capsys.readouterr().err
+    assert told in message
+    assert message.count("\n") == 1
+
+
+def test_brushes_that_the_studio_keeps_are_listed_with_their_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    path = keep_brush(dataclasses.replace(load_brush("full"), name="wolf 1", hardness=0.4))
+    (tmp_path / "brushes" / "z.toml").write_text("hardness = 0.4", encoding="utf-8")
+    assert main(["brushes"]) == 0
+    told = capsys.readouterr()
+    (line,) = (line for line in told.out.splitlines() if line.startswith("wolf 1"))
+    assert f"--brush {path}" in line
+    assert " 0.4 " in line
+    assert "z.toml: says no hair" in told.err
+    assert load_brush(str(path)).hardness == 0.4

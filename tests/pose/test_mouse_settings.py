@@ -95,6 +95,7 @@ def test_the_command_keeps_what_was_set(tmp_path, monkeypatch, capsys) -> None:
     asked += ["--mouse-axes=x,-z,y,rx,ry,rz", "--mouse-zoom", "z", "--mouse-one-axis", "on"]
     asked += ["--mouse-button", "2=undo", "--mouse-button", "1=", "--stylus", "inverse3"]
     asked += ["--stylus-anticipation", "4", "--stylus-click", "0.3"]
+    asked += ["--stylus-texture", "0.5"]
     assert main([*asked, "--stylus-limit", "2.5"]) == 0
     settings, problem = load_settings()
     assert problem is None
@@ -106,8 +107,7 @@ def test_the_command_keeps_what_was_set(tmp_path, monkeypatch, capsys) -> None:
     assert (mouse.dominant_axis, mouse.moving) == (True, True)
     assert (settings.buttons[1], 0 in settings.buttons) == ("undo", False)
     assert settings.stylus == "inverse3"
-    felt = {"limit_n": 2.5, "anticipation_mm": 4.0, "click_n": 0.3}
-    assert felt.items() <= settings.feel.items()
+    assert settings.feel == {"limit_n": 2.5, "anticipation_mm": 4.0, "click_n": 0.3, "texture": 0.5}
     assert "mouse axes: x,-z,y,rx,ry,rz" in capsys.readouterr().out
     for wrong in (["--mouse-axes=x,y"], ["--mouse-button", "2=fly"], ["--mouse-dead-zone", "2"]):
         assert main(["devices", "set", *wrong]) == 2

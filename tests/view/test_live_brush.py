@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 import paint3d
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
@@ -20,6 +22,7 @@ from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_brush import LiveBrush
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.pressed_tuft import TuftFollower
+from paint3d.view.single_hairs import MOST_LINES, SingleHairs
 from paint3d.view.studio import Gloss
 
 UPRIGHT = np.eye(3)
@@ -134,4 +137,61 @@ def test_the_box_of_the_brush_follows_the_view(painter: Painter) -> None:
     assert boxes[2][2] - boxes[2][0] > 1.5 * (boxes[1][2] - boxes[1][0])
     brush.hide()
     assert brush.screen_box() is None
+    scene.close()
+
+
+def bristles_of(n: int, **options):
+    return build_bristles(load_brush("full"), BristleSpec(n, **options))
+
+
+@pytest.mark.parametrize("pressure", [None, 0.3, 0.8])
+def test_single_hairs_lie_within_the_tuft_from_ferrule_to_tip(painter, pressure) -> None:
+    rings, _ = tuft_rings(TUFT, stand_at(painter, 50.0 if pressure is None else 20.0, pressure))
+    hairs = SingleHairs(TUFT, bristles_of(300), rings.shape[1])
+    lines, outward = hairs.points(rings)
+    assert lines.shape == (300, 11, 3)
+    assert np.linalg.norm(outward, axis=-1).max() < 1.0 + 1e-5
+    low, high = rings.reshape(-1, 3).min(axis=0), rings.reshape(-1, 3).max(axis=0)
+    assert (lines >= low - 1e-3).all()
+    assert (lines <= high + 1e-3).all()
+    root = rings[-1]
+    radius = np.linalg.norm(root - root.mean(axis=0), axis=1).max()
+    away = np.linalg.norm(lines[:, -1] - root.mean(axis=0), axis=1)
+    assert away.max() < radius + 1e-3
+    assert (away < 0.5 * radius).mean() == pytest.approx(0.25, abs=0.03)  # evenly over the section
+    way = np.linalg.norm(np.diff(lines, axis=1), axis=-1).sum(axis=1)
+    assert np.all(way < 1.3 * TUFT.length)
+    assert way.min() > 0.7 * TUFT.length
+
+
+def test_as_many_lines_are_drawn_as_there_are_hairs_up_to_a_limit() -> None:
+    assert [SingleHairs(TUFT, bristles_of(n), 44).count for n in (1, 7, 400, 5000)] == [
+        1, 7, MOST_LINES, MOST_LINES,
+    ]  # fmt: skip
+    short = SingleHairs(TUFT, bristles_of(50, unevenness=0.2), 44).arc[:, 0]
+    assert short.min() < 0.01
+    assert 0.15 < short.max() <= 0.2
+
+
+def test_a_tuft_of_hairs_is_drawn_as_hairs(painter: Painter) -> None:
+    """A few leave the sheet to be seen between them; thicker ones hide more of it."""
+    scene = LiveScene((300, 240))
+    surface = painter.surface
+    scene.clear(np.zeros(3), 140.0, Gloss.of("xuan"))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0, -1, 0.4), zoom=3.0), 1.25))
+    scene.draw()
+    stand = stand_at(painter, 20.0, 0.6)
+    seen = {}
+    for name, bristles in (
+        ("solid", None), ("thin", bristles_of(4, hair_mm=0.2)),
+        ("thick", bristles_of(4, hair_mm=1.2)), ("many", bristles_of(3000)),
+    ):  # fmt: skip
+        brush = LiveBrush(scene, painter.tuft, "goat", bristles)
+        brush.show(stand, surface.contact_tree, np.eye(3), (200, 20, 20), 1.0)
+        pixels = scene.draw()[..., :3].astype(int)
+        seen[name] = int((pixels[..., 0] > pixels[..., 2] + 60).sum())  # the red ink
+        brush.remove()
+    assert 0 < seen["thin"] < 0.6 * seen["thick"]
+    assert seen["thick"] < 0.9 * seen["solid"]
+    assert seen["many"] > 0.8 * seen["solid"]
     scene.close()

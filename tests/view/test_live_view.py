@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
@@ -335,3 +336,25 @@ def test_a_cone_holds_every_normal_and_none_seen_is_called_turned_away() -> None
             away += 1
             assert (np.einsum("ij,ij->i", normals, eye - a) <= 1e-6).all()
     assert away > 20
+
+
+def test_grain_is_seen_from_near_and_makes_nothing_darker_on_the_whole(
+    surface: PaintedSurface,
+) -> None:
+    shown = LiveObject(surface)
+    scene = LiveScene((240, 180), DARK)
+    pictures = {}
+    for grain in (0.0, 0.3, 0.6):
+        scene.clear(shown.centre, shown.radius, Gloss(0.9, 0.0, grain, 1.2))
+        scene.apply(LiveObject(surface).uploads(NONE))
+        for distance in (30.0, 4000.0):
+            camera = fit_camera(surface.source.vertices, View((0, 0, 1), (0, 1, 0)), 4 / 3)
+            place = camera.focus + np.array([0.0, 0.0, distance])
+            scene.set_camera(dataclasses.replace(camera, position=place))
+            pictures[grain, distance] = scene.draw()[60:120, 80:160, 1].astype(float)
+    scene.close()
+    near = {grain: pictures[grain, 30.0] for grain in (0.0, 0.3, 0.6)}
+    assert near[0.0].std() < 1.0
+    assert near[0.6].std() > 1.7 * near[0.3].std() > 3.0
+    assert near[0.6].mean() == pytest.approx(near[0.0].mean(), rel=0.01)
+    assert np.abs(pictures[0.6, 4000.0] - pictures[0.0, 4000.0]).max() <= 1.0

@@ -10,11 +10,14 @@ from paint3d.app.model.persistence.brush_words import brush_from_words
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
+from paint3d.core.arrays import as_number
 from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
 Ink = str | Pigment | Mapping[Any, float]
+
+_MOST_PICKUP = 1000.0  # 1/mm, as in recordings
 
 __all__ = ["BrushCommands", "Ink"]
 
@@ -68,6 +71,23 @@ class BrushCommands:
         if azimuth not in ("commanded", "dragged"):
             raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
         self.painter.azimuth = azimuth
+
+    def set_pickup(self, pickup: float) -> None:
+        """Let the brush take up wet ink: so large a share per mm of way at full pressure.
+
+        Raises
+        ------
+        InputError
+            If it is below 0 or over 1000, or a stroke is going on.
+        """
+        self._refuse_in_stroke("another pick-up")
+        share = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
+        self.surface.ink.transfer["pickup"] = share
+
+    @property
+    def pickup(self) -> float:
+        """Share of the wet ink under the brush that it takes up per mm of way at full pressure."""
+        return float(self.surface.ink.transfer["pickup"].item())
 
     def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
         """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is."""

@@ -23,7 +23,8 @@ COMMANDS = frozenset(
         "add_layer", "begin_stroke", "cancel_stroke", "dip", "dry", "edit_stroke", "end_stroke",
         "follow_time", "let_time_pass", "lift", "move_layer", "pick_colour", "redo", "remove_layer",
         "rename_layer", "replay_history", "resize_brush", "rinse", "scale_brush", "select_layer",
-        "set_azimuth", "set_brush", "set_locked", "set_mask", "set_symmetry", "set_tags",
+        "set_azimuth", "set_brush", "set_locked", "set_mask", "set_pickup", "set_symmetry",
+        "set_tags",
         "set_visible", "step_brush", "swap_inks", "undo", "wipe",
     }
 )  # fmt: skip

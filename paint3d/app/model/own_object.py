@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.materials import Material
 from paint3d.files.load import UNITS_MM
 from paint3d.files.sandbox.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -38,7 +39,7 @@ class ObjectChoice(NamedTuple):
         Rotation.
     scale : float
         Factor on every length.
-    material : str
+    material : str or Material
         Of the surface.
     resolution : float
         mm.
@@ -48,7 +49,7 @@ class ObjectChoice(NamedTuple):
 
     turn: NDArray[np.float64]
     scale: float
-    material: str
+    material: str | Material
     resolution: float
     coloured: bool = True
 
@@ -83,7 +84,7 @@ def sensible_resolution(area_mm2: float, wanted: float) -> float:
 
 
 def first_choice(
-    reading: Reading, guess: Upright | None, material: str, resolution: float
+    reading: Reading, guess: Upright | None, material: str | Material, resolution: float
 ) -> ObjectChoice:
     """What is proposed: up as it is known or guessed, the likeliest unit, a sensible fineness.
 
@@ -92,7 +93,7 @@ def first_choice(
     reading : Reading
     guess : Upright or None
         None where it is known which way is up.
-    material : str
+    material : str or Material
     resolution : float
         mm; what is wanted.
     """

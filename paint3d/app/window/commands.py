@@ -21,8 +21,10 @@ MENUS: dict[str, tuple[str, ...]] = {
              "record", "replay", "save_recording", "-", "quit"),
     "edit": ("undo", "redo", "-", "cancel_stroke", "-", "stand", "-", "preferences"),
     "brush": ("smaller", "larger", "smoothing", "brush", "-",
-              *(f"brush_{k}" for k in range(1, 1 + len(brush_names())))),
-    "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-", "wet", "dry"),
+              *(f"brush_{k}" for k in range(1, 1 + len(brush_names()))), "-", "edit_brush",
+              "open_brush"),
+    "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-",
+            "choose_colour", "open_pigments", "-", "wet", "dry"),
     "stroke": ("mirror", "radial", "-", "mask", "pick_region", "clear_mask", "-", "refine"),
     "view": ("frame_all", "frame_selected", "nearer", "farther", "-", "look_front", "look_back",
              "look_left", "look_right", "look_top", "look_bottom", "-", "turn_left", "turn_right",
@@ -77,6 +79,10 @@ _OWN = {
     "stand": "Turn and scale the object…",
     "dark": "Dark theme",
     "about": "menu.about",
+    "choose_colour": "Mix a colour…",
+    "open_pigments": "Open a table of pigments…",
+    "edit_brush": "Edit the brush…",
+    "open_brush": "Open a brush…",
 }
 _TEXTS = {"brush": "Show the brush", "smoothing": "action.smoothing"}
 

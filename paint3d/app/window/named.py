@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.window.wording import say, say_length
+from paint3d.app.window.wording import say, say_length, say_material
 from paint3d.files.load import BUILT_IN_OBJECTS
 
 __all__ = ["described", "named"]
@@ -22,4 +22,4 @@ def described(document: Document) -> str:
     sides = sorted(np.ptp(surface.source.vertices, axis=0), reverse=True)
     told = [say_length(side) for side in sides if side > 0.05 * sides[0]]
     size = " × ".join([*(length.split()[0] for length in told[:-1]), told[-1]])
-    return f"{named(surface.source.name)}, {say(f'surface.{surface.material.name}')}, {size}"
+    return f"{named(surface.source.name)}, {say_material(surface.material)}, {size}"

@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.materials import load_material
-from paint3d.colour.pigments import Pigment, load_pigment
+from paint3d.colour.pigments import WATER, Pigment, load_pigment
+from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.core.types import AnyArray
 from paint3d.view.brush_picture import draw_stroke
 
-__all__ = ["ink_swatch", "sorted_parts", "stroke_preview"]
+__all__ = ["Ink", "ink_coat", "ink_swatch", "sorted_parts", "stroke_preview"]
 
 Ink = str | Pigment
 
@@ -62,3 +64,13 @@ def ink_swatch(parts: tuple[tuple[Ink, float], ...], n: int = 24) -> NDArray[np.
     model = ColourModel(pigments, load_material("xuan").reflectance)
     out = np.empty((n, 3), np.uint8)
     return model.srgb(np.ascontiguousarray(amounts), np.ones(n, np.float32), out)
+
+
+def ink_coat(parts: Mapping[Ink, float]) -> tuple[int, int, int]:
+    """sRGB of a coat of a mixture on xuan, water among its parts; of the sheet without any."""
+    inked = {ink: share for ink, share in parts.items() if ink is not WATER and ink != WATER.name}
+    sheet = load_material("xuan").reflectance
+    total = sum(parts.values())
+    shown = mixture_reflectance(inked, sum(inked.values()) / total, sheet) if inked else sheet
+    red, green, blue = (int(code) for code in srgb_from_reflectance(shown))
+    return red, green, blue

@@ -108,7 +108,8 @@ class Stage:
         self.points = opened.points
         shown = self._object = opened.shown
         material = opened.document.surface.material
-        gloss = Gloss(material.roughness, material.coat)
+        grain = material.grain if material.tooth_mm > 0.0 else 0.0
+        gloss = Gloss(material.roughness, material.coat, grain, material.wave_mm)
         self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
         self.scene.apply(opened.uploads)
         self._unlit = shown.light
@@ -354,7 +355,8 @@ class Stage:
             if self._brush is not None:
                 self._drawn.touch_front(self.brush_box)
                 self._brush.remove()
-            self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair)
+            bristles = None if painter.hairs is None else painter.hairs.bristles
+            self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair, bristles)
             self._brush_spec = painter.brush
         self._drawn.touch_front(self._brush.screen_box())
         if seen is None or not self.shows_brush:

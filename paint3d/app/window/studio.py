@@ -24,7 +24,9 @@ from paint3d.app.window.input.device_input import DeviceInput
 from paint3d.app.window.input.keys import HeldKeys
 from paint3d.app.window.input.steering import Steering
 from paint3d.app.window.input.stroke_drag import StrokeDrag
+from paint3d.app.window.jobs.brush_making import BrushMaking
 from paint3d.app.window.jobs.exporting import Exporting
+from paint3d.app.window.jobs.ink_making import InkMaking
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.jobs.opening import Opening
 from paint3d.app.window.jobs.pictures import Pictures
@@ -47,6 +49,7 @@ from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.window_place import first_size, restore_window, window_words
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
+from paint3d.colour.materials import Material
 from paint3d.errors import Paint3DError
 
 __all__ = ["StudioWindow"]
@@ -133,10 +136,13 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _bind_actions(self) -> None:
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
+        self.brushes = BrushMaking(self.workspace, self.panels)
+        self.inks = InkMaking(self.workspace, self.panels)
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.painting, self.viewing)
+             self.standing, self.painting, self.brushes, self.inks,
+             self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)
@@ -172,10 +178,16 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.recent.chosen.connect(self.opening.open_path)
         self.commands.menus["file"].aboutToShow.connect(self.recovery.fill_menu)
         panels.history.asked.connect(self.recalling.go_to)
+        panels.surface.asked.connect(self._take_material)
         panels.history.edited.connect(self.editing.ask)
         panels.history.exported.connect(self.recordings.do_save_recording)
         panels.hand.turns.connect(self.painting.set_turns)
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
+
+    def _take_material(self, material: str | Material) -> None:
+        """Let the object be of another material; where it is not to be, show what it is."""
+        if not self.standing.take_material(material):
+            self.panels.surface.show_surface(self.document.surface)
 
     # -- the document -----------------------------------------------------------------------
 

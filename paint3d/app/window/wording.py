@@ -11,6 +11,7 @@ from typing import Any
 from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
+from paint3d.colour.materials import Material, load_materials
 from paint3d.errors import LayerError
 from paint3d.files.load import UNITS_MM
 
@@ -22,6 +23,7 @@ __all__ = [
     "say_error",
     "say_layer",
     "say_length",
+    "say_material",
 ]
 
 _texts = [Texts("en")]
@@ -60,6 +62,13 @@ def say(text: str, **values: Any) -> str:
 def say_layer(name: str) -> str:
     """What a layer is called: one that nobody named has only a number."""
     return say("layer.name", number=name) if name.isdigit() else name
+
+
+def say_material(material: Material) -> str:
+    """What a material is called: one of the user's own as its file says."""
+    if material.name in load_materials():
+        return say(f"surface.{material.name.replace(' ', '_')}")
+    return material.chinese if language() == "zh" and material.chinese else material.name
 
 
 def say_error(error: BaseException | str) -> str:

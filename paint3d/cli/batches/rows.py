@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from paint3d.cli import replay, write
+from paint3d.cli.options import own_file
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.cli.versions import find_versions
 from paint3d.colour.ink_text import tables_in, with_tables
@@ -20,6 +21,7 @@ from paint3d.errors import Paint3DError
 __all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row"]
 
 _INKS = ("--ink", "--tip")
+_PARAMETERS = ("--brush", "--material")
 COMMANDS = {"write": write, "replay": replay}
 
 
@@ -69,6 +71,8 @@ def placed(row: Row, folder: str) -> Row:
                 value = there
         elif option in _INKS:
             value = with_tables(value, partial(os.path.join, folder))
+        elif option in _PARAMETERS and own_file(value) is not None:
+            value = os.path.join(folder, value)
         words.append(option + equals + value)
     if command == "replay":
         subject = os.path.join(folder, subject)

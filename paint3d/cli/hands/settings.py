@@ -119,6 +119,13 @@ def _add_stylus(parser: argparse.ArgumentParser) -> None:
         type=_number(1.0),
         help="force of the click when the brush is dipped; 0: none",
     )
+    parser.add_argument(
+        "--stylus-texture",
+        dest="texture",
+        metavar="SHARE",
+        type=_number(1.0),
+        help="how much of the surface's grain is felt; 0: nothing, 1: all (at first)",
+    )
     add_stylus_option(parser, "")
 
 

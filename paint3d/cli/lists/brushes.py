@@ -13,6 +13,7 @@ from paint3d.cli.progress import ProgressBar
 from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
+    from paint3d.brush.bristle_spec import BristleSpec
     from paint3d.brush.spec import BrushSpec
 
 __all__ = ["HELP", "add_arguments", "brush_lines", "run"]
@@ -44,6 +45,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         allow_abbrev=False,
     )
     show.add_argument("brush", metavar="NAME|FILE", help="a brush of the list, or a file to check")
+    _add_fit(actions)
+
+
+def _add_fit(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    fit = actions.add_parser(
+        "fit",
+        help="make a brush file of what was measured on a real brush: presses, or bent hairs",
+        description="TABLE has the columns depth_mm, width_mm, offset_mm, drag_mm (footprints of "
+        "an upright brush), or angle, height, offset, imprint, upper, lower, spread (bent hairs, "
+        "in hair lengths), or angle, x0, z0 ... x3, z3 (their Bezier points, mm); docs/brushes.md.",
+        allow_abbrev=False,
+    )
+    fit.add_argument("table", metavar="TABLE.csv", type=Path, help="what was measured")
+    fit.add_argument("--out", metavar="FILE.toml", type=Path, required=True, help="the brush file")
+    fit.add_argument(
+        "--base",
+        metavar="NAME|FILE",
+        default="calibrated",
+        help="what all that was not measured is taken from (default: calibrated)",
+    )
+    fit.add_argument(
+        "--length",
+        metavar="MM",
+        type=float,
+        help="of the tuft, tip to ferrule (default: the base's)",
+    )
+    fit.add_argument(
+        "--hairs", metavar="N", type=int, help="single hairs, for bent hairs (default: 1000)"
+    )
+    add_quiet_option(fit)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -57,6 +88,10 @@ def run(options: argparse.Namespace) -> None:
     if options.action == "show":
         _show(options.brush)
         return
+    if options.action == "fit":
+        _fit(options)
+        return
+    from paint3d.app.model.persistence.own_brushes import own_brush_path, own_brushes
     from paint3d.brush.presets import brush_note, load_presets
 
     presets = load_presets()
@@ -64,7 +99,11 @@ def run(options: argparse.Namespace) -> None:
         _draw(presets.values(), options.pictures, quiet=options.quiet)
     if not options.quiet:
         notes = {name: brush_note(name) for name in presets}
-        sys.stdout.write("\n".join(brush_lines(presets.values(), notes)) + "\n")
+        own, problems = own_brushes()
+        notes |= {name: f"your own: --brush {own_brush_path(name)}" for name in own}
+        lines = brush_lines([*presets.values(), *own.values()], notes)
+        sys.stdout.write("\n".join(lines) + "\n")
+        sys.stderr.writelines(f"paint3d: note: {problem}\n" for problem in problems)
 
 
 def _show(name: str) -> None:
@@ -73,6 +112,62 @@ def _show(name: str) -> None:
 
     brush = load_brush(name)
     sys.stdout.write(brush_text(brush, brush_note(brush.name)))
+
+
+def _fit(options: argparse.Namespace) -> None:
+    """Write the brush that fits what was measured, and say how well."""
+    import dataclasses
+
+    from paint3d.app.model.brush_size import resized
+    from paint3d.brush.brush_file import check_brush_name, is_brush_file, write_brush
+    from paint3d.brush.fitting import (
+        fit_presses,
+        is_table_of_shapes,
+        press_errors,
+        read_presses,
+        read_shapes,
+    )
+    from paint3d.brush.presets import load_brush, load_presets
+
+    if not is_brush_file(options.out.name) or options.out.suffix.lower() == ".json":
+        raise ExportError(f"{options.out}: expected the name of a brush file, such as mine.toml")
+    check_output_folder(options.out.parent)
+    name = options.out.stem
+    check_brush_name(name)
+    base = load_brush(options.base)
+    if options.length is not None and options.length != base.length_mm:
+        base = resized(base, options.length)
+    if is_table_of_shapes(options.table):
+        rows = read_shapes(options.table, base.length_mm)
+        hairs = _hairs(base, options.hairs)
+        brush = dataclasses.replace(
+            base, name=name, bristles=dataclasses.replace(hairs, table=rows)
+        )
+        angles = sorted({row[0] for row in rows})
+        told = f"{len(rows)} bent hairs at {', '.join(f'{a:g}' for a in angles)} degrees"
+    else:
+        presses = read_presses(options.table)
+        if options.hairs is not None:
+            base = dataclasses.replace(base, bristles=_hairs(base, options.hairs))
+        with ProgressBar("fitting", enabled=not options.quiet) as progress:
+            brush = fit_presses(presses, base, name, progress)
+        told = "off by (RMS): width {:.2f}, heel {:.2f}, length {:.2f} mm".format(
+            *press_errors(brush, presses)
+        )
+    note = f"fitted to {options.table.name}: {told}"
+    write_brush(options.out, brush, load_presets(), note)
+    if not options.quiet:
+        sys.stdout.write(f"{options.out}: {told}\n")
+
+
+def _hairs(base: BrushSpec, count: int | None) -> BristleSpec:
+    """The base's hairs, or as many as are wanted."""
+    import dataclasses
+
+    from paint3d.brush.bristle_spec import BristleSpec
+
+    hairs = base.bristles or BristleSpec()
+    return hairs if count is None else dataclasses.replace(hairs, n_hairs=count)
 
 
 def brush_lines(brushes: Iterable[BrushSpec], notes: dict[str, str]) -> list[str]:

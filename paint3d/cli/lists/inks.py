@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.lists.columns import block, columns_of, hexadecimal, padded_line
 from paint3d.cli.options import MATERIALS
 
 if TYPE_CHECKING:
@@ -60,10 +60,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--material",
-        metavar="NAME",
-        choices=MATERIALS,
+        metavar="NAME|FILE",
         default="porcelain",
-        help="with --compare, what they lie on (default: porcelain)",
+        help=f"with --compare, what they lie on: {', '.join(MATERIALS)}, or a file of your own "
+        "(default: porcelain)",
     )
 
 
@@ -138,16 +138,16 @@ def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[st
         (p.name, p.chinese, _swatch(p, _WASH), _swatch(p, _FULL), p.basis, p.licence, p.source)
         for p in pigments
     ]
-    widths = [max(map(_columns, column)) for column in zip(head, *rows, strict=True)]
-    lines = [_line(head, widths)]
+    widths = [max(map(columns_of, column)) for column in zip(head, *rows, strict=True)]
+    lines = [padded_line(head, widths)]
     for row in rows:
-        line = _line(row, widths)
+        line = padded_line(row, widths)
         for swatch in dict.fromkeys(row[2:4]) if colour else ():
-            line = line.replace(swatch, _block(swatch) + swatch)
+            line = line.replace(swatch, block(swatch) + swatch)
         lines.append(line)
     if colour:
         padded = [*head[:2], *("   " + title for title in head[2:4]), *head[4:]]
-        lines[0] = _line(padded, [*widths[:2], *(w + 3 for w in widths[2:4]), *widths[4:]])
+        lines[0] = padded_line(padded, [*widths[:2], *(w + 3 for w in widths[2:4]), *widths[4:]])
     return lines
 
 
@@ -158,22 +158,4 @@ def _swatch(pigment: Pigment, coats: float) -> str:
     from paint3d.colour.spectra import srgb_from_reflectance
 
     ground = load_material("porcelain").reflectance
-    red, green, blue = srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, coats, ground))
-    return f"#{red:02x}{green:02x}{blue:02x}"
-
-
-def _block(swatch: str) -> str:
-    red, green, blue = (int(swatch[i : i + 2], 16) for i in (1, 3, 5))
-    return f"\x1b[48;2;{red};{green};{blue}m  \x1b[0m "
-
-
-def _columns(text: str) -> int:
-    """Columns that a text takes on a terminal: Chinese characters take two."""
-    return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
-
-
-def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
-    padded = (
-        cell + " " * (width - _columns(cell)) for cell, width in zip(cells, widths, strict=True)
-    )
-    return "  ".join(padded).rstrip()
+    return hexadecimal(srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, coats, ground)))

@@ -70,6 +70,7 @@ class Exportable(Protocol):
 class Painting(NamedTuple):
     """Arrays of a painting, names of its material and file, its texture or filaments if any.
 
+    `finish` is how rough the material is and how strong its glaze, None where it does not say it.
     `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
     `paint3d.files.project.position_steps`. `gamut` is what the codes mean.
     """
@@ -84,6 +85,7 @@ class Painting(NamedTuple):
     palette: NDArray[np.uint8] | None = None
     face_filaments: NDArray[np.int32] | None = None
     steps: NDArray[np.float32] | None = None
+    finish: tuple[float, float] | None = None
     gamut: str = "srgb"
 
     def placed(self, unit: str, up_axis: str) -> Painting:
@@ -151,13 +153,14 @@ class Untextured(NamedTuple):
     detail: Detail
     size: int | None
     material: str
+    finish: tuple[float, float] | None = None
 
     def baked(self) -> Painting:
         """Return the painting with its texture; on a large object this takes long."""
         vertices, faces, normals, uv, image = bake_detail(self.detail, self.size)
         white = np.full((len(vertices), 3), 255, np.uint8)
         painting = _checked((vertices, faces, normals, white), self.material)
-        return painting._replace(texture=Texture(uv, image))
+        return painting._replace(texture=Texture(uv, image), finish=self.finish)
 
 
 def read_painting(
@@ -190,17 +193,27 @@ def _read(
     surface: Exportable, options: ExportOptions, progress: Progress | None
 ) -> Painting | Untextured:
     material = str(getattr(surface.material, "name", "painting"))
+    finish = _finish_of(surface.material)
     if options.texture:
         size = None if options.texture is True else int(options.texture)
-        return Untextured(_detail_of(surface), size, material)
+        return Untextured(_detail_of(surface), size, material, finish)
     if options.filaments is None:
         tolerance = None if options.exact else options.tolerance
-        return _checked(surface.export_arrays(tolerance, **_told(progress)), material)
+        arrays = surface.export_arrays(tolerance, **_told(progress))
+        return _checked(arrays, material)._replace(finish=finish)
     filaments = choose_filaments(surface.srgb, surface.vertex_areas, options.filaments)
     codes = filaments.palette[filaments.chosen]
     told = _told(part_of(progress, 0.3, 1.0))
     arrays = surface.export_arrays(None if options.exact else 0.0, codes, **told)
-    return _in_filaments(_checked(arrays, material), filaments.palette)
+    painting = _checked(arrays, material)._replace(finish=finish)
+    return _in_filaments(painting, filaments.palette)
+
+
+def _finish_of(material: object) -> tuple[float, float] | None:
+    roughness, coat = getattr(material, "roughness", None), getattr(material, "coat", None)
+    if not isinstance(roughness, float) or not isinstance(coat, float):
+        return None
+    return roughness, coat
 
 
 def _detail_of(surface: Exportable) -> Detail:

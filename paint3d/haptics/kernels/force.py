@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from paint3d.core.kernel import kernel
@@ -11,6 +13,23 @@ from paint3d.mesh.kernels.bounded_bvh import find_foot_within, mean_normal
 
 __all__ = ["contact_force"]
 
+_FEWEST_STEPS = 4.0  # for one wave of the grain; what would have less is not felt
+_PACE_SHARE = 0.2  # of a new step's way in the smoothed one
+_RISE = 0.5 * math.sqrt(5.0)
+_NORM = 1.0 / math.hypot(1.0, 0.5 + _RISE)
+_SHORT, _LONG = _NORM, _NORM * (0.5 + _RISE)
+# Six directions, evenly spread (through the corners of an icosahedron), how long waves are along
+# each, of the grain's length, and where they begin: no two are alike, so nothing repeats soon.
+_WAVES = (
+    (0.0, _SHORT, _LONG, 1.0, 0.4),
+    (0.0, -_SHORT, _LONG, 1.17, 2.9),
+    (_SHORT, _LONG, 0.0, 1.06, 5.1),
+    (-_SHORT, _LONG, 0.0, 1.23, 1.3),
+    (_LONG, 0.0, _SHORT, 1.11, 3.6),
+    (_LONG, 0.0, -_SHORT, 1.03, 4.4),
+)
+_EVEN = 1.0 / math.sqrt(1.2)  # so that it varies as much as one sine along any way
+
 
 @kernel(error_model="numpy")
 def contact_force(tree, settings, state, root, q, work, force):
@@ -18,8 +37,9 @@ def contact_force(tree, settings, state, root, q, work, force):
 
     F = lambda_c S D_s along the averaged normal (Guo 2017, Eq. 4), plus friction of at most mu F
     against the slip: a proxy point is held on the surface by a stiff spring and let go where that
-    would pull harder. No torque: the tuft bends freely. Where it is asked for, a gentle force
-    grows before the surface is touched.
+    would pull harder. The grain of the surface makes the friction vary from place to place. No
+    torque: the tuft bends freely. Where it is asked for, a gentle force grows before the surface is
+    touched.
 
     Parameters
     ----------
@@ -54,6 +74,7 @@ def contact_force(tree, settings, state, root, q, work, force):
     normal = mean_normal(tree, foot, up, ahead, settings.patch, triangle, state.near, work)
     sine = up[0] * normal[0] + up[1] * normal[1] + up[2] * normal[2]
     sine = min(1.0, max(settings.lowest_sine, sine))
+    _keep_pace(state, foot)
     height, along_way = _keep_foot(state, root, foot, normal)
     descent = length * sine - height
     if descent <= 0.0:
@@ -71,6 +92,18 @@ def contact_force(tree, settings, state, root, q, work, force):
     held = _hold_proxy(settings, state, foot, normal, pressing, force)
     state.stored = stored_in_contact(settings, state, stiffness, descent) + held
     return True
+
+
+@kernel(error_model="numpy")
+def _keep_pace(state, foot):
+    """Note how far the foot went since the last step, smoothed; nothing at the first touch."""
+    if state.touching == 0.0:
+        state.pace = 0.0
+        return
+    square = 0.0
+    for axis in range(3):
+        square += (foot[axis] - state.foot[axis]) ** 2
+    state.pace += _PACE_SHARE * (np.sqrt(square) - state.pace)
 
 
 @kernel(error_model="numpy")
@@ -122,7 +155,33 @@ def _hold_proxy(settings, state, foot, normal, pressing, force):
     slip = np.sqrt(slip2)
     most = settings.friction * min(pressing, settings.device_limit) / stick
     share = most / slip if slip > most else 1.0
+    rubbing = stick * share
+    if slip > 0.0 and settings.texture > 0.0:
+        rubbing *= 1.0 + _roughness(settings, state, foot, pull, slip, rubbing * slip)
     for axis in range(3):
         state.proxy[axis] = foot[axis] - share * pull[axis]
-        force[axis] -= stick * share * pull[axis]
+        force[axis] -= rubbing * pull[axis]
     return 0.5 * stick * (share * slip) ** 2
+
+
+@kernel(error_model="numpy")
+def _roughness(settings, state, foot, pull, slip, friction):
+    """By what share the grain makes the friction (N) greater or less at this place.
+
+    Waves that stand in the object, of the grain's length and somewhat longer ones. Along the slip
+    they have no mean: those that lie across it do not count. The share falls to nothing where the
+    hand goes so fast that a wave would have less than four steps, and is so small that the force
+    changes along the way no faster than the stiffness that the device can hold.
+    """
+    fade = 1.0 - (_FEWEST_STEPS * state.pace / settings.wave) ** 2
+    if fade <= 0.0 or friction <= 0.0:
+        return 0.0
+    height = 0.0
+    turns = 2.0 * math.pi / settings.wave
+    for k in range(6):
+        x, y, z, longer, start = _WAVES[k]
+        along = (x * pull[0] + y * pull[1] + z * pull[2]) / slip
+        place = x * foot[0] + y * foot[1] + z * foot[2]
+        height += along * along * math.sin(turns / longer * place + start)
+    most = settings.stiffest * state.softening / (turns * friction)
+    return min(settings.texture, most) * fade * fade * _EVEN * height

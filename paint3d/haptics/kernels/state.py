@@ -32,6 +32,8 @@ SETTINGS = np.dtype(  # see paint3d.haptics.settings
         ("rise_s", "f8"),
         ("follow_s", "f8"),
         ("patch", "f8"),  # mm
+        ("texture", "f8"),  # share of the friction by which it varies over the grain
+        ("wave", "f8"),  # mm, of the grain
         ("ahead", "f8"),  # mm before the surface from which it is felt
         ("ahead_n", "f8"),  # N at contact
         ("click_n", "f8"),  # N
@@ -66,6 +68,7 @@ STATE = np.dtype(
         ("spent", "f8"),  # tree nodes of the last step
         ("wanted", "f8"),  # size of the force before anything was made safe, N
         ("credit", "f8"),  # N mm that turning or curvature put into the spring since the last step
+        ("pace", "f8"),  # way of the foot in a step, smoothed, mm
         ("clicks_heard", "f8"),
         ("click_s", "f8"),  # what is left of a click
         ("near", "f8", (PATCH_SAMPLES,)),  # every sample's triangle of the last patch, plus 1

@@ -9,6 +9,7 @@ from paint3d.app.model.input.devices import Feedback
 from paint3d.app.model.persistence.calibrations import kept_calibration
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.material import Material
 from paint3d.device.hid_nodes import list_nodes
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.errors import Paint3DError
@@ -55,13 +56,14 @@ class Feeling:
     key: str = "stylus"
     limits: DeviceLimits = PHANTOM_DESKTOP
     calibration: DeviceCalibration | None = None
-    _felt: tuple[BrushSpec, Feel] | None = None
+    _felt: tuple[BrushSpec, Feel, Material] | None = None
 
-    def follow(self, brush: BrushSpec, feel: Feel) -> None:
-        """Let the force be that of this brush and these choices from the next step on."""
-        if self._felt is None or self._felt[0] is not brush or self._felt[1] != feel:
-            self._felt = brush, feel
-            self.feedback.settings = feel.settings(brush, self.limits)
+    def follow(self, brush: BrushSpec, feel: Feel, material: Material) -> None:
+        """Let the force be that of this brush, surface and choices from the next step on."""
+        now, before = (brush, feel, material), self._felt
+        if before is None or before[0] is not brush or before[1:] != now[1:]:
+            self._felt = now
+            self.feedback.settings = feel.settings(brush, self.limits, material)
 
 
 def start_feeling(document: Document, settings: Settings) -> Feeling | None:
@@ -77,7 +79,7 @@ def start_feeling(document: Document, settings: Settings) -> Feeling | None:
         return None
     feel, brush = Feel.from_words(settings.feel), document.painter.brush
     calibration = kept_calibration(found.key) or found.frame
-    feedback = ForceFeedback(
-        found.port, document.surface.contact_tree, feel.settings(brush, found.limits), calibration
-    )
+    surface = document.surface
+    felt = feel.settings(brush, found.limits, surface.material)
+    feedback = ForceFeedback(found.port, surface.contact_tree, felt, calibration)
     return Feeling(feedback, found.name, found.key, found.limits, calibration)

@@ -8,12 +8,13 @@ from typing import Any, TypedDict
 
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.persistence.brush_words import brush_from_words, restore_hairs
+from paint3d.app.model.persistence.own_brushes import own_brushes
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.ink_text import names_table
-from paint3d.colour.materials import material_names
+from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 from paint3d.core.arrays import as_number
 from paint3d.errors import Paint3DError, SessionError
@@ -97,15 +98,25 @@ def saved_unit(settings: Mapping[str, Any]) -> str:
 def chosen_brush(settings: Settings) -> BrushSpec:
     """The brush that a user had in hand last; the default where there is none such any more."""
     try:
-        brush = load_brush(settings.brush)
+        brush = own_brushes()[0].get(settings.brush) or load_brush(settings.brush)
         return brush if settings.brush_mm is None else resized(brush, settings.brush_mm)
     except Paint3DError:
         return load_brush(DEFAULT_BRUSH)
 
 
 def chosen_material(settings: Settings) -> str:
-    """The material that a user chose last; porcelain where there is none such any more."""
-    return settings.material if settings.material in material_names() else "porcelain"
+    """The material that a user chose last; porcelain where there is none such any more.
+
+    Returns
+    -------
+    str
+        A name for `load_material`; it may be that of a file of the user's own.
+    """
+    try:
+        load_material(settings.material)
+    except Paint3DError:
+        return "porcelain"
+    return settings.material
 
 
 def chosen_inks(settings: Settings) -> list[Mixture | str]:
@@ -132,8 +143,9 @@ def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str]) -> InHand:
     """The settings that `chosen_brush` and `chosen_inks` read."""
     name = brush.name.split(" @")[0]
     settings: InHand = {"inks": tuple(_as_chosen(ink) for ink in inks)}
-    if name in brush_names():
-        as_made = load_brush(name).length_mm == brush.length_mm
+    made = load_brush(name) if name in brush_names() else own_brushes()[0].get(name)
+    if made is not None:
+        as_made = made.length_mm == brush.length_mm
         settings["brush"] = name
         settings["brush_mm"] = None if as_made else brush.length_mm
     return settings

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.persistence.places import config_folder, usual_config_folder
-from paint3d.colour.materials import Material
+from paint3d.colour.materials import Material, load_materials
 from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
@@ -27,8 +27,9 @@ from paint3d.pose.mouse_settings import MouseSettings
 __all__ = ["Settings", "load_settings", "save_settings"]
 
 VERSION = 2
-WET_AT_FIRST = frozenset({"xuan"})
+WET_AT_FIRST = frozenset({"xuan", "tinted xuan"})
 """Materials on which ink spreads unless it was chosen otherwise."""
+_DRINKS = 0.9  # absorbency from which it spreads on a material of one's own, too
 
 _MOST_RECENT = 12
 _CHOICES = {
@@ -158,7 +159,11 @@ class Settings:
 
     def wants_wet(self, material: Material) -> bool:
         """Whether ink spreads on a material: as was chosen, else as the material asks for."""
-        return self.wet if self.wet is not None else material.name in WET_AT_FIRST
+        if self.wet is not None:
+            return self.wet
+        if material.name in load_materials():
+            return material.name in WET_AT_FIRST
+        return material.pores_mm > 0.0 and material.absorbency >= _DRINKS
 
     def with_recent(self, path: str | os.PathLike[str]) -> Settings:
         """With a file at the head of the recent ones."""

@@ -15,8 +15,10 @@ from paint3d.app.model.own_object import (
     longest_side,
     sensible_resolution,
 )
+from paint3d.app.window.dialogs.material_box import MaterialBox
+from paint3d.app.window.dialogs.questions import ask
 from paint3d.app.window.wording import language, say
-from paint3d.colour.materials import material_names
+from paint3d.colour.materials import Material
 from paint3d.files.load import UNITS_MM
 from paint3d.files.sandbox.reading import Reading
 from paint3d.mesh.upright import UP_AXES, stand_on, turn_up
@@ -48,7 +50,7 @@ class ObjectDialog(QtWidgets.QDialog):
     parent : QWidget
     reading : Reading
         The object, and what its file says.
-    material : str
+    material : str or Material
         Of its surface.
     resolution : float
         mm.
@@ -62,7 +64,7 @@ class ObjectDialog(QtWidgets.QDialog):
         self,
         parent: QtWidgets.QWidget,
         reading: Reading,
-        material: str,
+        material: str | Material,
         resolution: float,
         *,
         title: str,
@@ -81,7 +83,7 @@ class ObjectDialog(QtWidgets.QDialog):
         self._plain = self._seen.plain()
         self.unit = QtWidgets.QComboBox()
         self.length = QtWidgets.QDoubleSpinBox()
-        self.material = QtWidgets.QComboBox()
+        self.material = MaterialBox(material)
         self.resolution = QtWidgets.QDoubleSpinBox()
         self.colours = QtWidgets.QCheckBox(say("Keep its own colours and pictures"))
         self._resolution_chosen = False
@@ -92,7 +94,7 @@ class ObjectDialog(QtWidgets.QDialog):
         """What is chosen now."""
         coloured = self.colours.isChecked() or self._mesh.colours is None
         return ObjectChoice(
-            self._turn, self._scale, self.material.currentData(), self.resolution.value(), coloured
+            self._turn, self._scale, self.material.material(), self.resolution.value(), coloured
         )
 
     # -- making it --------------------------------------------------------------------------
@@ -186,9 +188,7 @@ class ObjectDialog(QtWidgets.QDialog):
             self.unit.activated.connect(self._unit_changed)
             form.addRow(say("One unit of the file"), self.unit)
         form.addRow(say("Longest side"), self.length)
-        for name in material_names():
-            self.material.addItem(say(f"surface.{name}"), name)
-        self.material.setCurrentIndex(self.material.findData(start.material))
+        self.material.failed.connect(lambda why: ask(self, why, accept="button.ok", leave=""))
         form.addRow(say("surface.material"), self.material)
         self.resolution.setRange(0.05, 50.0)
         self.resolution.setSingleStep(0.05)

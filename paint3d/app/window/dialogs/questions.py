@@ -10,8 +10,8 @@ from paint3d.app.model.persistence.shortcuts import GROUPS, SHORTCUTS, Shortcut
 from paint3d.app.model.texts import load_texts
 from paint3d.app.window.commands import text_of
 from paint3d.app.window.dialogs.forms import FormDialog
+from paint3d.app.window.dialogs.material_box import MaterialBox
 from paint3d.app.window.wording import say
-from paint3d.colour.materials import material_names
 from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
 
 __all__ = ["Answer", "KeysDialog", "NewDialog", "PreferencesDialog", "ask"]
@@ -76,9 +76,9 @@ class NewDialog(FormDialog):
         super().__init__(parent, say("action.new").rstrip("…"))
         objects = {name: say(f"object.{name}") for name in BUILT_IN_OBJECTS}
         self.object = self.add_box(say("Object"), objects | {"": say("A mesh file…")}, None)
-        materials = {name: say(f"surface.{name}") for name in material_names()}
-        chosen = chosen_material(settings)
-        self.material = self.add_box(say("surface.material"), materials, chosen)
+        self.material = MaterialBox(chosen_material(settings))
+        self.material.failed.connect(lambda why: ask(self, why, accept="button.ok", leave=""))
+        self.form.addRow(say("surface.material"), self.material)
         fine = settings.resolution_mm
         self.resolution = self.add_number(say("surface.resolution"), 0.05, 10.0, fine, "mm", 2)
         self.resolution.setSingleStep(0.05)
@@ -86,7 +86,7 @@ class NewDialog(FormDialog):
 
     def chosen(self) -> tuple[str, str, float]:
         """Object ("" for a file), material and resolution (mm)."""
-        return self.object.currentData(), self.material.currentData(), self.resolution.value()
+        return self.object.currentData(), str(self.material.material()), self.resolution.value()
 
 
 class PreferencesDialog(FormDialog):

@@ -249,7 +249,8 @@ class DeviceInput:
             self._tell_end(self.desk)
         if self._feeling is not None:
             feel = Feel.from_words(self._workspace.settings.feel)
-            self._feeling.follow(self._workspace.easel.brush, feel)
+            material = self._workspace.document.surface.material
+            self._feeling.follow(self._workspace.easel.brush, feel, material)
         if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
             frame = self._workspace.stage.frame
             self._panel.show_desk(self.desk, frame)

@@ -15,10 +15,21 @@ from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
+from paint3d.colour.materials import Material
 from paint3d.files.load import BUILT_IN_OBJECTS
 from paint3d.files.sandbox.reading import Reading
+from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Standing"]
+
+_TURNED = (
+    "There is paint on it. Turned, it is begun anew without the paint; what is open can be saved "
+    "first."
+)
+
+
+def _is_bare(document: Document) -> bool:
+    return not document.strokes and not document.surface.painted.any()
 
 
 class Standing:
@@ -90,9 +101,14 @@ class Standing:
         accepted = dialog.exec()
         choice = dialog.chosen() if accepted else None
         if choice is not None:
-            self._workspace.keep(material=choice.material)
+            self._keep(choice.material)
         dialog.deleteLater()
         return choice
+
+    def _keep(self, material: str | Material) -> None:
+        """Begin with this material the next time, if it has a name by which it is found."""
+        if isinstance(material, str):
+            self._workspace.keep(material=material)
 
     # -- turning what is open ---------------------------------------------------------------
 
@@ -103,39 +119,60 @@ class Standing:
             return
         with workspace.easel.paused() as document:
             assert document is not None, "it was waited for"
-            surface = document.surface
-            is_bare = not document.strokes and not surface.painted.any()
-            material, resolution = surface.material.name, surface.resolution
-            brush, inks = document.painter.brush, list(document.inks)
+            surface, material = document.surface, document.surface.material
+            resolution = surface.resolution or workspace.settings.resolution_mm
+            is_bare = _is_bare(document)
         if not is_bare and not self._may_begin_anew():
             return
         reading = Reading(surface.source, knows_up=True)
         dialog = ObjectDialog(
-            workspace.window, reading, material, resolution or workspace.settings.resolution_mm,
+            workspace.window, reading, material, resolution,
             title=say("Turn and scale the object…").rstrip("…"),
             accept=say("button.ok") if is_bare else say("Begin anew"), is_open=True,
         )  # fmt: skip
         choice = self._answer(dialog)
-        if choice is None or (not is_bare and not self._may_leave()):
-            return
+        if choice is not None and (is_bare or self._may_leave()):
+            self._begin_anew(surface.source, choice)
+
+    def take_material(self, material: str | Material) -> bool:
+        """Let the object that is open be of another material, and begin anew on it; say whether."""
+        workspace = self._workspace
+        if workspace.stage.easel is None:
+            return False
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            surface, is_bare = document.surface, _is_bare(document)
+            resolution = surface.resolution or workspace.settings.resolution_mm
+        words = (
+            "There is paint on it. Of another material it is begun anew without the paint; what "
+            "is open can be saved first."
+        )
+        if not is_bare and not (self._may_begin_anew(words) and self._may_leave()):
+            return False
+        choice = ObjectChoice(np.eye(3), 1.0, material, resolution)
+        if not self._begin_anew(surface.source, choice):
+            return False
+        self._keep(material)
+        return True
+
+    def _begin_anew(self, source: TriangleMesh, choice: ObjectChoice) -> bool:
+        """Put an object as it was chosen in the place of what is open, in the same hand."""
+        workspace = self._workspace
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            brush, inks = document.painter.brush, list(document.inks)
 
         def make(progress: Progress) -> Opened:
-            mesh = choice.apply(reading.mesh)
             document = Document.new(
-                mesh, choice.resolution, choice.material, brush=brush, ink=inks[0],
+                choice.apply(source), choice.resolution, choice.material, brush=brush, ink=inks[0],
                 undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),
             )  # fmt: skip
             document.inks[1] = inks[1]
             return Opened.of(document, progress.check)
 
-        done = workspace.run(say("status.opening", name=surface.source.name), make)
-        if workspace.went_well(done):
-            workspace.show(done.result())
+        done = workspace.run(say("status.opening", name=source.name), make)
+        return bool(workspace.went_well(done) and workspace.show(done.result()))
 
-    def _may_begin_anew(self) -> bool:
-        words = (
-            "There is paint on it. Turned, it is begun anew without the paint; what is open "
-            "can be saved first."
-        )
+    def _may_begin_anew(self, words: str = _TURNED) -> bool:
         answer = ask(self._workspace.window, say(words), accept="Begin anew")
         return answer is Answer.AcceptRole

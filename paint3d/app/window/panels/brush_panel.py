@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -9,6 +11,7 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
+from paint3d.app.model.brush_draft import plain_name
 from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.jobs.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
@@ -49,10 +52,14 @@ class BrushPanel(QtWidgets.QWidget):
     chosen : BrushSpec
     failed : str
         A preview could not be painted; told once for each reason.
+    edit, open_file : ()
+        The brush in hand is to be changed, or one is to be taken from a file.
     """
 
     chosen = QtCore.Signal(object)
     failed = QtCore.Signal(str)
+    edit = QtCore.Signal()
+    open_file = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -62,7 +69,8 @@ class BrushPanel(QtWidgets.QWidget):
         self._coming: dict[str, Future[Any]] = {}
         self._is_due = False
         self._failures: set[str] = set()
-        self.brush = load_brush(brush_names()[0])
+        self._brushes = {name: load_brush(name) for name in brush_names()}
+        self.brush = next(iter(self._brushes.values()))
         self._list = self._make_list()
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self._size.setRange(0, 1000)
@@ -77,6 +85,7 @@ class BrushPanel(QtWidgets.QWidget):
         layout.setContentsMargins(8, 6, 8, 8)
         layout.addWidget(self._list, 1)
         layout.addLayout(row)
+        layout.addLayout(self._make_buttons())
         self._size.valueChanged.connect(self._size_moved)
         self._timer = QtCore.QTimer(self)
         self._timer.setInterval(120)
@@ -95,32 +104,52 @@ class BrushPanel(QtWidgets.QWidget):
         view.setIconSize(_ICON)
         view.setUniformItemSizes(True)
         view.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        for name in brush_names():
-            spec = load_brush(name)
-            item = QtWidgets.QListWidgetItem(f"{say(name)}\n{say_length(spec.length_mm)}")
-            item.setData(QtCore.Qt.ItemDataRole.UserRole, name)
-            item.setToolTip(
-                say(
-                    "{hair}, {length:g} mm long, {width:g} mm thick",
-                    hair=say(f"brush.hair_{spec.hair}"),
-                    length=spec.length_mm,
-                    width=spec.root_diameter_mm,
-                )
-            )
-            item.setIcon(plain_icon(_blank()))  # rows are as high as they will be
-            view.addItem(item)
+        for brush in self._brushes.values():
+            view.addItem(_list_item(brush))
         view.itemClicked.connect(self._item_chosen)
         view.itemActivated.connect(self._item_chosen)
         return view
+
+    def _make_buttons(self) -> QtWidgets.QHBoxLayout:
+        row = QtWidgets.QHBoxLayout()
+        for text, name, asked in (
+            ("Edit…", "edit_brush", self.edit), ("Open…", "open_brush", self.open_file)
+        ):  # fmt: skip
+            button = QtWidgets.QPushButton(say(text))
+            button.setObjectName(name)
+            button.clicked.connect(lambda _=False, asked=asked: asked.emit())
+            row.addWidget(button)
+        return row
+
+    # -- brushes of one's own ---------------------------------------------------------------
+
+    def show_own(self, brushes: Mapping[str, BrushSpec]) -> None:
+        """List brushes of one's own by name, behind those that come with the program."""
+        for brush in brushes.values():
+            self.add_own(brush)
+
+    def add_own(self, brush: BrushSpec) -> None:
+        """List one more; it takes the place of one of the same name."""
+        name = plain_name(brush)
+        if name in brush_names():
+            return
+        known, self._brushes[name] = name in self._brushes, dataclasses.replace(brush, name=name)
+        item = _list_item(self._brushes[name])
+        row = list(self._brushes).index(name)
+        if known:
+            self._coming.pop(name, None)
+            self._list.takeItem(row)
+        self._list.insertItem(row, item)
+        self.set_ink(self._ink)
 
     # -- what is chosen ---------------------------------------------------------------------
 
     def show_brush(self, brush: BrushSpec) -> None:
         """Show which brush is in use."""
         self.brush = brush
-        for row in range(self._list.count()):
-            if self._name(row) == plain_name(brush):
-                self._list.setCurrentRow(row)
+        names = list(self._brushes)
+        name = plain_name(brush)
+        self._list.setCurrentRow(names.index(name) if name in names else -1)
         self._wanted = brush.length_mm
         with QtCore.QSignalBlocker(self._size):
             self._size.setValue(_step_of(brush.length_mm))
@@ -129,8 +158,8 @@ class BrushPanel(QtWidgets.QWidget):
     def show_unit(self) -> None:
         """Tell lengths in the unit that is chosen now."""
         for row in range(self._list.count()):
-            length = load_brush(self._name(row)).length_mm
-            self._list.item(row).setText(f"{say(self._name(row))}\n{say_length(length)}")
+            brush = self._brushes[self._name(row)]
+            self._list.item(row).setText(_told(brush))
         self.told.setText(say_length(self._wanted))
         self._keep_room()
 
@@ -176,7 +205,7 @@ class BrushPanel(QtWidgets.QWidget):
         return result
 
     def _item_chosen(self, item: QtWidgets.QListWidgetItem) -> None:
-        self.chosen.emit(load_brush(item.data(QtCore.Qt.ItemDataRole.UserRole)))
+        self.chosen.emit(self._brushes[item.data(QtCore.Qt.ItemDataRole.UserRole)])
 
     def _size_moved(self, value: int) -> None:
         self._want(_SHORTEST_MM * (_LONGEST_MM / _SHORTEST_MM) ** (value / 1000))
@@ -196,7 +225,7 @@ class BrushPanel(QtWidgets.QWidget):
             self._is_due = False
             for row in range(self._list.count()):
                 name = self._name(row)
-                brush = load_brush(name)
+                brush = self._brushes[name]
                 self._coming[name] = self._painter.submit(stroke_preview, brush, self._ink)
         for row in range(self._list.count()):
             coming = self._coming.get(self._name(row))
@@ -224,6 +253,26 @@ class BrushPanel(QtWidgets.QWidget):
             self.failed.emit(reason)
 
 
+def _told(brush: BrushSpec) -> str:
+    name = say(brush.name) if brush.name in brush_names() else brush.name
+    return f"{name}\n{say_length(brush.length_mm)}"
+
+
+def _list_item(brush: BrushSpec) -> QtWidgets.QListWidgetItem:
+    item = QtWidgets.QListWidgetItem(_told(brush))
+    item.setData(QtCore.Qt.ItemDataRole.UserRole, brush.name)
+    item.setToolTip(
+        say(
+            "{hair}, {length:g} mm long, {width:g} mm thick",
+            hair=say(f"brush.hair_{brush.hair}"),
+            length=brush.length_mm,
+            width=brush.root_diameter_mm,
+        )
+    )
+    item.setIcon(plain_icon(_blank()))  # rows are as high as they will be
+    return item
+
+
 def plain_icon(pixmap: QtGui.QPixmap) -> QtGui.QIcon:
     """An icon that looks the same when it is chosen."""
     icon = QtGui.QIcon(pixmap)
@@ -237,11 +286,6 @@ def _blank() -> QtGui.QPixmap:
     pixmap.fill(QtCore.Qt.GlobalColor.transparent)
     pixmap.setDevicePixelRatio(2.0)
     return pixmap
-
-
-def plain_name(brush: BrushSpec) -> str:
-    """Of the brush that it is a size of."""
-    return brush.name.split(" @")[0]
 
 
 def _step_of(length: float) -> int:

@@ -109,6 +109,9 @@ class StylusForm(_Form):
         self.ahead.valueChanged.connect(lambda n: self.felt.emit({"anticipation_mm": n}))
         self.click = self._number("Click at a dip", 0.0, 1.0, "N", 1)
         self.click.valueChanged.connect(lambda n: self.felt.emit({"click_n": n}))
+        self.texture = self._number("Grain is felt", 0.0, 1.0, "", 1)
+        self.texture.setSingleStep(0.1)
+        self.texture.valueChanged.connect(lambda n: self.felt.emit({"texture": n}))
         self.width_box = self._number("Sheet to touch, wide", 20.0, 2000.0, "mm")
         self.depth_box = self._number("and deep", 20.0, 2000.0, "mm")
         for box, value in zip((self.width_box, self.depth_box), SHEET_MM, strict=True):
@@ -131,6 +134,7 @@ class StylusForm(_Form):
             (self.limit, feel.limit_n),
             (self.ahead, feel.anticipation_mm),
             (self.click, feel.click_n),
+            (self.texture, feel.texture),
         ):
             with QtCore.QSignalBlocker(box):
                 box.setValue(value)

@@ -10,10 +10,12 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
-from paint3d.app.window.previews import ink_swatch
+from paint3d.app.window.panels.tone_row import ToneRow, in_tone
+from paint3d.app.window.previews import ink_swatch, sorted_parts
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
+from paint3d.errors import PigmentError
 
 __all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]
 
@@ -37,7 +39,10 @@ def ink_label(ink: str | Pigment) -> str:
 
 
 def paint_dish(
-    painter: QtGui.QPainter, box: QtCore.QRectF, parts: Mapping[str, float], theme: Theme
+    painter: QtGui.QPainter,
+    box: QtCore.QRectF,
+    parts: Mapping[Any, float],
+    theme: Theme,
 ) -> None:
     """A porcelain dish with ink in it: deep in the middle, a wash toward the rim."""
     painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1.2))
@@ -47,11 +52,11 @@ def paint_dish(
     rim.setColorAt(1.0, QtGui.QColor("#d9d4cb"))
     painter.setBrush(rim)
     painter.drawEllipse(box)
-    pigments = {name: part for name, part in parts.items() if part > 0.0}
+    pigments = {ink: part for ink, part in parts.items() if part > 0.0}
     if not pigments:
         return
     inner = box.adjusted(*(box.width() * 0.11 * np.array([1, 1, -1, -1])))
-    shades = ink_swatch(tuple(sorted(pigments.items())))
+    shades = ink_swatch(sorted_parts(pigments))
     fill = QtGui.QRadialGradient(inner.center() + QtCore.QPointF(0, 2), inner.width() / 2)
     for k, share in enumerate(np.linspace(0.0, 1.0, 9)):
         shade = shades[int((1.0 - share**3) * (len(shades) - 1))]
@@ -64,6 +69,11 @@ def paint_dish(
                           0.30 * inner.width(), 0.13 * inner.height())  # fmt: skip
     painter.setBrush(QtGui.QColor(255, 255, 255, 66))
     painter.drawEllipse(shine)
+
+
+def _percent(part: float) -> str:
+    """A share in percent: whole ones, and more digits below one."""
+    return f"{100 * part:.0f}" if part >= 0.01 else f"{100 * part:.2g}"
 
 
 def _paint_plus(painter: QtGui.QPainter, middle: QtCore.QPointF, theme: Theme) -> None:
@@ -97,6 +107,7 @@ class DishGrid(QtWidgets.QWidget):
     def __init__(self, names: Sequence[str], theme: Theme) -> None:
         super().__init__()
         self.names, self.theme, self.chosen = list(names), theme, ""
+        self.pigments = {name: load_pigment(name) for name in names}
         self.setMouseTracking(True)
         self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
         self.setAccessibleName(say("panel.inks"))
@@ -114,6 +125,15 @@ class DishGrid(QtWidgets.QWidget):
     def marked(self) -> str:
         """The ink of the dish that keys mean, or the pointer is at; empty for none."""
         return self.names[self._at] if self._at >= 0 else ""
+
+    def add(self, pigment: Pigment) -> None:
+        """Put a dish of another ink behind the others, or in the place of one of its name."""
+        if pigment.name not in self.pigments:
+            self.names.append(pigment.name)
+        self.pigments[pigment.name] = pigment
+        self.setMinimumHeight(self.heightForWidth(self.width()))
+        self.updateGeometry()
+        self.update()
 
     def columns(self, width: int) -> int:
         """How many dishes fit beside each other."""
@@ -159,13 +179,14 @@ class DishGrid(QtWidgets.QWidget):
                 painter.setPen(QtGui.QPen(QtGui.QColor(strong), 1.4))
                 painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
                 painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
-            paint_dish(painter, box, {name: 1.0} if name != WATER.name else {}, self.theme)
+            ink = self.pigments[name]
+            paint_dish(painter, box, {ink: 1.0} if ink is not WATER else {}, self.theme)
             if k == self._pressed and not self._long.isActive():
                 _paint_plus(painter, box.center(), self.theme)
             painter.setPen(QtGui.QColor(self.theme.text))
             label = QtCore.QRectF(box.left() - 8, box.bottom() + 1, box.width() + 16, _LABEL)
             text = painter.fontMetrics().elidedText(
-                ink_label(name), QtCore.Qt.TextElideMode.ElideRight, int(label.width())
+                ink_label(ink), QtCore.Qt.TextElideMode.ElideRight, int(label.width())
             )
             painter.drawText(label, QtCore.Qt.AlignmentFlag.AlignCenter, text)
         painter.end()
@@ -181,7 +202,7 @@ class DishGrid(QtWidgets.QWidget):
         at = self._index(event.position())
         if at != self._at:
             self._at = at
-            self.setToolTip(_tool_tip(self.names[at]) if at >= 0 else "")
+            self.setToolTip(_tool_tip(self.pigments[self.names[at]]) if at >= 0 else "")
             self.update()
 
     def leaveEvent(self, event: QtCore.QEvent) -> None:
@@ -253,7 +274,7 @@ class DishGrid(QtWidgets.QWidget):
     def _point(self, at: int) -> None:
         """Mark a dish, and let it be seen."""
         self._at = at
-        self.setToolTip(_tool_tip(self.names[at]))
+        self.setToolTip(_tool_tip(self.pigments[self.names[at]]))
         self.update()
         parent = self.parentWidget()
         area = None if parent is None else parent.parentWidget()
@@ -262,8 +283,7 @@ class DishGrid(QtWidgets.QWidget):
             area.ensureVisible(middle.x(), middle.y(), _DISH, _DISH)
 
 
-def _tool_tip(name: str) -> str:
-    pigment = load_pigment(name)
+def _tool_tip(pigment: Pigment) -> str:
     names = " ".join(filter(None, (pigment.name, pigment.chinese)))
     return f"{names}\n{say('inks.dish_hint')}"
 
@@ -274,7 +294,7 @@ class _MixingDish(QtWidgets.QWidget):
     def __init__(self, theme: Theme) -> None:
         super().__init__()
         self.theme = theme
-        self.parts: dict[str, float] = {}
+        self.parts: dict[str | Pigment, float] = {}
         self.setFixedSize(74, 74)
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
@@ -293,15 +313,23 @@ class InkPanel(QtWidgets.QWidget):
     dipped : (ink, reach)
         A name or parts by name; reach None for the whole tuft.
     rinsed : ()
+    pickup_chosen : float
+        The share of wet ink that the brush takes up, 1/mm.
+    colour_asked, table_asked : ()
+        Any colour is to be mixed, or a table of pigments to be opened.
     """
 
     dipped = QtCore.Signal(object, object)
     rinsed = QtCore.Signal()
+    pickup_chosen = QtCore.Signal(float)
+    colour_asked = QtCore.Signal()
+    table_asked = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
         self.ink: Ink = "pine soot"
         self._stirred: dict[str, float] = {}
+        self._own_mixture: dict[str, float] = {}  # as it was found, until something is stirred in
         self.dishes = DishGrid(list(load_palette()), theme)
         self._mixing = _MixingDish(theme)
         self.told = QtWidgets.QLabel()
@@ -315,17 +343,29 @@ class InkPanel(QtWidgets.QWidget):
         self.water = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.water.setRange(0, _MOST_WATER)
         self.tip_only = QtWidgets.QCheckBox(say("Only the tip"))
+        self.reach = QtWidgets.QSpinBox()
+        self.reach.setRange(5, 95)
+        self.reach.setSuffix(" %")
+        self.reach.setValue(round(100 * _TIP_REACH))
+        self.reach.setToolTip(say("How much of the tuft is dipped, from the tip"))
+        self.reach.setAccessibleName(say("Only the tip"))
+        self.tones = ToneRow(theme)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
         scroll = QtWidgets.QScrollArea()
         scroll.setWidgetResizable(True)
         scroll.setWidget(self.dishes)
+        scroll.setMinimumHeight(_DISH + _LABEL + 3 * _GAP)
         layout.addWidget(scroll, 1)
+        layout.addWidget(self.tones)
         layout.addWidget(self._make_mixing_card())
-        self.dishes.taken.connect(lambda name: self._dip(name))
+        layout.addLayout(self._make_ways())
+        self.tones.chosen.connect(self._dip_tone)
+        self.dishes.taken.connect(lambda name: self._dip(next(iter(self._of_dishes({name: 1.0})))))
         self.dishes.stirred.connect(self.stir)
         self.dishes.taken_out.connect(self.take_out)
-        self.water.valueChanged.connect(lambda _: self._show_mixture())
+        self.water.valueChanged.connect(lambda _: self._water_moved())
+        self.show_inks([self.ink])
         self._show_mixture()
 
     def _make_mixing_card(self) -> QtWidgets.QFrame:
@@ -341,23 +381,82 @@ class InkPanel(QtWidgets.QWidget):
         grid.addLayout(row, 1, 1, 1, 3)
         self._dip_button = QtWidgets.QPushButton(say("Dip"))
         empty, rinse = QtWidgets.QPushButton(say("Empty")), QtWidgets.QPushButton(say("Rinse"))
-        grid.addWidget(self.tip_only, 2, 0)
-        for column, button in enumerate((self._dip_button, empty, rinse)):
-            grid.addWidget(button, 2, 1 + column)
-        self._dip_button.clicked.connect(lambda: self._dip(self.mixture()))
+        tip = QtWidgets.QHBoxLayout()
+        tip.addWidget(self.tip_only)
+        tip.addWidget(self.reach)
+        tip.addStretch(1)
+        grid.addLayout(tip, 2, 0, 1, 4)
+        row = QtWidgets.QHBoxLayout()
+        for button in (self._dip_button, empty, rinse):
+            row.addWidget(button, 1)
+        grid.addLayout(row, 3, 0, 1, 4)
+        self._dip_button.clicked.connect(self.dip_mixture)
         empty.clicked.connect(self.empty)
         rinse.clicked.connect(self.rinsed)
         return card
+
+    def _make_ways(self) -> QtWidgets.QHBoxLayout:
+        row = QtWidgets.QHBoxLayout()
+        self.pickup = QtWidgets.QDoubleSpinBox()
+        self.pickup.setRange(0.0, 1.0)
+        self.pickup.setDecimals(3)
+        self.pickup.setSingleStep(0.01)
+        self.pickup.setKeyboardTracking(False)
+        self.pickup.setButtonSymbols(QtWidgets.QAbstractSpinBox.ButtonSymbols.NoButtons)
+        self.pickup.setMaximumWidth(62)
+        label = QtWidgets.QLabel(say("Pick-up"))
+        for widget in (label, self.pickup):
+            widget.setToolTip(say("inks.pickup_hint"))
+        self.pickup.setAccessibleName(say("Pick-up"))
+        self.pickup.valueChanged.connect(self.pickup_chosen)
+        row.addWidget(label)
+        row.addWidget(self.pickup)
+        for text, name, asked in (
+            ("Colour", "choose_colour", self.colour_asked),
+            ("Pigments", "open_pigments", self.table_asked),
+        ):
+            button = QtWidgets.QPushButton(say(text))
+            button.setObjectName(name)
+            button.clicked.connect(lambda _=False, asked=asked: asked.emit())
+            row.addWidget(button, 1)
+        return row
+
+    def show_pickup(self, share: float) -> None:
+        """Show how much wet ink the brush takes up, 1/mm, and tell nothing."""
+        if not self.pickup.hasFocus() and abs(self.pickup.value() - share) > 1e-9:
+            with QtCore.QSignalBlocker(self.pickup):
+                self.pickup.setRange(0.0, max(1.0, share))
+                self.pickup.setValue(share)
+
+    def add_pigments(self, pigments: Iterable[Pigment], source: str) -> None:
+        """Put pigments of one's own among the dishes.
+
+        Raises
+        ------
+        PigmentError
+            If one is called like one of the palette; then none is added.
+        """
+        pigments = list(pigments)
+        for pigment in pigments:
+            if pigment.name in load_palette() or pigment.name == WATER.name:
+                raise PigmentError(
+                    f"{source}: {pigment.name!r} is called like an ink of the palette; "
+                    "expected another name"
+                )
+        for pigment in pigments:
+            self.dishes.add(pigment)
 
     # -- stirring ---------------------------------------------------------------------------
 
     def stir(self, name: str) -> None:
         """Put one more part of an ink into the mixing dish."""
+        self._own_mixture = {}
         self._stirred[name] = self._stirred.get(name, 0.0) + 1.0
         self._show_mixture()
 
     def take_out(self, name: str) -> None:
         """Take one part of an ink out of the mixing dish again."""
+        self._own_mixture = {}
         left = self._stirred.get(name, 0.0) - 1.0
         if left > 0.0:
             self._stirred[name] = left
@@ -371,12 +470,14 @@ class InkPanel(QtWidgets.QWidget):
 
     def empty(self) -> None:
         """Wash the mixing dish."""
-        self._stirred = {}
+        self._stirred, self._own_mixture = {}, {}
         self.water.setValue(0)
         self._show_mixture()
 
     def mixture(self) -> dict[str, float]:
         """What is in the mixing dish: parts by name, of sum 1, water among them."""
+        if self._own_mixture:
+            return dict(self._own_mixture)
         total = sum(self._stirred.values())
         share = self.water.value() / 100.0
         if not total:
@@ -384,9 +485,31 @@ class InkPanel(QtWidgets.QWidget):
         parts = {name: part / total * (1.0 - share) for name, part in self._stirred.items()}
         return {**parts, WATER.name: share} if share else parts
 
+    def show_mixture(self, parts: Mapping[Pigment, float]) -> None:
+        """Put a whole mixture into the dish instead of what is there."""
+        shares = {ink.name: part for ink, part in parts.items()}
+        inked = {name: part for name, part in shares.items() if name != WATER.name}
+        if not inked:
+            return
+        least = min(inked.values())
+        with QtCore.QSignalBlocker(self.water):
+            self.water.setValue(min(round(100.0 * shares.get(WATER.name, 0.0)), _MOST_WATER))
+        self._stirred = {name: part / least for name, part in inked.items()}
+        self._own_mixture = shares
+        self._show_mixture()
+
+    def _water_moved(self) -> None:
+        self._own_mixture = {}
+        self._show_mixture()
+
+    def _of_dishes(self, parts: Mapping[str, float]) -> dict[Any, float]:
+        """Parts by name with the pigments of one's own in the place of their names."""
+        own = {n: p for n, p in self.dishes.pigments.items() if n not in load_palette()}
+        return {own.get(name, name): part for name, part in parts.items()}
+
     def _show_mixture(self) -> None:
         parts = self.mixture()
-        self._mixing.parts = parts
+        self._mixing.parts = self._of_dishes(parts)
         self._mixing.update()
         self._dip_button.setEnabled(bool(parts))
         if not parts:
@@ -396,7 +519,8 @@ class InkPanel(QtWidgets.QWidget):
 
     def _line(self, name: str, part: float) -> str:
         """An ink of the mixing dish, with signs to put a part in and to take one out."""
-        told = f"{html.escape(ink_label(name))} {100 * part:.0f} %"
+        pigment = self.dishes.pigments.get(name, name)
+        told = f"{html.escape(ink_label(pigment))} {_percent(part)} %"
         if name == WATER.name and name not in self._stirred:
             return told
         style = f"color:{self.dishes.theme.accent}; text-decoration:none"
@@ -408,10 +532,18 @@ class InkPanel(QtWidgets.QWidget):
 
     # -- the brush --------------------------------------------------------------------------
 
+    def dip_mixture(self) -> None:
+        """Dip in what is in the mixing dish."""
+        self._dip(self._of_dishes(self.mixture()))
+
+    def _dip_tone(self, share: float) -> None:
+        """Dip in the ink that the brush was dipped in, in one of its tones."""
+        self._dip(in_tone(self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}, share))
+
     def _dip(self, ink: Ink) -> None:
         if not ink:
             return
-        reach = _TIP_REACH if self.tip_only.isChecked() else None
+        reach = self.reach.value() / 100.0 if self.tip_only.isChecked() else None
         self.show_inks([ink])
         self.dipped.emit(ink, reach)
 
@@ -421,6 +553,8 @@ class InkPanel(QtWidgets.QWidget):
         parts = _parts(self.ink)
         self.dishes.chosen = next(iter(parts)) if len(parts) == 1 else ""
         self.dishes.update()
+        shown = self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}
+        self.tones.show_ink(shown, self.dishes.theme)
 
     def ink_name(self) -> str:
         """What the brush is dipped in, in words."""
@@ -431,4 +565,5 @@ class InkPanel(QtWidgets.QWidget):
         """Use other colours."""
         self.dishes.theme = self._mixing.theme = theme
         self._show_mixture()
+        self.show_inks([self.ink])
         self.update()

@@ -52,7 +52,7 @@ class Panels:
         self.devices = DevicePanel(theme)
         self.surface = SurfacePanel(actions[name] for name in ("wet", "dry", "refine"))
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
-        self._tall = (self.hand, self.copybook, self.devices, self.surface)
+        self._tall = (self.inks, self.hand, self.copybook, self.devices, self.surface)
         upper = [
             self._dock("brushes", "panel.brushes", self.brushes),
             self._dock("inks", "panel.inks", self.inks),
@@ -92,6 +92,7 @@ class Panels:
         self.brushes.chosen.connect(self._take_brush)
         self.brushes.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self._workspace.hand.sized.connect(self.brushes.resize_brush)
+        self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(
@@ -120,6 +121,7 @@ class Panels:
         self.brushes.show_brush(document.painter.brush)
         self.inks.show_inks(document.inks)
         self.brushes.set_ink(document.inks[0])
+        self.inks.show_pickup(document.pickup)
         self.layers.show_layers(document.layers, document.active_layer)
         self.copybook.show_copybook(None)
         self.history.open(document)
@@ -133,6 +135,7 @@ class Panels:
         self.surface.show_surface(document.surface)
         self.layers.show_layers(document.layers, document.active_layer)
         self.history.follow(document, frame)
+        self.inks.show_pickup(document.pickup)
         if document.inks[0] != self.inks.ink:
             self.inks.show_inks(document.inks)
             self.brushes.set_ink(document.inks[0])

@@ -7,15 +7,19 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.window.dialogs.material_box import MaterialBox
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say, say_length
+from paint3d.app.window.wording import say, say_length, say_material
+from paint3d.colour.materials import Material, load_materials
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["SurfacePanel"]
 
 _SWATCH = 44
-_NUMBERS = (("absorbency", "Absorbency"), ("grain", "Grain"), ("coat", "Glaze"))
+_NUMBERS = (
+    ("absorbency", "Absorbency"), ("grain", "Grain"), ("coat", "Glaze"), ("friction", "Friction"),
+)  # fmt: skip
 
 
 class SurfacePanel(QtWidgets.QWidget):
@@ -25,7 +29,17 @@ class SurfacePanel(QtWidgets.QWidget):
     ----------
     actions : iterable of QAction
         Shown as buttons.
+
+    Signals
+    -------
+    asked : str or Material
+        The object is to be of this material.
+    failed : str
+        A file of a material cannot be used: why.
     """
+
+    asked = QtCore.Signal(object)
+    failed = QtCore.Signal(str)
 
     def __init__(self, actions: Iterable[QtGui.QAction]) -> None:
         super().__init__()
@@ -44,6 +58,10 @@ class SurfacePanel(QtWidgets.QWidget):
         words.addWidget(self.fineness)
         head.addLayout(words, 1)
         form = QtWidgets.QFormLayout()
+        self.material = MaterialBox(next(iter(load_materials())))
+        self.material.chosen.connect(self._chosen)
+        self.material.failed.connect(self.failed)
+        form.addRow(say("surface.material"), self.material)
         for key, text in _NUMBERS:
             number = self._numbers[key] = QtWidgets.QLabel()
             number.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
@@ -64,12 +82,14 @@ class SurfacePanel(QtWidgets.QWidget):
 
     def show_surface(self, surface: PaintedSurface) -> None:
         """Show what this surface is."""
-        told = surface.material.name, surface.resolution, surface.n_vertices
+        told = surface.material, surface.resolution, surface.n_vertices
         if told == self._shown:
             return
         self._shown = told
         material = surface.material
-        self.name.setText(say(f"surface.{material.name}"))
+        self.name.setText(say_material(material))
+        self.setToolTip("\n".join(filter(None, (material.basis, material.note))))
+        self.material.show_material(_found(material))
         fine = "" if surface.resolution is None else f"{say_length(surface.resolution)}  ·  "
         self.fineness.setText(fine + say("status.vertices", count=surface.n_vertices))
         for key, number in self._numbers.items():
@@ -79,9 +99,19 @@ class SurfacePanel(QtWidgets.QWidget):
         pixels.fill(QtGui.QColor(red, green, blue))
         self.swatch.setPixmap(pixels)
 
+    def _chosen(self, material: str | Material) -> None:
+        """Ask for it; what is shown follows when the object is of it."""
+        self._shown = ()
+        self.asked.emit(material)
+
     def show_unit(self) -> None:
         """Tell lengths in the unit that is chosen now, the next time."""
         self._shown = ()
 
     def set_theme(self, theme: Theme) -> None:
         """Nothing here is painted by hand."""
+
+
+def _found(material: Material) -> str | Material:
+    """The name of a material that comes with the program; any other itself."""
+    return material.name if material.name in load_materials() else material

@@ -1,0 +1,82 @@
+"""Brushes of one's own, kept as files in a folder of the user's settings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from paint3d.app.model.persistence.places import config_folder
+from paint3d.brush.brush_file import read_brush, write_brush
+from paint3d.brush.presets import load_presets
+from paint3d.brush.spec import BrushSpec
+from paint3d.errors import BrushError, Paint3DError
+
+__all__ = ["keep_brush", "own_brush_folder", "own_brush_path", "own_brushes"]
+
+_MOST = 200  # brushes that are listed
+
+
+def own_brush_folder() -> Path:
+    """The folder; it need not be there."""
+    return config_folder() / "brushes"
+
+
+def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[str]]:
+    """The user's brushes by name, in the order of their files, and what is wrong with others.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        By default `own_brush_folder`.
+    """
+    folder = own_brush_folder() if folder is None else folder
+    presets, found, problems = load_presets(), {}, []
+    try:
+        files = sorted(path for path in folder.iterdir() if path.suffix in (".toml", ".json"))
+    except OSError:
+        return {}, []
+    for path in files[:_MOST]:
+        try:
+            brush = read_brush(path, presets)
+            if brush.name in found or brush.name in presets:
+                raise BrushError(f"{path}: another brush is called {brush.name!r}")
+            found[brush.name] = brush
+        except Paint3DError as cause:
+            problems.append(str(cause))
+    return found, problems
+
+
+def own_brush_path(name: str, folder: Path | None = None) -> Path:
+    """The file that a brush of this name is kept in: that of the name, or a new one."""
+    folder = own_brush_folder() if folder is None else folder
+    plain = "".join(c if c.isalnum() or c in "-_" else "_" for c in name).strip("_") or "brush"
+    path, n = folder / f"{plain}.toml", 1
+    while path.exists() and _name_in(path) != name:
+        n += 1
+        path = folder / f"{plain}_{n}.toml"
+    return path
+
+
+def _name_in(path: Path) -> str | None:
+    try:
+        return read_brush(path, load_presets()).name
+    except Paint3DError:
+        return None
+
+
+def keep_brush(brush: BrushSpec, folder: Path | None = None) -> Path:
+    """Write a brush into the folder, over the one of the same name; where it lies now.
+
+    Raises
+    ------
+    BrushError
+        For a name that no brush of one's own can have.
+    ExportError
+        If it cannot be written.
+    """
+    path = own_brush_path(brush.name, folder)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as cause:
+        raise BrushError(f"{path.parent}: {cause.strerror or cause}") from None
+    write_brush(path, brush, load_presets())
+    return path

@@ -1,0 +1,81 @@
+"""A box to choose what a surface is made of: by name, or from a file of one's own."""
+
+from __future__ import annotations
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.window.wording import say, say_error, say_material
+from paint3d.colour.materials import Material, load_material, load_materials
+from paint3d.errors import Paint3DError
+
+__all__ = ["MaterialBox"]
+
+
+class MaterialBox(QtWidgets.QComboBox):
+    """The materials that there are, and a way to a file.
+
+    Signals
+    -------
+    chosen : str or Material
+        Another one was chosen, by hand.
+    failed : str
+        A file cannot be used: why. What was chosen before stays.
+    """
+
+    chosen = QtCore.Signal(object)
+    failed = QtCore.Signal(str)
+
+    def __init__(self, material: str | Material) -> None:
+        super().__init__()
+        self.setToolTip(say("What the surface is made of; a file of your own describes others"))
+        self._before = 0
+        for name, known in load_materials().items():
+            self.addItem(say_material(known), name)
+        self._own = self.count()  # where one of the user's own is shown
+        self.addItem(say("From a file…"), None)
+        self.activated.connect(self._activated)
+        self.show_material(material)
+
+    def show_material(self, material: str | Material) -> None:
+        """Show which material it is now: a name, a file's, or the material itself."""
+        name = material.name if isinstance(material, Material) else material
+        row = self.findData(name)
+        if row < 0 or isinstance(self.itemData(row), Material):
+            made_of = load_material(material) if isinstance(material, str) else material
+            if self.count() > self._own + 1:
+                self.removeItem(self._own)
+            row = self._own
+            self.insertItem(row, say_material(made_of), material)
+        self.setCurrentIndex(row)
+        self._before = row
+
+    def material(self) -> str | Material:
+        """What is chosen: a name, a file's, or a material that has none of them."""
+        data: str | Material | None = self.itemData(self.currentIndex())
+        assert data is not None, "a file is asked for at once"
+        return data
+
+    def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
+        """Scroll what lies around it: another material is never chosen in passing."""
+        event.ignore()
+
+    def _activated(self, row: int) -> None:
+        if self.itemData(row) is not None:
+            changed, self._before = row != self._before, row
+            if changed:
+                self.chosen.emit(self.material())
+            return
+        self.setCurrentIndex(self._before)
+        words = f"{say('Materials')} (*.toml *.json)"
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self.window(), say("From a file…").rstrip("…"), "", words
+        )
+        if not path:
+            return
+        try:
+            load_material(path)
+            self.show_material(path)
+        except Paint3DError as error:
+            self.failed.emit(say_error(error))
+            return
+        self.chosen.emit(path)

@@ -1,0 +1,75 @@
+"""Inks of one's own in the studio: any colour as a mixture, tables of pigments, pick-up."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6 import QtWidgets
+
+from paint3d.app.window.dialogs.colour_dialog import ColourDialog
+from paint3d.app.window.panels.side_panels import Panels
+from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.workspace import Workspace
+from paint3d.colour.nearest_mixture import Nearest
+from paint3d.colour.pigment_tables import load_pigments_csv
+from paint3d.errors import Paint3DError
+
+__all__ = ["InkMaking"]
+
+
+class InkMaking:
+    """For one window; ``do_<action>`` for each.
+
+    Attributes
+    ----------
+    dialog : ColourDialog or None
+        That was opened last.
+    """
+
+    def __init__(self, workspace: Workspace, panels: Panels) -> None:
+        self._workspace, self._panels = workspace, panels
+        self.dialog: ColourDialog | None = None
+        panels.inks.colour_asked.connect(self.do_choose_colour)
+        panels.inks.table_asked.connect(self.do_open_pigments)
+        panels.inks.pickup_chosen.connect(lambda share: workspace.post("set_pickup", share))
+
+    def do_choose_colour(self) -> None:
+        """Let a colour be chosen, and mix what comes nearest."""
+        if self.dialog is not None:
+            self.dialog.close()
+            self.dialog.deleteLater()
+        workspace, inks = self._workspace, self._panels.inks
+        ground = workspace.document.surface.material.reflectance
+        dialog = self.dialog = ColourDialog(
+            workspace.window, workspace.theme, ground, tuple(inks.dishes.pigments.values())
+        )
+        dialog.mixed.connect(self._mix)
+        dialog.dipped.connect(self._dip)
+        dialog.show()
+
+    def _mix(self, nearest: Nearest) -> None:
+        self._panels.inks.show_mixture(nearest.parts)
+
+    def _dip(self, nearest: Nearest) -> None:
+        self._mix(nearest)
+        self._panels.inks.dip_mixture()
+
+    def do_open_pigments(self) -> None:
+        """Ask for a table of pigments, and put them among the dishes."""
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._workspace.window,
+            say("Open a table of pigments…").rstrip("…"),
+            "",
+            f"{say('Tables of pigments')} (*.csv);;{say('All files')} (*)",
+        )
+        if path:
+            self.open_table(path)
+
+    def open_table(self, path: str | Path) -> bool:
+        """Put the pigments of a table among the dishes; what is wrong is told in one line."""
+        try:
+            self._panels.inks.add_pigments(load_pigments_csv(path).values(), str(path))
+        except Paint3DError as error:
+            self._workspace.tell(say_error(error), state="bad", stays=True)
+            return False
+        return True

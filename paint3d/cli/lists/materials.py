@@ -1,0 +1,92 @@
+"""List the materials of surfaces with their numbers, and give a file to start one's own from."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from paint3d.cli.lists.columns import block, columns_of, hexadecimal, padded_line
+from paint3d.cli.options import add_quiet_option
+
+if TYPE_CHECKING:
+    from paint3d.colour.materials import Material
+
+__all__ = ["HELP", "add_arguments", "material_lines", "run"]
+
+HELP = "what surfaces are made of, with numbers and sources; a file to start your own from"
+
+_COLUMNS = (
+    ("rough", "roughness"), ("glaze", "coat"), ("drinks", "absorbency"), ("grain", "grain"),
+    ("tooth", "tooth_mm"), ("friction", "friction"), ("pores", "pores_mm"),
+    ("residual", "residual"), ("advance", "advance"), ("spread", "spread_mm2_s"),
+    ("passing", "passing"), ("drying", "drying_mm_s"),
+)  # fmt: skip
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    add_quiet_option(parser)
+    actions = parser.add_subparsers(metavar="ACTION", dest="action")
+    show = actions.add_parser(
+        "show",
+        help="print a material as a file: paint3d materials show silk > mine.toml",
+        allow_abbrev=False,
+    )
+    show.add_argument(
+        "material", metavar="NAME|FILE", help="a material of the list, or a file to check"
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the table or the file to stdout.
+
+    Raises
+    ------
+    Paint3DError
+        If the material is not known, or its file cannot be used.
+    """
+    from paint3d.colour.materials import load_material, load_materials
+
+    if options.action == "show":
+        from paint3d.colour.material_file import material_text
+
+        sys.stdout.write(material_text(load_material(options.material)))
+    elif not options.quiet:
+        lines = material_lines(load_materials().values(), colour=sys.stdout.isatty())
+        sys.stdout.write("\n".join(lines) + "\n")
+
+
+def material_lines(materials: Iterable[Material], colour: bool = False) -> list[str]:
+    """Lines of a table of materials: a head, then one a line; lengths in mm, drying in mm/s.
+
+    Parameters
+    ----------
+    materials : iterable of Material
+    colour : bool
+        Put a block in 24-bit ANSI colour before each hexadecimal colour, for a terminal.
+    """
+    from paint3d.colour.spectra import srgb_from_reflectance
+
+    materials = list(materials)
+    rows = [("name", "", "colour", *(head for head, _ in _COLUMNS), "reflectance", "numbers")]
+    for material in materials:
+        shown = hexadecimal(srgb_from_reflectance(material.reflectance))
+        numbers = (f"{getattr(material, field):g}" for _, field in _COLUMNS)
+        from_where = f"{material.basis} ({material.source})" if material.source else material.basis
+        names = material.name, material.chinese
+        rows.append((*names, shown, *numbers, from_where, material.note))
+    if colour:
+        rows = [
+            (*row[:2], ("   " if k == 0 else "xx ") + row[2], *row[3:])
+            for k, row in enumerate(rows)
+        ]
+    widths = [max(map(columns_of, column)) for column in zip(*rows, strict=True)]
+    lines = [padded_line(row, widths) for row in rows]
+    if not colour:
+        return lines
+    return [
+        line.replace(row[2], block(row[2][3:]) + row[2][3:]) if k else line
+        for k, (row, line) in enumerate(zip(rows, lines, strict=True))
+    ]

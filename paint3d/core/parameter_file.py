@@ -1,0 +1,93 @@
+"""Files of parameters by name, in TOML or JSON: brushes and materials of one's own."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from paint3d.errors import Paint3DError
+
+__all__ = ["check_known", "is_parameter_file", "read_parameters"]
+
+_SUFFIXES = (".toml", ".json")
+_MOST_BYTES = 1 << 20
+
+
+def is_parameter_file(name: str) -> bool:
+    """Whether a name is that of such a file.
+
+    Examples
+    --------
+    >>> is_parameter_file("mine.toml"), is_parameter_file("full")
+    (True, False)
+    """
+    return name.lower().endswith(_SUFFIXES)
+
+
+def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[str, Any]:
+    """The parameters of a file, by name, as they stand there.
+
+    Parameters
+    ----------
+    path : Path
+        ``.json``, or else TOML, in UTF-8, at most 1 MiB.
+    what : str
+        What it holds, for messages: "a brush".
+    error : type
+        Of the exception that is raised.
+
+    Raises
+    ------
+    error
+        Naming the file, if it cannot be read or holds no parameters by name.
+    """
+    if not path.is_file():
+        raise error(f"{path}: there is no such file; expected {what} in .toml or .json")
+    parse: Callable[[str], Any] = json.loads if path.suffix.lower() == ".json" else tomllib.loads
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(_MOST_BYTES + 1)
+        if len(data) > _MOST_BYTES:
+            raise error(f"{path}: is over 1 MiB; expected {what}")
+        values = parse(data.decode("utf-8-sig"))
+    except OSError as cause:
+        raise error(f"{path}: {cause.strerror or cause}") from None
+    except (ValueError, RecursionError) as cause:
+        if isinstance(cause, Paint3DError):
+            raise
+        raise error(f"{path}: cannot be read as {path.suffix[1:].upper()}: {cause}") from None
+    if not isinstance(values, dict):
+        raise error(f"{path}: holds {values!r:.40}; expected parameters by name")
+    return values
+
+
+def check_known(
+    values: Mapping[str, Any], known: Iterable[str], error: type[Paint3DError], what: str = ""
+) -> None:
+    """Refuse parameters that there are not, with the nearest that there is.
+
+    Parameters
+    ----------
+    values : mapping
+        By name.
+    known : iterable of str
+        Names that there are.
+    error : type
+        Of the exception that is raised.
+    what : str
+        Said before: "bristles: ".
+
+    Raises
+    ------
+    error
+    """
+    known = list(known)
+    for name in values:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise error(f"{what}there is no {name!r:.60}: {hint}expected {', '.join(known)}")

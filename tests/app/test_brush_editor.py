@@ -1,0 +1,241 @@
+"""The brush editor, brushes of one's own and brush files, in the real window."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from paint3d.app.model.brush_draft import changed, range_of, value_of
+from paint3d.app.model.commands import decode_command, encode_command
+from paint3d.app.model.document import Document
+from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
+from paint3d.app.model.persistence.saved_settings import chosen_brush, in_hand
+from paint3d.app.model.persistence.settings import Settings
+from paint3d.app.model.score.playing import painted
+from paint3d.app.window.chinese import CHINESE
+from paint3d.app.window.dialogs import brush_editor
+from paint3d.brush.bristle_spec import BristleSpec, shape_rows
+from paint3d.brush.presets import load_brush
+from paint3d.errors import BrushError
+from paint3d.view.brush_picture import draw_stroke
+from tests.support.app.gestures import live, pen_stroke, wait_for
+from tests.support.app.windows import opened, settled
+
+KEY, BUTTON, NO_KEY = QtCore.Qt.Key, QtCore.Qt.MouseButton, QtCore.Qt.KeyboardModifier.NoModifier
+ROWS = (*brush_editor.TUFT, *brush_editor.FORCE, *brush_editor.OF_HAIRS)
+TABLE = shape_rows([(0.0, 0.5, 0.6, 0.1, 0.4, 0.6, 10.0), (30.0, 0.4, 0.5, 0.0, 0.5, 0.2, 5.0)])
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
+    monkeypatch.setenv("PAINT3D_STATE", str(tmp_path / "state"))
+    return own_brush_folder()
+
+
+def type_in(box: QtWidgets.QWidget, text: str) -> None:
+    """Write into a box with the keys, and press Enter; turn to its page first."""
+    box.window().activateWindow()
+    wait_for(box.isActiveWindow)
+    page = box.parentWidget()
+    while page is not None and not isinstance(page.parentWidget(), QtWidgets.QStackedWidget):
+        page = page.parentWidget()
+    if page is not None and not page.isVisible():
+        page.parentWidget().parentWidget().setCurrentWidget(page)
+        live(0.02)
+    box.setFocus()
+    box.selectAll()
+    QtTest.QTest.keyClicks(box, text)
+    QtTest.QTest.keyClick(box, KEY.Key_Return)
+
+
+def click(widget: QtWidgets.QWidget, place: QtCore.QPoint | None = None, button=BUTTON.LeftButton):
+    QtTest.QTest.mouseClick(widget, button, NO_KEY, place or widget.rect().center())
+
+
+def drawn(editor: brush_editor.BrushEditor) -> tuple[bytes, bytes]:
+    """What is shown of footprints and stroke, once it has been drawn."""
+    wait_for(lambda: not editor.drawing.is_busy)
+    live(0.02)
+    images = (p.pixmap().toImage() for p in (editor.footprints, editor.stroke))
+    footprints, stroke = (bytes(image.constBits()) for image in images)
+    return footprints, stroke
+
+
+def test_a_brush_is_changed_kept_painted_with_and_there_the_next_time(program, own_folder) -> None:
+    with opened(program) as window:
+        click(window.findChild(QtWidgets.QPushButton, "edit_brush"))
+        editor = window.brushes.editor
+        assert editor.isVisible()
+        before = drawn(editor)
+        type_in(editor.rows["root_diameter_mm"].box, "5")
+        assert editor.brush.root_diameter_mm == 5.0
+        after = drawn(editor)
+        assert before[0] != after[0]
+        assert before[1] != after[1]
+        editor.tabs.setCurrentIndex(2)
+        click(editor.single, QtCore.QPoint(8, editor.single.height() // 2))
+        type_in(editor.rows["n_hairs"].box, "40")
+        editor.rows["hair_mm"].slider.setFocus()
+        QtTest.QTest.keyClick(editor.rows["hair_mm"].slider, KEY.Key_End)
+        editor.tabs.setCurrentIndex(3)
+        live(0.05)
+        click(editor.curve, editor.curve.place(0.5, 3.0).toPoint())
+        click(editor.curve, editor.curve.place(0.9, 0.5).toPoint())
+        type_in(editor.name_box, "wolf 1")
+        click(editor.keep)
+        settled(window)
+        wanted = editor.brush
+        assert (wanted.bristles.n_hairs, wanted.bristles.hair_mm) == (40, 2.0)
+        ((setting, ((name, points),)),) = wanted.inputs
+        assert (setting, name) == ("stiffness", "pressure")
+        assert np.allclose(points, [(0.5, 3.0), (0.9, 0.5)], rtol=0.05)
+        kept = window.document.painter.brush
+        assert kept == dataclasses.replace(wanted, name="wolf 1")
+        assert window.panels.brushes.brush == kept
+        assert load_brush(str(own_folder / "wolf_1.toml")) == kept
+        chosen = in_hand(kept, ["pine soot"])
+        editor.close()
+    settings = Settings(brush=chosen["brush"], brush_mm=chosen["brush_mm"])
+    assert chosen_brush(settings) == kept
+    with opened(program, settings=settings) as window:
+        shown = window.findChild(QtWidgets.QListWidget, "brushes")
+        assert shown.currentItem().text().startswith("wolf 1")
+        assert window.document.painter.brush == kept
+
+
+def test_out_of_range_and_bad_names_are_told_in_the_editor(program) -> None:
+    with opened(program) as window:
+        window.workspace.actions["edit_brush"].trigger()
+        editor = window.brushes.editor
+        type_in(editor.rows["hardness"].box, "0.5")
+        assert editor.brush.hardness == 0.5
+        for name, told in (("full", "a brush that comes with the program"), ("", "expected 1 to")):
+            editor.name_box.setText(name)
+            click(editor.keep)
+            assert told in editor.told.text()
+        assert own_brushes() == ({}, [])
+        click(editor.again)
+        assert editor.brush == editor.begun == load_brush("full")
+        type_in(editor.rows["length_mm"].box, "70")
+        assert editor.brush.root_diameter_mm == pytest.approx(28.0)  # all that is a length
+        assert editor.rows["tip_segment_mm"].range.text() == "1.6 – 2.8"
+        editor.close()
+
+
+def test_strokes_of_an_edited_brush_are_undone_kept_and_painted_again_from_the_score(
+    program, tmp_path: Path
+) -> None:
+    brush = dataclasses.replace(
+        load_brush("full"), name="mine", taper=0.9, bristles=BristleSpec(30, TABLE),
+        inputs={"load": {"speed": [[0, 1.0], [300, 0.4]]}},
+    )  # fmt: skip
+    other = dataclasses.replace(brush, taper=0.6)  # of the same name
+    with opened(program) as window:
+        for row, one in ((0.45, brush), (0.6, other)):
+            window.workspace.post("set_brush", one)
+            settled(window)
+            pen_stroke(window.canvas, (0.42, row), (0.55, row), [0.1, *[0.5] * 8, 0.0])
+            settled(window)
+        document = window.document
+        assert [stroke.brush for stroke in document.strokes] == [brush, other]
+        srgb = document.surface.srgb.copy()
+        again = painted(document.score, document.surface.source)
+        assert np.array_equal(again.surface.srgb, srgb)
+        document.save(tmp_path / "a.p3d")
+        window.workspace.actions["undo"].trigger()
+        settled(window)
+        assert [stroke.brush for stroke in document.strokes] == [brush]
+        assert not np.array_equal(document.surface.srgb, srgb)
+    loaded = Document.open(tmp_path / "a.p3d")
+    assert loaded.painter.brush == other
+    assert [stroke.brush for stroke in loaded.strokes] == [brush, other]
+
+
+def test_a_command_carries_a_brush_with_its_own_table() -> None:
+    brush = dataclasses.replace(load_brush("feibai"), name="mine", bristles=BristleSpec(30, TABLE))
+    name, (again,), options = decode_command(encode_command("set_brush", [brush], {}))
+    assert (name, again, options) == ("set_brush", brush, {})
+
+
+@pytest.mark.parametrize("name", [row[0] for row in ROWS if row[0] != "max_force"])
+def test_every_control_changes_what_is_painted(name: str) -> None:
+    brush = load_brush("feibai")
+    low, high = range_of(brush, name)
+    value = value_of(brush, name)
+    other = high if high - value > value - low else low
+    other = {"length_mm": 60.0, "n_hairs": 60}.get(name, other)
+    other = int(other) if name == "n_segments" else other
+    before, after = (
+        draw_stroke(one, "pine soot", columns=132) for one in (brush, changed(brush, name, other))
+    )
+    assert not np.array_equal(before, after)
+
+
+def test_the_greatest_force_is_felt() -> None:
+    brush = load_brush("full")
+    assert changed(brush, "max_force", 15.8).spring == pytest.approx(2.0 * brush.spring)
+
+
+def test_a_brush_file_is_opened_and_a_bad_one_told_in_one_line(
+    program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good, bad = tmp_path / "mine.toml", tmp_path / "bad.toml"
+    good.write_text('base = "slender"\nhardness = 0.4\n', encoding="utf-8")
+    bad.write_text('base = "slender"\nhardness = 4\n', encoding="utf-8")
+    with opened(program) as window:
+        button = window.findChild(QtWidgets.QPushButton, "open_brush")
+        for path in (good, bad):
+            monkeypatch.setattr(
+                QtWidgets.QFileDialog, "getOpenFileName", lambda *_, path=path: (str(path), "")
+            )
+            click(button)
+            settled(window)
+            assert window.document.painter.brush == load_brush(str(good))
+        labels = [w.text() for w in window.statusBar().findChildren(QtWidgets.QLabel)]
+        assert any("hardness is 4; expected 0.3 to 0.7" in text for text in labels)
+
+
+def test_a_bad_file_among_ones_own_is_told_and_the_others_listed(own_folder: Path) -> None:
+    keep_brush(dataclasses.replace(load_brush("full"), name="one/two"))
+    keep_brush(dataclasses.replace(load_brush("full"), name="one two", taper=0.7))
+    keep_brush(dataclasses.replace(load_brush("full"), name="one/two", taper=0.8))
+    (own_folder / "z.toml").write_text('base = "fulll"', encoding="utf-8")
+    found, problems = own_brushes()
+    assert {name: brush.taper for name, brush in found.items()} == {"one/two": 0.8, "one two": 0.7}
+    assert len(problems) == 1
+    assert "z.toml: base is 'fulll'" in problems[0]
+    with pytest.raises(BrushError, match="comes with the program"):
+        keep_brush(load_brush("full"))
+
+
+def test_all_that_the_editor_says_is_said_in_chinese() -> None:
+    source = Path(brush_editor.__file__).read_text(encoding="utf-8")
+    texts = set(re.findall(r'say\("([^"]+)"', source)) | {row[1] for row in ROWS}
+    texts |= set(re.findall(r'self\._button\("([^"]+)"', source))
+    assert len(texts) > 40
+    assert {text for text in texts if "." not in text and text not in CHINESE} == set()
+
+
+def test_numbers_are_shown_with_their_units_and_ranges(program) -> None:
+    with opened(program) as window:
+        window.workspace.actions["edit_brush"].trigger()
+        rows = window.brushes.editor.rows
+        shown = {name: (row.box.text(), row.range.text()) for name, row in rows.items()}
+        assert shown["length_mm"] == ("35 mm", "5 – 200")
+        assert shown["hardness"] == ("0.7", "0.3 – 0.7")
+        assert shown["n_segments"] == ("9", "8 – 13")
+        assert shown["n_hairs"] == ("1000", "1 – 10000")
+        assert shown["load"] == ("6000 mm²", "1 – 10⁷")
+        assert shown["transfer_per_mm"] == ("0.006", "10⁻⁶ – 1")
+        type_in(rows["transfer_per_mm"].box, "0.00025")
+        assert window.brushes.editor.brush.transfer_per_mm == 0.00025
+        window.brushes.editor.close()

@@ -1,0 +1,155 @@
+"""Materials of one's own as files, and what the surface does to brush and ink."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paint3d.app.model.score.words import Inks, header_of, material_in
+from paint3d.brush.bending import build_tuft, tuft_on
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.colour.material_file import material_text
+from paint3d.colour.materials import Material, load_material, load_materials, material_names
+from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.errors import PigmentError, UnknownNameError
+from paint3d.files.load import load_mesh
+from paint3d.files.project.session import Session, load_session, save_session
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.state import restore_surface, surface_state
+
+NEEDED = "roughness = 0.9\ncoat = 0\nabsorbency = 1\ngrain = 0.5\n"
+
+
+def written(folder: Path, text: str, name: str = "mine.toml") -> str:
+    (folder / name).write_text(text, encoding="utf-8")
+    return str(folder / name)
+
+
+def values(material: Material) -> dict[str, object]:
+    told = {f.name: getattr(material, f.name) for f in dataclasses.fields(material)}
+    return told | {"reflectance": material.reflectance.tolist()}
+
+
+@pytest.mark.parametrize("name", material_names())
+def test_what_is_shown_is_read_back(name: str, tmp_path: Path) -> None:
+    material = load_material(name)
+    read = load_material(written(tmp_path, material_text(material)))
+    assert values(read) == values(material) | {"name": "mine"}
+
+
+@pytest.mark.parametrize("name", material_names())
+def test_each_number_has_a_source_or_was_set_by_eye(name: str) -> None:
+    material = load_material(name)
+    assert "set by eye" in material.note
+    assert material.source
+    assert material.basis
+    assert material.licence
+    assert material.chinese
+
+
+def test_a_file_may_start_from_a_material(tmp_path: Path) -> None:
+    toml = written(tmp_path, 'base = "silk"\nfriction = 1.2\ncolour = "#e8d9b0"\n')
+    same = {"base": "silk", "name": "mine", "friction": 1.2, "colour": "#E8D9B0"}
+    read = load_material(toml)
+    assert values(read) == values(load_material(written(tmp_path, json.dumps(same), "o.JSON")))
+    silk = load_material("silk")
+    assert (read.friction, read.rated_friction, read.grain) == (1.2, silk.friction, silk.grain)
+    assert srgb_from_reflectance(read.reflectance).tolist() == [0xE8, 0xD9, 0xB0]
+    whole = load_material(written(tmp_path, NEEDED + 'colour = "#ffffff"\n'))
+    assert whole.reflectance.min() > 0.999
+    pairs = "reflectance = [[380, 0.2], [700, 0.84]]"
+    ramp = load_material(written(tmp_path, NEEDED + pairs))
+    assert np.allclose(ramp.reflectance, np.linspace(0.24, 0.84, 31))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("grain = 0.4", "says no colour, roughness, coat, absorbency"),
+        ('base = "sil"', "base is 'sil'; expected one of porcelain"),
+        ('base = "silk"\nfriktion = 1', "there is no 'friktion': did you mean 'friction'"),
+        ('base = "silk"\nfriction = 0.1', "friction of mine is 0.1; expected 0.2 to 2"),
+        ('base = "silk"\nfriction = 2', "2.67 times its rated_friction 0.75"),
+        ('base = "silk"\ngrain = "coarse"', "grain of mine is 'coarse'; expected a number"),
+        ('base = "silk"\nname = "xuan"', "a material that comes with the program"),
+        ('base = "silk"\nname = "a.toml"', "no file's name"),
+        ('base = "silk"\nsource = 3', "source is 3; expected at most 500 letters"),
+        ('base = "silk"\ncolour = "white"', "colour is 'white'; expected sRGB such as"),
+        ('base = "silk"\ncolour = "#fff"', "colour is '#fff'; expected sRGB"),
+        ('base = "silk"\nreflectance = 3', "reflectance is of the shape (); expected 31 numbers"),
+        ('base = "silk"\nreflectance = ["a"]', "reflectance is ['a']; expected 31 numbers"),
+        ('base = "silk"\nreflectance = [[450, 1], [700, 1]]', "from 450 to 700 nm; expected"),
+        ('base = "silk"\nreflectance = [[380, 1], [700, 3]]', "is 1.125 to 3; expected 0 to 1"),
+        (
+            'base = "silk"\ncolour = "#ffffff"\nreflectance = [[380, 1], [700, 1]]',
+            "says a colour and a reflectance",
+        ),
+        ("base = ", "cannot be read as TOML"),
+    ],
+)
+def test_a_bad_file_says_where_and_what(text: str, told: str, tmp_path: Path) -> None:
+    file = written(tmp_path, text)
+    with pytest.raises(PigmentError) as refused:
+        load_material(file)
+    assert str(refused.value).startswith(f"{file}: ")
+    assert told in str(refused.value)
+
+
+def test_names_out_of_files_open_no_files(tmp_path: Path) -> None:
+    file = written(tmp_path, 'base = "silk"')
+    with pytest.raises(PigmentError, match="which a file may not name"):
+        load_material(file, own_files=False)
+    with pytest.raises(UnknownNameError):
+        material_in({"material": file})  # of a score
+    assert load_material("silk", own_files=False) is load_material("silk")
+
+
+def test_paintings_keep_the_whole_material_and_no_file(tmp_path: Path) -> None:
+    mine = load_material(written(tmp_path, 'base = "silk"\nfriction = 1.2\n'))
+    surface = PaintedSurface(load_mesh("plane"), 20.0, mine)
+    save_session(Session(surface), tmp_path / "a.p3d")
+    (tmp_path / "mine.toml").unlink()
+    assert values(load_session(tmp_path / "a.p3d").surface.material) == values(mine)
+    said = header_of(surface, load_brush("full"), "pine soot", Inks({}))
+    assert values(material_in(json.loads(json.dumps(said)))) == values(mine)
+
+
+def test_surfaces_from_before_friction_are_of_the_materials_that_they_name() -> None:
+    stone = PaintedSurface(load_mesh("plane"), 20.0, "terracotta")
+    state = surface_state(stone)
+    for name in ("friction", "rated_friction", "note"):
+        del state["material"][name]
+    again = restore_surface(load_mesh("plane"), state)
+    assert again.material is load_material("terracotta")
+    state["material"]["grain"] = 0.1  # but not where it differs
+    assert restore_surface(load_mesh("plane"), state).material.grain == 0.1
+
+
+# -- what it does --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", brush_names())
+def test_brushes_paint_on_what_comes_with_the_program_as_they_say(name: str) -> None:
+    spec = load_brush(name)
+    plain = build_tuft(spec)
+    for material in load_materials().values():
+        tuft = tuft_on(spec, material)
+        assert (tuft.spread, tuft.drag_fraction) == (plain.spread, plain.drag_fraction)
+        assert tuft.transfer_per_mm == plain.transfer_per_mm
+
+
+def test_friction_of_the_surface_spreads_the_hairs_and_drags_them() -> None:
+    """Guo 2015, Eq. 2: b + c mu, where mu is that of brush and surface."""
+    spec, xuan = load_brush("full"), load_material("xuan")
+    for friction in (0.5, 1.0, 2.0):
+        tuft = tuft_on(spec, dataclasses.replace(xuan, friction=friction, rated_friction=1.0))
+        mu = spec.friction * friction
+        spread = spec.spread_by_pressure + spec.spread_by_friction * mu
+        assert tuft.spread == pytest.approx(spread, rel=1e-12)
+        assert tuft.drag_fraction == pytest.approx(min(0.5, spec.drag_fraction * friction))
+    with pytest.raises(PigmentError, match="expected at most 2"):
+        dataclasses.replace(xuan, friction=2.0, rated_friction=0.5)
