@@ -61,9 +61,10 @@ HOMES = {
     # Paintings are handed to those who work with these packages, and taken from them; the
     # program itself needs neither. What takes such an object imports nothing for it.
     "trimesh": {"files", "surface"},
+    "colour": {"colour", "surface"},  # other lights and observers than our own
 }
 # Tools and oracles, never part of the program:
-FORBIDDEN = {"colour", "matplotlib", "pandas", "torch"}
+FORBIDDEN = {"matplotlib", "pandas", "torch"}
 # What is reached by name: readers of kinds of files, what processes begin with.
 BY_NAME = (
     "paint3d.files.readers.read_",

@@ -114,6 +114,21 @@ CHINESE = {
     "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real one "
     "does.":
         "用一支会弯、会散、会干的笔，在器物上写字作画。",
+    "Drag stroke {n} to where it is to lie; Esc leaves it":
+        "把第 {n} 笔拖到要放的地方；按 Esc 放弃",
+    "There is nothing of the object there": "那里没有器物",
+    "Move it on the object": "在器物上移动", "Move it by numbers…": "按数值移动…",
+    "Paint it in the ink in hand": "改用手中的墨色",
+    "Paint it with the brush in hand": "改用手中的笔",
+    "Its time…": "时间…", "Delete it": "删除", "Edit": "编辑",
+    "Edit the stroke that is chosen; also by the right button": "编辑选中的一笔；也可用右键",
+    "There is no stroke to edit": "没有可编辑的笔画",
+    "Move stroke {n}": "移动第 {n} 笔", "To the right (x)": "向右（x）", "Upwards (y)": "向上（y）",
+    "Turn to the left": "向左转", "Move": "移动", "Time of stroke {n}": "第 {n} 笔的时间",
+    "It takes": "历时", "It begins later by": "推迟", "Change": "更改",
+    "Painting what comes after stroke {n} again…": "正在重画第 {n} 笔之后的笔画…",
+    "Stroke {n}: done; {after} after it painted again in {seconds:.1f} s":
+        "第 {n} 笔：已改；其后 {after} 笔已重画，用时 {seconds:.1f} 秒",
     "Mix a colour…": "调一种颜色…", "Open a table of pigments…": "打开颜料表…",
     "Tables of pigments": "颜料表", "Pigments": "颜料", "Pick-up": "沾回",
     "How much of the tuft is dipped, from the tip": "从笔尖起蘸多少",

@@ -157,9 +157,13 @@ class CanvasHand(QtCore.QObject):
 
     def place(self) -> AnyArray | None:
         """(3,) the place on the object under the pointer, or None."""
-        if self._place is None or self._surface is None:
+        return None if self._place is None else self.place_at(self._place.x, self._place.y)
+
+    def place_at(self, x: float, y: float) -> AnyArray | None:
+        """(3,) the place on the object at a place in the picture (pixels, y down), or None."""
+        if self._surface is None:
             return None
-        ray = navigation.ray_at(self.open_camera, self._place.x, self._place.y, self._size())
+        ray = navigation.ray_at(self.open_camera, x, y, self._size())
         hits = self._surface.cast(ray.origin[None], ray.direction[None])
         return hits.points[0] if hits.hit[0] else None
 
