@@ -47,29 +47,38 @@ _MOST_TRIES = 25
 _MOST_BYTES = 1 << 20
 
 
-def _rows(path: Path, *wanted: Sequence[str]) -> list[tuple[int, dict[str, float]]]:
-    """Line and numbers of every row of a table that has all columns of one of those wanted."""
+def _text(path: Path) -> str:
     try:
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
-        text = data.decode("utf-8-sig")
+        if len(data) > _MOST_BYTES:
+            raise InputError(f"{path}: is over 1 MiB; expected a table of measurements")
+        return data.decode("utf-8-sig")
     except OSError as cause:
         raise InputError(f"{path}: {cause.strerror or cause}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: is no text in UTF-8; expected a table in .csv") from None
-    if len(data) > _MOST_BYTES:
-        raise InputError(f"{path}: is over 1 MiB; expected a table of measurements")
-    reader = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    names = [name.strip() for name in reader.fieldnames or ()]
-    reader.fieldnames = names
-    columns = next((c for c in wanted if set(c) <= set(names)), None)
-    if columns is None:
-        told = ", or ".join(", ".join(c) for c in wanted)
-        raise InputError(f"{path}: has the columns {', '.join(names) or 'none'}; expected {told}")
-    rows = [
-        (reader.line_num, _numbers(row, columns, f"{path}: row {reader.line_num}"))
-        for row in reader
-    ]
+
+
+def _rows(path: Path, *wanted: Sequence[str]) -> list[tuple[int, dict[str, float]]]:
+    """Line and numbers of every row of a table that has all columns of one of those wanted."""
+    lines = ["" if line.startswith("#") else line for line in _text(path).splitlines()]
+    first = next((k for k, line in enumerate(lines) if line.strip()), 0)
+    reader = csv.DictReader(lines[first:])
+    try:
+        names = [name.strip() for name in reader.fieldnames or ()]
+        reader.fieldnames = names
+        columns = next((c for c in wanted if set(c) <= set(names)), None)
+        if columns is None:
+            told = ", or ".join(", ".join(c) for c in wanted)
+            got = ", ".join(names)[:200] or "none"
+            raise InputError(f"{path}: has the columns {got}; expected {told}")
+        rows = []
+        for row in reader:
+            line = first + reader.line_num
+            rows.append((line, _numbers(row, columns, f"{path}:{line}")))
+    except csv.Error as cause:
+        raise InputError(f"{path}: cannot be read as a table: {cause}") from None
     if not rows:
         raise InputError(f"{path}: has no rows; expected measurements")
     return rows
@@ -241,7 +250,7 @@ def read_shapes(path: str | Path, length_mm: float) -> ShapeRows:
     if "upper" in rows[0][1]:
         shapes = [tuple(row[column] for column in SHAPE_COLUMNS) for _, row in rows]
     else:
-        shapes = [_shape_of(row, length_mm, f"{path}: row {line}") for line, row in rows]
+        shapes = [_shape_of(row, length_mm, f"{path}:{line}") for line, row in rows]
     try:
         return shape_rows(shapes)
     except BrushError as cause:

@@ -13,7 +13,6 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
-from paint3d.app.model.brush_draft import changed, range_of, value_of
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
@@ -22,6 +21,7 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.score.playing import painted
 from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs import brush_editor
+from paint3d.app.window.dialogs.brush_draft import changed, range_of, value_of
 from paint3d.brush.bristle_spec import BristleSpec, shape_rows
 from paint3d.brush.presets import load_brush
 from paint3d.errors import BrushError

@@ -59,7 +59,13 @@ def test_readings_of_one_depth_are_averaged(tmp_path: Path) -> None:
     ("text", "told"),
     [
         ("depth,width\n1,2\n", "has the columns depth, width; expected depth_mm"),
-        (",".join(PRESS_COLUMNS) + "\n1,2,x,3\n", "row 2: offset_mm is 'x'; expected a number"),
+        (",".join(PRESS_COLUMNS) + "\n1,2,x,3\n", "t.csv:2: offset_mm is 'x'; expected a number"),
+        (
+            "# by hand\n\n" + ",".join(PRESS_COLUMNS) + "\n# one\n1,2,3\n",
+            "t.csv:5: drag_mm is None",
+        ),
+        (",".join(PRESS_COLUMNS) + "\n" + "1" * 200_000 + ",2,3,4\n", "cannot be read as a table"),
+        ("", "has the columns none"),
         (",".join(PRESS_COLUMNS) + "\n", "has no rows"),
     ],
 )
@@ -112,7 +118,7 @@ def test_points_of_curves_are_turned_into_lengths(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "told"),
     [
-        ("70,0,30,0,18,8,0,20,0,0", "row 2: angle is 70; expected 0 to 60"),
+        ("70,0,30,0,18,8,0,20,0,0", "t.csv:2: angle is 70; expected 0 to 60"),
         ("0,0,50,0,18,8,0,20,0,0", "the root is 50 mm over the tip; expected above 0, to 40"),
         ("0,0,30,0,18,8,0,20,0,0\n0,0,30,0,17,8,0,20,0,0", "two rows of angle 0 and height 0.75"),
         ("0,0,30,0,18,8,0,200,0,0", "row 1: offset is 5; expected -1 to 1.5"),

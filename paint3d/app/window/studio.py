@@ -342,6 +342,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._timer.stop()
         self.both_hands.close()
         self.panels.close_down()
+        self.brushes.close_down()
+        self.inks.close_down()
         self.workspace.keep_in_hand()
         self.workspace.keep(smoothing=self.hand.settings.smoothing, window=window_words(self))
         self.stage.close()

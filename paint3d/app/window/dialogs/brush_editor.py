@@ -8,10 +8,9 @@ from collections.abc import Callable
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
-from paint3d.app.model.brush_draft import (
+from paint3d.app.window.dialogs.brush_draft import (
     INPUT_RANGES,
     changed,
-    plain_name,
     points_of,
     range_of,
     value_of,
@@ -21,7 +20,7 @@ from paint3d.app.model.brush_draft import (
 from paint3d.app.window.dialogs.factor_curve import FactorCurve
 from paint3d.app.window.dialogs.number_row import NumberRow
 from paint3d.app.window.jobs.brush_drawing import PRESSES, BrushDrawing, Drawn
-from paint3d.app.window.panels.brush_panel import pixmap_of
+from paint3d.app.window.panels.brush_panel import pixmap_of, plain_name
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_error
 from paint3d.brush.bristle_spec import TABLES, BristleSpec

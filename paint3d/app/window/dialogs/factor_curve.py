@@ -6,7 +6,7 @@ import math
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_draft import Points
+from paint3d.app.window.dialogs.brush_draft import Points
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.brush_engine.tuft import MOST_POINTS

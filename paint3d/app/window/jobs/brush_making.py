@@ -46,9 +46,7 @@ class BrushMaking:
 
     def do_edit_brush(self) -> None:
         """Open the editor on the brush in hand."""
-        if self.editor is not None:
-            self.editor.close()
-            self.editor.deleteLater()
+        self.close_down()
         workspace, panels = self._workspace, self._panels
         editor = self.editor = BrushEditor(
             workspace.window, workspace.theme, panels.brushes.brush, panels.inks.ink
@@ -56,6 +54,13 @@ class BrushMaking:
         editor.taken.connect(self._take)
         editor.kept.connect(self._keep)
         editor.show()
+
+    def close_down(self) -> None:
+        """Close the editor, if it is open."""
+        if self.editor is not None:
+            self.editor.close()
+            self.editor.deleteLater()
+            self.editor = None
 
     def _take(self, brush: BrushSpec) -> None:
         self._panels.brushes.add_own(brush)

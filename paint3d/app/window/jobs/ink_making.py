@@ -35,9 +35,7 @@ class InkMaking:
 
     def do_choose_colour(self) -> None:
         """Let a colour be chosen, and mix what comes nearest."""
-        if self.dialog is not None:
-            self.dialog.close()
-            self.dialog.deleteLater()
+        self.close_down()
         workspace, inks = self._workspace, self._panels.inks
         ground = workspace.document.surface.material.reflectance
         dialog = self.dialog = ColourDialog(
@@ -46,6 +44,13 @@ class InkMaking:
         dialog.mixed.connect(self._mix)
         dialog.dipped.connect(self._dip)
         dialog.show()
+
+    def close_down(self) -> None:
+        """Close the dialog, if it is open."""
+        if self.dialog is not None:
+            self.dialog.close()
+            self.dialog.deleteLater()
+            self.dialog = None
 
     def _mix(self, nearest: Nearest) -> None:
         self._panels.inks.show_mixture(nearest.parts)

@@ -11,7 +11,6 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
-from paint3d.app.model.brush_draft import plain_name
 from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.jobs.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
@@ -251,6 +250,11 @@ class BrushPanel(QtWidgets.QWidget):
         if reason not in self._failures:
             self._failures.add(reason)
             self.failed.emit(reason)
+
+
+def plain_name(brush: BrushSpec) -> str:
+    """Of the brush that it is a size of."""
+    return brush.name.split(" @")[0]
 
 
 def _told(brush: BrushSpec) -> str:

@@ -11,7 +11,7 @@ from paint3d.brush.dynamics import INPUTS, SETTINGS
 from paint3d.brush.spec import BrushSpec, parameter_ranges
 
 __all__ = [
-    "INPUT_RANGES", "Points", "changed", "plain_name", "points_of", "range_of", "value_of",
+    "INPUT_RANGES", "Points", "changed", "points_of", "range_of", "value_of",
     "with_curve", "with_hairs",
 ]  # fmt: skip
 
@@ -25,11 +25,6 @@ INPUT_RANGES = {
 """Between what a hand's inputs lie mostly: shares, degrees, mm/s, 1/mm (`brush.dynamics`)."""
 
 Points = tuple[tuple[float, float], ...]
-
-
-def plain_name(brush: BrushSpec) -> str:
-    """Of the brush that it is a size of."""
-    return brush.name.split(" @")[0]
 
 
 def _of_hairs(parameter: str) -> bool:
