@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
-from io import BytesIO
 from itertools import chain
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -21,11 +20,9 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.core.atomic import write_atomically
 from paint3d.core.machine import reserve_space
 from paint3d.errors import ExportError
+from paint3d.view.film import FILMS, film_bytes, write_film
 
-__all__ = ["FILMS", "write_turntable"]
-
-FILMS = {".gif": "GIF", ".webp": "WEBP"}
-"""What the formats of films are called by who writes them."""
+__all__ = ["write_turntable"]
 
 _AHEAD = 3  # pictures that are drawn before they are written
 _DRAWN = 0.9  # of the time, about, that drawing takes
@@ -65,8 +62,8 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
         pictures = _taken(drawn, n, progress)
         with write_atomically(path, progress) as part, open(part, "r+b") as file:
             first, second = next(pictures), next(pictures)
-            reserve_space(file, _bytes_of(first, second, n, form))
-            _write(file, first, chain([second], pictures), form, film.rate)
+            reserve_space(file, film_bytes(first, second, n, form))
+            write_film(file, first, chain([second], pictures), form, film.rate)
             file.truncate()
 
     workspace.hold()
@@ -78,23 +75,6 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
         workspace.stage.set_size(workspace.canvas.pixel_size)
         workspace.stage.set_camera(camera)
         workspace.go_on()
-
-
-def _write(
-    file: BinaryIO, first: Image.Image, others: Iterable[Image.Image], form: str, rate: float
-) -> None:
-    """Write a film; its pictures are asked for one after the other."""
-    duration = round(1e3 / rate)
-    first.save(file, form, save_all=True, append_images=others, duration=duration, loop=0)
-
-
-def _bytes_of(first: Image.Image, second: Image.Image, n: int, form: str) -> int:
-    """About what a film of n pictures takes that begins with these two."""
-    sizes = []
-    for others in ([], [second]):
-        _write(short := BytesIO(), first, others, form, 1.0)
-        sizes.append(len(short.getvalue()))
-    return sizes[0] + (n - 1) * max(0, sizes[1] - sizes[0])
 
 
 def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image | None]:
