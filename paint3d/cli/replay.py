@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
@@ -29,10 +30,11 @@ from paint3d.cli.pads import lay_on
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.untouched import refuse_untouched
-from paint3d.errors import BrushError, PigmentError, RecordingError, UnknownNameError
+from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
+    from paint3d.cli.films import Watch
     from paint3d.colour.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
@@ -121,7 +123,7 @@ def read_for_ink(options: argparse.Namespace) -> list[str]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="a recording")
-    add_on_and_out(parser)
+    add_on_and_out(parser, needs_out=False)
     add_painting_options(parser)
     parser.set_defaults(material=None, resolution=None)  # a whole painting has its own
     parser.add_argument(
@@ -139,6 +141,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
     )
+    add_film_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
@@ -154,18 +157,22 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.recording.recording import load_recording
     from paint3d.recording.score import is_score
 
-    check_output_file(options.out, result_suffixes())
+    if options.out is None and options.film is None:
+        raise InputError("nothing is to be written; expected --out FILE, --film FILE or both")
+    if options.out is not None:
+        check_output_file(options.out, result_suffixes())
+    film = film_of(options)
     if options.report is not None:
         check_output_file(options.report, (".json",))
     check_overwriting(
-        (options.out, options.report),
+        (options.out, options.film, options.report),
         (options.recording, options.on, *read_for_ink(options), own_brush(options.brush)),
         force=options.force,
     )
     if is_score(options.recording):
         from paint3d.cli.scores import replay_score
 
-        replay_score(options)
+        replay_score(options, film)
         return
     wanted = PaintOptions.of(options)
     wanted.check()
@@ -176,15 +183,19 @@ def run(options: argparse.Namespace) -> None:
     surface = prepare(mesh, wanted, seconds)
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, recording, options.at, options.size)
-    painting = paint(surface, laid, wanted, seconds)
+    watch = None if film is None else film.of_recording(surface, laid, wanted.spread_s)
+    painting = paint(surface, laid, wanted, seconds, watch)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):
-        write_result(painting, options.out, quiet=options.quiet)
+        if options.out is not None:
+            write_result(painting, options.out, quiet=options.quiet)
+        if watch is not None:
+            watch.write()
     if options.report is not None:
         write_report(options.report, painting)
     if not options.quiet:
-        sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
+        sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
 
 
 def prepare(mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float]) -> PaintedSurface:
@@ -209,8 +220,11 @@ def paint(
     recording: Recording | LaidPad,
     wanted: PaintOptions,
     seconds: dict[str, float],
+    watch: Watch | None = None,
 ) -> Painting:
     """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
+
+    A `watch` sees how it grows, for a film.
 
     Raises
     ------
@@ -231,8 +245,10 @@ def paint(
         timed(seconds, "paint"),
         ProgressBar("painting", enabled=not wanted.quiet) as progress,
     ):
-        rest_s = wanted.spread_s
-        painter.replay(recording, progress, wet=rest_s is not None, rest_s=rest_s or 0.0)
+        rest_s, told, rate = wanted.spread_s, progress.__call__, None
+        if watch is not None:
+            told, rate = watch.over(recording, rest_s, progress), 1.0 / watch.step_s
+        painter.replay(recording, told, rate, rest_s is not None, rest_s or 0.0)
         counts = painter.report()
     settings = {"brush": asdict(brush), "ink": painter.ink.name, "azimuth": azimuth}
     last = ink if tip is None else tip

@@ -24,7 +24,7 @@ __all__ = ["FILMS", "PICTURES", "Pictures"]
 
 # What a file may be, by its ending, and how the dialog says it:
 PICTURES = {".png": "Picture, PNG", ".jpg": "Picture, JPEG"}
-FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF"}
+FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF", ".mp4": "Film, MP4"}
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 _FINE_PIXELS = 4_500_000  # more are drawn without being smoothed, which needs four times as many
 _QUALITY = 92
@@ -136,8 +136,9 @@ class Pictures:
         if path is None:
             return
         dialog = FilmDialog(
-            self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size
-        )
+            self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size,
+            any_length=path.suffix.lower() == ".mp4",
+        )  # fmt: skip
         if dialog.exec():
             now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}
             self._workspace.keep(exports=now)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import queue
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +17,8 @@ from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.atomic import write_atomically
-from paint3d.core.machine import reserve_space
 from paint3d.errors import ExportError
-from paint3d.view.film import FILMS, film_bytes, write_film
+from paint3d.view.film import film_form, is_held_whole, write_film
 
 __all__ = ["write_turntable"]
 
@@ -38,14 +36,13 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
     Raises
     ------
     ExportError
-        If the suffix is not .gif or .webp, or the pictures are too many for their size.
+        If the suffix is that of no film, an .mp4 cannot be written here, or the pictures are too
+        many for their size.
     """
-    form = FILMS.get(path.suffix.lower())
-    if form is None:
-        raise ExportError(f"{path}: a film is written as .gif or .webp")
+    form = film_form(path)
     width, height = film.size or workspace.canvas.pixel_size
     film = film._replace(size=(width, height))
-    if film.is_too_long:
+    if film.is_too_long and is_held_whole(form):
         raise ExportError(
             f"{path}: {film.n_pictures} pictures of {width} x {height} pixels are too many; "
             "expected a shorter or smaller film"
@@ -60,11 +57,8 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
 
     def work(progress: Progress) -> None:
         pictures = _taken(drawn, n, progress)
-        with write_atomically(path, progress) as part, open(part, "r+b") as file:
-            first, second = next(pictures), next(pictures)
-            reserve_space(file, film_bytes(first, second, n, form))
-            write_film(file, first, chain([second], pictures), form, film.rate)
-            file.truncate()
+        with write_atomically(path, progress) as part:
+            write_film(part, pictures, n, form, film.rate)
 
     workspace.hold()
     workspace.stage.hide_brush()
