@@ -30,7 +30,7 @@ from paint3d.cli.pads import lay_on
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.untouched import refuse_untouched
-from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
+from paint3d.errors import InputError, RecordingError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
@@ -262,35 +262,27 @@ def paint(
 def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
     """The brush that the user wants, or the recording's own, which names no file here."""
     from paint3d.brush.presets import load_brush
+    from paint3d.painter.recorded_tools import recorded_brush
 
     if wished:
         return load_brush(wished)
     try:
-        return load_brush(_named_in(recording, "brush", _DEFAULT_BRUSH), own_files=False)
-    except (BrushError, UnknownNameError) as cause:
-        raise RecordingError(f"the header: {cause}, or --brush") from None
+        return recorded_brush(recording.header) or load_brush(_DEFAULT_BRUSH)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --brush") from None
 
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, float]:
     """The ink that the user wants, or the recording's own."""
     from paint3d.colour.inks import load_ink
+    from paint3d.painter.recorded_tools import recorded_ink
 
     if wished:
         return load_ink(wished)
-    parts = recording.header.get("parts")
-    if isinstance(parts, dict) and len(parts) > 1:  # "ink" is the most of them
-        return _stirred(parts)
-    return _own_ink(_named_in(recording, "ink", DEFAULT_INK))
-
-
-def _stirred(parts: dict[str, float]) -> dict[Pigment, float]:
-    """A recording's pigments by their parts; they name no file of this machine."""
-    from paint3d.colour.pigments import load_pigment
-
     try:
-        return {load_pigment(str(name), own_tables=False): part for name, part in parts.items()}
-    except PigmentError as cause:
-        raise RecordingError(f"the header: {cause}, or --ink") from None
+        return recorded_ink(recording.header) or load_ink(DEFAULT_INK)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --ink") from None
 
 
 def _tip(
@@ -298,32 +290,12 @@ def _tip(
 ) -> tuple[dict[Pigment, float] | None, float]:
     """What the tip is dipped in afterwards, and how far: as the user wants, or the recording."""
     from paint3d.colour.inks import load_ink
-    from paint3d.core.arrays import as_number
+    from paint3d.painter.recorded_tools import recorded_tip
 
     if wanted.tip is not None:
         return load_ink(wanted.tip), wanted.reach
-    if wanted.ink is not None or "tip" not in recording.header:
-        return None, wanted.reach
-    reach = recording.header.get("reach", TIP_REACH)
-    ink = _own_ink(_named_in(recording, "tip", DEFAULT_INK))
-    return ink, as_number(reach, "the header's reach", 0.0, 1.0, RecordingError)
-
-
-def _own_ink(name: str) -> dict[Pigment, float]:
-    """An ink of a recording's header, which names no file of this machine."""
-    from paint3d.colour.inks import load_ink
-
     try:
-        return load_ink(name, own_tables=False)
-    except PigmentError as cause:
-        raise RecordingError(f"the header: {cause}, or --ink") from None
-
-
-def _named_in(recording: Recording | LaidPad, what: str, default: str) -> str:
-    """The recording's own brush or ink, or the default where it names none."""
-    name = recording.header.get(what)
-    if name is None:
-        return default
-    if not isinstance(name, str):
-        raise RecordingError(f"the header's {what} is {name!r:.60}; expected a name")
-    return name
+        own = None if wanted.ink is not None else recorded_tip(recording.header)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --ink") from None
+    return own or (None, wanted.reach)

@@ -64,8 +64,8 @@ def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) ->
 def _painted(
     score: Score, options: argparse.Namespace, film: FilmWanted | None
 ) -> tuple[Document, Painting, Watch | None]:
+    from paint3d.app.model.score.playback import seconds_of
     from paint3d.app.model.score.playing import begun, play
-    from paint3d.app.model.score.score_time import seconds_of
     from paint3d.colour.materials import load_material
 
     material = None if options.material is None else load_material(options.material)
@@ -86,16 +86,13 @@ def _painted(
 
 def _watched(document: Document, score: Score, watch: Watch) -> Iterator[Step]:
     """Play a score sample by sample for a film."""
+    from paint3d.app.model.score.playback import in_pieces, pass_step
     from paint3d.app.model.score.playing import play
-    from paint3d.app.model.score.score_time import after_samples, pass_command
     from paint3d.recording.hand_time import HandTime
 
     clock = HandTime()
-    for step in play(document, score, at_once=1):
-        if step.samples:
-            after_samples(clock, step.samples)
-        else:
-            pass_command(clock, step.command, step.options)
+    for step in play(document, in_pieces(score)):
+        pass_step(clock, step)
         watch.at(clock.seconds)
         yield step
 

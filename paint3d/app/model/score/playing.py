@@ -91,7 +91,7 @@ def begun(
     return Document(surface, Painter(surface, brush, ink, azimuth, pickup))
 
 
-def _steps_of(score: Score, surface: PaintedSurface, at_once: int) -> Iterator[Step]:
+def _steps_of(score: Score, surface: PaintedSurface) -> Iterator[Step]:
     """What is to be done, in order; each is made when the ones before it are done.
 
     Raises
@@ -105,8 +105,8 @@ def _steps_of(score: Score, surface: PaintedSurface, at_once: int) -> Iterator[S
     for k, event in enumerate(score.events):
         if isinstance(event, Recording):
             samples = list(event.samples())
-            for at in range(0, len(samples), at_once):
-                part = samples[at : at + at_once]
+            for at in range(0, len(samples), _AT_ONCE):
+                part = samples[at : at + _AT_ONCE]
                 done += len(part)
                 yield Step(k, part, "", {}, False, done / whole)
             continue
@@ -129,7 +129,7 @@ def _cost(event: Any) -> float:
     return float(_COSTS.get(event["do"], 1.0) * event.get("times", 1))
 
 
-def play(document: Document, score: Score, at_once: int = _AT_ONCE) -> Iterator[Step]:
+def play(document: Document, score: Score) -> Iterator[Step]:
     """Do what a score says, step by step; each is done when it comes out.
 
     Parameters
@@ -137,8 +137,6 @@ def play(document: Document, score: Score, at_once: int = _AT_ONCE) -> Iterator[
     document : Document
         Nobody else touches it meanwhile.
     score : Score
-    at_once : int
-        Samples of a step at most; what is painted is the same.
 
     Raises
     ------
@@ -146,7 +144,7 @@ def play(document: Document, score: Score, at_once: int = _AT_ONCE) -> Iterator[
         ``file:line: what is wrong`` where something cannot be done, except what was refused when it
         was asked for first.
     """
-    for step in _steps_of(score, document.surface, at_once):
+    for step in _steps_of(score, document.surface):
         try:
             if step.samples:
                 document.feed(step.samples)
