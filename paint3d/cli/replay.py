@@ -245,9 +245,9 @@ def paint(
         timed(seconds, "paint"),
         ProgressBar("painting", enabled=not wanted.quiet) as progress,
     ):
-        rest_s, told, rate = wanted.spread_s, progress.__call__, None
-        if watch is not None:
-            told, rate = watch.over(recording, rest_s, progress), 1.0 / watch.step_s
+        rest_s = wanted.spread_s
+        told = progress if watch is None else watch.over(recording, rest_s, progress)
+        rate = None if watch is None else 1.0 / watch.step_s
         painter.replay(recording, told, rate, rest_s is not None, rest_s or 0.0)
         counts = painter.report()
     settings = {"brush": asdict(brush), "ink": painter.ink.name, "azimuth": azimuth}
