@@ -11,16 +11,18 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+from PIL import Image
 from PySide6 import QtTest
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.score.playing import painted
+from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
 from paint3d.cli.main import main
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
 from paint3d.recording.recording import Recording, save_recording
 from paint3d.recording.score import load_score
-from tests.support.app.gestures import BUTTON, answer, live, take_file, wait_for
+from tests.support.app.gestures import BUTTON, answer, drag, live, take_file, wait_for
 from tests.support.app.hands import same_vertices
 from tests.support.app.windows import opened, settled
 from tests.support.surface_cases import poses
@@ -159,3 +161,34 @@ def test_rests_of_a_recording_are_played_as_a_second(window, tmp_path) -> None:
     wait_for(lambda: not window.player.is_playing)
     assert len(window.document.strokes) == 1
     assert len(window.document.strokes[0].samples) == 40
+
+
+def test_a_film_of_the_painting_that_grew_is_written_by_the_menu(window, tmp_path) -> None:
+    assert not grown(window, tmp_path / "no.gif")
+    drag(window.canvas, (0.35, 0.5), (0.65, 0.5), n=20)
+    settled(window)
+    window.targets.folder = tmp_path
+
+    def short(dialog: FilmDialog) -> None:
+        dialog.seconds.setValue(1.0)
+        dialog.rate.setValue(5)
+        dialog.size_boxes.width_box.setValue(64)
+        dialog.accept()
+
+    answer(lambda asked: (take_file(tmp_path / "a.gif")(asked), answer(short)))
+    window.workspace.actions["growth"].trigger()
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.size[0] == 64
+        film.seek(film.n_frames - 1)
+        last = np.array(film.convert("L")).astype(int)
+        film.seek(0)
+        first = np.array(film.convert("L")).astype(int)
+    assert (first - last > 60).sum() > 10
+    assert (last - first > 20).sum() < 10
+    assert len(window.document.strokes) == 1
+
+
+def grown(window, path: Path) -> bool:
+    """Ask for a film; what is said instead is read away."""
+    answer(lambda box: box.accept())
+    return window.pictures.growth_to(path, Film(1.0, 5.0, (64, 48)))

@@ -60,6 +60,7 @@ CHINESE = {
     "{fps:.0f} pictures/s": "每秒 {fps:.0f} 帧", "Stopped": "已停止",
     "The replay was stopped by your stroke": "您已落笔，重放停止",
     "The replay was stopped; undo takes back what it painted": "重放已停止；撤销可去掉所画的部分",
+    "Film of the painting growing…": "作画过程影片…",
     "The replay was stopped": "重放已停止", "Pause": "暂停",
     "The replay was stopped and taken back": "重放已停止并撤销",
     "Replaying; Esc stops it": "正在重放；按 Esc 停止",
