@@ -45,6 +45,7 @@ HEAVY = {
     "fontTools",
     "uharfbuzz",
     "svgelements",
+    "imageio_ffmpeg",
 }
 # Each heavy package has its places; elsewhere it must not be imported at all.
 HOMES = {
@@ -57,6 +58,7 @@ HOMES = {
     "vtkmodules": {"view"},
     "numba": {"core"},
     "xatlas": {"files"},
+    "imageio_ffmpeg": {"view"},
     "PySide6": {"app"},
     # Paintings are handed to those who work with these packages, and taken from them; the
     # program itself needs neither. What takes such an object imports nothing for it.

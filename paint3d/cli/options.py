@@ -133,7 +133,7 @@ def add_force_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_on_and_out(parser: argparse.ArgumentParser) -> None:
+def add_on_and_out(parser: argparse.ArgumentParser, *, needs_out: bool = True) -> None:
     """Add what is painted on, and where the painting goes."""
     parser.add_argument(
         "--on",
@@ -142,7 +142,7 @@ def add_on_and_out(parser: argparse.ArgumentParser) -> None:
         help="a mesh file, or bowl, plate, vase, sphere, plane",
     )
     parser.add_argument(
-        "--out", metavar="FILE", type=Path, required=True, help="where to write the painting"
+        "--out", metavar="FILE", type=Path, required=needs_out, help="where to write the painting"
     )
 
 

@@ -22,14 +22,15 @@ from paint3d.cli.paintings import add_painting_argument, is_recording, open_pain
 from paint3d.cli.progress import ProgressBar
 from paint3d.errors import InputError
 
-__all__ = ["HELP", "LIGHTS", "VIEWS", "add_arguments", "run"]
+__all__ = ["FILM_SIZE", "HELP", "LIGHTS", "VIEWS", "add_arguments", "add_view_options", "run"]
 
 HELP = "a picture of a painting, or a film of it turning"
 
-_SUFFIXES = (".png", ".webp", ".gif", ".svg")
+_SUFFIXES = (".png", ".webp", ".gif", ".mp4", ".svg")
+_ALWAYS_FILMS = (".gif", ".mp4")
 VIEWS = ("auto", "front", "right", "back", "left", "above", "top", "bottom", "flat")
 LIGHTS = ("studio", "soft", "raking", "none")  # as `view.studio`, known here before NumPy is
-_FILM_SIZE = (640, 480)
+FILM_SIZE = (640, 480)
 _SIZE = re.compile(r"(\d{1,5})x(\d{1,5})")
 
 
@@ -41,31 +42,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         type=Path,
         required=True,
-        help=".png or .webp; .gif, or .webp with --turn, a film; .svg the outlines of the strokes "
-        "that a recording, or the recordings of a session, leave on the plane",
+        help=".png or .webp; .mp4 or .gif, or .webp with --turn, a film; .svg the outlines of the "
+        "strokes that a recording, or the recordings of a session, leave on the plane",
     )
-    parser.add_argument(
-        "--view",
-        metavar="VIEW",
-        type=_parse_view,
-        default="auto",
-        help=f"{', '.join(VIEWS)}, or azimuth and height in degrees, such as 30,20. front is -y; "
-        "flat: from above, to scale, without light or border (default: auto, onto the paint)",
-    )
-    parser.add_argument(
-        "--size",
-        metavar="WxH",
-        type=_parse_size,
-        help="pixels (default: 1600x1200, films 640x480, flat: the shape of the object)",
-    )
-    parser.add_argument("--zoom", metavar="X", type=float, default=1.0, help="0.1 to 20")
-    parser.add_argument(
-        "--light",
-        choices=LIGHTS,
-        default="studio",
-        help="raking comes from low on the left; none shows every colour as it was painted, in a "
-        "parallel projection (default: studio)",
-    )
+    add_view_options(parser, "--size", "1600x1200, films 640x480, flat: the shape of the object")
+    parser.set_defaults(view="auto", light="studio", zoom=1.0)
     parser.add_argument(
         "--transparent", action="store_true", help="leave out the ground and what is behind"
     )
@@ -81,7 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_parse_turn,
         nargs="?",
         const=4.0,
-        help="a film in which the object turns once in so many seconds (default: 4; .gif always)",
+        help="a film in which the object turns once in so many seconds (default: 4; .gif and .mp4 "
+        "always)",
     )
     parser.add_argument(
         "--rate", metavar="N", type=float, default=12.0, help="pictures a second (default: 12)"
@@ -89,6 +71,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_light_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
+
+
+def add_view_options(group: argparse._ActionsContainer, size: str, size_of: str) -> None:
+    """Add from where, how large and in which light, all None where they are not given.
+
+    Parameters
+    ----------
+    group : parser or group of options
+    size : str
+        What the option for the size is called.
+    size_of : str
+        What it is where it is not given.
+    """
+    group.add_argument(
+        "--view",
+        metavar="VIEW",
+        type=_parse_view,
+        help=f"{', '.join(VIEWS)}, or azimuth and height in degrees, such as 30,20. front is -y; "
+        "flat: from above, to scale, without light or border (default: auto, onto the paint)",
+    )
+    group.add_argument(
+        size,
+        metavar="WxH",
+        type=_parse_size,
+        help=f"pixels (default: {size_of})",
+    )
+    group.add_argument("--zoom", metavar="X", type=float, help="0.1 to 20 (default: 1)")
+    group.add_argument(
+        "--light",
+        choices=LIGHTS,
+        help="raking comes from low on the left; none shows every colour as it was painted, in a "
+        "parallel projection (default: studio)",
+    )
 
 
 def _parse_view(text: str) -> str | tuple[float, float]:
@@ -179,10 +194,10 @@ def _take_picture(options: argparse.Namespace) -> None:
 
     material = None if options.material is None else load_material(options.material)
     turning = None
-    if options.turn is not None or options.out.suffix.lower() == ".gif":
+    if options.turn is not None or options.out.suffix.lower() in _ALWAYS_FILMS:
         rate = as_number(options.rate, "pictures a second", 1.0, 50.0)
         turning = Turning(options.turn or 4.0, rate)
-    size = options.size or (_FILM_SIZE if turning is not None else None)
+    size = options.size or (FILM_SIZE if turning is not None else None)
     shot = Shot(options.view, size, options.light, options.transparent, options.zoom)
     viewing = viewing_of(options)
     painting = open_painting(options)

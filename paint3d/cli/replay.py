@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
@@ -29,10 +30,11 @@ from paint3d.cli.pads import lay_on
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.untouched import refuse_untouched
-from paint3d.errors import BrushError, PigmentError, RecordingError, UnknownNameError
+from paint3d.errors import InputError, RecordingError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
+    from paint3d.cli.films import Watch
     from paint3d.colour.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
@@ -121,7 +123,7 @@ def read_for_ink(options: argparse.Namespace) -> list[str]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
     parser.add_argument("recording", metavar="RECORDING", type=Path, help="a recording")
-    add_on_and_out(parser)
+    add_on_and_out(parser, needs_out=False)
     add_painting_options(parser)
     parser.set_defaults(material=None, resolution=None)  # a whole painting has its own
     parser.add_argument(
@@ -139,6 +141,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
     )
+    add_film_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
@@ -154,11 +157,15 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.recording.recording import load_recording
     from paint3d.recording.score import is_score
 
-    check_output_file(options.out, result_suffixes())
+    if options.out is None and options.film is None:
+        raise InputError("nothing is to be written; expected --out FILE, --film FILE or both")
+    if options.out is not None:
+        check_output_file(options.out, result_suffixes())
+    film = film_of(options)
     if options.report is not None:
         check_output_file(options.report, (".json",))
     check_overwriting(
-        (options.out, options.report),
+        (options.out, options.film, options.report),
         (
             options.recording,
             options.on,
@@ -171,7 +178,7 @@ def run(options: argparse.Namespace) -> None:
     if is_score(options.recording):
         from paint3d.cli.scores import replay_score
 
-        replay_score(options)
+        replay_score(options, film)
         return
     wanted = PaintOptions.of(options)
     wanted.check()
@@ -182,15 +189,19 @@ def run(options: argparse.Namespace) -> None:
     surface = prepare(mesh, wanted, seconds)
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, recording, options.at, options.size)
-    painting = paint(surface, laid, wanted, seconds)
+    watch = None if film is None else film.of_recording(surface, laid, wanted.spread_s)
+    painting = paint(surface, laid, wanted, seconds, watch)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, mesh, str(options.recording))
     with timed(painting.seconds, "export"):
-        write_result(painting, options.out, quiet=options.quiet)
+        if options.out is not None:
+            write_result(painting, options.out, quiet=options.quiet)
+        if watch is not None:
+            watch.write()
     if options.report is not None:
         write_report(options.report, painting)
     if not options.quiet:
-        sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
+        sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
 
 
 def prepare(mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float]) -> PaintedSurface:
@@ -215,8 +226,11 @@ def paint(
     recording: Recording | LaidPad,
     wanted: PaintOptions,
     seconds: dict[str, float],
+    watch: Watch | None = None,
 ) -> Painting:
     """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
+
+    A `watch` sees how it grows, for a film.
 
     Raises
     ------
@@ -238,7 +252,9 @@ def paint(
         ProgressBar("painting", enabled=not wanted.quiet) as progress,
     ):
         rest_s = wanted.spread_s
-        painter.replay(recording, progress, wet=rest_s is not None, rest_s=rest_s or 0.0)
+        told = progress if watch is None else watch.over(recording, rest_s, progress)
+        rate = None if watch is None else 1.0 / watch.step_s
+        painter.replay(recording, told, rate, rest_s is not None, rest_s or 0.0)
         counts = painter.report()
     settings = {"brush": asdict(brush), "ink": painter.ink.name, "azimuth": azimuth}
     last = ink if tip is None else tip
@@ -252,35 +268,27 @@ def paint(
 def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
     """The brush that the user wants, or the recording's own, which names no file here."""
     from paint3d.brush.presets import load_brush
+    from paint3d.painter.recorded_tools import recorded_brush
 
     if wished:
         return load_brush(wished)
     try:
-        return load_brush(_named_in(recording, "brush", _DEFAULT_BRUSH), own_files=False)
-    except (BrushError, UnknownNameError) as cause:
-        raise RecordingError(f"the header: {cause}, or --brush") from None
+        return recorded_brush(recording.header) or load_brush(_DEFAULT_BRUSH)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --brush") from None
 
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, float]:
     """The ink that the user wants, or the recording's own."""
     from paint3d.colour.inks import load_ink
+    from paint3d.painter.recorded_tools import recorded_ink
 
     if wished:
         return load_ink(wished)
-    parts = recording.header.get("parts")
-    if isinstance(parts, dict) and len(parts) > 1:  # "ink" is the most of them
-        return _stirred(parts)
-    return _own_ink(_named_in(recording, "ink", DEFAULT_INK))
-
-
-def _stirred(parts: dict[str, float]) -> dict[Pigment, float]:
-    """A recording's pigments by their parts; they name no file of this machine."""
-    from paint3d.colour.pigments import load_pigment
-
     try:
-        return {load_pigment(str(name), own_tables=False): part for name, part in parts.items()}
-    except PigmentError as cause:
-        raise RecordingError(f"the header: {cause}, or --ink") from None
+        return recorded_ink(recording.header) or load_ink(DEFAULT_INK)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --ink") from None
 
 
 def _tip(
@@ -288,32 +296,12 @@ def _tip(
 ) -> tuple[dict[Pigment, float] | None, float]:
     """What the tip is dipped in afterwards, and how far: as the user wants, or the recording."""
     from paint3d.colour.inks import load_ink
-    from paint3d.core.arrays import as_number
+    from paint3d.painter.recorded_tools import recorded_tip
 
     if wanted.tip is not None:
         return load_ink(wanted.tip), wanted.reach
-    if wanted.ink is not None or "tip" not in recording.header:
-        return None, wanted.reach
-    reach = recording.header.get("reach", TIP_REACH)
-    ink = _own_ink(_named_in(recording, "tip", DEFAULT_INK))
-    return ink, as_number(reach, "the header's reach", 0.0, 1.0, RecordingError)
-
-
-def _own_ink(name: str) -> dict[Pigment, float]:
-    """An ink of a recording's header, which names no file of this machine."""
-    from paint3d.colour.inks import load_ink
-
     try:
-        return load_ink(name, own_tables=False)
-    except PigmentError as cause:
-        raise RecordingError(f"the header: {cause}, or --ink") from None
-
-
-def _named_in(recording: Recording | LaidPad, what: str, default: str) -> str:
-    """The recording's own brush or ink, or the default where it names none."""
-    name = recording.header.get(what)
-    if name is None:
-        return default
-    if not isinstance(name, str):
-        raise RecordingError(f"the header's {what} is {name!r:.60}; expected a name")
-    return name
+        own = None if wanted.ink is not None else recorded_tip(recording.header)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --ink") from None
+    return own or (None, wanted.reach)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ from paint3d.errors import InputError, RecordingError
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
+    from paint3d.app.model.score.playing import Step
+    from paint3d.cli.films import FilmWanted, Watch
     from paint3d.recording.score import Score
 
 __all__ = ["replay_score"]
@@ -23,8 +26,8 @@ _OWN = ("brush", "ink", "tip", "pickup", "hairs", "at", "size", "spread")  # wha
 _UNSAID = {"pickup": 0.0}  # options that are not None where they are not given
 
 
-def replay_score(options: argparse.Namespace) -> None:
-    """Paint a whole painting, and write it.
+def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) -> None:
+    """Paint a whole painting, and write it, and a film of how it came about if one is wanted.
 
     Raises
     ------
@@ -41,21 +44,27 @@ def replay_score(options: argparse.Namespace) -> None:
             )
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         score = load_score(options.recording, progress)
-    document, painting = _painted(score, options)
+    document, painting, watch = _painted(score, options, film)
     if not painting.counts["footprints"]:
         raise RecordingError(
             f"{options.recording}: no stroke of it touches {document.surface.source.name}; "
             f"expected the object that it was painted on ({score.header.get('object', 'not said')})"
         )
     with timed(painting.seconds, "export"):
-        _write(document, painting, options.out, quiet=options.quiet)
+        if options.out is not None:
+            _write(document, painting, options.out, quiet=options.quiet)
+        if watch is not None:
+            watch.write()
     if options.report is not None:
         write_report(options.report, painting)
     if not options.quiet:
-        sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
+        sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
 
 
-def _painted(score: Score, options: argparse.Namespace) -> tuple[Document, Painting]:
+def _painted(
+    score: Score, options: argparse.Namespace, film: FilmWanted | None
+) -> tuple[Document, Painting, Watch | None]:
+    from paint3d.app.model.score.playback import seconds_of
     from paint3d.app.model.score.playing import begun, play
     from paint3d.colour.materials import load_material
 
@@ -65,13 +74,27 @@ def _painted(score: Score, options: argparse.Namespace) -> tuple[Document, Paint
     say_if_compiling(quiet=options.quiet)
     with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not options.quiet):
         document = begun(score, mesh, options.resolution, material)
+    watch = None if film is None else film.begun(document.surface, seconds_of(score))
     with timed(seconds, "paint"), ProgressBar("painting", enabled=not options.quiet) as progress:
-        for step in play(document, score):
+        for step in play(document, score) if watch is None else _watched(document, score, watch):
             progress(step.share)
         if document.in_stroke:
             document.end_stroke()
         counts = document.painter.report()
-    return document, Painting(document.surface, counts, seconds)
+    return document, Painting(document.surface, counts, seconds), watch
+
+
+def _watched(document: Document, score: Score, watch: Watch) -> Iterator[Step]:
+    """Play a score sample by sample for a film."""
+    from paint3d.app.model.score.playback import in_pieces, pass_step
+    from paint3d.app.model.score.playing import play
+    from paint3d.recording.hand_time import HandTime
+
+    clock = HandTime()
+    for step in play(document, in_pieces(score)):
+        pass_step(clock, step)
+        watch.at(clock.seconds)
+        yield step
 
 
 def _write(document: Document, painting: Painting, file: Path, *, quiet: bool) -> None:

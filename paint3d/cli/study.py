@@ -2,7 +2,8 @@
 
 `plan` writes FOLDER/study.json and says who is to paint what, in which order, under which name.
 Paint in the studio (or record with `paint3d devices record`) and save each trial in the folder.
-`table` measures what is there: drawing time, likeness to the copybook, and a paired test.
+`table` measures what is there: drawing time, likeness to the copybook, and a paired test. `answer`
+writes down which devices somebody prefers, and `report` makes one page of it all, with box plots.
 """
 
 from __future__ import annotations
@@ -59,29 +60,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     plan.add_argument("--trials", metavar="N", type=int, default=1, help="of each (default: 1)")
     plan.add_argument("--seed", metavar="N", type=int, default=0, help="deals out the orders")
+    answer = actions.add_parser(
+        "answer", help="write down which devices a participant prefers", allow_abbrev=False
+    )
+    answer.add_argument("folder", metavar="FOLDER", type=Path)
+    answer.add_argument("participant", metavar="NAME", help="as in the plan, such as P01")
+    answer.add_argument(
+        "--prefers", metavar="DEVICES", required=True, help="a device set of the plan, or none"
+    )
+    answer.add_argument("--comment", metavar="TEXT", default="", help="what they say of it")
     table = actions.add_parser("table", help="measure what was painted", allow_abbrev=False)
-    table.add_argument("folder", metavar="FOLDER", type=Path)
-    table.add_argument("--glyphs", metavar="DIR", type=Path, help="an unpacked hanzi-writer-data")
-    table.add_argument(
+    _add_measuring(table)
+    table.add_argument("--report", metavar="FILE", type=Path, help="write everything as JSON")
+    page = actions.add_parser(
+        "report", help="measure it, and write one page with box plots", allow_abbrev=False
+    )
+    _add_measuring(page)
+    page.add_argument("--out", metavar="FILE", type=Path, required=True, help="a page, .html")
+
+
+def _add_measuring(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="FOLDER", type=Path)
+    parser.add_argument("--glyphs", metavar="DIR", type=Path, help="an unpacked hanzi-writer-data")
+    parser.add_argument(
         "--no-likeness", action="store_true", help="times only, without comparing shapes"
     )
-    table.add_argument("--report", metavar="FILE", type=Path, help="write everything as JSON")
-    add_force_option(table)
-    add_quiet_option(table)
+    add_force_option(parser)
+    add_quiet_option(parser)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Plan a study, or print its table.
+    """Plan a study, keep an answer, print its table, or write its page.
 
     Raises
     ------
     Paint3DError
         If the plan or the folder cannot be used.
     """
-    if options.action == "plan":
-        _plan(options)
-    else:
-        _table(options)
+    actions = {"plan": _plan, "answer": _answer, "table": _table, "report": _report}
+    actions[options.action](options)
 
 
 def _plan(options: argparse.Namespace) -> None:
@@ -101,31 +118,55 @@ def _plan(options: argparse.Namespace) -> None:
     sys.stdout.write("\n".join(plan_lines(plan)) + "\n")
 
 
-def _table(options: argparse.Namespace) -> None:
+def _answer(options: argparse.Namespace) -> None:
+    from paint3d.app.model.study_plan import Answer, load_plan, save_answer
+
+    plan = load_plan(options.folder)
+    answer = Answer(options.prefers, options.comment)
+    file = save_answer(options.folder, plan, options.participant, answer)
+    sys.stdout.write(f"{file}: {options.participant} prefers {options.prefers}\n")
+
+
+def _measured(options: argparse.Namespace, written: Path | None, suffix: str) -> StudyTable:
+    """The results, if the file that is to be written can be."""
     from paint3d.app.model.study import evaluate
-    from paint3d.app.model.study_plan import PLAN_NAME, load_plan
+    from paint3d.app.model.study_plan import ANSWERS_NAME, PLAN_NAME, load_plan
     from paint3d.calligraphy.glyph_sources import open_glyphs
 
     plan = load_plan(options.folder)
-    if options.report is not None:
-        check_output_file(options.report, (".json",))
-        read = (options.folder / PLAN_NAME,)
-        check_overwriting((options.report,), read, force=options.force)
+    if written is not None:
+        check_output_file(written, (suffix,))
+        read = [options.folder / name for name in (PLAN_NAME, ANSWERS_NAME)]
+        check_overwriting((written,), read, force=options.force)
     source = None if options.glyphs is None else open_glyphs(options.glyphs)
     with ProgressBar("measuring", enabled=not options.quiet) as bar:
-        table = evaluate(
+        return evaluate(
             options.folder,
             plan,
             likeness=not options.no_likeness,
             source=source,
             progress=bar,
         )
+
+
+def _table(options: argparse.Namespace) -> None:
+    table = _measured(options, options.report, ".json")
     if options.report is not None:
         report = {"versions": find_versions(), **table.to_json()}
         text = json_text(report, indent=2, allow_nan=False)
         with write_atomically(options.report) as part:
             part.write_text(text + "\n", encoding="utf-8")
     sys.stdout.write("\n".join(table_lines(table)) + "\n")
+
+
+def _report(options: argparse.Namespace) -> None:
+    from paint3d.app.model.study_report import page_of
+
+    table = _measured(options, options.out, ".html")
+    with write_atomically(options.out) as part:
+        part.write_text(page_of(table), encoding="utf-8", errors="backslashreplace")
+    if not options.quiet:
+        sys.stdout.write(f"{options.out}: {len(table.measured)} trials\n")
 
 
 def plan_lines(plan: StudyPlan) -> list[str]:
@@ -138,6 +179,7 @@ def plan_lines(plan: StudyPlan) -> list[str]:
     for participant, order in zip(plan.participants, plan.order, strict=True):
         files = [t.stem + ".p3d" for t in plan.schedule() if t.participant == participant]
         lines.append(f"{participant:<11}  {', '.join(order):<16}  {' '.join(files)}")
+    lines.append("ask everybody at the end: which devices do you prefer? (paint3d study answer)")
     return lines
 
 
@@ -160,6 +202,10 @@ def table_lines(table: StudyTable) -> list[str]:
             f"paired t({max(test.n - 1, 0)}) = {_number(test.t, '.2f')}, "
             f"p = {_number(test.p, '.3g')}; Wilcoxon p = {_number(test.wilcoxon_p, '.3g')}"
         )
+    if table.answers:
+        counts = "; ".join(f"{name} {n}" for name, n in table.preferences().items())
+        p = _number(table.preference_p(), ".3g")
+        lines.append(f"preferred, of {len(table.answers)}: {counts}; sign test p = {p}")
     lines.append("mean (standard deviation) over participants")
     lines += [f"missing: {' '.join(table.missing)}"] if table.missing else []
     lines += [f"not usable: {file}: {why}" for file, why in table.faulty]

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
     add_force_option,
@@ -73,6 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=parse_count,
         help="how many to plan in at once (default: one a core); the result is the same",
     )
+    add_film_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
@@ -132,6 +134,7 @@ def run(options: argparse.Namespace) -> None:
     wanted = PaintOptions.of(options)
     wanted.check()
     check_source(options)
+    film = film_of(options)
     pen, (write, source) = _pen(options), _prepared(options)
     as_outlines = options.out.name.lower().endswith(".svg")
     if as_outlines and options.azimuth != "commanded":
@@ -143,7 +146,9 @@ def run(options: argparse.Namespace) -> None:
     surface = prepare(mesh, wanted, seconds)
     with timed(seconds, "plan"):
         written = _plan(options, mesh, write, pen, source)
-    painting = paint(surface, written.recording, wanted, seconds)
+    laid = written.recording
+    watch = None if film is None else film.of_recording(surface, laid, wanted.spread_s)
+    painting = paint(surface, laid, wanted, seconds, watch)
     header = written.recording.header
     told = {key: header[key] for key in ("glyphs", "source") if key in header}
     painting.counts.update(told, characters=written.characters)
@@ -155,6 +160,8 @@ def run(options: argparse.Namespace) -> None:
                 )
         else:
             write_result(painting, options.out, quiet=options.quiet)
+        if watch is not None:
+            watch.write()
     if options.recording is not None:
         with ProgressBar("writing", enabled=not options.quiet) as progress:
             save_recording(written.recording, options.recording, progress)
@@ -177,7 +184,7 @@ def _check_files(options: argparse.Namespace) -> None:
         if file is not None:
             check_output_file(file, suffixes)
     check_overwriting(
-        (options.out, options.report, options.recording, options.save_strokes),
+        (options.out, options.film, options.report, options.recording, options.save_strokes),
         (
             options.on,
             *read_for_ink(options),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from itertools import chain
+from itertools import chain, repeat
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+import numpy as np
 from PIL import Image
 
 from paint3d.colour.materials import Material
@@ -20,15 +21,24 @@ from paint3d.files.progress import Progress
 from paint3d.files.project.painting import Exportable, Painting, read_painting
 from paint3d.files.writers.colour_tags import picture_tags
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.view.shot import Shot, take_shot, take_turning
+from paint3d.view.film import FILMS, MOST_PIXELS, film_form, is_held_whole, write_film
+from paint3d.view.growth import Growth
+from paint3d.view.shot import Moment, Shot, take_film, take_shot, take_turning
 from paint3d.view.studio import Gloss
 
-__all__ = ["FILM_SUFFIXES", "PICTURE_SUFFIXES", "Turning", "write_picture"]
+__all__ = [
+    "FILM_SUFFIXES",
+    "PICTURE_SUFFIXES",
+    "Filmed",
+    "Turning",
+    "write_growth",
+    "write_picture",
+]
 
-PICTURE_SUFFIXES, FILM_SUFFIXES = (".png", ".webp"), (".gif", ".webp")
-_FORMS = {".png": "PNG", ".webp": "WEBP", ".gif": "GIF"}
+PICTURE_SUFFIXES, FILM_SUFFIXES = (".png", ".webp"), tuple(FILMS)
+_FORMS = {".png": "PNG", **FILMS}
 _QUALITY = 92  # of a WebP
-_MOST_PIXELS = 4e8  # of all pictures of a film
+_MOST_LIGHTS = 120  # in a turn of a film, in which the light on the object is found anew
 
 
 class Turning(NamedTuple):
@@ -52,7 +62,7 @@ def write_picture(
     progress: Progress | None = None,
     viewing: Viewing | None = None,
 ) -> None:
-    """Write a picture (.png, .webp), or a film of the object turning once (.gif, .webp).
+    """Write a picture (.png, .webp), or a film of the object turning once (.mp4, .gif, .webp).
 
     Parameters
     ----------
@@ -89,14 +99,89 @@ def write_picture(
         if turning is None:
             Image.fromarray(take_shot(arrays, shot, gloss)).save(part, form, **how)
             return
-        pictures = map(Image.fromarray, take_turning(arrays, shot, turning.n_pictures, gloss))
-        told = _told(pictures, turning.n_pictures, progress)
-        first = next(told)
-        duration = round(1e3 / turning.rate)
-        first.save(
-            part, form, save_all=True, append_images=chain(told), duration=duration, loop=0,
-            **how,
-        )  # fmt: skip
+        n = turning.n_pictures
+        pictures = map(Image.fromarray, take_turning(arrays, shot, n, gloss))
+        write_film(part, _told(pictures, n, progress), n, form, turning.rate, _QUALITY)
+
+
+class Filmed(NamedTuple):
+    """How a film of a painting that grows is to be: pictures a second, s a turn takes (0: none).
+
+    The finished painting stays for `hold` s.
+    """
+
+    rate: float = 24.0
+    turn_s: float = 0.0
+    hold: float = 1.0
+
+    @property
+    def n_held(self) -> int:
+        """How many pictures more the finished painting is shown."""
+        return round(self.hold * self.rate)
+
+    def check(self, path: Path, shot: Shot, n_pictures: int) -> str:
+        """The format of a film of so many pictures, held ones left out, if it can be made.
+
+        Raises
+        ------
+        ExportError, InputError
+            If not.
+        """
+        n, form = n_pictures + self.n_held, film_form(path)
+        width, height = shot.size or (0, 0)
+        if is_held_whole(form) and width * height * n > MOST_PIXELS:
+            raise ExportError(
+                f"{path}: {n} pictures of {width} x {height} pixels are too many; expected a "
+                "shorter or smaller film, or .mp4"
+            )
+        return form
+
+
+def write_growth(
+    growth: Growth,
+    path: str | os.PathLike[str],
+    shot: Shot,
+    filmed: Filmed,
+    progress: Progress | None = None,
+) -> int:
+    """Write a film (.mp4, .gif, .webp) of how a painting came about; return how many pictures.
+
+    Parameters
+    ----------
+    growth : Growth
+        Ended.
+    path : path-like
+        An existing file is replaced at the end, in one step; after a failure it is as it was.
+    shot : Shot
+        The view is found for the finished painting, and stays.
+    filmed : Filmed
+    progress : callable, optional
+        Called with the share done; what it raises leaves everything as it was.
+
+    Raises
+    ------
+    InputError
+        If the shot cannot be taken so.
+    ExportError
+        If the film would be too large, or the file cannot be written.
+    """
+    path, surface = Path(path), growth.surface
+    form = filmed.check(path, shot, growth.n_pictures)
+    arrays = surface.export_arrays(None)
+    ids = surface.paint_mesh.source_order()
+    n, a_turn = growth.n_pictures + filmed.n_held, filmed.rate * filmed.turn_s
+
+    def moments() -> Iterator[Moment]:
+        shown = chain(growth.pictures(), repeat(surface.srgb, filmed.n_held))
+        for k, codes in enumerate(shown):
+            yield Moment(codes[ids], 2.0 * np.pi * k / a_turn if a_turn else 0.0)
+
+    n_lights = min(_MOST_LIGHTS, max(1, round(a_turn))) if a_turn else 0
+    drawn = take_film(arrays, shot, moments(), Gloss.of(surface.material), n_lights)
+    with write_atomically(path, progress) as part:
+        pictures = _told(map(Image.fromarray, drawn), n, progress)
+        write_film(part, pictures, n, form, filmed.rate, _QUALITY)
+    return n
 
 
 def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
@@ -107,11 +192,11 @@ def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
         what = "picture" if turning is None else "film"
         shown = f"the suffix {suffix!r} is not that of one" if suffix else "it has no suffix"
         raise ExportError(f"{path}: a {what} is wanted, and {shown}; expected {' or '.join(known)}")
-    if suffix == ".gif" and shot.transparent:
-        raise InputError(f"{path}: a .gif has no soft edges to nothing; expected .webp")
-    if turning is not None:
+    if suffix in (".gif", ".mp4") and shot.transparent:
+        raise InputError(f"{path}: a {suffix} has no soft edges to nothing; expected .webp")
+    if turning is not None and is_held_whole(film_form(path)):
         width, height = shot.size or (0, 0)
-        if width * height * turning.n_pictures > _MOST_PIXELS:
+        if width * height * turning.n_pictures > MOST_PIXELS:
             raise ExportError(
                 f"{path}: {turning.n_pictures} pictures of {width} x {height} pixels are too "
                 "many; expected a shorter or smaller film"
@@ -119,7 +204,7 @@ def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
     return _FORMS[suffix]
 
 
-def _how(form: str) -> dict[str, Any]:
+def _how(form: str) -> dict[str, int]:
     return {"quality": _QUALITY} if form == "WEBP" else {}
 
 

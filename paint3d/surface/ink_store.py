@@ -285,6 +285,14 @@ class InkStore:
         return self._srgb
 
     @property
+    def bare_codes(self) -> NDArray[np.uint8]:
+        """(V, 3) uint8 sRGB of every vertex as if nothing had been painted."""
+        if self._mesh_colours is None:
+            return np.tile(self._bare, (self.n_vertices, 1))
+        self.know_vertices()
+        return self._mesh_colours.codes(self.n_vertices)
+
+    @property
     def coverage(self) -> NDArray[np.float32]:
         """(V,) float32: share of each vertex's own area that is under wet paint, 0 to 1."""
         return self.ink.coverage[: self.n_vertices]
@@ -354,6 +362,11 @@ class _MeshColours:
         self._linear[first:last] = decode_srgb(fresh.astype(np.float64))
         srgb[first:last] = np.rint(fresh * 255.0)
         self._known = last
+
+    def codes(self, n_vertices: int) -> NDArray[np.uint8]:
+        """(n, 3) uint8 of the first n vertices, which are known."""
+        codes: NDArray[np.uint8] = np.rint(self._encoded[:n_vertices] * 255.0).astype(np.uint8)
+        return codes
 
     def ground_of(self, ground: Ground) -> Ground:
         """The ground with these colours in the place of the material."""

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.types import AnyArray
-from paint3d.errors import ExportError
-from paint3d.view.scene import MOST_PIXELS, join_pixels, quiet_vtk
+from paint3d.view.scene import MOST_PIXELS, join_pixels, quiet_vtk, told_of_opengl
 
-__all__ = ["Frame", "draw_flat"]
+__all__ = ["FlatDrawing", "Frame", "draw_flat"]
 
 _FINER = 3
 _FAR = 4.0  # depths of the object that the camera stands away
@@ -62,31 +61,73 @@ def draw_flat(
     ExportError
         If no OpenGL can be started.
     """
-    import pyvista as pv
+    with FlatDrawing(faces, frame, size, transparent) as drawing:
+        return drawing.pixels(vertices, srgb)
 
-    seen = (vertices @ frame.axes.T).astype(np.float32)
-    deep = max(float(np.ptp(seen[:, 2])), 1e-3 * frame.height)
-    scale = _FINER if max(size) * _FINER <= MOST_PIXELS else 1
-    drawn = tuple(scale * n for n in size)
-    with quiet_vtk():
-        plotter = pv.Plotter(off_screen=True, window_size=drawn, lighting="none")
-        try:
-            plotter.set_background("white")
-            mesh = pv.PolyData.from_regular_faces(seen, faces)
-            mesh.point_data["srgb"] = srgb
-            plotter.add_mesh(mesh, scalars="srgb", rgb=True, lighting=False)
-            x, y = frame.middle.tolist()
-            middle = float(seen[:, 2].max() + seen[:, 2].min()) / 2
-            camera = plotter.camera
-            camera.parallel_projection = True
-            camera.parallel_scale = frame.height / 2
-            camera.focal_point = (x, y, middle)
-            camera.position = (x, y, middle + _FAR * deep)
-            camera.up = (0.0, 1.0, 0.0)
-            plotter.renderer.ResetCameraClippingRange()
-            pixels = plotter.screenshot(return_img=True, transparent_background=transparent)
-        except RuntimeError as cause:
-            raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
-        finally:
-            plotter.close()
-    return join_pixels(pixels, scale, transparent)
+
+class FlatDrawing:
+    """A projection that is drawn again and again, in other colours or turned; used with `with`.
+
+    Parameters
+    ----------
+    faces, frame, size, transparent
+        As for `draw_flat`.
+
+    Raises
+    ------
+    ExportError
+        If no OpenGL can be started.
+    """
+
+    def __init__(
+        self, faces: AnyArray, frame: Frame, size: tuple[int, int], transparent: bool = False
+    ) -> None:
+        self._faces, self._frame, self._transparent = faces, frame, transparent
+        self._scale = _FINER if max(size) * _FINER <= MOST_PIXELS else 1
+        self._size = tuple(self._scale * n for n in size)
+        self._plotter: Any = None
+        self._mesh: Any = None
+
+    def __enter__(self) -> Self:
+        import pyvista as pv
+
+        with quiet_vtk(), told_of_opengl():
+            self._plotter = pv.Plotter(off_screen=True, window_size=self._size, lighting="none")
+            self._plotter.set_background("white")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._plotter.close()
+
+    def pixels(self, vertices: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
+        """The pixels as `draw_flat` returns them; of as many vertices every time."""
+        import pyvista as pv
+
+        seen = (vertices @ self._frame.axes.T).astype(np.float32)
+        plotter = self._plotter
+        with quiet_vtk(), told_of_opengl():
+            if self._mesh is None:
+                mesh = self._mesh = pv.PolyData.from_regular_faces(seen, self._faces)
+                mesh.point_data["srgb"] = srgb
+                plotter.add_mesh(mesh, scalars="srgb", rgb=True, lighting=False)
+            else:
+                self._mesh.points[:] = seen
+                self._mesh.GetPoints().Modified()
+                self._mesh.point_data["srgb"][:] = srgb
+                self._mesh.GetPointData().GetScalars().Modified()
+            self._place_camera(seen)
+            plotter.render()
+            shown = plotter.screenshot(return_img=True, transparent_background=self._transparent)
+        return join_pixels(shown, self._scale, self._transparent)
+
+    def _place_camera(self, seen: AnyArray) -> None:
+        frame, camera = self._frame, self._plotter.camera
+        deep = max(float(np.ptp(seen[:, 2])), 1e-3 * frame.height)
+        x, y = frame.middle.tolist()
+        middle = float(seen[:, 2].max() + seen[:, 2].min()) / 2
+        camera.parallel_projection = True
+        camera.parallel_scale = frame.height / 2
+        camera.focal_point = (x, y, middle)
+        camera.position = (x, y, middle + _FAR * deep)
+        camera.up = (0.0, 1.0, 0.0)
+        self._plotter.renderer.ResetCameraClippingRange()

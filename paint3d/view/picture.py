@@ -20,19 +20,21 @@ from paint3d.core.atomic import write_atomically
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
-from paint3d.view.daylight import Occluder, light_ground, light_points
+from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
 from paint3d.view.scene import Scene, draw_scene
 from paint3d.view.studio import LIGHTS, Gloss, Studio, light_samples
 from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 
 __all__ = [
     "Gloss",
+    "Lighting",
     "Setting",
     "Stand",
     "View",
     "checked_size",
     "develop",
     "draw_picture",
+    "light_object",
     "render_picture",
     "set_up_scene",
 ]
@@ -174,6 +176,51 @@ def set_up_scene(
     size : (int, int)
     setting : Setting
     """
+    lit = light_object(arrays, view, size, setting)
+    return lit.scene(srgb_to_linear(arrays[3]))
+
+
+class Lighting(NamedTuple):
+    """An object in its place, and the light on it, whatever its colours are.
+
+    `vertices` and `normals` (V, 3) are in the studio's axes; `light` (S, 3) is what falls on the
+    vertices `seen` (V,); `exposure` is in it.
+    """
+
+    vertices: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    seen: NDArray[np.bool_]
+    light: NDArray[np.float64]
+    exposure: float
+    ground: Ground | None
+    camera: Camera
+    studio: Studio
+
+    def scene(self, albedo: AnyArray) -> Scene:
+        """The object in some colours, (V, 3) linear."""
+        peak = max(float(self.light.max()), 1.0)
+        shown = np.zeros_like(albedo)
+        shown[self.seen] = albedo[self.seen] * self.light / peak
+        colours = np.rint(255 * shown ** (1 / VTK_GAMMA)).astype(np.uint8)
+        return Scene(
+            self.vertices, self.faces, self.normals, colours, peak, self.exposure, self.ground,
+            self.camera, self.studio,
+        )  # fmt: skip
+
+
+def light_object(
+    arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray],
+    view: View,
+    size: tuple[int, int],
+    setting: Setting,
+    everywhere: bool = False,
+) -> Lighting:
+    """Light an object and place the camera; see `set_up_scene`.
+
+    What falls on it depends on its colours by their mean alone. Only what may be seen is lit, or
+    everything `everywhere`.
+    """
     vertices, faces, normals, srgb = arrays
     areas = vertex_areas(vertices, faces)
     stand = setting.stand
@@ -185,20 +232,18 @@ def set_up_scene(
     ground = light_ground(occluder, suns)
     on_ground = view.direction[2] > SHALLOWEST and not setting.transparent
     albedo = srgb_to_linear(srgb)
-    seen = _seen(normals, camera.position - vertices, faces)
+    seen = np.ones(len(normals), np.bool_)
+    if not everywhere:
+        seen = _seen(normals, camera.position - vertices, faces)
     mean_albedo = float(areas @ albedo.mean(axis=1) / areas.sum())
     light = light_points(occluder, ground, suns, vertices[seen], normals[seen], mean_albedo)
     exposure = None if stand is None else stand.exposure
     if exposure is None:
         exposure = WHITE_POINT / float(np.quantile(light.mean(axis=1), LIT_BEST))
     light *= exposure
-    peak = max(float(light.max()), 1.0)
-    shown = np.zeros_like(albedo)
-    shown[seen] = albedo[seen] * light / peak
-    colours = np.rint(255 * shown ** (1 / VTK_GAMMA)).astype(np.uint8)
     shown_ground = ground if on_ground else None
-    return Scene(
-        vertices, faces, normals, colours, peak, exposure, shown_ground, camera, setting.studio
+    return Lighting(
+        vertices, normals, faces, seen, light, exposure, shown_ground, camera, setting.studio
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from paint3d.view.daylight import Ground
 from paint3d.view.studio import LIGHTS, Gloss, Studio, make_panorama
 from paint3d.view.tone import linear_to_srgb, srgb_to_linear
 
-__all__ = ["Scene", "draw_scene", "join_pixels", "quiet_vtk"]
+__all__ = ["Scene", "SceneDrawing", "draw_scene", "join_pixels", "quiet_vtk", "told_of_opengl"]
 
 BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the paper far from the object
 POOL = np.array([0.600, 0.572, 0.535])  # and around it, where the key light falls
@@ -62,28 +62,95 @@ def draw_scene(
     ExportError
         If OpenGL cannot be started.
     """
-    import pyvista as pv
+    with SceneDrawing(scene, gloss, size, transparent) as drawing:
+        return drawing.pixels()
 
-    with quiet_vtk():
+
+class SceneDrawing:
+    """A scene that is drawn again and again, in other colours or turned; used with `with`.
+
+    Parameters
+    ----------
+    scene : Scene
+    gloss : Gloss
+    size : (int, int)
+        Width and height in pixels.
+    transparent : bool
+
+    Raises
+    ------
+    ExportError
+        If OpenGL cannot be started.
+    """
+
+    def __init__(
+        self, scene: Scene, gloss: Gloss, size: tuple[int, int], transparent: bool = False
+    ) -> None:
+        self._scene, self._gloss, self._transparent = scene, gloss, transparent
         finer = FINER + transparent
-        scale = finer if max(size) * finer <= MOST_PIXELS else 1
-        drawn = tuple(scale * n for n in size)
-        plotter = pv.Plotter(off_screen=True, window_size=drawn, lighting="none")
-        try:
-            plotter.set_background(linear_to_srgb(BACKDROP))
-            _add_object(plotter, scene, gloss)
-            if scene.ground is not None:
-                _add_ground(plotter, scene.ground)
-            _add_studio(plotter, scene)
-            _place_camera(plotter, scene)
-            if not transparent:  # a sample is of the object or not: mixed ones have no colour
-                plotter.enable_anti_aliasing("msaa", multi_samples=SAMPLES_A_PIXEL)
-            pixels = plotter.screenshot(return_img=True, transparent_background=transparent)
-        except RuntimeError as cause:
-            raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
-        finally:
-            plotter.close()
-    return join_pixels(pixels, scale, transparent)
+        self._scale = finer if max(size) * finer <= MOST_PIXELS else 1
+        self._size = tuple(self._scale * n for n in size)
+        self._plotter: Any = None
+
+    def __enter__(self) -> Self:
+        import pyvista as pv
+
+        scene = self._scene
+        with quiet_vtk(), told_of_opengl():
+            plotter = pv.Plotter(off_screen=True, window_size=self._size, lighting="none")
+            self._plotter = plotter
+            try:
+                plotter.set_background(linear_to_srgb(BACKDROP))
+                self._object = _add_object(plotter, scene, self._gloss)
+                self._ground = None
+                if scene.ground is not None:
+                    self._ground = _add_ground(plotter, scene.ground)
+                _add_studio(plotter, scene)
+                _place_camera(plotter, scene)
+                if not self._transparent:  # a sample is of the object or not: no mixed colours
+                    plotter.enable_anti_aliasing("msaa", multi_samples=SAMPLES_A_PIXEL)
+            except BaseException:
+                plotter.close()
+                raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._plotter.close()
+
+    def show(self, scene: Scene) -> None:
+        """Draw this one from now on: of the same faces, camera and studio."""
+        mesh = self._object
+        mesh.point_data["light"][:] = scene.colours
+        mesh.GetPointData().GetScalars().Modified()
+        if scene.vertices is not self._scene.vertices:
+            mesh.points[:] = scene.vertices
+            mesh.GetPoints().Modified()
+            mesh.point_data["Normals"][:] = scene.normals
+            mesh.GetPointData().GetNormals().Modified()
+        if scene.peak != self._scene.peak:
+            _light_body(self._plotter.renderer, scene.peak)
+        if scene.ground is not None and scene.ground is not self._scene.ground:
+            self._plotter.remove_actor(self._ground, render=False)
+            self._ground = _add_ground(self._plotter, scene.ground)
+        mesh.Modified()
+        self._scene = scene
+
+    def pixels(self) -> NDArray[np.uint8]:
+        """The (height, width, 3) sRGB pixels as `draw_scene` returns them."""
+        plotter = self._plotter
+        with quiet_vtk(), told_of_opengl():
+            plotter.render()
+            shown = plotter.screenshot(return_img=True, transparent_background=self._transparent)
+        return join_pixels(shown, self._scale, self._transparent)
+
+
+@contextmanager
+def told_of_opengl() -> Iterator[None]:
+    """Say in one line that there is none."""
+    try:
+        yield
+    except RuntimeError as cause:
+        raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
 
 
 def join_pixels(pixels: AnyArray, scale: int, transparent: bool) -> NDArray[np.uint8]:
@@ -117,7 +184,7 @@ def join_pixels(pixels: AnyArray, scale: int, transparent: bool) -> NDArray[np.u
     return np.concatenate(shown, axis=2).astype(np.uint8)
 
 
-def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> None:
+def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
     import pyvista as pv
 
     mesh = pv.PolyData.from_regular_faces(scene.vertices, scene.faces)
@@ -130,9 +197,10 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> None:
     )
     # What a matte surface reflects all around is already part of its painted colour.
     actor.GetProperty().SetBaseIOR(MATTE_IOR + gloss.coat * (GLAZE_IOR - MATTE_IOR))
+    return mesh
 
 
-def _add_ground(plotter: Any, ground: Ground) -> None:
+def _add_ground(plotter: Any, ground: Ground) -> Any:
     import pyvista as pv
 
     half, origin = ground.half, ground.origin
@@ -140,7 +208,8 @@ def _add_ground(plotter: Any, ground: Ground) -> None:
     square = pv.PolyData.from_regular_faces(corners, [[0, 1, 2], [0, 2, 3]])
     square.active_texture_coordinates = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
     pixels = np.rint(255 * linear_to_srgb(_ground_light(ground))).astype(np.uint8)
-    plotter.add_mesh(square, texture=_texture(pixels, plain=True), lighting=False)
+    texture = _texture(pixels, plain=True)
+    return plotter.add_mesh(square, texture=texture, lighting=False, reset_camera=False)
 
 
 def _ground_light(ground: Ground) -> NDArray[np.float64]:
@@ -173,8 +242,12 @@ def _add_studio(plotter: Any, scene: Scene) -> None:
     mirrored.SetPrefilterMaxSamples(64)
     renderer.GetEnvMapLookupTable().SetLUTSize(128)
     renderer.GetEnvMapLookupTable().SetLUTSamples(64)
+    _light_body(renderer, scene.peak)
+
+
+def _light_body(renderer: Any, peak: float) -> None:
     irradiance = renderer.GetEnvMapIrradiance()
-    irradiance.SetInputTexture(_texture(np.full((2, 4, 3), scene.peak / DIFFUSE, np.float32)))
+    irradiance.SetInputTexture(_texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32)))
     irradiance.SetIrradianceSize(4)
     irradiance.SetIrradianceStep(0.1)
 

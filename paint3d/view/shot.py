@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,20 +12,32 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, UnknownNameError
-from paint3d.view.camera import View, find_view, fit_camera, studio_axes, vertex_areas
-from paint3d.view.flat_scene import Frame, draw_flat
+from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
+from paint3d.view.flat_scene import FlatDrawing, Frame, draw_flat
 from paint3d.view.picture import (
+    Lighting,
     Setting,
     Stand,
     checked_size,
     develop,
     draw_picture,
-    set_up_scene,
+    light_object,
 )
-from paint3d.view.scene import draw_scene
+from paint3d.view.scene import SceneDrawing
 from paint3d.view.studio import LIGHTS, Gloss
+from paint3d.view.tone import srgb_to_linear
 
-__all__ = ["AUTO", "FLAT", "UNLIT", "VIEWS", "Shot", "take_shot", "take_turning"]
+__all__ = [
+    "AUTO",
+    "FLAT",
+    "UNLIT",
+    "VIEWS",
+    "Moment",
+    "Shot",
+    "take_film",
+    "take_shot",
+    "take_turning",
+]
 
 AUTO, FLAT, UNLIT = "auto", "flat", "none"
 VIEWS = {  # azimuth from the front (-y) toward the right (+x), and height, degrees
@@ -39,6 +52,8 @@ VIEWS = {  # azimuth from the front (-y) toward the right (+x), and height, degr
 SIZE = (1600, 1200)
 BORDER = 1.06  # of a projection's frame over what is in it
 _ANGLES, _BANDS = 24, 32  # of the body that an object sweeps when it turns
+_KEPT_BYTES = 300_000_000  # of the light on an object as it turns, about
+_ROUND = 1e-6
 _STEEP = 89.9  # degrees, from which +y points up in the picture (from below, too)
 
 Arrays = tuple[AnyArray, AnyArray, AnyArray, AnyArray]
@@ -155,36 +170,156 @@ def take_turning(
     MeshError, ExportError
         As `take_shot`.
     """
-    vertices, faces, normals, srgb = arrays
+    moments = (Moment(arrays[3], 2.0 * np.pi * k / n_pictures) for k in range(n_pictures))
+    return take_film(arrays, shot, moments, gloss, n_pictures)
+
+
+class Moment(NamedTuple):
+    """One picture of a film: the colours (V, 3) uint8, and how far the object has turned, rad."""
+
+    srgb: NDArray[np.uint8]
+    turn: float = 0.0
+
+
+def take_film(
+    arrays: Arrays,
+    shot: Shot,
+    moments: Iterable[Moment],
+    gloss: Gloss | None = None,
+    n_lights: int = 0,
+) -> Iterator[NDArray[np.uint8]]:
+    """Yield pictures of an object whose colours change, and which may turn under still light.
+
+    Parameters
+    ----------
+    arrays : see `Arrays`
+        With the colours of the finished painting: by them the side that is looked at is found, and
+        how the picture is exposed.
+    shot, gloss
+        As for `take_shot`.
+    moments : iterable of Moment
+        One for each picture; asked for one after the other.
+    n_lights : int
+        How often it is found in a turn what light falls on the object; between two it is mixed. 0
+        for an object that does not turn: its pictures are those of `take_shot`.
+
+    Raises
+    ------
+    InputError
+        If it is to turn, and the view is straight from above or below.
+    MeshError, ExportError
+        As `take_shot`.
+    """
     view = shot.seen_from(arrays)
-    if _is_steep(view) and shot.view == AUTO:
-        view = replace(shot, view="above").seen_from(arrays)
-    if _is_steep(view):
-        raise InputError("an object that turns is seen from the side; expected another view")
-    size = checked_size(shot.size or SIZE)
-    middle = (vertices.max(axis=0) + vertices.min(axis=0)) / 2
-    swept = _swept(vertices - middle) + middle
-    axes = studio_axes(vertices, view)
-    camera = fit_camera(
-        (swept @ axes.T).astype(np.float32),
-        View(axes @ view.direction, axes @ view.up, view.zoom),
-        size[0] / size[1],
-    )
-    stand = Stand(axes, camera)
-    frame = _frame(swept, _picture_axes(view), shot)[0]
-    for k in range(n_pictures):
-        turn = -2.0 * np.pi * k / n_pictures
-        spin = _spin(turn)
-        turned = ((vertices - middle) @ spin.T + middle).astype(np.float32)
-        if not shot.is_lit:
-            yield draw_flat(turned, faces, srgb, frame, size, shot.transparent)
-            continue
-        there = (turned, faces, (normals @ spin.T).astype(np.float32), srgb)
-        setting = Setting(LIGHTS[shot.light], shot.transparent, stand)
-        scene = set_up_scene(there, view, size, setting)
-        stand = stand._replace(exposure=scene.exposure)  # the first one's, for all
-        look = gloss or Gloss.of("porcelain")
-        yield develop(draw_scene(scene, look, size, shot.transparent))
+    if not n_lights:
+        axes = studio_axes(arrays[0], view)
+        camera = None if not shot.is_lit else _fitted(arrays[0], axes, view, shot)
+        frame, size = _frame(arrays[0], _picture_axes(view), shot)
+    else:
+        if _is_steep(view) and shot.view == AUTO:
+            view = replace(shot, view="above").seen_from(arrays)
+        if _is_steep(view):
+            raise InputError("an object that turns is seen from the side; expected another view")
+        axes = studio_axes(arrays[0], view)
+        middle = _middle(arrays[0])
+        swept = _swept(arrays[0] - middle) + middle
+        camera = _fitted(swept, axes, view, shot)
+        frame, size = _frame(swept, _picture_axes(view), shot)
+    if camera is None or not shot.is_lit:
+        yield from _unlit(arrays, moments, FlatDrawing(arrays[1], frame, size, shot.transparent))
+        return
+    setting = Setting(LIGHTS[shot.light], shot.transparent, Stand(axes, camera))
+    lights = _Lights(arrays, view, checked_size(shot.size or SIZE), setting, n_lights)
+    yield from _lit(lights, moments, gloss or Gloss.of("porcelain"))
+
+
+def _fitted(vertices: AnyArray, axes: AnyArray, view: View, shot: Shot) -> Camera:
+    width, height = checked_size(shot.size or SIZE)
+    seen = View(axes @ view.direction, axes @ view.up, view.zoom)
+    return fit_camera((vertices @ axes.T.astype(np.float32)), seen, width / height)
+
+
+def _middle(vertices: AnyArray) -> AnyArray:
+    middle: AnyArray = (vertices.max(axis=0) + vertices.min(axis=0)) / 2
+    return middle
+
+
+def _turned(arrays: Arrays, turn: float) -> Arrays:
+    vertices, faces, normals, srgb = arrays
+    spin, middle = _spin(-turn), _middle(vertices)
+    there = ((vertices - middle) @ spin.T + middle).astype(np.float32)
+    return there, faces, (normals @ spin.T).astype(np.float32), srgb
+
+
+def _unlit(
+    arrays: Arrays, moments: Iterable[Moment], drawing: FlatDrawing
+) -> Iterator[NDArray[np.uint8]]:
+    with drawing:
+        for moment in moments:
+            vertices = _turned(arrays, moment.turn)[0] if moment.turn else arrays[0]
+            yield drawing.pixels(vertices, moment.srgb)
+
+
+def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[NDArray[np.uint8]]:
+    moments = iter(moments)
+    first = next(moments)
+    size, transparent = lights.size, lights.setting.transparent
+    scene = lights.at(first.turn).scene(srgb_to_linear(first.srgb))
+    with SceneDrawing(scene, gloss, size, transparent) as drawing:
+        yield develop(drawing.pixels())
+        for moment in moments:
+            drawing.show(lights.at(moment.turn).scene(srgb_to_linear(moment.srgb)))
+            yield develop(drawing.pixels())
+
+
+class _Lights:
+    """The light on an object as it turns, found so often in a turn, and mixed between."""
+
+    def __init__(
+        self, arrays: Arrays, view: View, size: tuple[int, int], setting: Setting, n: int
+    ) -> None:
+        self._arrays, self._view, self.size, self.setting, self._n = arrays, view, size, setting, n
+        self._still = light_object(arrays, view, size, setting)
+        assert setting.stand is not None, "it does not move"
+        stand = setting.stand._replace(exposure=self._still.exposure)  # one for all
+        self._exposed = setting._replace(stand=stand)
+        self._kept: dict[int, Lighting] = {}
+        self._most = max(2, _KEPT_BYTES // (24 * len(arrays[0])))
+
+    def at(self, turn: float) -> Lighting:
+        """The object there, and the light on it then."""
+        if not self._n:
+            return self._still
+        place = turn / (2.0 * np.pi) * self._n
+        before = int(np.floor(place + _ROUND))
+        share = max(0.0, place - before)
+        near = self._found(before % self._n)
+        if share < _ROUND:
+            return near
+        after = self._found((before + 1) % self._n)
+        vertices, _, normals, _ = _turned(self._arrays, turn)
+        axes = self._axes
+        return near._replace(
+            vertices=vertices @ axes.T,
+            normals=normals @ axes.T,
+            light=near.light + share * (after.light - near.light),
+            ground=near.ground if share < 0.5 else after.ground,
+        )
+
+    @property
+    def _axes(self) -> AnyArray:
+        assert self._exposed.stand is not None, "it does not move"
+        axes: AnyArray = self._exposed.stand.axes.astype(np.float32)
+        return axes
+
+    def _found(self, k: int) -> Lighting:
+        if k not in self._kept:
+            while len(self._kept) >= self._most:
+                del self._kept[next(iter(self._kept))]
+            there = _turned(self._arrays, 2.0 * np.pi * k / self._n)
+            view, size, setting = self._view, self.size, self._exposed
+            self._kept[k] = light_object(there, view, size, setting, everywhere=True)
+        return self._kept[k]
 
 
 def _is_steep(view: View) -> bool:

@@ -1,18 +1,21 @@
 """The papers' timing study: planned, measured from files, and tested in pairs."""
 
 import json
+import re
 from collections import Counter
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from paint3d.app.model.study import Measured, StudyTable, evaluate, find_file
+from paint3d.app.model.study import Measured, StudyTable, evaluate, find_file, measure
 from paint3d.app.model.study_plan import StudyPlan, Trial, load_plan, make_plan, save_plan
 from paint3d.cli.main import main
 from paint3d.cli.study import table_lines
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.recording.recording import save_recording
+from paint3d.recording.score import save_score
 from tests.support.app.hands import UPRIGHT, paint, small_plane
 
 
@@ -183,3 +186,76 @@ def test_a_session_goes_before_recordings(tmp_path):
     for suffix in (".csv", ".jsonl", ".p3d"):
         (tmp_path / f"P01-I-1{suffix}").write_text("")
         assert find_file(tmp_path, trial).name.endswith(suffix)
+
+
+def answered(folder, *words):
+    return main(["study", "answer", str(folder), *words])
+
+
+def test_answers_are_kept_counted_and_tested(folder, capsys):
+    assert answered(folder, "P01", "--prefers", "I") == 0
+    for name in ("P01", "P02", "P03"):  # who changes their mind counts once
+        assert answered(folder, name, "--prefers", "II", "--comment", "<easier>") == 0
+    table = evaluate(folder, load_plan(folder), likeness=False)
+    assert table.preferences() == {"I": 0, "II": 3, "none": 0}
+    assert table.preference_p() == pytest.approx(0.25)  # 2 / 2^3
+    assert "preferred, of 3: I 0; II 3; none 0; sign test p = 0.25" in table_lines(table)
+    assert table.to_json()["preferences"]["answers"]["P02"]["comment"] == "<easier>"
+    for words, told in (
+        (("P09", "--prefers", "I"), "unknown participant 'P09'"),
+        (("P01", "--prefers", "III"), "unknown device set 'III'"),
+    ):
+        capsys.readouterr()
+        assert answered(folder, *words) == 2
+        assert told in capsys.readouterr().err
+    (folder / "answers.json").write_text("{}")
+    assert main(["study", "table", str(folder), "--no-likeness", "--quiet"]) == 2
+    assert "answers.json: it cannot be used" in capsys.readouterr().err
+
+
+def test_the_report_is_one_page_whose_boxes_are_where_the_times_are(folder, tmp_path, capsys):
+    assert answered(folder, "P01", "--prefers", "II", "--comment", "<b>& easier") == 0
+    out = tmp_path / "out" / "a.html"
+    out.parent.mkdir()
+    words = ["study", "report", str(folder), "--out", str(out), "--no-likeness", "--quiet"]
+    assert main(words) == 0
+    page = out.read_text("utf-8")
+    assert "<b>" not in page
+    assert "&lt;b&gt;&amp; easier" in page
+    assert "http" not in page
+    assert "src=" not in page
+    table = evaluate(folder, load_plan(folder), likeness=False)
+    times = [list(table.by_participant(d, lambda m: m.seconds).values()) for d in ("I", "II")]
+    figure = ElementTree.fromstring(re.search(r"<svg.*?</svg>", page, re.S).group())
+    ticks = [
+        (float(t.text), float(t.get("y")) - 4) for t in figure.iter("text") if t.get("x") == "46"
+    ]
+    (low, y_low), (high, y_high) = ticks[0], ticks[-1]
+    assert low == 0.0
+    assert high >= max(map(max, times))
+    boxes = [box for box in figure.iter("rect") if box.get("class") == "box"]
+    assert len(boxes) == 2
+    for box, own in zip(boxes, times, strict=True):
+        top = float(box.get("y"))
+        shown = [top + float(box.get("height")), top]
+        wanted = np.percentile(own, [25, 75])
+        np.testing.assert_allclose(shown, y_low + (y_high - y_low) * wanted / high, atol=0.6)
+    points = list(figure.iter("circle"))
+    assert len(points) == sum(map(len, times))
+    assert main([*words[:4], str(folder / "study.json"), "--quiet"]) == 2
+
+
+def test_a_score_is_measured_by_the_strokes_that_stay(tmp_path):
+    document = small_plane(1.0)
+    for y in (-5.0, 0.0, 5.0):
+        paint(document, (-10.0, y), (10.0, y))
+    document.undo()
+    save_score(document.score, tmp_path / "P01-I-1.score.jsonl")
+    trial = Trial("P01", "I", 1)
+    file = find_file(tmp_path, trial)
+    assert file is not None
+    found = measure(file, trial, on="plane")
+    assert len(found.stroke_seconds) == 2
+    assert found.seconds >= found.pen_down_seconds > 0.0
+    kept = [s.duration_s for s in document.strokes]
+    assert found.pen_down_seconds == pytest.approx(sum(kept), rel=0.3)

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from paint3d.app.model.copybook import Ghost
-from paint3d.app.model.study_plan import StudyPlan, Trial
+from paint3d.app.model.score.playing import painted
+from paint3d.app.model.study_plan import NEITHER, Answer, StudyPlan, Trial, load_answers
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.layout import layout_text
@@ -27,12 +29,23 @@ from paint3d.files.load import load_mesh
 from paint3d.files.project.session import SESSION_SUFFIX, load_session
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.painter.painter import Painter
+from paint3d.recording.hand_time import HandTime
 from paint3d.recording.recording import load_recording
+from paint3d.recording.score import is_score, load_score
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Measured", "PairedTest", "StudyTable", "Summary", "evaluate", "find_file", "measure"]
 
-SUFFIXES = (SESSION_SUFFIX, ".jsonl", ".jsonl.gz", ".csv", ".csv.gz", ".inkml")
+SUFFIXES = (
+    SESSION_SUFFIX,
+    ".score.jsonl",
+    ".score.jsonl.gz",
+    ".jsonl",
+    ".jsonl.gz",
+    ".csv",
+    ".csv.gz",
+    ".inkml",
+)
 _ANOTHER_CLOCK_NS = 3_600_000_000_000
 _RESOLUTION_MM = 0.5  # of paintings made from recordings
 _DEFAULT_BRUSH, _DEFAULT_INK = "zhongbaiyun", "pine soot"
@@ -121,20 +134,38 @@ class StudyTable:
         Stems of trials without a file.
     faulty : tuple of (str, str)
         Files that cannot be used, and why.
+    answers : mapping
+        What participants prefer, by their names.
     """
 
     plan: StudyPlan
     measured: tuple[Measured, ...]
     missing: tuple[str, ...]
     faulty: tuple[tuple[str, str], ...]
+    answers: Mapping[str, Answer] = field(default_factory=dict)
+
+    def preferences(self) -> dict[str, int]:
+        """How many prefer each device set, and none."""
+        said = Counter(answer.prefers for answer in self.answers.values())
+        return {name: said[name] for name in (*self.plan.devices, NEITHER)}
+
+    def preference_p(self) -> float:
+        """Of the two-sided sign test between two device sets; NaN for others, or nobody."""
+        from scipy.stats import binomtest
+
+        counts = [self.preferences()[devices] for devices in self.plan.devices]
+        if len(counts) != 2 or not sum(counts):
+            return math.nan
+        return float(binomtest(counts[0], sum(counts)).pvalue)
 
     def summary(self, devices: str, value: Callable[[Measured], float | None]) -> Summary:
         """Of a value over participants (the mean of each one's trials) with a device set."""
-        return Summary.of(list(self._by_participant(devices, value).values()))
+        return Summary.of(list(self.by_participant(devices, value).values()))
 
-    def _by_participant(
+    def by_participant(
         self, devices: str, value: Callable[[Measured], float | None]
     ) -> dict[str, float]:
+        """A value of each participant with a device set: the mean of their trials."""
         found: dict[str, list[float]] = {}
         for one in self.measured:
             number = value(one)
@@ -150,7 +181,7 @@ class StudyTable:
     def _compare(self, first: str, second: str) -> PairedTest:
         from scipy.stats import ttest_rel, wilcoxon
 
-        one, two = (self._by_participant(d, lambda m: m.seconds) for d in (first, second))
+        one, two = (self.by_participant(d, lambda m: m.seconds) for d in (first, second))
         both = [name for name in one if name in two]
         a, b = np.array([one[n] for n in both]), np.array([two[n] for n in both])
         ratio = float(b.mean() / a.mean()) if len(both) else math.nan
@@ -178,6 +209,11 @@ class StudyTable:
                     for name, value in values.items()
                 }
                 for devices in self.plan.devices
+            },
+            "preferences": {
+                "counts": self.preferences(),
+                **_known({"p": self.preference_p()}),
+                "answers": {name: vars(answer) for name, answer in self.answers.items()},
             },
             "tests": [_known(vars(test)) for test in self.tests()],
             "trials": [
@@ -237,6 +273,7 @@ def evaluate(
     InputError
         If there is no copybook for the character, or no place for it on the object.
     """
+    answers = load_answers(folder, plan)
     judge = _Judge(plan, source) if likeness else None
     measured, missing, faulty = [], [], []
     schedule = plan.schedule()
@@ -246,16 +283,18 @@ def evaluate(
             missing.append(trial.stem)
         else:
             try:
-                measured.append(measure(file, trial, judge))
+                measured.append(measure(file, trial, judge, plan.object))
             except Paint3DError as cause:
                 faulty.append((file.name, str(cause)))
         if progress is not None:
             progress((k + 1) / len(schedule))
-    return StudyTable(plan, tuple(measured), tuple(missing), tuple(faulty))
+    return StudyTable(plan, tuple(measured), tuple(missing), tuple(faulty), answers)
 
 
-def measure(file: Path, trial: Trial, judge: _Judge | None = None) -> Measured:
-    """Measure one file.
+def measure(
+    file: Path, trial: Trial, judge: _Judge | None = None, on: str | None = None
+) -> Measured:
+    """Measure one file; a whole painting is painted `on` the study's object.
 
     Raises
     ------
@@ -267,6 +306,8 @@ def measure(file: Path, trial: Trial, judge: _Judge | None = None) -> Measured:
         session = load_session(file)
         surface = session.surface
         recordings = [*session.recordings, *_in_one_clock(session.strokes)]
+    elif is_score(file):
+        surface, recordings = _painted_score(file, on)
     else:
         recordings = [load_recording(file)]
     spans = sorted(span for recording in recordings for span in _touches(recording))
@@ -278,6 +319,18 @@ def measure(file: Path, trial: Trial, judge: _Judge | None = None) -> Measured:
         found = judge.compare(surface if surface is not None else judge.painted(recordings[0]))
     seconds = tuple((last - first) * 1e-9 for first, last in spans)
     return Measured(trial, file.name, (end - start) * 1e-9, seconds, found)
+
+
+def _painted_score(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recording]]:
+    """What a whole painting leaves, and the strokes of it that were not undone, in one clock."""
+    score = load_score(file)
+    document = painted(score, load_mesh(on or str(score.header.get("object", ""))))
+    strokes = [stroke.recording(stroke.brush.name) for stroke in document.strokes]
+    clock, moved = HandTime(in_full=True), []
+    for stroke in strokes:  # of clocks that began anew a short rest is thought to lie between
+        when = clock.pass_samples(stroke.time_ns)
+        moved.append(dataclasses.replace(stroke, time_ns=np.rint(when * 1e9).astype(np.int64)))
+    return document.surface, moved
 
 
 def _in_one_clock(strokes: Sequence[Recording]) -> list[Recording]:

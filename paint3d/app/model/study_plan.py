@@ -11,12 +11,25 @@ import numpy as np
 
 from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
-from paint3d.errors import InputError
+from paint3d.errors import InputError, UnknownNameError
 from paint3d.files.readers.odd_names import json_text
 
-__all__ = ["PLAN_NAME", "StudyPlan", "Trial", "load_plan", "make_plan", "save_plan"]
+__all__ = [
+    "ANSWERS_NAME",
+    "NEITHER",
+    "PLAN_NAME",
+    "Answer",
+    "StudyPlan",
+    "Trial",
+    "load_answers",
+    "load_plan",
+    "make_plan",
+    "save_answer",
+    "save_plan",
+]
 
-PLAN_NAME = "study.json"
+PLAN_NAME, ANSWERS_NAME = "study.json", "answers.json"
+NEITHER = "none"
 VERSION = 1
 _MOST_PARTICIPANTS = 1000
 _MOST_TRIALS = 100
@@ -192,3 +205,65 @@ def load_plan(folder: Path) -> StudyPlan:
         raise InputError(f"{file}: {reason}; expected the plan of a study") from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as cause:
         raise InputError(f"{file}: it cannot be used: {' '.join(str(cause).split())}") from None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a participant prefers: a device set, or `NEITHER`; and what they said of it."""
+
+    prefers: str
+    comment: str = ""
+
+
+def save_answer(folder: Path, plan: StudyPlan, participant: str, answer: Answer) -> Path:
+    """Write down what a participant prefers; an answer given again takes the place of the first.
+
+    Raises
+    ------
+    InputError
+        If there is no such participant or device set, or the answers there cannot be read.
+    ExportError
+        If it cannot be written.
+    """
+    _check_answer(plan, participant, answer)
+    file = folder / ANSWERS_NAME
+    answers = load_answers(folder, plan) | {participant: answer}
+    told = {name: asdict(answers[name]) for name in plan.participants if name in answers}
+    values = {"format": "paint3d-study-answers", "version": VERSION, "answers": told}
+    with write_atomically(file) as part:
+        part.write_text(json_text(values, indent=1) + "\n", encoding="utf-8")
+    return file
+
+
+def load_answers(folder: Path, plan: StudyPlan) -> dict[str, Answer]:
+    """What participants of a study prefer, by their names; none who was not asked.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used.
+    """
+    file = folder / ANSWERS_NAME
+    if not file.is_file():
+        return {}
+    try:
+        values = json.loads(file.read_text("utf-8"))
+        if values["format"] != "paint3d-study-answers" or values["version"] != VERSION:
+            raise InputError(f"it holds no answers of version {VERSION}")
+        answers = {str(name): Answer(**own) for name, own in values["answers"].items()}
+        for name, answer in answers.items():
+            _check_answer(plan, name, answer)
+        return answers
+    except OSError as cause:
+        raise InputError(f"{file}: {cause.strerror or cause}") from None
+    except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as cause:
+        raise InputError(f"{file}: it cannot be used: {' '.join(str(cause).split())}") from None
+
+
+def _check_answer(plan: StudyPlan, participant: str, answer: Answer) -> None:
+    if participant not in plan.participants:
+        raise UnknownNameError("participant", participant, plan.participants)
+    if answer.prefers not in (*plan.devices, NEITHER):
+        raise UnknownNameError("device set", answer.prefers, (*plan.devices, NEITHER))
+    if not isinstance(answer.comment, str):
+        raise InputError(f"comment is {answer.comment!r:.40}; expected words")

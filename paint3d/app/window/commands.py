@@ -17,8 +17,8 @@ __all__ = [
 ]
 
 MENUS: dict[str, tuple[str, ...]] = {
-    "file": ("new", "open", "save", "save_as", "export", "-", "screenshot", "turntable", "-",
-             "record", "replay", "save_recording", "-", "quit"),
+    "file": ("new", "open", "save", "save_as", "export", "-", "screenshot", "turntable", "growth",
+             "-", "record", "replay", "save_recording", "-", "quit"),
     "edit": ("undo", "redo", "-", "cancel_stroke", "-", "stand", "-", "preferences"),
     "brush": ("smaller", "larger", "smoothing", "brush", "-",
               *(f"brush_{k}" for k in range(1, 1 + len(brush_names()))), "-", "edit_brush",
@@ -71,6 +71,7 @@ ICONS_OF = {
 }  # fmt: skip
 
 _OWN = {
+    "growth": "Film of the painting growing…",
     "save_recording": "Save the strokes as a recording…",
     "wet": "surface.wet",
     "refine": "Refine the whole surface now",

@@ -59,9 +59,18 @@ class FilmDialog(FormDialog):
         What was chosen last.
     screen : (int, int)
         Width and height of the picture on the screen, pixels.
+    any_length : bool
+        Whether it may be of any length, since its pictures are not held in memory.
     """
 
-    def __init__(self, parent: QtWidgets.QWidget, kept: Film, screen: tuple[int, int]) -> None:
+    def __init__(
+        self,
+        parent: QtWidgets.QWidget,
+        kept: Film,
+        screen: tuple[int, int],
+        any_length: bool = False,
+    ) -> None:
+        self._any_length = any_length
         super().__init__(parent, say("action.turntable").rstrip("…"))
         self.seconds = self.add_number(say("Length"), 0.5, _LONGEST_S, kept.seconds, "s", 1)
         self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, kept.rate)
@@ -78,11 +87,12 @@ class FilmDialog(FormDialog):
     def _tell(self, _: object = None) -> None:
         """Say how many pictures that makes, and whether they are too many."""
         film = self.film()
-        text = "{n} pictures: too many of this size" if film.is_too_long else "{n} pictures"
+        too_long = film.is_too_long and not self._any_length
+        text = "{n} pictures: too many of this size" if too_long else "{n} pictures"
         self.told.setText(say(text, n=film.n_pictures))
         below = self.findChild(QtWidgets.QDialogButtonBox)
         assert below is not None, "it was finished"
-        below.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setEnabled(not film.is_too_long)
+        below.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setEnabled(not too_long)
 
     def film(self) -> Film:
         """What was chosen."""

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Future, wait
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
 from PySide6 import QtWidgets
 
 from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog, kept_film
+from paint3d.app.window.jobs.growth_film import write_growth_film
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.jobs.turntable import write_turntable
@@ -24,7 +26,7 @@ __all__ = ["FILMS", "PICTURES", "Pictures"]
 
 # What a file may be, by its ending, and how the dialog says it:
 PICTURES = {".png": "Picture, PNG", ".jpg": "Picture, JPEG"}
-FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF"}
+FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF", ".mp4": "Film, MP4"}
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 _FINE_PIXELS = 4_500_000  # more are drawn without being smoothed, which needs four times as many
 _QUALITY = 92
@@ -131,22 +133,39 @@ class Pictures:
 
     def do_turntable(self) -> None:
         """Ask where and how, and save a film of the object turning."""
+        self._ask_for_film(say("action.turntable"), self.turntable_to)
+
+    def do_growth(self) -> None:
+        """Ask where and how, and save a film of the painting as it grew."""
+        self._ask_for_film(say("Film of the painting growing…"), self.growth_to)
+
+    def _ask_for_film(self, title: str, write: Callable[[Path, Film], bool]) -> None:
         kept = self._workspace.settings.exports
-        path = self._targets.ask(say("action.turntable"), FILMS, str(kept.get("film_format", "")))
+        path = self._targets.ask(title, FILMS, str(kept.get("film_format", "")))
         if path is None:
             return
         dialog = FilmDialog(
-            self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size
-        )
+            self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size,
+            any_length=path.suffix.lower() == ".mp4",
+        )  # fmt: skip
         if dialog.exec():
             now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}
             self._workspace.keep(exports=now)
-            self.turntable_to(path, dialog.film())
+            write(path, dialog.film())
 
     def turntable_to(self, path: Path, film: Film | None = None) -> bool:
         """Write a film of the object turning once; say whether that went well."""
+        return self._film_to(path, write_turntable, film or Film())
+
+    def growth_to(self, path: Path, film: Film | None = None) -> bool:
+        """Write a film of the painting as it grew; say whether that went well."""
+        return self._film_to(path, write_growth_film, film or Film())
+
+    def _film_to(
+        self, path: Path, write: Callable[[Workspace, Path, Film], Future[Any]], film: Film
+    ) -> bool:
         try:
-            done = write_turntable(self._workspace, path, film or Film())
+            done = write(self._workspace, path, film)
         except Paint3DError as error:
             QtWidgets.QMessageBox.warning(self._workspace.window, "paint3d", say_error(error))
             return False

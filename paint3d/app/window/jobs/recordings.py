@@ -9,15 +9,19 @@ from PySide6 import QtWidgets
 
 from paint3d.app.model.pad_in_view import lay_in_view
 from paint3d.app.model.score.of_strokes import score_of_strokes
-from paint3d.app.model.score.playing import painted
+from paint3d.app.model.score.playback import Cue, cues_of
+from paint3d.app.model.score.playing import begun, painted
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import Opened
-from paint3d.app.window.jobs.player import Player
+from paint3d.app.window.jobs.player import Asked, Player, Tools
 from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
+from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.files.progress import part_of
+from paint3d.painter.painter import Painter
+from paint3d.painter.recorded_tools import recorded_brush, recorded_ink, recorded_tip
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
 
@@ -106,7 +110,9 @@ class Recordings:
     def replay_file(self, path: str, speed: float | None = None) -> bool:
         """Paint a recording on what is here, as if by hand; say whether that began.
 
-        A pad's, which knows nothing of the object, is laid on it as it is seen; see `lay_in_view`.
+        It is painted with its own brush, ink and azimuth, as `paint3d replay` does; the hand gets
+        its own back. A pad's, which knows nothing of the object, is laid on it as it is seen; see
+        `lay_in_view`. A whole painting is begun anew on the object.
 
         Parameters
         ----------
@@ -117,23 +123,28 @@ class Recordings:
         workspace = self._workspace
         title = say("status.opening", name=Path(path).name)
         if is_score(path):
-            return self._paint_score(path, title)
+            return self._play_score(path, title, speed)
         surface, camera = workspace.hand.surface, workspace.hand.open_camera
 
-        def read(progress: Progress) -> list[DeviceSample]:
+        def read(progress: Progress) -> tuple[list[DeviceSample], list[Asked]]:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
             if recording.is_pad:
                 recording = lay_in_view(recording, surface, camera)
-            return _samples(recording, progress)
+            return _samples(recording, progress), _tools_of(recording)
 
         loaded = workspace.run(title, read)
         if not workspace.went_well(loaded):
             return False
-        self._player.play(loaded.result(), speed)
+        samples, before = loaded.result()
+        after = _tools_in_hand(workspace.document.painter, workspace.easel.brush)
+        self._player.play(samples, speed, Tools(before, after))
         return True
 
-    def _paint_score(self, path: str, title: str) -> bool:
-        """Begin anew on the object that is here, and paint a whole painting on it."""
+    def _play_score(self, path: str, title: str, speed: float | None) -> bool:
+        """Begin anew on the object that is here, and paint a whole painting on it.
+
+        As fast as it goes it is painted beside the window, and shown when it is done.
+        """
         workspace = self._workspace
         with workspace.easel.paused() as document:
             assert document is not None, "it was waited for"
@@ -142,13 +153,44 @@ class Recordings:
         if not is_bare and not self._may_leave():
             return False
 
-        def make(progress: Progress) -> Opened:
+        def make(progress: Progress) -> tuple[Opened, list[Cue]]:
             score = load_score(path, part_of(progress, 0.0, 0.1))
-            document = painted(score, mesh, progress=part_of(progress, 0.1, 0.9))
-            return Opened.of(document, progress.check)
+            cues: list[Cue] = []
+            if speed is None:
+                document = painted(score, mesh, progress=part_of(progress, 0.1, 0.9))
+            else:
+                document = begun(score, mesh)
+                cues = list(cues_of(score, document.surface))
+            return Opened.of(document, progress.check), cues
 
         done = workspace.run(title, make)
-        return workspace.went_well(done) and workspace.show(done.result())
+        if not workspace.went_well(done):
+            return False
+        opened, cues = done.result()
+        if not workspace.show(opened):
+            return False
+        self._player.play_score(cues, speed)
+        return True
+
+
+def _tools_of(recording: Recording) -> list[Asked]:
+    """What a recording of version 1 is painted with, freshly dipped; what it does not say stays."""
+    brush, ink = recorded_brush(recording.header), recorded_ink(recording.header)
+    tip = recorded_tip(recording.header)
+    asked: list[Asked] = [("set_azimuth", (recording.header["azimuth"],))]
+    if brush is not None:
+        asked.append(("set_brush", (brush,)))
+    if ink is not None:
+        asked.append(("dip", (ink,)))
+    if tip is not None:
+        asked.append(("dip", tip))
+    return asked
+
+
+def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:
+    """What gives the hand back what it holds, freshly dipped."""
+    asked: list[Asked] = [("set_azimuth", (painter.azimuth,)), ("set_brush", (brush,))]
+    return asked + [("dip", (ink, reach)) for ink, reach in painter.dips]
 
 
 def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:

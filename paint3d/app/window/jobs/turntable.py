@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
-from io import BytesIO
-from itertools import chain
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -19,13 +17,10 @@ from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.atomic import write_atomically
-from paint3d.core.machine import reserve_space
 from paint3d.errors import ExportError
+from paint3d.view.film import film_form, is_held_whole, write_film
 
-__all__ = ["FILMS", "write_turntable"]
-
-FILMS = {".gif": "GIF", ".webp": "WEBP"}
-"""What the formats of films are called by who writes them."""
+__all__ = ["write_turntable"]
 
 _AHEAD = 3  # pictures that are drawn before they are written
 _DRAWN = 0.9  # of the time, about, that drawing takes
@@ -41,14 +36,13 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
     Raises
     ------
     ExportError
-        If the suffix is not .gif or .webp, or the pictures are too many for their size.
+        If the suffix is that of no film, an .mp4 cannot be written here, or the pictures are too
+        many for their size.
     """
-    form = FILMS.get(path.suffix.lower())
-    if form is None:
-        raise ExportError(f"{path}: a film is written as .gif or .webp")
+    form = film_form(path)
     width, height = film.size or workspace.canvas.pixel_size
     film = film._replace(size=(width, height))
-    if film.is_too_long:
+    if film.is_too_long and is_held_whole(form):
         raise ExportError(
             f"{path}: {film.n_pictures} pictures of {width} x {height} pixels are too many; "
             "expected a shorter or smaller film"
@@ -63,11 +57,8 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
 
     def work(progress: Progress) -> None:
         pictures = _taken(drawn, n, progress)
-        with write_atomically(path, progress) as part, open(part, "r+b") as file:
-            first, second = next(pictures), next(pictures)
-            reserve_space(file, _bytes_of(first, second, n, form))
-            _write(file, first, chain([second], pictures), form, film.rate)
-            file.truncate()
+        with write_atomically(path, progress) as part:
+            write_film(part, pictures, n, form, film.rate)
 
     workspace.hold()
     workspace.stage.hide_brush()
@@ -78,23 +69,6 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
         workspace.stage.set_size(workspace.canvas.pixel_size)
         workspace.stage.set_camera(camera)
         workspace.go_on()
-
-
-def _write(
-    file: BinaryIO, first: Image.Image, others: Iterable[Image.Image], form: str, rate: float
-) -> None:
-    """Write a film; its pictures are asked for one after the other."""
-    duration = round(1e3 / rate)
-    first.save(file, form, save_all=True, append_images=others, duration=duration, loop=0)
-
-
-def _bytes_of(first: Image.Image, second: Image.Image, n: int, form: str) -> int:
-    """About what a film of n pictures takes that begins with these two."""
-    sizes = []
-    for others in ([], [second]):
-        _write(short := BytesIO(), first, others, form, 1.0)
-        sizes.append(len(short.getvalue()))
-    return sizes[0] + (n - 1) * max(0, sizes[1] - sizes[0])
 
 
 def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image | None]:

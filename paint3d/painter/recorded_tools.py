@@ -1,0 +1,80 @@
+"""What a recording of version 1 says of brush and ink: in its header, of no file of a machine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.colour.inks import load_ink
+from paint3d.colour.pigment import Pigment
+from paint3d.colour.pigments import load_pigment
+from paint3d.core.arrays import as_number
+from paint3d.errors import BrushError, PigmentError, RecordingError, UnknownNameError
+
+__all__ = ["TIP_REACH", "recorded_brush", "recorded_ink", "recorded_tip"]
+
+TIP_REACH = 0.35  # of the tuft's length that a tip is dipped, where nothing is said
+
+
+def recorded_brush(header: Mapping[str, Any]) -> BrushSpec | None:
+    """The brush that a recording names; None where it names none.
+
+    Raises
+    ------
+    RecordingError
+        If it is not known.
+    """
+    name = _named_in(header, "brush")
+    if name is None:
+        return None
+    try:
+        return load_brush(name, own_files=False)
+    except (BrushError, UnknownNameError) as cause:
+        raise RecordingError(f"the header: {cause}") from None
+
+
+def recorded_ink(header: Mapping[str, Any]) -> dict[Pigment, float] | None:
+    """The parts of the ink that a recording names; None where it names none.
+
+    Raises
+    ------
+    RecordingError
+        If one is not known.
+    """
+    parts = header.get("parts")
+    try:
+        if isinstance(parts, dict) and len(parts) > 1:  # "ink" is the most of them
+            return {load_pigment(str(name), own_tables=False): n for name, n in parts.items()}
+        name = _named_in(header, "ink")
+        return None if name is None else load_ink(name, own_tables=False)
+    except PigmentError as cause:
+        raise RecordingError(f"the header: {cause}") from None
+
+
+def recorded_tip(header: Mapping[str, Any]) -> tuple[dict[Pigment, float], float] | None:
+    """What the tip is dipped in afterwards, and over which share of the tuft; None: in nothing.
+
+    Raises
+    ------
+    RecordingError
+        If the ink is not known, or the reach is no share.
+    """
+    name = _named_in(header, "tip")
+    if name is None:
+        return None
+    reach = as_number(
+        header.get("reach", TIP_REACH), "the header's reach", 0.0, 1.0, RecordingError
+    )
+    try:
+        return load_ink(name, own_tables=False), reach
+    except PigmentError as cause:
+        raise RecordingError(f"the header: {cause}") from None
+
+
+def _named_in(header: Mapping[str, Any], what: str) -> str | None:
+    name = header.get(what)
+    if name is not None and not isinstance(name, str):
+        raise RecordingError(f"the header's {what} is {name!r:.60}; expected a name")
+    return name

@@ -1,0 +1,104 @@
+"""Pictures of a painting as it grows: what is kept of it, and how it is drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paint3d.files.pictures import Filmed, Turning, write_growth, write_picture
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.painter.painter import Painter
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.growth import Growth
+from paint3d.view.shot import Moment, Shot, take_film, take_shot
+from tests.support.surface_cases import flat, poses, sheet
+from tests.support.view_shapes import BARE, INK, ball
+from tests.view.test_view_picture import needs_opengl
+
+SIZE = (96, 72)
+
+
+def lines():
+    """Two strokes on a sheet, one after the other."""
+    x = np.linspace(-10.0, 10.0, 30)
+    for y in (-4.0, 4.0):
+        points = np.stack([x, np.full(30, y), np.zeros(30)], axis=1)
+        yield poses(points, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), np.full(30, 0.4), "slender")
+
+
+def coloured_sheet() -> TriangleMesh:
+    mesh = sheet(flat, (40.0, 20.0), 4.0)
+    codes = np.rint(120 + 3 * mesh.vertices).clip(0, 255).astype(np.uint8)
+    return TriangleMesh(mesh.vertices, mesh.faces, colours=codes)
+
+
+@pytest.mark.parametrize("mesh", [sheet(flat, (40.0, 20.0), 4.0), coloured_sheet()])
+def test_colours_come_back_as_they_were_and_bare_where_nothing_was_yet(mesh) -> None:
+    surface = PaintedSurface(mesh, 0.8)
+    painter = Painter(surface, "slender", "pine soot")
+    with Growth(surface, 0.5) as growth:
+        seen = [surface.srgb.copy()]
+        for k, stroke in enumerate(lines()):
+            painter.replay(stroke)
+            growth.at(0.2 + k)  # too early for one more; then two at once
+            seen.append(surface.srgb.copy())
+        growth.end(1.2)
+        shown = [codes.copy() for codes in growth.pictures()]
+        again = [codes.copy() for codes in growth.pictures()]
+    assert len(shown) == growth.n_pictures == 4
+    bare = surface.bare_codes
+    assert len(bare) == len(seen[-1]) > len(seen[1]) > len(seen[0])
+    np.testing.assert_array_equal(shown[0], bare)
+    np.testing.assert_array_equal(shown[1], bare)  # at .5 s nobody had looked
+    np.testing.assert_array_equal(shown[2], seen[2])
+    np.testing.assert_array_equal(shown[3], seen[2])
+    assert (seen[2] != bare).any()
+    np.testing.assert_array_equal(again, shown)
+
+
+def two_balls():
+    vertices, faces, normals = ball(n=24)
+    bare = np.tile(np.array(BARE, np.uint8), (len(vertices), 1))
+    inked = bare.copy()
+    inked[normals[:, 1] < -0.8] = INK
+    return (vertices, faces, normals, inked), bare
+
+
+@needs_opengl
+@pytest.mark.parametrize("light", ["studio", "none"])
+def test_the_last_picture_is_the_finished_painting_s_own(light: str) -> None:
+    arrays, bare = two_balls()
+    shot = Shot("front", SIZE, light)
+    first, last = take_film(arrays, shot, [Moment(bare), Moment(arrays[3])])
+    np.testing.assert_array_equal(last, take_shot(arrays, shot))
+    assert (first[36, 48].astype(int) - last[36, 48] > 60).all()
+    np.testing.assert_array_equal(first[-3:], last[-3:])  # the floor stays
+
+
+@needs_opengl
+@pytest.mark.long
+def test_light_between_two_places_of_a_turn_is_between() -> None:
+    arrays, _ = two_balls()
+    angle = 2.0 * np.pi / 8
+    moments = [Moment(arrays[3], angle * share) for share in (0.0, 0.5, 1.0)]
+    start, middle, end = take_film(arrays, Shot("right", SIZE), moments, n_lights=8)
+    exact = list(take_film(arrays, Shot("right", SIZE), moments, n_lights=16))
+    assert np.abs(middle.astype(int) - exact[1]).mean() < 2.0
+    assert np.abs(start.astype(int) - exact[0]).mean() < 0.5
+    assert np.abs(start.astype(int) - end).mean() > 0.5
+
+
+@needs_opengl
+def test_films_of_either_kind_are_written_as_mp4(tmp_path) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), 1.0)
+    shot = Shot("flat", (64, 32))
+    with Growth(surface, 0.1) as growth:
+        Painter(surface, "slender", "pine soot").replay(next(lines()))
+        growth.end(0.3)
+        n = write_growth(growth, tmp_path / "a.mp4", shot, Filmed(10.0))
+    assert n == 5 + 10
+    turning = Turning(0.5, 8.0)
+    write_picture(surface, tmp_path / "b.mp4", Shot("above", (64, 48), "none"), turning)
+    for name in ("a.mp4", "b.mp4"):
+        assert (tmp_path / name).read_bytes()[4:8] == b"ftyp"
