@@ -31,6 +31,7 @@ from paint3d.cli import (
 )
 from paint3d.cli.lists import brushes, fonts, inks
 from paint3d.cli.parsing import Parser, UsageError
+from paint3d.cli.seals import seal
 from paint3d.errors import Paint3DError
 
 __all__ = ["main"]
@@ -39,6 +40,7 @@ _COMMANDS = {
     "demo": demo,
     "replay": replay,
     "write": write,
+    "seal": seal,
     "paint": paint,
     "export": export,
     "picture": picture,
