@@ -32,6 +32,7 @@ from paint3d.app.window.jobs.recent_files import RecentFiles
 from paint3d.app.window.jobs.recordings import Recordings
 from paint3d.app.window.jobs.recovery import Recovery
 from paint3d.app.window.jobs.saving import Saving
+from paint3d.app.window.jobs.sealing import Sealing
 from paint3d.app.window.jobs.standing import Standing
 from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.named import described
@@ -126,13 +127,14 @@ class StudioWindow(QtWidgets.QMainWindow):
             workspace, self.targets, self.player, history.speed, self.saving.may_leave
         )
         self.recalling = Recalling(workspace, history.refuse)
+        self.sealing = Sealing(workspace)
 
     def _bind_actions(self) -> None:
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.painting, self.viewing)
+             self.standing, self.sealing, self.painting, self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)

@@ -225,7 +225,8 @@ def _worn(xy: AnyArray, inside: AnyArray, half: AnyArray, seed: int) -> AnyArray
     knocked = np.maximum(_noise(xy, _CHIP_MM, seed + 2) - _CHIP_FROM, 0.0)
     corner = np.exp(-np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
     depth = knocked * 1.6 * np.exp(-np.maximum(from_rim, 0.0) / 0.5)
-    return ragged + depth + 0.18 * corner * (1.0 + _noise(xy, _ROUGH_MM, seed + 3))
+    result: AnyArray = ragged + depth + 0.18 * corner * (1.0 + _noise(xy, _ROUGH_MM, seed + 3))
+    return result
 
 
 def _patches(xy: AnyArray, seed: int) -> tuple[AnyArray, AnyArray]:
