@@ -164,7 +164,8 @@ def _taken_apart(part: MultiPolygon, template: Glyph | None, is_rtl: bool) -> li
 
     if not is_rtl:
         return decompose(part, template=template)
-    strokes = decompose(transform(part, lambda points: points * _MIRROR), template=template)
+    mirrored = transform(part, lambda points: points * _MIRROR)
+    strokes = decompose(mirrored, template=template, runs_on=True)
     return [
         GlyphStroke(
             one.outline * _MIRROR, one.median * _MIRROR, tuple(hole * _MIRROR for hole in one.holes)
