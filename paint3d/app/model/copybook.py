@@ -120,9 +120,9 @@ class Ghost:
     def chart(self) -> SurfaceChart:
         """The surface around the square; only the square where there is no more."""
         em, square = self.square.em_mm, self.square
-        half = self.half + _REACH * em
+        wide, high = (self.half + _REACH * em).tolist()
         try:
-            return make_chart(self.surface, square.chart.frame, *half, em / _NODES_PER_EM)
+            return make_chart(self.surface, square.chart.frame, wide, high, em / _NODES_PER_EM)
         except MeshError:
             return square.chart
 
