@@ -32,6 +32,7 @@ from paint3d.cli import (
 )
 from paint3d.cli.lists import brushes, fonts, inks, materials
 from paint3d.cli.parsing import Parser, UsageError
+from paint3d.cli.seals import seal
 from paint3d.errors import Paint3DError
 
 __all__ = ["main"]
@@ -40,6 +41,7 @@ _COMMANDS = {
     "demo": demo,
     "replay": replay,
     "write": write,
+    "seal": seal,
     "paint": paint,
     "score": score,
     "export": export,

@@ -14,7 +14,15 @@ if TYPE_CHECKING:
     from paint3d.calligraphy.page.page import Composer
     from paint3d.calligraphy.writing import Written
 
-__all__ = ["STROKES_FILE", "add_source_options", "check_source", "open_page", "save_written"]
+__all__ = [
+    "STROKES_FILE",
+    "add_drawing_options",
+    "add_source_options",
+    "check_source",
+    "open_page",
+    "parse_face",
+    "save_written",
+]
 
 STROKES_FILE = (".strokes.json",)
 
@@ -24,15 +32,7 @@ _OF_A_FONT = ("font_number", "features", "variation", "direction", "language")
 def add_source_options(parser: argparse.ArgumentParser) -> None:
     """Add what is written instead of a text, and the file that its strokes are kept in."""
     _add_font_options(parser)
-    parser.add_argument(
-        "--svg", metavar="FILE", type=Path, help="write a drawing instead of a text"
-    )
-    parser.add_argument(
-        "--ids",
-        metavar="A,B",
-        type=_parse_names,
-        help="of the drawing, only the elements and groups with these ids",
-    )
+    add_drawing_options(parser, "write a drawing instead of a text")
     parser.add_argument(
         "--strokes",
         metavar="FILE",
@@ -47,6 +47,17 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_drawing_options(parser: argparse.ArgumentParser, what: str) -> None:
+    """Add ``--svg``, which `what` says the meaning of, and ``--ids``."""
+    parser.add_argument("--svg", metavar="FILE", type=Path, help=what)
+    parser.add_argument(
+        "--ids",
+        metavar="A,B",
+        type=_parse_names,
+        help="of the drawing, only the elements and groups with these ids",
+    )
+
+
 def _add_font_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--font",
@@ -56,7 +67,7 @@ def _add_font_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--font-number",
         metavar="N",
-        type=_parse_face,
+        type=parse_face,
         help="which face of a .ttc, from 0 (default: 0)",
     )
     parser.add_argument(
@@ -81,7 +92,7 @@ def _add_font_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _parse_face(text: str) -> int:
+def parse_face(text: str) -> int:
     """A whole number, 0 or more."""
     if not (text.isascii() and text.isdigit() and len(text) < 7):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number; expected 0 or more")

@@ -97,6 +97,16 @@ def test_arabic_is_joined_and_runs_to_the_left() -> None:
     assert page.pieces[0].at[0] > page.pieces[1].at[0]
 
 
+def test_joined_letters_are_written_along_the_line() -> None:
+    """The lam is taller than the qaf on its right, and comes after it all the same."""
+    (word,) = set_text("قلم", dejavu(), Style(), None, None).compose(math.inf).pieces
+    lines = [stroke.median for stroke in word.glyph.strokes]
+    tallest = max(range(len(lines)), key=lambda k: lines[k][:, 1].max() - lines[k][:, 1].min())
+    loop = max(range(len(lines) - 2), key=lambda k: lines[k][0, 0])  # the two dots come last
+    assert loop < tallest
+    assert all(line[:, 1].min() > 550.0 for line in lines[-2:])
+
+
 def test_words_of_another_direction_run_their_own_way() -> None:
     page = set_text("ab אב", dejavu(), Style(), None, None).compose(math.inf)
     assert [piece.glyph.text for piece in page.pieces] == ["a", "b", "א", "ב"]

@@ -113,7 +113,6 @@ def test_every_material_is_listed() -> None:
 
 
 def test_forms_that_kanjivg_lacks_are_looked_for_elsewhere() -> None:
-    pytest.importorskip("kanjivg")
     with pytest.raises(InputError, match=r"'歲' \(U\+6B72\).*--glyphs DIR \(get it with: npm"):
         check_glyphs(open_glyphs(None), "永歲")
 

@@ -1,8 +1,9 @@
 """A copybook on the object: ghosts of characters to paint over, and how well each was met.
 
-The characters lie where `paint3d write` would put them. A stroke belongs to the character in whose
-em square most of it was painted; when a character has as many strokes as its glyph, or whenever it
-is asked for, the painting is compared with the glyph's outlines in the surface's own coordinates.
+The characters, or the pieces of a page, lie where `paint3d write` would put them. A stroke belongs
+to the character in whose em square most of it was painted; when a character has as many strokes as
+its glyph, or whenever it is asked for, the painting is compared with the glyph's outlines in the
+surface's own coordinates.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
+from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
+from paint3d.calligraphy.page.page import Composer
 from paint3d.calligraphy.planning import on_paper
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
@@ -42,12 +45,13 @@ _LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
 
 @dataclass(eq=False)
 class Ghost:
-    """One character of a copybook.
+    """One character of a copybook, or a piece of a page.
 
     Attributes
     ----------
     glyph : Glyph
     square : EmSquare
+        Or the box of a piece.
     strokes : list of Stroke
         What was painted for it so far.
     """
@@ -77,8 +81,10 @@ class Ghost:
 
     @cached_property
     def outlines(self) -> tuple[AnyArray, ...]:
-        """Closed lines (N, 3) around the strokes, mm, a little above the surface."""
-        return tuple(self._raised(stroke.outline, closed=True) for stroke in self.glyph.strokes)
+        """Closed lines (N, 3) around strokes and holes, mm, a little above the surface."""
+        strokes = self.glyph.strokes
+        rings = [ring for stroke in strokes for ring in (stroke.outline, *stroke.holes)]
+        return tuple(self._raised(ring, closed=True) for ring in rings)
 
     @cached_property
     def medians(self) -> tuple[AnyArray, ...]:
@@ -87,14 +93,22 @@ class Ghost:
 
     @cached_property
     def frame(self) -> AnyArray:
-        """The em square's rim (N, 3), closed, mm."""
-        half = 0.5 * self.square.em_mm
-        corners = np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
+        """The rim (N, 3) of the square or box, closed, mm."""
+        corners = self.half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
         return self._on_surface(_dense(corners, True, _STEP * self.square.em_mm))
 
-    def _raised(self, line: AnyArray, closed: bool) -> AnyArray:
+    @property
+    def half(self) -> AnyArray:
+        """Half of the width and the height (2,) of the square or box, mm."""
+        return 0.5 * np.array([self.square.width_mm, self.square.height_mm])
+
+    def _from_middle(self, points: AnyArray) -> AnyArray:
+        """Glyph units (N, 2) as mm from the middle of the square or box."""
         em = self.square.em_mm
-        return self._on_surface(_dense(on_paper(line, em) - 0.5 * em, closed, _STEP * em))
+        return on_paper(points, em) - on_paper(np.array([self.glyph.middle]), em)
+
+    def _raised(self, line: AnyArray, closed: bool) -> AnyArray:
+        return self._on_surface(_dense(self._from_middle(line), closed, _STEP * self.square.em_mm))
 
     def _on_surface(self, xy: AnyArray) -> AnyArray:
         chart = self.chart
@@ -106,9 +120,9 @@ class Ghost:
     def chart(self) -> SurfaceChart:
         """The surface around the square; only the square where there is no more."""
         em, square = self.square.em_mm, self.square
-        half = (0.5 + _REACH) * em
+        wide, high = (self.half + _REACH * em).tolist()
         try:
-            return make_chart(self.surface, square.chart.frame, half, half, em / _NODES_PER_EM)
+            return make_chart(self.surface, square.chart.frame, wide, high, em / _NODES_PER_EM)
         except MeshError:
             return square.chart
 
@@ -117,27 +131,34 @@ class Ghost:
 
         All paint there counts, of all layers.
         """
-        em = self.square.em_mm
+        side = self._side
         faces = surface.paint_mesh.leaf_faces()
         coverage = surface.share_painted()
         faces = faces[(coverage[faces] > 0.0).any(axis=1)]
         vertices = surface.paint_mesh.vertices
         used = np.unique(faces)
         away = np.linalg.norm(vertices[used] - self.chart.frame.origin, axis=1)
-        used = used[away < 1.5 * em]
+        used = used[away < 1.5 * side]
         points = np.full((len(coverage), 2), np.nan)
         if len(used):
             points[used] = unroll(self.chart, vertices[used].astype(np.float64))
         faces = faces[np.isfinite(points[faces]).all(axis=(1, 2))]
-        painted = painted_mask(points + 0.5 * em, coverage, faces, em)
+        painted = painted_mask(points + 0.5 * side, coverage, faces, side)
         return compare(painted, self._wanted) if painted.any() else None
+
+    @property
+    def _side(self) -> float:
+        """Side of the square that the painting is compared in, mm: an em, or what a box needs."""
+        return max(self.square.em_mm, self.square.width_mm, self.square.height_mm)
 
     @cached_property
     def _wanted(self) -> NDArray[np.bool_]:
-        em = self.square.em_mm
+        def placed(ring: AnyArray) -> AnyArray:
+            return self._from_middle(ring) + 0.5 * self._side
+
         strokes = self.glyph.strokes
-        holes = [[on_paper(hole, em) for hole in s.holes] for s in strokes]
-        return copybook_mask([on_paper(s.outline, em) for s in strokes], em, holes)
+        holes = [[placed(hole) for hole in stroke.holes] for stroke in strokes]
+        return copybook_mask([placed(stroke.outline) for stroke in strokes], self._side, holes)
 
 
 @dataclass(frozen=True)
@@ -165,14 +186,14 @@ class Score:
 
 
 class Copybook:
-    """A text as ghosts on an object.
+    """A text, a drawing or strokes as ghosts on an object.
 
     Parameters
     ----------
     mesh : TriangleMesh
         The object.
-    text : str
-        Line breaks start a new column or row.
+    text : str or Composer
+        In characters that are known, where line breaks start a new column or row; or a page.
     em_mm : float
         Side of the characters' squares, 2 to 1000 mm.
     layout : Layout, optional
@@ -188,15 +209,21 @@ class Copybook:
     def __init__(
         self,
         mesh: TriangleMesh,
-        text: str,
+        text: str | Composer,
         em_mm: float = 30.0,
         layout: Layout | None = None,
     ) -> None:
         em_mm = as_number(em_mm, "size (mm)", _LEAST_EM_MM, _MOST_EM_MM)
-        glyphs = load_glyphs(open_glyphs(None), "".join(text.split()))
         surface = ClosestPoints(mesh)
-        placed = layout_text(surface, text, em_mm, layout)
-        self.ghosts = tuple(Ghost(glyphs[one.text], one.square, surface) for one in placed)
+        if isinstance(text, str):
+            glyphs = load_glyphs(open_glyphs(None), "".join(text.split()))
+            squares = layout_text(surface, text, em_mm, layout)
+            placed = [PlacedPiece(glyphs[one.text], one.square) for one in squares]
+        else:
+            _, placed = lay_page(surface, text, em_mm, layout)
+        self.ghosts = tuple(
+            Ghost(one.glyph, one.square, surface) for one in placed if one.glyph.strokes
+        )
 
     @property
     def next(self) -> int | None:
@@ -235,11 +262,11 @@ class Copybook:
 def _inside(ghost: Ghost, points: AnyArray) -> int:
     """How many of the points lie in a character's square."""
     em = ghost.square.em_mm
-    near = np.linalg.norm(points - ghost.chart.frame.origin, axis=1) < em
+    near = np.linalg.norm(points - ghost.chart.frame.origin, axis=1) < 2.0 * ghost.half.max()
     if not near.any():
         return 0
     xy = ghost.chart.coordinates(points[near], most_off=0.05 * em)
-    return int(np.count_nonzero((np.abs(xy) <= 0.5 * em).all(axis=1)))
+    return int(np.count_nonzero((np.abs(xy) <= ghost.half).all(axis=1)))
 
 
 def _dense(line: AnyArray, closed: bool, step: float) -> AnyArray:

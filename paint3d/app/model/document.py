@@ -26,6 +26,7 @@ from paint3d.app.model.persistence.saved_settings import (
     saved_unit,
 )
 from paint3d.app.model.score.keeping import ScoreKeeper, keeps_score
+from paint3d.app.model.seals.seal_commands import SealCommands
 from paint3d.app.model.stroke_commands import StrokeCommands
 from paint3d.app.model.stroke_log import StrokeLog, names_apart, strokes_of, weights_of
 from paint3d.brush.spec import BrushSpec
@@ -56,11 +57,11 @@ FileState = tuple[int, int, int]
 
 
 @keeps_score
-class Document(BrushCommands, StrokeCommands, LayerCommands, EditCommands):
+class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditCommands):
     """One painting, with everything that can be done to it.
 
     Make it with `Document.new` or `Document.open`. What can be done to it is in `brush_commands`,
-    `stroke_commands`, `layer_commands`, `history_commands` and `edit_commands`.
+    `stroke_commands`, `layer_commands`, `seals`, `history_commands` and `edit_commands`.
 
     Attributes
     ----------

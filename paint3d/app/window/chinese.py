@@ -6,6 +6,15 @@ __all__ = ["CHINESE"]
 
 CHINESE = {
     "No home to write to: all is kept in {folder}": "没有可写的主目录：一切暂存于 {folder}",
+    "Characters of the copybook": "字帖字形", "Open a drawing or strokes…": "打开图样或笔画…",
+    "Drawings and strokes": "图样与笔画",
+    "Press a seal…": "钤印…", "Lines of one width": "等宽线条", "Font": "字体",
+    "A drawing instead of the text": "以图代文", "A drawing": "图样",
+    "Red lines (zhuwen)": "朱文", "White lines (baiwen)": "白文", "Style": "印文",
+    "Longer side": "长边", "OK": "确定", "Cutting the seal…": "正在刻印…",
+    "Click where the seal goes; Esc lets it be": "单击钤印之处；按 Esc 作罢",
+    "No seal was pressed": "未钤印",
+    "The seal is pressed; {percent:.0f} % of it touches": "已钤印，着印 {percent:.0f}%",
     "Turn and scale the object…": "转动、缩放器物…", "Begin anew": "重新开始",
     "Keep its own colours and pictures": "保留自带的颜色与贴图", "Turn round": "转身",
     "Tip forward": "前翻", "Tip aside": "侧翻", "likely": "可能", "{axis} up": "{axis} 朝上",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future
 
 from paint3d.app.model.copybook import Copybook
@@ -11,6 +12,8 @@ from paint3d.app.window.panels.copybook_panel import CopybookPanel
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.page.opening import opened_page, set_in
+from paint3d.calligraphy.page.page import Composer
 
 __all__ = ["CopybookGuide"]
 
@@ -24,17 +27,34 @@ class CopybookGuide:
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
         self._workspace, self._panel = workspace, panel
         panel.asked.connect(self.layout_text)
+        panel.opened.connect(self.layout_file)
         panel.hidden.connect(self.hide)
         workspace.hand.ended.connect(self._judge)
 
-    def layout_text(self, text: str, em_mm: float, columns: bool) -> bool:
-        """Lay a text on the object as ghosts; say whether that went well."""
+    def layout_text(self, text: str, em_mm: float, columns: bool, font: str = "") -> bool:
+        """Lay a text on the object as ghosts, in a font or as known characters.
+
+        Returns
+        -------
+        bool
+            Whether that went well.
+        """
+
+        def composed() -> str | Composer:
+            return set_in(text, font, columns=columns) if font else text
+
+        return self._lay(composed, em_mm, Layout(order="columns" if columns else "row"))
+
+    def layout_file(self, file: str, em_mm: float) -> bool:
+        """Lay a drawing (.svg) or a file of strokes on the object; whether that went well."""
+        return self._lay(lambda: opened_page(file), em_mm, Layout())
+
+    def _lay(self, compose: Callable[[], str | Composer], em_mm: float, layout: Layout) -> bool:
         workspace = self._workspace
         mesh = workspace.document.surface.source
-        layout = Layout(order="columns" if columns else "row")
 
         def make(_: object) -> Copybook:
-            copybook = Copybook(mesh, text, em_mm, layout)
+            copybook = Copybook(mesh, compose(), em_mm, layout)
             for ghost in copybook.ghosts:
                 _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
             return copybook

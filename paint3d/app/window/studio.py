@@ -36,6 +36,7 @@ from paint3d.app.window.jobs.recent_files import RecentFiles
 from paint3d.app.window.jobs.recordings import Recordings
 from paint3d.app.window.jobs.recovery import Recovery
 from paint3d.app.window.jobs.saving import Saving
+from paint3d.app.window.jobs.sealing import Sealing
 from paint3d.app.window.jobs.standing import Standing
 from paint3d.app.window.jobs.stroke_editing import StrokeEditing
 from paint3d.app.window.jobs.targets import Targets
@@ -133,6 +134,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         )
         self.recalling = Recalling(workspace, history.refuse)
         self.editing = StrokeEditing(workspace, StrokeDrag(workspace, self.canvas))
+        self.sealing = Sealing(workspace)
 
     def _bind_actions(self) -> None:
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
@@ -141,7 +143,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.painting, self.brushes, self.inks,
+             self.standing, self.sealing, self.painting, self.brushes, self.inks,
              self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):

@@ -17,6 +17,7 @@ from paint3d.calligraphy.fonts.shaping import DIRECTIONS, Shaper, Style
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece, bounds_of
+from paint3d.calligraphy.shapes.bare_ends import with_stubs
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.core.types import AnyArray
@@ -31,6 +32,7 @@ _COLUMN_SCRIPTS = ("CJK UNIFIED", "CJK COMPATIBILITY", "HIRAGANA", "KATAKANA", "
 _COLUMN_PITCH, _LEAST_PITCH = 1.15, 1.0  # ems from column to column; of lines at least
 _TAUGHT = WHOLE | {"Latn", "Grek", "Cyrl", "Zyyy"}  # scripts whose strokes may be known
 _MIRROR = np.array([-1.0, 1.0])
+_BOLD = 0.12 * EM_UNITS  # width of strokes whose corners a brush does not fill by the way
 _ROUNDING = 3  # decimals of glyph units by which bodies are known again
 
 
@@ -140,7 +142,7 @@ class FontText:
         template = self._template(body, text)
         strokes: list[GlyphStroke] = []
         for part in parts:
-            strokes += _taken_apart(part, template, first.is_rtl)
+            strokes += with_stubs(_taken_apart(part, template, first.is_rtl), _BOLD)
         left, lower, right, upper = bounds_of(part.bounds for part in parts)
         if self.runs_down:
             half = max(-(left + first.x - middle), right + first.x - middle)
@@ -164,7 +166,8 @@ def _taken_apart(part: MultiPolygon, template: Glyph | None, is_rtl: bool) -> li
 
     if not is_rtl:
         return decompose(part, template=template)
-    strokes = decompose(transform(part, lambda points: points * _MIRROR), template=template)
+    mirrored = transform(part, lambda points: points * _MIRROR)
+    strokes = decompose(mirrored, template=template, runs_on=True)
     return [
         GlyphStroke(
             one.outline * _MIRROR, one.median * _MIRROR, tuple(hole * _MIRROR for hole in one.holes)

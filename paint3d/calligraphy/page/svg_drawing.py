@@ -34,7 +34,7 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["load_svg"]
+__all__ = ["load_svg", "svg_shape"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_BYTES = 20_000_000
@@ -72,6 +72,27 @@ def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
     InputError
         If the file is no SVG, is not self-contained, has nothing to paint, or an id is not in it.
     """
+    inks = _inks_of(file, ids)
+    name = Path(file).name
+    return Page(_pieces(inks), name, f"Drawing: {name}")
+
+
+def svg_shape(file: Path | str, ids: Sequence[str] = ()) -> MultiPolygon:
+    """All that a drawing inks as one shape, in the drawing's unit with y upwards.
+
+    Raises
+    ------
+    InputError
+        As `load_svg`.
+    """
+    from shapely import transform, unary_union
+
+    whole = unary_union([ink.shape for ink in _inks_of(file, ids)])
+    return as_multipolygon(transform(whole, lambda points: points * np.array([1.0, -1.0])))
+
+
+def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
+    """What a file inks, without what white covers."""
     path = Path(file)
     try:
         data = path.read_bytes()
@@ -90,7 +111,7 @@ def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
     left_out = [tag for tag in _NOT_PAINTED if tag in tags]
     if left_out:
         _LOG.warning("%s: not painted: %s", path.name, ", ".join(left_out))
-    return Page(_pieces(inks), path.name, f"Drawing: {path.name}")
+    return inks
 
 
 # -- reading ------------------------------------------------------------------------------------

@@ -34,7 +34,9 @@ _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0
 _SHORTEST = 0.25  # of a dot's width: its line
 
 
-def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[GlyphStroke]:
+def decompose(
+    outline: MultiPolygon, *, template: Glyph | None = None, runs_on: bool = False
+) -> list[GlyphStroke]:
     """The strokes that an ink shape is made of, in order and direction of writing.
 
     Parameters
@@ -46,6 +48,9 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
         are carried onto the shape. Where the shape joins its strokes, as running hands do, or
         is another character, its own strokes stay, in the order and direction of those that they
         lie upon.
+    runs_on : bool
+        Where no character is known: whether it is letters joined along a line; see
+        `in_writing_order`.
 
     Returns
     -------
@@ -62,7 +67,7 @@ def decompose(outline: MultiPolygon, *, template: Glyph | None = None) -> list[G
     low = np.array(outline.bounds[:2])
     size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
     even = [_evened(part, low, size) for part in parts]
-    return [_stroke(piece, low, size) for piece in _pieces_of(even, template)]
+    return [_stroke(piece, low, size) for piece in _pieces_of(even, template, runs_on)]
 
 
 def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
@@ -72,10 +77,11 @@ def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
     return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
 
 
-def _pieces_of(parts: list[Polygon], template: Glyph | None) -> list[Piece]:
+def _pieces_of(parts: list[Polygon], template: Glyph | None, runs_on: bool) -> list[Piece]:
     """The strokes of connected shapes, in order and direction of writing."""
     if template is None or not template.strokes:
-        return in_writing_order([piece for part in parts for piece in _by_shape(_ink_of(part))])
+        pieces = [piece for part in parts for piece in _by_shape(_ink_of(part))]
+        return in_writing_order(pieces, runs_on=runs_on)
     inks = [_ink_of(part) for part in parts]
     known = lay_over([stroke.median for stroke in template.strokes], inks, _width(parts))
     told = [label_chains(ink, known) for ink in inks]

@@ -2,7 +2,8 @@
 
 Strokes are drawn to the right and downwards; what stands apart is written from the left to the
 right where it stands side by side, and from the top downwards otherwise. A closed stroke begins at
-its top. Who writes from the right mirrors the shape before, and the strokes after.
+its top. Who writes from the right mirrors the shape before, and the strokes after; there letters
+run on along the line, joined, and what begins farther along it is written later, however high.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ _SHARES = (0.6, 0.4)  # of how the first part and the whole count
 _GAP = 0.25  # of a stroke's mean width that two parts may reach into each other
 _LEVEL = 1.5  # times as wide as high: a level stroke
 _SLOPE = 0.35  # how much farther to the left counts as higher
+_RUNNING = 4.0  # the same where letters run on
 _WHOLE = 0.05  # that, by all of the stroke
 _FIRST = 0.06  # of the height, that level strokes are written before others
 
@@ -48,18 +50,27 @@ def _ease(line: AnyArray) -> float:
     return total
 
 
-def in_writing_order(pieces: Sequence[Piece]) -> list[Piece]:
-    """Strokes in the order that they are written in, each in its direction."""
+def in_writing_order(pieces: Sequence[Piece], *, runs_on: bool = False) -> list[Piece]:
+    """Strokes in the order that they are written in, each in its direction.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
+    runs_on : bool
+        Whether they are letters that are joined along a line, as in Arabic.
+    """
     turned = [Piece(directed(piece.line), piece.region) for piece in pieces]
     boxes = np.array([piece.region.bounds for piece in turned])
     areas = sum(piece.region.area for piece in turned)
     gap = _GAP * 2.0 * areas / sum(piece.region.length for piece in turned)
     height = float(boxes[:, 3].max() - boxes[:, 1].min())
 
+    slope, first = (_RUNNING, 0.0) if runs_on else (_SLOPE, _FIRST * height)
+
     def key(k: int) -> float:
         line = turned[k].line
-        early = _FIRST * height if _is_level(line) else 0.0
-        aside = _SLOPE * line[0, 0] + _WHOLE * line[:, 0].mean()
+        early = first if _is_level(line) else 0.0
+        aside = slope * line[0, 0] + _WHOLE * line[:, 0].mean()
         return float(aside - line[0, 1]) - early
 
     order = _divided(list(range(len(turned))), boxes, gap, key)

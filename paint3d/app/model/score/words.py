@@ -249,6 +249,11 @@ def _stroke_said(asked: Mapping[str, Any], surface: PaintedSurface, inks: Inks) 
     return said | own | ({"ink": inks.words(asked["ink"])} if "ink" in asked else {})
 
 
+def _seal_said(asked: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
+    said: Words = _plain({key: value for key, value in asked.items() if key != "ink"})
+    return said | ({"ink": inks.words(asked["ink"])} if "ink" in asked else {})
+
+
 def _symmetry_said(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
     symmetry = asked["symmetry"]
     said: Words = {}
@@ -289,6 +294,7 @@ _SAID: Mapping[str, Callable[[Mapping[str, Any], PaintedSurface, Inks], Words]] 
     "begin_stroke": _stroke_said,
     "set_brush": _brush_said,
     "dip": _dip_said,
+    "press_seal": _seal_said,
     "set_symmetry": _symmetry_said,
     "set_mask": _mask_said,
     "set_tags": lambda asked, _, __: {"tags": _plain(asked.get("tags", {}))},
@@ -359,10 +365,16 @@ def _dip_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words
     return own | ({"reach": given["reach"]} if "reach" in given else {})
 
 
+def _seal_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
+    own = {"ink": inks.mixture(given["ink"])} if "ink" in given else {}
+    return {**given, **own}
+
+
 _ASKED: Mapping[str, Callable[[Mapping[str, Any], PaintedSurface, Inks], Words]] = {
     "begin_stroke": _stroke_asked,
     "set_brush": lambda given, _, __: {"brush": brush_in(given, "")},
     "dip": _dip_asked,
+    "press_seal": _seal_asked,
     "set_symmetry": _symmetry_asked,
     "set_mask": _mask_asked,
     "set_tags": lambda given, _, __: dict(given["tags"]),

@@ -8,8 +8,10 @@ from typing import Any
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.copybook import Copybook, Score
+from paint3d.app.window.panels.font_box import FontBox
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
+from paint3d.calligraphy.page.opening import PAGE_FILES
 
 __all__ = ["CopybookPanel"]
 
@@ -22,13 +24,16 @@ class CopybookPanel(QtWidgets.QWidget):
 
     Signals
     -------
-    asked : (str, float, bool)
-        Text, em in mm, and whether it runs in columns.
+    asked : (str, float, bool, str)
+        Text, em in mm, whether it runs in columns, and the font; none for known characters.
+    opened : (str, float)
+        A drawing or a file of strokes, and its size in mm.
     hidden : ()
         The ghosts are to go.
     """
 
-    asked = QtCore.Signal(str, float, bool)
+    asked = QtCore.Signal(str, float, bool, str)
+    opened = QtCore.Signal(str, float)
     hidden = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
@@ -46,7 +51,10 @@ class CopybookPanel(QtWidgets.QWidget):
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("copybook.columns"), True)
         self.direction.addItem(say("copybook.row"), False)
+        self.font_box = FontBox()
         layout_text = QtWidgets.QPushButton(say("copybook.place"))
+        self.open_button = QtWidgets.QPushButton(say("Open a drawing or strokes…"))
+        self.open_button.clicked.connect(self.choose_file)
         hide = QtWidgets.QPushButton(say("copybook.hide"))
         layout_text.clicked.connect(self.ask)
         hide.clicked.connect(self.hidden)
@@ -56,6 +64,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.list.setObjectName("copybook")
         form = QtWidgets.QFormLayout()
         form.addRow(say("copybook.text"), self.text)
+        form.addRow(say("Font"), self.font_box)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(self.em, 1)
         row.addWidget(self.direction, 1)
@@ -67,13 +76,24 @@ class CopybookPanel(QtWidgets.QWidget):
         layout.setContentsMargins(10, 6, 10, 8)
         layout.addLayout(form)
         layout.addLayout(buttons)
+        layout.addWidget(self.open_button)
         layout.addWidget(self.told)
         layout.addWidget(self.list, 1)
 
     def ask(self) -> None:
         """Ask for what is written here."""
         if self.text.text().strip():
-            self.asked.emit(self.text.text().strip(), self.em.value(), self.direction.currentData())
+            text, columns = self.text.text().strip(), self.direction.currentData()
+            self.asked.emit(text, self.em.value(), columns, self.font_box.font_name)
+
+    def choose_file(self) -> None:
+        """Ask for a drawing or a file of strokes."""
+        kinds = f"{say('Drawings and strokes')} ({' '.join('*' + kind for kind in PAGE_FILES)})"
+        dialog = QtWidgets.QFileDialog(self, say("Open a drawing or strokes…"), filter=kinds)
+        dialog.setOption(QtWidgets.QFileDialog.Option.DontUseNativeDialog)
+        dialog.setFileMode(QtWidgets.QFileDialog.FileMode.ExistingFile)
+        if dialog.exec() and dialog.selectedFiles():
+            self.opened.emit(dialog.selectedFiles()[0], self.em.value())
 
     def show_copybook(self, copybook: Copybook | None) -> None:
         """Show another copybook, or none."""

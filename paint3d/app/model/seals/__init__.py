@@ -1,0 +1,1 @@
+"""Seals on a document, as a step of its history."""

@@ -1,0 +1,261 @@
+"""What a seal leaves on a surface: paste where the stone met it, firmer here than there.
+
+A pad below (or behind) the stone gives way, so that it lies on the surface as a sheet does and
+presses less where that falls away from it. Paste is uneven: thicker along the edges of what is cut,
+patchy within, worn off where the stone's rim has been knocked. All of it follows from the place on
+the stone and a number, so the same seal is the same everywhere and at every resolution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError, MeshError
+from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, make_chart
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.unrolling import unroll
+from paint3d.surface.kernels.diffusion import activate_cells
+from paint3d.surface.painted_surface import PaintedSurface
+
+if TYPE_CHECKING:
+    from shapely import Geometry
+
+__all__ = ["Impression", "Pressing", "find_impression"]
+
+_NODES = 32.0  # of the chart along the longer side
+_MARGIN_MM = 0.3  # around the stone
+_SAME_SIDE = 0.3  # cosine between a vertex's normal and the chart's: less is another sheet
+_OFF_MM = 0.6  # that a vertex may lie off the chart
+_SOFT_MM = 0.035  # half the width of an edge of paste, however fine the surface
+_RIDGE_MM, _RIDGE = 0.16, 0.3  # paste is pushed to the edge of what is cut: how far, how much more
+_PATCHY, _CELL_MM = 0.22, 1.3  # how much thickness varies, and over what
+_GRAINY, _GRAIN_MM = 0.16, 0.22
+_BARE = 1.35  # deviations of both together above which the ground shows through
+_ROUGH_MM, _RAGGED_MM = 0.7, 0.035  # the worn edge: over what, by how much
+_CHIP_MM, _CHIP_FROM = 2.6, 0.45  # where the rim is knocked off: over what, from which noise on
+_FIRM = 0.35  # of the full press: from there on all of it touches
+_EDGE = 0.5  # of a vertex's spacing: half the width of an edge
+_LEAST_TOUCHED = 0.02  # of the stone
+
+
+@dataclass(frozen=True)
+class Pressing:
+    """How a seal is pressed.
+
+    Attributes
+    ----------
+    coats : float
+        Thickness of the paste where it is even.
+    pad_mm : float
+        How far the pad gives way: what falls farther away from the stone is not touched.
+    wear : float
+        How worn the stone is: 0 as it was cut, 1 as most are.
+    seed : int
+        Which of many impressions: another has other bare spots and other chips.
+    """
+
+    coats: float = 1.3
+    pad_mm: float = 3.0
+    wear: float = 1.0
+    seed: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Impression:
+    """Paste on vertices.
+
+    Attributes
+    ----------
+    vertex_ids : (N,) int32
+    coats : (N,) float32
+        Thickness times the covered share.
+    share : (N,) float32
+        Of each vertex's area that is covered.
+    touched : float
+        How much of the stone's ink met the surface, 0 to 1.
+    """
+
+    vertex_ids: NDArray[np.int32]
+    coats: NDArray[np.float32]
+    share: NDArray[np.float32]
+    touched: float
+
+
+def find_impression(
+    surface: PaintedSurface,
+    closest: ClosestPoints,
+    frame: SurfaceFrame,
+    rings: Sequence[AnyArray],
+    pressing: Pressing,
+) -> Impression:
+    """Where a seal leaves how much paste; the surface is refined there, nothing is painted.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    closest : ClosestPoints
+        Of its source.
+    frame : SurfaceFrame
+        Where the middle of the stone goes, and what is up on it.
+    rings : sequence of (N, 2)
+        What of the stone takes paste, by the even-odd rule; mm from its middle.
+    pressing : Pressing
+
+    Raises
+    ------
+    MeshError
+        If the surface ends within the stone.
+    InputError
+        If hardly anything of the stone meets the surface.
+    """
+    half = np.max([np.abs(ring).max(axis=0) for ring in rings], axis=0) + _MARGIN_MM
+    try:
+        chart = make_chart(closest, frame, half[0], half[1], 2.0 * half.max() / _NODES)
+    except MeshError as cause:
+        raise MeshError(
+            f"a seal of {2.0 * half[0]:.0f} x {2.0 * half[1]:.0f} mm has no room there ({cause}); "
+            "expected a smaller seal or another place"
+        ) from None
+    _refine(surface, chart)
+    ids, xy = _vertices_under(surface, chart)
+    if not len(ids):
+        raise InputError("the seal meets no vertex of the surface; expected another place")
+    inside = _signed_distances(xy, rings)
+    wide = np.sqrt(surface.vertex_areas[ids])
+    inside = inside - pressing.wear * _worn(xy, inside, half, pressing.seed)
+    soft = np.maximum(_EDGE * wide, _SOFT_MM)
+    share = np.clip(0.5 + 0.5 * inside / soft, 0.0, 1.0)
+    wanted = share.sum()
+    firm = _firmness(chart, xy, pressing.pad_mm)
+    bare = _patches(xy, pressing.seed)
+    thick = 1.0 + _RIDGE * np.exp(-np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
+    share *= np.clip(firm / _FIRM, 0.0, 1.0) * np.clip(1.0 - pressing.wear * bare[1], 0.0, 1.0)
+    thick *= 0.55 + 0.45 * firm
+    touched = float(share.sum() / max(wanted, 1e-9))
+    kept = share > 1e-3
+    if touched < _LEAST_TOUCHED or not kept.any():
+        raise InputError(
+            f"the seal would touch {100.0 * touched:.0f} % of what it is to print: the surface "
+            "falls away from it; expected a smaller seal, a softer pad or a flatter place"
+        )
+    covered = share[kept]
+    coats = pressing.coats * np.maximum(thick[kept], 0.1) * covered
+    return Impression(ids[kept], coats.astype(np.float32), covered.astype(np.float32), touched)
+
+
+# -- on the surface -----------------------------------------------------------------------------
+
+
+def _refine(surface: PaintedSurface, chart: SurfaceChart) -> None:
+    """Let vertices appear wherever the chart goes."""
+    from scipy.spatial import cKDTree
+
+    fields = surface.paint_mesh.arrays
+    size = fields.cell_size
+    reach = np.array([chart.half_width, chart.half_height])
+    counts = np.ceil(2.0 * reach / (0.5 * size)).astype(int) + 2
+    axes = [np.linspace(-r, r, n) for r, n in zip(reach, counts, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    middles = fields.origin + (fields.cell_place + 0.5) * size
+    near = cKDTree(chart.points(grid)).query(middles, distance_upper_bound=1.2 * size)[0]
+    cells = np.flatnonzero(np.isfinite(near)).astype(np.int64)
+    done = 0
+    while done < len(cells):
+        done = activate_cells(surface.paint_mesh.arrays, cells, done)
+        if done < len(cells):
+            surface.make_room()
+    surface.know_vertices()
+
+
+def _vertices_under(surface: PaintedSurface, chart: SurfaceChart) -> tuple[AnyArray, AnyArray]:
+    """Vertices (N,) on the chart's own sheet of surface, and where on it they are (N, 2)."""
+    vertices = surface.paint_mesh.vertices.astype(np.float64)
+    radius = math.hypot(chart.half_width, chart.half_height) + 1.0
+    ids = np.flatnonzero(np.linalg.norm(vertices - chart.frame.origin, axis=1) <= radius)
+    xy = unroll(chart, vertices[ids])
+    known = np.isfinite(xy).all(axis=1)
+    ids, xy = ids[known], xy[known]
+    if not len(ids):
+        return ids.astype(np.int32), xy
+    normals = surface.paint_mesh.normals[ids].astype(np.float64)
+    alike = (normals * chart.normals(xy)).sum(axis=1) > _SAME_SIDE
+    near = np.linalg.norm(vertices[ids] - chart.points(xy), axis=1) < _OFF_MM
+    kept = alike & near
+    return ids[kept].astype(np.int32), xy[kept]
+
+
+def _firmness(chart: SurfaceChart, xy: AnyArray, pad_mm: float) -> AnyArray:
+    """How firmly the stone presses, 0 to 1: less where the surface falls away from its plane."""
+    frame = chart.frame
+    fallen = np.abs((chart.points(xy) - frame.origin) @ frame.normal)
+    result: AnyArray = np.clip(1.0 - fallen / pad_mm, 0.0, 1.0)
+    return result
+
+
+# -- on the stone -------------------------------------------------------------------------------
+
+
+def _signed_distances(xy: AnyArray, rings: Sequence[AnyArray]) -> AnyArray:
+    """How far (mm) points (N, 2) lie inside what takes paste; negative outside."""
+    import shapely
+
+    shape: Geometry = shapely.Polygon()
+    for ring in rings:
+        shape = shape.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+    shapely.prepare(shape)
+    edge = shape.boundary
+    shapely.prepare(edge)
+    points = shapely.points(xy)
+    away = shapely.distance(edge, points)
+    result: AnyArray = np.where(shapely.contains(shape, points), away, -away)
+    return result
+
+
+def _worn(xy: AnyArray, inside: AnyArray, half: AnyArray, seed: int) -> AnyArray:
+    """How much (mm) of what was cut has worn off: little everywhere, more along the rim."""
+    ragged = _RAGGED_MM * (_noise(xy, _ROUGH_MM, seed) + 0.7 * _noise(xy, 0.3, seed + 1))
+    from_rim = (half - _MARGIN_MM - np.abs(xy)).min(axis=1)
+    knocked = np.maximum(_noise(xy, _CHIP_MM, seed + 2) - _CHIP_FROM, 0.0)
+    corner = np.exp(-np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
+    depth = knocked * 1.6 * np.exp(-np.maximum(from_rim, 0.0) / 0.5)
+    result: AnyArray = ragged + depth + 0.18 * corner * (1.0 + _noise(xy, _ROUGH_MM, seed + 3))
+    return result
+
+
+def _patches(xy: AnyArray, seed: int) -> tuple[AnyArray, AnyArray]:
+    """How thickness varies (N,), and how bare it is (N,), 0 to 1 and more."""
+    slow, quick = _noise(xy, _CELL_MM, seed + 4), _noise(xy, _GRAIN_MM, seed + 5)
+    bare = np.maximum(0.9 * slow + 1.1 * quick - _BARE * 0.62, 0.0) * 2.4
+    return _PATCHY * slow + _GRAINY * quick, bare
+
+
+def _noise(xy: AnyArray, cell_mm: float, seed: int) -> AnyArray:
+    """Smooth noise (N,) from -1 to 1: values on a lattice, between them cubics without slope."""
+    at = xy / cell_mm
+    corner = np.floor(at)
+    share = at - corner
+    share = share * share * (3.0 - 2.0 * share)
+    cell = corner.astype(np.int64)
+    values = [_scattered(cell[:, 0] + i, cell[:, 1] + j, seed) for i in (0, 1) for j in (0, 1)]
+    low = values[0] + share[:, 1] * (values[1] - values[0])
+    high = values[2] + share[:, 1] * (values[3] - values[2])
+    result: AnyArray = low + share[:, 0] * (high - low)
+    return result
+
+
+def _scattered(i: AnyArray, j: AnyArray, seed: int) -> AnyArray:
+    """A number from -1 to 1 for each place of a lattice (splitmix64's finaliser)."""
+    x = (i.astype(np.uint64) << np.uint64(32)) ^ (j.astype(np.uint64) & np.uint64(0xFFFFFFFF))
+    x += np.uint64((0x9E3779B97F4A7C15 * (seed + 1)) % 2**64)
+    for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):
+        x = (x ^ (x >> np.uint64(shift))) * np.uint64(factor)
+    x ^= x >> np.uint64(31)
+    result: AnyArray = (x >> np.uint64(11)).astype(np.float64) * 2.0**-52 - 1.0
+    return result

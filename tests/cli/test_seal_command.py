@@ -1,0 +1,81 @@
+"""`paint3d seal`: onto an object, onto a painting, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paint3d.app.model.document import Document
+from paint3d.cli import main
+from tests.support.app.hands import paint, small_plane
+
+SVG = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H20V10H0Z"/></svg>'
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bar.svg").write_text(SVG, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def painting(folder: Path) -> str:
+    document = Document.new(small_plane().surface.source, 0.6, "xuan")
+    paint(document, (-15, 0), (15, 0))
+    document.save(folder / "painting.p3d")
+    return "painting.p3d"
+
+
+def run(*arguments: object) -> int:
+    return main.main(["seal", *map(str, arguments)])
+
+
+def test_a_seal_on_a_painting_is_a_step_on_a_layer_of_its_own(painting: str, capsys) -> None:
+    pytest.importorskip("svgelements")
+    done = run("--svg", "bar.svg", "--on", painting, "--size", 12, "--layer", "seal",
+               "--at", "0.5,0.5", "--turn", 90, "--out", "sealed.p3d")  # fmt: skip
+    told = capsys.readouterr()
+    assert done == 0
+    assert "12.0 x 6.6 mm" in told.out
+    before, after = Document.open(painting), Document.open("sealed.p3d")
+    assert [layer.name for layer in after.layers] == ["1", "seal"]
+    assert after.steps.done[-1] == "seal"
+    share = after.surface.layer_arrays()["seal: share"]
+    reach = np.abs(after.surface.mesh.vertices[share > 0.5]).max(axis=0)
+    assert reach[1] > reach[0] > 3.0  # turned
+    after.undo()
+    n = before.surface.n_vertices
+    off = after.surface.srgb[:n].astype(int) - before.surface.srgb
+    assert np.abs(off).max() <= 1  # the layer that is empty again takes part in the sum
+
+
+def test_a_seal_on_a_bare_object(folder: Path, capsys) -> None:
+    assert run("印", "--on", "plane", "--style", "baiwen", "--out", "a.ply") == 0
+    assert "印, baiwen, 16.0 x 16.0 mm" in capsys.readouterr().out
+    assert (folder / "a.ply").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--on", "plane"), "got nothing to cut"),
+        (("印", "--svg", "bar.svg", "--on", "plane"), "got a text and --svg"),
+        (("印", "--on", "painting.p3d", "--material", "xuan"), "a painting with its own"),
+        (("印", "--on", "plane", "--ink", "mud"), "unknown ink 'mud'"),
+        (("印", "--on", "plane", "--size", "2"), "size (mm) is 2"),
+        (("印", "--on", "plane", "--pad", "0"), "'0' is not a pad"),
+        (("永和九年春", "--on", "plane"), "5 characters"),
+        (("印", "--on", "plane", "--at", "0,0"), "has no room there"),
+        (("印", "--on", "plane", "--ids", "a"), "--ids is given without a drawing"),
+    ],
+)
+def test_bad_input_is_one_line(painting: str, folder: Path, capsys, arguments, words: str) -> None:
+    assert run(*arguments, "--out", "out.ply", "--quiet") == 2
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 1
+    assert told[0].startswith("paint3d: error: ")
+    assert words in told[0]
+    assert not (folder / "out.ply").exists()
