@@ -29,9 +29,10 @@ from paint3d.cli.pads import lay_on
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.untouched import refuse_untouched
-from paint3d.errors import BrushError, PigmentError, RecordingError, UnknownNameError
+from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
 
 if TYPE_CHECKING:
+    from paint3d.brush.dip_amount import DipAmount
     from paint3d.brush.spec import BrushSpec
     from paint3d.colour.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -223,7 +224,9 @@ def paint(
     ink = _ink(recording, wanted.ink)
     with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
         azimuth = recording.header["azimuth"]
-        painter = Painter(surface, brush, ink, azimuth, wanted.pickup, wanted.hairs)
+        painter = Painter(
+            surface, brush, ink, azimuth, wanted.pickup, wanted.hairs, _dip_amount(recording)
+        )
         tip, reach = _tip(recording, wanted)
         if tip is not None:
             painter.dip(tip, reach)
@@ -241,6 +244,16 @@ def paint(
     if painter.hairs is not None:
         settings["hairs"] = asdict(painter.hairs.spec)
     return Painting(surface, counts, seconds, (recording,), settings)
+
+
+def _dip_amount(recording: Recording | LaidPad) -> DipAmount:
+    """How much ink the recording's dips take up."""
+    from paint3d.brush.dip_amount import DipAmount
+
+    try:
+        return DipAmount.of(recording.header.get("dip", {}))
+    except InputError as cause:
+        raise RecordingError(f"the header: {cause}") from None
 
 
 def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
