@@ -160,8 +160,8 @@ class Painter:
             the same in words, ``"pine soot:0.2,water:0.8"`` or ``"light"``; see `load_ink`.
         reach : float, optional
             Dip only so much of the tuft's length, from the tip, 0 to 1; the rest keeps what it
-            holds: first the belly in light ink, then the tip in dark. In a tuft of single hairs
-            both mix along every hair. A whole dip also brings these to a point.
+            holds: first the belly in light ink, then the tip in dark. A whole dip also brings
+            single hairs to a point.
         amount : DipAmount, optional
             How much ink the brush takes up, now and at the dips after; None: as at the dip before.
 
@@ -184,13 +184,16 @@ class Painter:
         parts = self._mixture(ink)
         share = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
         if self.hairs is not None:
-            self._hold(self.hairs.dip(parts * self.tuft.load, share))
-            if reach is None:
-                self.hairs.shape()
-        elif reach is not None:
+            self.hairs.hold(self.surface.ink.load)
+        if reach is not None:
             self._dip_tip(parts, share)
         else:
             self._hold(parts * self.tuft.load)
+        if self.hairs is not None:
+            self.hairs.dip(self.surface.ink.load, self.tuft.load, share)
+            self.surface.ink.load[:] = self.hairs.held()
+            if reach is None:
+                self.hairs.shape()
         deeper = () if reach is None else (d for d in self._dips if d[1] is None or d[1] > share)
         self._dips = (*deeper, (ink, None if reach is None else share))
         self._dipped = ink
@@ -224,13 +227,13 @@ class Painter:
         """
         share = as_number(share, "share", 0.0, 1.0)
         ink = self.surface.ink
-        if self.hairs is not None:
-            self.hairs.hold(ink.load * (1.0 - share))
-            self._hold(self.hairs.held())
-        elif len(ink.reservoirs) > 1:
+        if len(ink.reservoirs) > 1:
             self._hold_along(ink.reservoirs * (1.0 - share))
         else:
             self._hold(ink.load * (1.0 - share))
+        if self.hairs is not None:
+            self.hairs.hold(self.surface.ink.load)
+            self.surface.ink.load[:] = self.hairs.held()
 
     def change_brush(self, brush: str | BrushSpec) -> None:
         """Take another brush into the hand, loaded fully with the same ink.

@@ -7,6 +7,7 @@ flowers        ink flowers and a branch on a vase wrapped in xuan, tip dark and 
 wet_in_wet     drops into wet washes, on xuan, and the same on paint that has dried
 feathering     the same strokes on raw xuan, on bisque and on glaze, a minute later
 vermilion      four characters in cinnabar on a bowl of dried soot
+petals         tip dark in a light belly: petals by one side-laid stroke each, solid and with hairs
 """
 
 from __future__ import annotations
@@ -236,7 +237,31 @@ def vermilion(folder: Path) -> None:
     draw(surface, folder / "vermilion.png")
 
 
-SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion)}
+def petals(folder: Path) -> None:
+    """Two petals and a leaf of bamboo by one stroke each: by a solid tuft, and by 1,000 hairs."""
+    mesh = sheet(150.0, 56.0)
+    surface, chart = PaintedSurface(mesh, 0.15, "xuan"), sheet_chart(mesh)
+    press = np.interp(np.linspace(0, 1, 24), [0, 0.3, 0.75, 1], [0.0, 0.55, 0.5, 0.0])
+    for x, hairs in ((-37.0, 0), (37.0, 1_000)):
+        painter = Painter(surface, "full", "light", hairs=hairs)
+        for at, belly, tip in (
+            (-24.0, {"carmine": 0.04, "water": 0.96}, {"carmine": 0.7, "water": 0.3}),
+            (2.0, "clear", "burnt"),
+        ):
+            turn = np.linspace(np.radians(125.0), np.radians(55.0), 24)
+            out = np.column_stack([np.cos(turn), np.sin(turn)])
+            painter.dip(belly)
+            painter.dip(tip, reach=0.3)
+            way = np.array([x + at, -15.0]) + out * 13.0
+            painter.replay(stroke(chart, way, press, turn))
+        painter.dip("light")
+        painter.dip("burnt", reach=0.35)
+        way = np.column_stack([np.full(24, x + 25.0), np.linspace(20.0, -20.0, 24)])
+        painter.replay(stroke(chart, way, 0.7 * press, np.zeros(24)))
+    draw(surface, folder / "petals.png", (1500, 560))
+
+
+SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion, petals)}
 
 
 def main() -> None:
