@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import paint3d
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.quaternion import quaternions_from_matrices
@@ -240,24 +241,26 @@ def vermilion(folder: Path) -> None:
 def petals(folder: Path) -> None:
     """Two petals and a leaf of bamboo by one stroke each: by a solid tuft, and by 1,000 hairs."""
     mesh = sheet(150.0, 56.0)
-    surface, chart = PaintedSurface(mesh, 0.15, "xuan"), sheet_chart(mesh)
-    press = np.interp(np.linspace(0, 1, 24), [0, 0.3, 0.75, 1], [0.0, 0.55, 0.5, 0.0])
+    surface, chart = PaintedSurface(mesh, 0.2, "xuan"), sheet_chart(mesh)
+    t = np.linspace(0.0, 1.0, 40)
+    press = 0.5 * np.sin(np.pi * t) ** 0.6
+    some = DipAmount(fullness=0.16)  # wiped on the dish: what is full paints black all over
     for x, hairs in ((-37.0, 0), (37.0, 1_000)):
-        painter = Painter(surface, "full", "light", hairs=hairs)
+        painter = Painter(surface, "full", "clear", hairs=hairs, amount=some)
         for at, belly, tip in (
-            (-24.0, {"carmine": 0.04, "water": 0.96}, {"carmine": 0.7, "water": 0.3}),
+            (-23.0, {"carmine": 0.04, "water": 0.96}, {"carmine": 0.8, "water": 0.2}),
             (2.0, "clear", "burnt"),
         ):
-            turn = np.linspace(np.radians(125.0), np.radians(55.0), 24)
+            turn = np.radians(115.0 - 50.0 * t)
             out = np.column_stack([np.cos(turn), np.sin(turn)])
             painter.dip(belly)
             painter.dip(tip, reach=0.3)
-            way = np.array([x + at, -15.0]) + out * 13.0
+            way = np.array([x + at, -16.0]) + out * 14.0
             painter.replay(stroke(chart, way, press, turn))
-        painter.dip("light")
-        painter.dip("burnt", reach=0.35)
-        way = np.column_stack([np.full(24, x + 25.0), np.linspace(20.0, -20.0, 24)])
-        painter.replay(stroke(chart, way, 0.7 * press, np.zeros(24)))
+        painter.dip("clear")
+        painter.dip("burnt", reach=0.3)
+        way = np.column_stack([x + 20.0 + 4.0 * np.sin(np.pi * t), 20.0 - 40.0 * t])
+        painter.replay(stroke(chart, way, 0.6 * press, 0.0 * t))
     draw(surface, folder / "petals.png", (1500, 560))
 
 
