@@ -60,10 +60,10 @@ class Soot(NamedTuple):
 
 
 SOOTS = {"pine soot": Soot(20.0, 400.0), "oil soot": Soot(15.0, 80.0)}
-STRENGTH = 2.0
-"""Absorption of a coat at 550 nm, before the third step: set by eye, so that a brush that is
-written empty goes through the tones from black to grey. It is half a percent of soot by volume in
-0.03 mm of liquid, an ink ground for a minute or two; thick ink holds several times as much."""
+STRENGTH = 4.8
+"""Absorption of a coat at 550 nm, before the third step: such that what a brush that runs dry
+still touches is as black, beside its gaps, as in scans of dry strokes (docs/model.md, flying
+white). It is 1.2 percent of soot by volume in 0.03 mm of liquid."""
 
 
 def index_of(nm: float) -> complex:

@@ -27,8 +27,8 @@ class Tone(NamedTuple):
 
 
 TONES: Mapping[str, Tone] = MappingProxyType({
-    "burnt": Tone("焦", 1.0), "thick": Tone("浓", 0.55), "heavy": Tone("重", 0.35),
-    "light": Tone("淡", 0.2), "clear": Tone("清", 0.09),
+    "burnt": Tone("焦", 1.0), "thick": Tone("浓", 0.25), "heavy": Tone("重", 0.15),
+    "light": Tone("淡", 0.09), "clear": Tone("清", 0.04),
 })  # fmt: skip
 """The five tones. Their shares are such that a coat of each on xuan, and the bare paper, lie evenly
 apart in lightness (L*); painters' own rules are of words."""

@@ -29,11 +29,11 @@ def table(tmp_path):
         ("pine soot:0.2,water:0.8", {PINE: 0.2, WATER: 0.8}),
         (" pine soot : 2 , water ", {PINE: 2.0, WATER: 1.0}),
         ("pine soot:1,松烟墨:2", {PINE: 3.0}),
-        ("light", {PINE: 0.2, WATER: 0.8}),
+        ("light", {PINE: 0.09, WATER: 0.91}),
         ("burnt oil soot", {OIL: 1.0}),
-        ("淡墨", {PINE: 0.2, WATER: 0.8}),
-        ("濃油烟墨", {OIL: 0.55, WATER: 0.45}),
-        ("light oil soot:1,water:1", {OIL: 0.2, WATER: 1.8}),
+        ("淡墨", {PINE: 0.09, WATER: 0.91}),
+        ("濃油烟墨", {OIL: 0.25, WATER: 0.75}),
+        ("light oil soot:1,water:1", {OIL: 0.09, WATER: 1.91}),
     ],
 )
 def test_inks_are_found_by_their_words(text, stirred):
@@ -77,7 +77,7 @@ def test_the_five_tones_and_the_paper_lie_evenly_apart():
         ]
         steps = np.diff(lab_from_reflectance([*films, paper])[:, 0])
         assert steps.min() > 14.0
-        assert steps.max() < 20.0
+        assert steps.max() < 20.5  # oil soot is blacker: its first step is the widest
 
 
 def test_own_tables_are_read_where_they_are_asked_for_alone(table):

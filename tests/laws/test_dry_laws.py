@@ -7,14 +7,15 @@ import math
 
 import numpy as np
 import pytest
-from scipy.interpolate import griddata
 
+from paint3d.calligraphy.kernels.raster import fill_triangles
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.surface_cases import flat, sheet
 
 BOX = (-12.0, 12.0, -2.0, 2.0)  # along the stroke and across, mm
+GRID_MM = 0.05
 
 
 def stroke(turn: float, pressure: float) -> Recording:
@@ -32,7 +33,7 @@ def covered(
     resolution: float = 0.1, turn: float = 0.0, load: float = 0.16, pressure: float = 0.4,
     hairs: int | None = None,
 ) -> np.ndarray:  # fmt: skip
-    """Coverage on a grid of .05 mm, rows across the stroke."""
+    """Coverage on a grid of `GRID_MM`, rows across the stroke."""
     surface = PaintedSurface(sheet(flat, (35.0, 35.0), 4.0), resolution, "xuan")
     painter = Painter(surface, "full", "pine soot", hairs=hairs)
     painter.wipe(1.0 - load)
@@ -45,9 +46,13 @@ def covered(
     vertices = np.asarray(surface.mesh.vertices, float)
     x = math.cos(turn) * vertices[:, 0] + math.sin(turn) * vertices[:, 1]
     y = math.cos(turn) * vertices[:, 1] - math.sin(turn) * vertices[:, 0]
-    near = (x > BOX[0] - 1) & (x < BOX[1] + 1) & (y > BOX[2] - 1) & (y < BOX[3] + 1)
-    at_x, at_y = np.meshgrid(np.arange(*BOX[:2], 0.05), np.arange(*BOX[2:], 0.05))
-    return griddata((x[near], y[near]), surface.coverage[near], (at_x, at_y), method="linear")
+    places = (np.stack([x, y], axis=1) - [BOX[0], BOX[2]]) / GRID_MM
+    picture = np.empty(
+        (round((BOX[3] - BOX[2]) / GRID_MM), round((BOX[1] - BOX[0]) / GRID_MM)), "f4"
+    )
+    faces = np.asarray(surface.mesh.faces, np.int32)
+    fill_triangles(places, surface.coverage.astype(np.float32), faces, picture)
+    return picture
 
 
 def correlation_mm(picture: np.ndarray, axis: int) -> float:
@@ -57,8 +62,8 @@ def correlation_mm(picture: np.ndarray, axis: int) -> float:
     for k in range(1, n // 2):
         a, b = np.take(picture, range(n - k), axis), np.take(picture, range(k, n), axis)
         if (a * b).mean() < (picture**2).mean() / math.e:
-            return 0.05 * k
-    return 0.05 * (n // 2)
+            return GRID_MM * k
+    return GRID_MM * (n // 2)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.5, 0.785])
@@ -98,6 +103,6 @@ def test_more_hairs_leave_finer_gaps() -> None:
     for hairs in (100, 1000, 10000):
         bare = covered(hairs=hairs) < 0.5
         edges = (np.diff(bare.astype(np.int8), axis=0) != 0).sum() / 2.0
-        gaps.append(0.05 * bare.sum() / edges)
+        gaps.append(GRID_MM * bare.sum() / edges)
     assert gaps[1] < 0.75 * gaps[0]
     assert gaps[2] < 0.75 * gaps[1]

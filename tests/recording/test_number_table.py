@@ -173,10 +173,10 @@ def test_the_kernel_keeps_to_the_columns() -> None:
 def test_a_row_of_no_numbers_takes_no_room_for_its_columns() -> None:
     names = [f"c{k}" for k in range(9_000)]
     table = NumberTable(names, "a.csv")
-    text = TextLines(io.BytesIO(b"\n" * 2_000_000 + b"1"), "a.csv")
+    text = TextLines(io.BytesIO(b"\n" * 50_000 + b"1"), "a.csv")
     tracemalloc.start()
     try:
-        with pytest.raises(RecordingError, match=r"a\.csv:2000001: there are 1 columns"):
+        with pytest.raises(RecordingError, match=r"a\.csv:50001: there are 1 columns"):
             table.read(text, ",", lambda line: line.split(",") if line.strip() else None)
         assert tracemalloc.get_traced_memory()[1] < 100e6
     finally:
