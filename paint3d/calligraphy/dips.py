@@ -26,8 +26,7 @@ from paint3d.errors import InputError
 
 __all__ = ["DipPolicy", "dipped_as", "ink_taken", "redipped"]
 
-_LEAST_LOAD = 0.2  # of what a dip gave: a writer dips before less is left
-_FULLNESS = 1.5  # of a dip: its first strokes are black, and its last ones still dark
+_LEAST_LOAD = 0.14  # of what a dip gave: a writer dips before less is left; set by eye
 _CHARACTERS = 4.0  # of a middle size that a dip is for
 _NEW_COLUMN = 1.6  # times the usual step from character to character: there the column ends
 _ROOM = 2  # characters that a load has to last for at the head of a column
@@ -57,7 +56,7 @@ class DipPolicy:
 
     every: int | None = None
     least: float = _LEAST_LOAD
-    fullness: float = _FULLNESS
+    fullness: float = 1.0
 
     def __post_init__(self) -> None:
         if self.every is not None and not (type(self.every) is int and self.every >= 1):

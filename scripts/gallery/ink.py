@@ -244,12 +244,12 @@ def petals(folder: Path) -> None:
     surface, chart = PaintedSurface(mesh, 0.2, "xuan"), sheet_chart(mesh)
     t = np.linspace(0.0, 1.0, 40)
     press = 0.5 * np.sin(np.pi * t) ** 0.6
-    some = DipAmount(fullness=0.16)  # wiped on the dish: what is full paints black all over
+    some = DipAmount(fullness=0.12)  # wiped on the dish: what is full paints black all over
     for x, hairs in ((-37.0, 0), (37.0, 1_000)):
         painter = Painter(surface, "full", "clear", hairs=hairs, amount=some)
         for at, belly, tip in (
             (-23.0, {"carmine": 0.04, "water": 0.96}, {"carmine": 0.8, "water": 0.2}),
-            (2.0, "clear", "burnt"),
+            (2.0, "clear", "thick"),
         ):
             turn = np.radians(115.0 - 50.0 * t)
             out = np.column_stack([np.cos(turn), np.sin(turn)])
@@ -258,7 +258,7 @@ def petals(folder: Path) -> None:
             way = np.array([x + at, -16.0]) + out * 14.0
             painter.replay(stroke(chart, way, press, turn))
         painter.dip("clear")
-        painter.dip("burnt", reach=0.3)
+        painter.dip("thick", reach=0.3)
         way = np.column_stack([x + 20.0 + 4.0 * np.sin(np.pi * t), 20.0 - 40.0 * t])
         painter.replay(stroke(chart, way, 0.6 * press, 0.0 * t))
     draw(surface, folder / "petals.png", (1500, 560))

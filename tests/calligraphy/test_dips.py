@@ -63,7 +63,7 @@ def test_the_brush_is_dipped_where_the_load_would_fall_too_low() -> None:
     assert dipped_before(recording) == [0, 4, 8]
     amount = DipAmount.of(recording.header["dip"])
     left = np.exp(-4 * 0.1 / amount.wetted)
-    assert left == pytest.approx(0.2, rel=1e-3)
+    assert left == pytest.approx(DipPolicy().least, rel=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -75,14 +75,14 @@ def test_no_character_ends_with_less_than_the_policy_leaves(seed: int) -> None:
     load, dips = 1.0, dipped_before(recording)
     for k, taken in enumerate(takes):
         load = (1.0 if k in dips else load) * np.exp(-taken / wetted)
-        assert load > 0.2 * (1.0 - 1e-3) or wetted == 1.0
+        assert load > DipPolicy().least * (1.0 - 1e-3) or wetted == 1.0
     assert dips[0] == 0
 
 
 def test_every_third() -> None:
     recording = redipped(text([0.1, 0.2, 0.1, 0.05, 0.05, 0.1, 0.3]), BRUSH, DipPolicy(3))
     assert dipped_before(recording) == [0, 3, 6]
-    assert recording.header["dip"]["wetted"] == pytest.approx(0.4 / -np.log(0.2), abs=1e-4)
+    assert recording.header["dip"]["wetted"] == pytest.approx(0.4 / -np.log(DipPolicy().least), abs=1e-4)
 
 
 def test_a_column_is_not_begun_with_a_brush_that_is_nearly_dry() -> None:
