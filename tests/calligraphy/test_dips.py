@@ -82,7 +82,9 @@ def test_no_character_ends_with_less_than_the_policy_leaves(seed: int) -> None:
 def test_every_third() -> None:
     recording = redipped(text([0.1, 0.2, 0.1, 0.05, 0.05, 0.1, 0.3]), BRUSH, DipPolicy(3))
     assert dipped_before(recording) == [0, 3, 6]
-    assert recording.header["dip"]["wetted"] == pytest.approx(0.4 / -np.log(DipPolicy().least), abs=1e-4)
+    assert recording.header["dip"]["wetted"] == pytest.approx(
+        0.4 / -np.log(DipPolicy().least), abs=1e-4
+    )
 
 
 def test_a_column_is_not_begun_with_a_brush_that_is_nearly_dry() -> None:
