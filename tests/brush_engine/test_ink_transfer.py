@@ -100,12 +100,12 @@ def test_pick_up_conserves_at_any_rate_and_reading(pickup):
 
 
 def test_stirred_ink_and_water():
-    dark, light = Painter(surface()), Painter(surface(), ink={"pine soot": 0.2, "water": 0.8})
-    assert light.loaded == pytest.approx(0.2 * dark.loaded)
+    dark, light = Painter(surface()), Painter(surface(), ink={"pine soot": 0.08, "water": 0.92})
+    assert light.loaded == pytest.approx(0.08 * dark.loaded)
     assert light.ink.name == "pine soot"
     dark.replay(stroke())
     light.replay(stroke())
-    assert balanced(light)["wet"] == pytest.approx(0.2 * balanced(dark)["wet"], rel=1e-5)
+    assert balanced(light)["wet"] == pytest.approx(0.08 * balanced(dark)["wet"], rel=1e-5)
     covered = light.surface.coverage == 1.0
     assert light.surface.srgb[covered].mean() > dark.surface.srgb[covered].mean() + 20
     light.surface.dry()
