@@ -19,8 +19,7 @@ from PIL import Image
 from paint3d.errors import Paint3DError
 
 HERE = Path(__file__).parent
-MOST_BYTES = 300_000
-COLOURS = (256, 128, 64, 32)
+MOST_BYTES = 1_500_000
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -60,13 +59,12 @@ def find_pictures() -> dict[str, Callable[[Path, Path], None]]:
 
 
 def shrink(file: Path) -> None:
-    """Give a picture fewer colours, and then fewer pixels, until it is small enough."""
+    """Pack a picture in true colour, with fewer pixels until it is small enough."""
     picture = Image.open(file).convert("RGB")
     while True:
-        for colours in COLOURS:
-            picture.quantize(colours).save(file, optimize=True)
-            if file.stat().st_size <= MOST_BYTES:
-                return
+        picture.save(file, optimize=True)
+        if file.stat().st_size <= MOST_BYTES:
+            return
         picture = picture.resize((picture.width * 3 // 4, picture.height * 3 // 4), Image.LANCZOS)
 
 

@@ -10,6 +10,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from paint3d.cli.hands.calibrate import add_calibrate, calibrate
+from paint3d.cli.hands.options import add_stylus_option
+from paint3d.cli.hands.settings import add_set, set_devices
 from paint3d.cli.options import (
     add_force_option,
     check_output_file,
@@ -20,14 +23,16 @@ from paint3d.cli.options import (
 from paint3d.errors import DeviceError
 
 if TYPE_CHECKING:
+    from paint3d.cli.hands.opened import OpenedDevices
+    from paint3d.device.force.port_reader import PortReader
     from paint3d.device.hid_nodes import HidNode
-    from paint3d.device.hot_plug import PluggedDevices
     from paint3d.device.sample import DeviceSample
+    from paint3d.pose.calibration import DeviceCalibration
     from paint3d.pose.two_hands import TwoHands
 
 __all__ = ["HELP", "add_arguments", "rounds", "run"]
 
-HELP = "what is plugged in, live values, rate and latency, a recording"
+HELP = "what is plugged in, live values, rate and latency, a recording, calibration, settings"
 _KINDS = {"mouse": "6-DOF mouse", "stylus": "haptic stylus", "pen": "pen tablet"}
 _LINES_HZ = 10.0
 _TAKE_S = 0.02
@@ -41,21 +46,30 @@ def _parse_seconds(text: str) -> float:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the four deeds and their options."""
+    """Add the deeds and their options."""
     deeds = parser.add_subparsers(metavar="DEED", required=True, dest="deed")
-    deeds.add_parser("list", help="what is plugged in; where it cannot be opened, why")
+    listed = deeds.add_parser("list", help="what is plugged in; where it cannot be opened, why")
     watch = deeds.add_parser("watch", help="live values, until Ctrl-C")
     check = deeds.add_parser("check", help="rate, gaps, latency")
     record = deeds.add_parser("record", help="write a recording of both hands, until Ctrl-C")
     record.add_argument("file", metavar="FILE", type=Path, help="recording, by suffix")
     record.add_argument("--raw", metavar="LOG", type=Path, help="also keep every report, as sent")
     record.add_argument(
-        "--calibration", metavar="FILE", type=Path, help="where the stylus stands in the world"
+        "--calibration",
+        metavar="FILE",
+        type=Path,
+        help="where the stylus stands in the world (default: as it was calibrated last)",
     )
     record.add_argument(
         "--smooth", action="store_true", help="smooth the recording (the raw log never is)"
     )
     add_force_option(record)
+    for deed in (listed, watch, check, record):
+        add_stylus_option(deed, " (default: the first there is)")
+    add_calibrate(
+        deeds.add_parser("calibrate", help="touch known points, to say where the stylus stands")
+    )
+    add_set(deeds.add_parser("set", help="how mouse and stylus are read, in the studio too"))
     for deed, default in ((watch, None), (check, 5.0), (record, None)):
         deed.add_argument(
             "--seconds",
@@ -74,17 +88,26 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If nothing is plugged in, nothing could be opened, or a file cannot be written.
     """
-    {"list": _list, "watch": _watch, "check": _check, "record": _record}[options.deed](options)
+    deeds = {
+        "list": _list, "watch": _watch, "check": _check, "record": _record,
+        "calibrate": calibrate, "set": set_devices,
+    }  # fmt: skip
+    deeds[options.deed](options)
 
 
 # -- list -------------------------------------------------------------------------------------
 
 
-def _list(_: argparse.Namespace) -> None:
+def _list(options: argparse.Namespace) -> None:
     from paint3d.device.hid_nodes import list_nodes
+    from paint3d.haptics.stylus_choice import find_stylus
 
-    nodes = list_nodes()
-    if not nodes:
+    nodes, choice = list_nodes(), options.stylus or "auto"
+    by_hid = choice == "auto" and any(node.kind == "stylus" for node in nodes)
+    found = None if by_hid else find_stylus(choice)
+    if found is not None and found.kind != "hid":
+        sys.stdout.write(f"{found.name}, haptic stylus, {found.limits.max_force:g} N: ready\n")
+    elif not nodes:
         sys.stdout.write("no 6-DOF mouse, stylus or pen tablet is plugged in\n")
     for node in nodes:
         ids = f"{node.vendor:04x}:{node.product:04x}"
@@ -109,7 +132,7 @@ def _state(node: HidNode) -> str:
 
 
 def _watch(options: argparse.Namespace) -> None:
-    devices = _plug_in()
+    devices = _plug_in(options.stylus)
     try:
         for _ in rounds(options.seconds, 1.0 / _LINES_HZ):
             line = " | ".join([*_mouse_values(devices), *_stylus_values(devices)])
@@ -121,7 +144,7 @@ def _watch(options: argparse.Namespace) -> None:
         sys.stdout.write("\n")
 
 
-def _mouse_values(devices: PluggedDevices) -> list[str]:
+def _mouse_values(devices: OpenedDevices) -> list[str]:
     devices.take_mouse()
     lines = []
     for mouse in devices.mice():
@@ -132,19 +155,21 @@ def _mouse_values(devices: PluggedDevices) -> list[str]:
     return lines
 
 
-def _stylus_values(devices: PluggedDevices) -> list[str]:
+def _stylus_values(devices: OpenedDevices) -> list[str]:
     lines = []
-    for stylus in devices.styli():
-        readings = stylus.take()
+    heard = [(stylus.loop.link.name, stylus.take()) for stylus in devices.styli()]
+    if devices.reader is not None:
+        heard.append((devices.reader.name, devices.reader.take()))
+    for name, readings in heard:
         if not readings:
-            lines.append(f"{stylus.loop.link.name} silent")
+            lines.append(f"{name} silent")
             continue
         last = readings[-1]
         place = " ".join(f"{value:+8.2f}" for value in last.position)
         turn = " ".join(f"{value:+.3f}" for value in last.orientation)
         force = "" if last.pressure is None else f" pressure {last.pressure:.2f}"
         lines.append(
-            f"{stylus.loop.link.name} {place} mm, {turn}{force} buttons {last.buttons:b}"
+            f"{name} {place} mm, {turn}{force} buttons {last.buttons:b}"
             f"{'' if last.in_range else ' out of range'}"
         )
     return lines
@@ -160,13 +185,17 @@ def _check(options: argparse.Namespace) -> None:
     def keep(node: HidNode, _: bytes, time_ns: int, report: bytes) -> None:
         heard.setdefault(node.path, (node, []))[1].append((time_ns, report))
 
-    devices = _plug_in(log=keep)
+    devices = _plug_in(options.stylus, keep)
+    times: list[int] = []
     try:
         for _ in rounds(options.seconds, 0.1):
-            devices.take_mouse(), devices.take_stylus()
+            devices.take_mouse()
+            times += [reading.time_ns for reading in devices.take_stylus()]
         for node in devices.nodes():
             heard.setdefault(node.path, (node, []))
         lines = [_rate_of(*found) for _, found in sorted(heard.items())]
+        if devices.reader is not None:
+            lines += [*_rate_at(devices.reader.name, times), *_state_of(devices.reader)]
         lines += [line for stylus in devices.styli() for line in _health_of(stylus)]
         lines += [line for mouse in devices.mice() for line in _health_of(mouse)]
     finally:
@@ -174,19 +203,31 @@ def _check(options: argparse.Namespace) -> None:
     sys.stdout.write("\n".join(lines) + "\n")
 
 
+def _rate_at(name: str, times: list[int]) -> list[str]:
+    from paint3d.device.report_rate import find_report_rate
+
+    rate = find_report_rate(times)
+    if not rate.rate_hz:
+        return [f"{name}: {rate.n} reports; move it while it is checked"]
+    return [
+        f"{name}: {rate.n} reports, {rate.rate_hz:.1f} Hz, interval "
+        f"{rate.interval_p50_ms:.2f} ms, p99 {rate.interval_p99_ms:.2f}, "
+        f"longest {rate.longest_ms:.2f}, pauses {rate.pauses}"
+    ]
+
+
+def _state_of(reader: PortReader) -> list[str]:
+    refused = f"{reader.name}: {reader.n_refused} reports refused"
+    gone = [] if reader.gone is None else [reader.gone]
+    return [refused] * bool(reader.n_refused) + gone
+
+
 def _rate_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:
     import numpy as np
 
-    from paint3d.device.report_rate import find_report_rate, lateness_ms
+    from paint3d.device.report_rate import lateness_ms
 
-    rate = find_report_rate([time_ns for time_ns, _ in reports])
-    if not rate.rate_hz:
-        return f"{node.name}: {rate.n} reports; move it while it is checked"
-    line = (
-        f"{node.name}: {rate.n} reports, {rate.rate_hz:.1f} Hz, interval "
-        f"{rate.interval_p50_ms:.2f} ms, p99 {rate.interval_p99_ms:.2f}, "
-        f"longest {rate.longest_ms:.2f}, pauses {rate.pauses}"
-    )
+    (line,) = _rate_at(node.name, [time_ns for time_ns, _ in reports])
     numbered = [(t, r) for t, r in reports if node.kind == "stylus" and len(r) >= 25]
     if len(numbered) > 2:
         late = lateness_ms(
@@ -229,20 +270,17 @@ def _time_writing(stylus: Any) -> float:
 
 
 def _record(options: argparse.Namespace) -> None:
-    from paint3d.pose.calibration import DeviceCalibration, load_calibration
-    from paint3d.pose.two_hands import SmoothingSettings, TwoHands
+    from paint3d.pose.calibration import load_calibration
 
     check_output_file(options.file, _SUFFIXES)
     if options.raw is not None:
         check_output_folder(options.raw.parent)
     written = (options.file, options.raw)
     check_overwriting(written, (options.calibration,), force=options.force)
-    calibration = DeviceCalibration()
+    calibration = None
     if options.calibration is not None:
         calibration = load_calibration(options.calibration)
-    smoothing = SmoothingSettings() if options.smooth else None
-    hands = TwoHands(calibration, smoothing=smoothing, time_ns=time.monotonic_ns())
-    samples, names = _take_samples(options, hands)
+    samples, names = _take_samples(options, calibration)
     if not samples:
         raise DeviceError("the stylus sent nothing; expected it to be moved while recording")
     n_all, pressing = len(samples), samples[0].pressure is not None
@@ -254,16 +292,27 @@ def _record(options: argparse.Namespace) -> None:
 
 
 def _take_samples(
-    options: argparse.Namespace, hands: TwoHands
+    options: argparse.Namespace, calibration: DeviceCalibration | None
 ) -> tuple[list[DeviceSample], list[str]]:
     from paint3d.device.device_log import DeviceLog
+    from paint3d.pose.two_hands import SmoothingSettings, TwoHands
 
     log = None if options.raw is None else DeviceLog(options.raw)
     try:
-        devices = _plug_in(log=None if log is None else log.keep)
+        devices = _plug_in(options.stylus, None if log is None else log.keep)
         try:
-            names = [node.name for node in devices.nodes()]
-            samples = []
+            if log is not None and devices.reader is not None:
+                raise DeviceError(
+                    f"--raw keeps HID reports, and {devices.reader.name} sends none; "
+                    "expected --stylus hid, or no --raw"
+                )
+            hands = TwoHands(
+                calibration or devices.calibration(),
+                devices.mouse.steering(),
+                SmoothingSettings() if options.smooth else None,
+                time.monotonic_ns(),
+            )
+            names, samples = devices.names(), list[Any]()
             for _ in rounds(options.seconds, _TAKE_S):
                 samples += _merge(devices, hands, time.monotonic_ns() - _SETTLED_NS)
             samples += _merge(devices, hands, time.monotonic_ns())
@@ -278,7 +327,7 @@ def _take_samples(
     return samples, names
 
 
-def _merge(devices: PluggedDevices, hands: TwoHands, until_ns: int) -> list[DeviceSample]:
+def _merge(devices: OpenedDevices, hands: TwoHands, until_ns: int) -> list[DeviceSample]:
     for event in devices.take_mouse():
         hands.add_deflection(event.time_ns, event.deflection)
     hands.add_stylus(devices.take_stylus())
@@ -307,24 +356,13 @@ def _save(samples: list[DeviceSample], names: list[str], file: Path) -> None:
 # -- common -----------------------------------------------------------------------------------
 
 
-def _plug_in(log: Callable[[HidNode, bytes, int, bytes], None] | None = None) -> PluggedDevices:
-    """Open what is there.
+def _plug_in(
+    stylus: str | None, log: Callable[[HidNode, bytes, int, bytes], None] | None = None
+) -> OpenedDevices:
+    """Open what is there and was chosen; see `OpenedDevices`."""
+    from paint3d.cli.hands.opened import OpenedDevices
 
-    Raises
-    ------
-    DeviceError
-        If nothing is plugged in, or nothing of it could be opened.
-    """
-    from paint3d.device.hot_plug import PluggedDevices
-
-    devices = PluggedDevices(log=log)
-    if not devices.nodes():
-        failures = list(devices.failures.values())
-        devices.stop()
-        raise DeviceError(
-            failures[0] if failures else "no 6-DOF mouse, stylus or pen tablet is plugged in"
-        )
-    return devices
+    return OpenedDevices(stylus or "auto", log)
 
 
 def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:

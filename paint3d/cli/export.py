@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from paint3d.cli.lights import add_light_options, viewing_of
 from paint3d.cli.options import (
     UNITS,
     add_force_option,
@@ -13,6 +14,7 @@ from paint3d.cli.options import (
     check_output_file,
     check_overwriting,
 )
+from paint3d.cli.paintings import add_painting_argument, open_painting
 from paint3d.cli.progress import ProgressBar
 
 __all__ = ["HELP", "add_arguments", "run"]
@@ -22,7 +24,7 @@ HELP = "a saved painting to any format, by suffix"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
-    parser.add_argument("session", metavar="SESSION", type=Path, help="a saved session (.p3d)")
+    add_painting_argument(parser, "--from-unit")
     parser.add_argument("file", metavar="FILE", type=Path, help="where to write it")
     parser.add_argument(
         "--tolerance",
@@ -33,7 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--exact", action="store_true", help="leave no vertex out")
     parser.add_argument(
-        "--unit", choices=UNITS, help="length of one unit in the file (default: the format's own)"
+        "--unit",
+        choices=UNITS,
+        help="length of one unit in the file written (default: the format's own)",
     )
     parser.add_argument(
         "--up-axis", choices=("y", "z"), help="axis that points up (default: the format's own)"
@@ -61,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=".p3d.txt: seven numbers a vertex, as the paper prints them, instead of nine",
     )
+    add_light_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
@@ -70,24 +75,30 @@ def _parse_filaments(text: str) -> int | list[str]:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Open the session and write the file.
+    """Open the painting and write the file.
 
     Raises
     ------
     Paint3DError
-        If the session cannot be opened, or the file cannot be written.
+        If the painting cannot be opened, or the file cannot be written.
     """
+    from paint3d.errors import ExportError
     from paint3d.files.export import EXPORT_SUFFIXES, export
     from paint3d.files.export_options import ExportOptions
-    from paint3d.files.project.session import is_session_path, load_session, save_session
+    from paint3d.files.project.session import Session, is_session_path, save_session
 
     check_output_file(options.file, EXPORT_SUFFIXES)
-    check_overwriting((options.file,), (options.session,), force=options.force)
-    with ProgressBar("opening", enabled=not options.quiet) as progress:
-        session = load_session(options.session, progress)
+    check_overwriting((options.file,), (options.painting,), force=options.force)
+    viewing = viewing_of(options)
+    painting = open_painting(options)
     with ProgressBar("writing", enabled=not options.quiet) as progress:
         if is_session_path(options.file):
-            save_session(session, options.file, progress)
+            if not isinstance(painting, Session):
+                raise ExportError(
+                    f"{options.file}: {options.painting} is a mesh, which no session is made of; "
+                    "expected another suffix (paint3d paint opens a mesh and saves sessions)"
+                )
+            save_session(painting, options.file, progress)
         else:
             wishes = ExportOptions(
                 tolerance=options.tolerance,
@@ -98,7 +109,9 @@ def run(options: argparse.Namespace) -> None:
                 texture=options.texture,
                 filaments=options.filaments,
                 packed_normals=options.packed_normals,
+                viewing=viewing,
             )
-            export(session.surface, options.file, wishes, progress)
+            surface = painting.surface if isinstance(painting, Session) else painting
+            export(surface, options.file, wishes, progress)
     if not options.quiet:
         sys.stdout.write(f"{options.file}\n")

@@ -26,6 +26,7 @@ from paint3d.cli import (
     picture,
     replay,
     report,
+    score,
     study,
     write,
 )
@@ -40,6 +41,7 @@ _COMMANDS = {
     "replay": replay,
     "write": write,
     "paint": paint,
+    "score": score,
     "export": export,
     "picture": picture,
     "batch": batch,

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from paint3d.cli.first_run import say_if_compiling
+from paint3d.cli.hands.options import add_stylus_option
 from paint3d.cli.options import add_quiet_option, add_surface_options, add_up_option
 from paint3d.errors import InputError, MeshError
 
@@ -27,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_surface_options(parser)
     add_up_option(parser, "auto")
     parser.set_defaults(material=None, resolution=None)  # as was chosen last in the window
+    add_stylus_option(parser, " (default: as chosen)")
     parser.add_argument("--language", choices=_LANGUAGES, help="of the window (default: as chosen)")
     add_quiet_option(parser)
 
@@ -65,4 +67,5 @@ def run(options: argparse.Namespace) -> None:
         material=options.material,
         language=options.language,
         up=None if options.up == "auto" else options.up,
+        stylus=options.stylus,
     )

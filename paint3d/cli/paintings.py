@@ -18,8 +18,8 @@ __all__ = ["add_painting_argument", "is_recording", "open_painting"]
 _RECORDINGS = (".jsonl", ".inkml", ".csv", ".json")
 
 
-def add_painting_argument(parser: argparse.ArgumentParser) -> None:
-    """Add PAINTING, and how a mesh is to be read."""
+def add_painting_argument(parser: argparse.ArgumentParser, unit: str = "--unit") -> None:
+    """Add PAINTING, and how a mesh is to be read; `unit` names the option for its unit."""
     parser.add_argument(
         "painting",
         metavar="PAINTING",
@@ -27,7 +27,8 @@ def add_painting_argument(parser: argparse.ArgumentParser) -> None:
         "plate, vase, sphere, plane",
     )
     parser.add_argument(
-        "--unit",
+        unit,
+        dest="mesh_unit",
         choices=UNITS,
         help="length of one unit in a mesh file (default: as the file says, else mm)",
     )
@@ -55,5 +56,5 @@ def open_painting(options: argparse.Namespace) -> Session | TriangleMesh:
         if is_session_path(options.painting):
             return load_session(Path(options.painting), progress)
         return load_mesh(
-            options.painting, options.unit, texture=True, up=options.up, progress=progress
+            options.painting, options.mesh_unit, texture=True, up=options.up, progress=progress
         )

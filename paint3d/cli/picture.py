@@ -8,6 +8,7 @@ import re
 import sys
 from pathlib import Path
 
+from paint3d.cli.lights import add_light_options, viewing_of
 from paint3d.cli.options import (
     MATERIALS,
     add_force_option,
@@ -84,6 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rate", metavar="N", type=float, default=12.0, help="pictures a second (default: 12)"
     )
+    add_light_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
@@ -178,7 +180,8 @@ def _take_picture(options: argparse.Namespace) -> None:
         turning = Turning(options.turn or 4.0, rate)
     size = options.size or (_FILM_SIZE if turning is not None else None)
     shot = Shot(options.view, size, options.light, options.transparent, options.zoom)
+    viewing = viewing_of(options)
     painting = open_painting(options)
     surface = painting.surface if isinstance(painting, Session) else painting
     with ProgressBar("drawing", enabled=not options.quiet) as progress:
-        write_picture(surface, options.out, shot, turning, options.material, progress)
+        write_picture(surface, options.out, shot, turning, options.material, progress, viewing)

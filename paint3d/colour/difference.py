@@ -23,9 +23,9 @@ __all__ = [
 _XYZ_FROM_RGB = np.linalg.inv(RGB_FROM_XYZ)
 
 
-def lab_from_xyz(xyz: ArrayLike) -> AnyArray:
-    """CIE L*a*b* (..., 3) of XYZ (..., 3) relative to D65, white at Y = 1."""
-    ratio = np.asarray(xyz, dtype=np.float64) / WHITE_XYZ
+def lab_from_xyz(xyz: ArrayLike, white: ArrayLike = WHITE_XYZ) -> AnyArray:
+    """CIE L*a*b* (..., 3) of XYZ (..., 3) relative to a white (3,), by default D65 at Y = 1."""
+    ratio = np.asarray(xyz, dtype=np.float64) / np.asarray(white, dtype=np.float64)
     line = ratio * (841.0 / 108.0) + 4.0 / 29.0
     f = np.where(ratio > (6.0 / 29.0) ** 3, np.cbrt(ratio), line)
     fx, fy, fz = f[..., 0], f[..., 1], f[..., 2]

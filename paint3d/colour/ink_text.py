@@ -10,6 +10,8 @@ from paint3d.errors import PigmentError
 
 __all__ = ["names_table", "split_ink", "table_of", "tables_in", "with_tables"]
 
+_TABLES = (".csv", ".spdx", ".txt")  # pigments, and measured spectra
+
 
 def table_of(name: str) -> str | None:
     """The file of a user's own table that one ink's name leads to; None for the others.
@@ -20,7 +22,7 @@ def table_of(name: str) -> str | None:
     ('mine.csv', None)
     """
     file, colon, _ = name.rpartition(":")
-    return file if colon and file.lower().endswith(".csv") else None
+    return file if colon and file.lower().endswith(_TABLES) else None
 
 
 def split_ink(text: str) -> list[tuple[str, float]]:
@@ -56,7 +58,7 @@ def _is_one(text: str) -> bool:
 
 def _split_part(piece: str, text: str) -> tuple[str, float]:
     name, colon, parts = piece.rpartition(":")
-    if not colon or name.lower().endswith(".csv"):
+    if not colon or name.lower().endswith(_TABLES):
         name, parts = piece, "1"
     name = name.strip()
     if not name:
@@ -78,7 +80,7 @@ def _split_part(piece: str, text: str) -> tuple[str, float]:
 
 def names_table(text: str) -> bool:
     """Whether an ink in words could lead to a file, which is not looked for."""
-    return ".csv:" in text.lower()
+    return any(f"{suffix}:" in text.lower() for suffix in _TABLES)
 
 
 def tables_in(text: str | None) -> list[str]:

@@ -13,8 +13,9 @@ import numpy as np
 
 from paint3d.colour.masstone import masstone_strengths
 from paint3d.colour.pigment import BANDS_NM, Pigment
+from paint3d.colour.spectral_files import is_spectral, read_plain_spectrum, read_spectra
 from paint3d.core.types import AnyArray
-from paint3d.errors import PigmentError
+from paint3d.errors import InputError, PigmentError
 
 __all__ = ["load_pigments_csv"]
 
@@ -31,6 +32,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
         where wanted ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no).
+        Or measured masstones as `spectral_files` reads them: IES TM-27 (.spdx), and .txt of two
+        columns or of X-Rite.
 
     Raises
     ------
@@ -40,6 +43,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         or not a number, or R is not between 0 and 1.
     """
     path = Path(path)
+    if is_spectral(path):
+        return _of_spectra(path)
     try:
         with path.open(newline="", encoding="utf-8-sig") as stream:
             reader = csv.DictReader(stream)
@@ -58,6 +63,26 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         pigments[pigment.name] = pigment
     if not pigments:
         raise PigmentError(f"{path}: holds no pigment; expected at least one row")
+    return MappingProxyType(pigments)
+
+
+def _of_spectra(path: Path) -> Mapping[str, Pigment]:
+    """Pigments of measured masstones, by the names that their file gives them, or its own."""
+    try:
+        plain = read_plain_spectrum(path) if path.suffix.lower() == ".txt" else None
+        spectra = read_spectra(path) if plain is None else {path.stem: plain}
+    except InputError as cause:
+        raise PigmentError(str(cause)) from None
+    pigments = {}
+    for name, (nm, values) in spectra.items():
+        reflectance = np.interp(BANDS_NM, nm, values)
+        if not 0.0 < reflectance.min() <= reflectance.max() < 1.0:
+            raise PigmentError(
+                f"{path}: {name!r} is {reflectance.min():g} to {reflectance.max():g}; "
+                "expected the reflectance of a masstone, between 0 and 1"
+            )
+        k, s = masstone_strengths(reflectance)
+        pigments[name] = Pigment(name, "", K=k, S=s, source=path.name, basis="masstone")
     return MappingProxyType(pigments)
 
 

@@ -26,6 +26,7 @@ __all__ = [
     "decode_srgb",
     "encode_srgb",
     "linear_rgb_from_reflectance",
+    "rgb_from_xyz",
     "rgb_weights",
     "srgb_from_linear",
     "srgb_from_reflectance",
@@ -51,12 +52,15 @@ WHITE_XYZ = _xyz_of_chromaticity(_WHITE)
 """(3,) XYZ of the sRGB white, D65 by its chromaticity (0.3127, 0.3290), Y = 1."""
 
 
-def _rgb_from_xyz() -> AnyArray:
-    primaries = np.column_stack([_xyz_of_chromaticity(xy) for xy in (_RED, _GREEN, _BLUE)])
+def rgb_from_xyz(
+    red: tuple[float, float], green: tuple[float, float], blue: tuple[float, float]
+) -> AnyArray:
+    """(3, 3) linear RGB from XYZ for primaries with these chromaticities (x, y) and white D65."""
+    primaries = np.column_stack([_xyz_of_chromaticity(xy) for xy in (red, green, blue)])
     return np.linalg.inv(primaries * np.linalg.solve(primaries, WHITE_XYZ))
 
 
-RGB_FROM_XYZ = _rgb_from_xyz()
+RGB_FROM_XYZ = rgb_from_xyz(_RED, _GREEN, _BLUE)
 """(3, 3) linear sRGB from XYZ, computed from the primaries and white of IEC 61966-2-1."""
 
 

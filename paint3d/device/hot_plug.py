@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from paint3d.device.catalogue import find_mouse_quirks
+from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.hid_link import Link, open_node
 from paint3d.device.hid_nodes import HidNode, list_nodes
 from paint3d.device.sample import StylusReading
@@ -50,6 +51,8 @@ class PluggedDevices:
         Between two looks; 0 looks only when `look` is called.
     log : callable, optional
         Called with the node, its descriptor, the time and every raw report.
+    deflection : DeflectionSettings, optional
+        How the caps of mice are read.
     """
 
     def __init__(
@@ -58,8 +61,10 @@ class PluggedDevices:
         open_link: Callable[[HidNode], Link] = open_node,
         interval_s: float = _INTERVAL_S,
         log: Callable[[HidNode, bytes, int, bytes], None] | None = None,
+        deflection: DeflectionSettings | None = None,
     ) -> None:
         self._find = find
+        self._deflection = deflection or DeflectionSettings()
         self._open = open_link
         self._log = log
         self._lock = threading.Lock()
@@ -105,6 +110,14 @@ class PluggedDevices:
     def styli(self) -> list[Stylus]:
         """The styli and pens that are open."""
         return [device for device in self._all() if isinstance(device, Stylus)]
+
+    def read_caps(self, deflection: DeflectionSettings) -> None:
+        """Read the caps of mice that are there or come otherwise; where each rests stays."""
+        with self._lock:
+            self._deflection = deflection
+            for _, device in self._devices.values():
+                if isinstance(device, SpaceMouse):
+                    device.settings = replace(deflection, rest=device.settings.rest)
 
     def take_mouse(self) -> list[MouseEvent]:
         """Events of the mouse in use.
@@ -177,7 +190,7 @@ class PluggedDevices:
             log = None if self._log is None else _bound(self._log, node, link.descriptor)
             if node.kind == "mouse":
                 quirks = find_mouse_quirks(node.vendor, node.product)
-                self._devices[node.path] = node, SpaceMouse(link, quirks, log=log)
+                self._devices[node.path] = node, SpaceMouse(link, quirks, self._deflection, log)
             else:
                 self._devices[node.path] = node, Stylus(link, log)
             self.failures.pop(node.path, None)

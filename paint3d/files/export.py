@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from paint3d.core.atomic import write_atomically
+from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, UnknownNameError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import Progress, part_of
@@ -56,7 +57,7 @@ def export(
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
     after the position); .3mf (mm, sRGB at each corner, for printers); .usdz (metres, y up, linear
     displayColor); .wrl VRML97 (metres, y up, sRGB, for colour printers); .p3d.txt the paper's
-    records (vertices only); .html a page that shows the object, by itself; .png a picture; .p3d a
+    records; .html a page that shows the object, by itself; .png a picture; .p3d a
     session, to which no option applies.
 
     Parameters
@@ -245,11 +246,18 @@ def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
+    from paint3d.colour.spectra import decode_srgb
+    from paint3d.colour.viewing import linear_srgb_of
     from paint3d.files.writers.write_usdz import write_usdz
 
+    colours: AnyArray = painting.srgb
+    if painting.gamut != "srgb":  # USD's colours are linear, and may be outside of sRGB
+        linear = linear_srgb_of(decode_srgb(painting.srgb), painting.gamut)
+        colours = linear.astype("<f4")
     write_usdz(
         path,
-        *painting[:4],
+        *painting[:3],
+        colours,
         _finish(painting),
         unit=unit,
         up_axis=options.up_axis or FORMATS[".usdz"].up_axis,
@@ -263,20 +271,27 @@ def _write_wrl(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.project.records import write_records
+    from paint3d.files.project.records import standing_place, write_records
 
     arrays = painting.vertices, painting.normals, painting.srgb
-    write_records(path, *arrays, packed=options.packed_normals)
+    write_records(
+        path,
+        *arrays,
+        faces=painting.faces,
+        initial_position=standing_place(painting.vertices),
+        packed=options.packed_normals,
+    )
 
 
 def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from PIL import Image
 
+    from paint3d.files.writers.colour_tags import picture_tags
     from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
     look: dict[str, Any] = {} if options.size is None else {"size": options.size}
     pixels = draw_picture(*painting[:4], gloss=gloss_of(painting.material), **look)
-    Image.fromarray(pixels).save(path, format="PNG")
+    Image.fromarray(pixels).save(path, format="PNG", **picture_tags(painting.gamut, "PNG"))
 
 
 def _finish(painting: Painting) -> Finish:
@@ -305,10 +320,10 @@ FORMATS: dict[str, Format] = {
     ".glb": Format(_write_glb, "m", "y", ANY_MESH | {"unlit", "texture"}),
     ".obj": Format(_write_obj),
     ".3mf": Format(_write_3mf),
-    ".usdz": Format(_write_usdz, "m", "y"),
+    ".usdz": Format(_write_usdz, "m", "y", ANY_MESH | {"gamut"}),
     ".wrl": Format(_write_wrl, "m", "y"),
     ".p3d.txt": Format(_write_records, takes=frozenset({"packed_normals"})),
     ".html": Format(_write_html, takes=frozenset({"filaments"})),
-    ".png": Format(_write_png, takes=frozenset({"filaments", "size"})),
+    ".png": Format(_write_png, takes=frozenset({"filaments", "size", "gamut"})),
 }
 EXPORT_SUFFIXES = (*FORMATS, SESSION_SUFFIX)

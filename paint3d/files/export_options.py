@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from paint3d.colour.viewing import Viewing
 from paint3d.core.arrays import as_number
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.files.load import UNITS_MM
@@ -15,7 +16,7 @@ __all__ = ["MOST_FILAMENTS", "UP_AXES", "ExportOptions"]
 UP_AXES = ("y", "z")
 MOST_FILAMENTS = 64
 TEXTURE_SIZES = (16, 16384)
-_WISHES = ("unit", "up_axis", "unlit", "texture", "filaments", "packed_normals", "size")
+_WISHES = ("unit", "up_axis", "unlit", "texture", "filaments", "packed_normals", "size", "gamut")
 HEX = re.compile(r"#?([0-9a-fA-F]{6})")
 
 
@@ -44,6 +45,8 @@ class ExportOptions:
         Write the paper's seven numbers a vertex, with one for the normal, instead of nine.
     size : (int, int) or None
         Width and height of a picture, pixels.
+    viewing : Viewing or None
+        In which light, by which observer and for which screen the colours are to be.
 
     Raises
     ------
@@ -60,6 +63,13 @@ class ExportOptions:
     filaments: int | Sequence[str] | None = None
     packed_normals: bool = False
     size: tuple[int, int] | None = None
+    viewing: Viewing | None = None
+
+    @property
+    def gamut(self) -> str | None:
+        """The screen's gamut where it is not that of sRGB."""
+        viewing = self.viewing
+        return None if viewing is None or viewing.gamut == "srgb" else viewing.gamut
 
     def __post_init__(self) -> None:
         as_number(self.tolerance, "tolerance (dE00)", low=0.0)

@@ -54,7 +54,7 @@ def load_mesh(
     Parameters
     ----------
     path : str, path-like, or mesh of another package
-        A file (.ply .obj .stl .off .glb .gltf .3mf, also packed as .gz or .bz2), or the name of
+        A file whose suffix is one of `MESH_SUFFIXES`, also packed as .gz or .bz2, or the name of
         a built-in object: bowl, plate, vase, sphere, plane. An existing file wins over a name.
         Or a trimesh.Trimesh or Scene, an open3d.geometry.TriangleMesh or
         open3d.t.geometry.TriangleMesh, or a pyvista.PolyData: its arrays are copied and checked

@@ -6,16 +6,18 @@ import os
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from PIL import Image
 
+from paint3d.colour.viewing import Viewing
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, InputError
 from paint3d.files.export import gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import Progress
 from paint3d.files.project.painting import Exportable, Painting, read_painting
+from paint3d.files.writers.colour_tags import picture_tags
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.shot import Shot, take_shot, take_turning
 
@@ -46,6 +48,7 @@ def write_picture(
     turning: Turning | None = None,
     material: str | None = None,
     progress: Progress | None = None,
+    viewing: Viewing | None = None,
 ) -> None:
     """Write a picture (.png, .webp), or a film of the object turning once (.gif, .webp).
 
@@ -62,6 +65,8 @@ def write_picture(
         Whose gloss is shown; by default that of the painting, and glazed porcelain for meshes.
     progress : callable, optional
         Called with the share done; what it raises leaves everything as it was.
+    viewing : Viewing, optional
+        In which light, by which observer and for which screen; a .gif has sRGB only.
 
     Raises
     ------
@@ -72,13 +77,15 @@ def write_picture(
     """
     path, shot = Path(path), shot or Shot()
     form = _form_of(path, shot, turning)
-    read = read_painting(painting, ExportOptions())
+    if viewing is not None and viewing.gamut != "srgb" and form == "GIF":
+        raise InputError(f"{path}: a .gif is in sRGB; expected .png or .webp for {viewing.gamut}")
+    read = read_painting(painting, ExportOptions(viewing=viewing))
     assert isinstance(read, Painting), "no texture was asked for"
     gloss = gloss_of(material or read.material)
-    arrays = read[:4]
+    arrays, how = read[:4], _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:
-            Image.fromarray(take_shot(arrays, shot, gloss)).save(part, form, **_how(form))
+            Image.fromarray(take_shot(arrays, shot, gloss)).save(part, form, **how)
             return
         pictures = map(Image.fromarray, take_turning(arrays, shot, turning.n_pictures, gloss))
         told = _told(pictures, turning.n_pictures, progress)
@@ -86,7 +93,7 @@ def write_picture(
         duration = round(1e3 / turning.rate)
         first.save(
             part, form, save_all=True, append_images=chain(told), duration=duration, loop=0,
-            **_how(form),
+            **how,
         )  # fmt: skip
 
 
@@ -110,7 +117,7 @@ def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
     return _FORMS[suffix]
 
 
-def _how(form: str) -> dict[str, int]:
+def _how(form: str) -> dict[str, Any]:
     return {"quality": _QUALITY} if form == "WEBP" else {}
 
 

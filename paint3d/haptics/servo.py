@@ -109,7 +109,7 @@ class ForceFeedback:
         self._board.counters[board_of.SOFTENING_PPM] = 1_000_000
         block, self._tree_memory = TreeBlock.share(tree)
         self._object_pose = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
-        self._lost = 0
+        self._lost = self._clicks = 0
         self._closed = False
         self.last_force = np.zeros(3)
         self.publish()
@@ -146,9 +146,14 @@ class ForceFeedback:
         """
         if object_pose is not None:
             self._object_pose = as_array(object_pose, "object_pose", (7,), error=DeviceError)
-        self._board.publish(
-            time.monotonic_ns(), self._object_pose, self.settings.as_record().view(np.float64)
-        )
+        record = self.settings.as_record()
+        record["clicks"] = self._clicks
+        self._board.publish(time.monotonic_ns(), self._object_pose, record.view(np.float64))
+
+    def click(self) -> None:
+        """Let a click be felt, as at the edge of an ink stone; see `HapticSettings.click_n`."""
+        self._clicks += 1
+        self.publish()
 
     def take(self) -> list[StylusReading]:
         """What the stylus did since the last call, in the world's frame (calibrated)."""

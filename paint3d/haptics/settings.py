@@ -19,7 +19,7 @@ __all__ = ["PHANTOM_DESKTOP", "TOUCH", "DeviceLimits", "HapticSettings"]
 _LOWEST_TILT = math.radians(30.0)  # where the model of the bent brush ends
 _AS_THEY_ARE = (
     "length", "spring", "friction", "user_limit", "stick", "ramp_s", "slew", "max_pose_age_s",
-    "max_snapshot_age_s", "start_force", "rise_s", "follow_s",
+    "max_snapshot_age_s", "start_force", "rise_s", "follow_s", "ahead_n", "click_n",
 )  # fmt: skip
 _PATCH = 0.08  # of the tuft's length: the disc over which the surface's normal is averaged
 
@@ -65,6 +65,11 @@ class HapticSettings:
         Stiffness with which friction holds the foot before it slips, N/mm.
     follow_s : float
         Time constant with which the servo follows the object between two snapshots.
+    ahead_mm, ahead_n : float
+        Before the surface a force is felt from so far on, which grows to so much at contact; 0 mm:
+        none.
+    click_n : float
+        Greatest force of the click at a dip.
 
     Raises
     ------
@@ -85,6 +90,9 @@ class HapticSettings:
     rise_s: float = 2.0
     stick: float = 0.3
     follow_s: float = 0.02
+    ahead_mm: float = 0.0
+    ahead_n: float = 0.3
+    click_n: float = 0.0
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -100,6 +108,9 @@ class HapticSettings:
             ("rise_s", 0.1, 60.0),
             ("stick", 0.0, 20.0),
             ("follow_s", 0.0005, 0.2),
+            ("ahead_mm", 0.0, 20.0),
+            ("ahead_n", 0.0, 1.0),
+            ("click_n", 0.0, 1.0),
         ):
             as_number(getattr(self, name), name, low, high, DeviceError)
 
@@ -127,6 +138,7 @@ class HapticSettings:
         out["device_limit"], out["stiffest"] = limits.max_force, limits.max_stiffness
         out["lowest_sine"] = math.sin(_LOWEST_TILT)
         out["patch"] = _PATCH * self.length
+        out["ahead"] = self.ahead_mm
         for name in _AS_THEY_ARE:
             out[name] = getattr(self, name)
         return out

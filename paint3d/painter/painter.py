@@ -235,6 +235,28 @@ class Painter:
             self.hairs.hold(self.surface.ink.load)
             self.surface.ink.load[:] = self.hairs.held()
 
+    def recolour(self, ink: Ink) -> None:
+        """Let what the brush holds be another ink, as much of it as there is, hair by hair.
+
+        Raises
+        ------
+        InputError
+            As in `dip`.
+        """
+        ink = _in_parts(ink)
+        parts, field = self._mixture(ink), self.surface.ink
+        if self.hairs is not None:
+            self.hairs.hold(field.load)
+            self.hairs.load = np.outer(self.hairs.load.sum(axis=1), parts)
+            self._hold(self.hairs.held())
+        elif len(field.reservoirs) > 1:
+            self._hold_along(np.outer(field.reservoirs.sum(axis=1), parts))
+        else:
+            self._hold(parts * field.load.sum())
+        self._dips, self._dipped = ((ink, None),), ink
+        self.ink = self.surface.main_pigment(parts)
+        self._fit_scratch()
+
     def change_brush(self, brush: str | BrushSpec) -> None:
         """Take another brush into the hand, loaded fully with the same ink.
 

@@ -67,6 +67,11 @@ class DeviceCalibration:
         """Points (..., 3), mm, from the device's frame to the world's."""
         return self.scale * rotate(self.rotation, points) + self.shift
 
+    def to_device(self, points: AnyArray) -> AnyArray:
+        """Points (..., 3), mm, from the world's frame to the device's."""
+        back = self.rotation * np.array([1.0, -1.0, -1.0, -1.0])
+        return rotate(back, (points - self.shift) / self.scale)
+
     def place(self, point: AnyArray, orientation: AnyArray) -> tuple[AnyArray, AnyArray]:
         """One point (3,) and one orientation (4,) in the world."""
         q, d = tuple(self.rotation.tolist()), tuple(point.tolist())

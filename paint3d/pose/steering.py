@@ -44,8 +44,10 @@ class SteeringOptions:
         Whether the cap is the object, or the viewer who moves about it.
     speed_mm_s, turn_rad_s : float
         At full deflection.
+    order : tuple of 6 int
+        Which of the cap's six axes each motion comes from: x, y, z, and the turns about them.
     inverted : tuple of 6 bool
-        Axes to be turned round: x, y, z, and the turns about them.
+        Motions to be turned round.
     moving, turning : bool
         False locks them.
     dominant_axis : bool
@@ -67,6 +69,7 @@ class SteeringOptions:
     mode: str = "object"
     speed_mm_s: float = 150.0
     turn_rad_s: float = 1.5
+    order: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
     inverted: tuple[bool, ...] = (False,) * 6
     moving: bool = True
     turning: bool = True
@@ -80,6 +83,8 @@ class SteeringOptions:
             raise DeviceError(f"mode is {self.mode!r}; expected 'object' or 'camera'")
         if self.zoom_axis not in ("y", "z"):
             raise DeviceError(f"zoom_axis is {self.zoom_axis!r}; expected 'y' or 'z'")
+        if sorted(self.order) != list(range(6)):
+            raise DeviceError(f"order is {self.order}; expected each of 0 to 5 once")
         if len(self.inverted) != 6:
             raise DeviceError(f"inverted has {len(self.inverted)} entries; expected 6")
         as_number(self.speed_mm_s, "speed_mm_s", 0.0, 5000.0, DeviceError)
@@ -153,7 +158,8 @@ def apply_action(options: SteeringOptions, action: str) -> SteeringOptions:
 
 def _rates(options: SteeringOptions, deflection: AnyArray) -> tuple[Vector, Vector]:
     """Velocity, mm/s, and angular velocity, rad/s, in the world."""
-    share = np.where(options.inverted, -deflection, deflection)
+    share = deflection[list(options.order)]
+    share = np.where(options.inverted, -share, share)
     if options.zoom_axis == "z":
         share = share[[0, 2, 1, 3, 4, 5]]
     share[:3] *= options.speed_mm_s if options.moving else 0.0

@@ -4,3 +4,8 @@ from paint3d.recording.recording import save_recording as save_recording
 from paint3d.recording.score import Score as Score
 from paint3d.recording.score import load_score as load_score
 from paint3d.recording.score import save_score as save_score
+from paint3d.recording.score_edits import change_brush as change_brush
+from paint3d.recording.score_edits import change_ink as change_ink
+from paint3d.recording.score_edits import delete_stroke as delete_stroke
+from paint3d.recording.score_edits import move_stroke as move_stroke
+from paint3d.recording.score_edits import retime_stroke as retime_stroke

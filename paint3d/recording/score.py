@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -32,7 +32,16 @@ from paint3d.recording.recording import (
 )
 from paint3d.recording.score_schema import check_command, check_header, check_sample
 
-__all__ = ["VERSION", "Event", "Score", "is_score", "load_score", "save_score", "write_score"]
+__all__ = [
+    "VERSION",
+    "Event",
+    "Score",
+    "is_score",
+    "joined_parts",
+    "load_score",
+    "save_score",
+    "write_score",
+]
 
 VERSION = 2
 Event = Recording | Mapping[str, Any]
@@ -144,6 +153,18 @@ def _joined(parts: list[Recording]) -> Recording:
         columns |= {"pressure": np.concatenate([part.pressure for part in parts]),
                     "contact": np.concatenate(contacts)}  # fmt: skip
     return Recording(**columns)
+
+
+def joined_parts(events: Iterable[Event]) -> list[Event]:
+    """Events with one recording where several follow each other."""
+    joined: list[Event] = []
+    for event in events:
+        last = joined[-1] if joined else None
+        if isinstance(event, Recording) and isinstance(last, Recording):
+            joined[-1] = _joined([last, event])
+        else:
+            joined.append(event)
+    return joined
 
 
 def is_score(path: str | os.PathLike[str]) -> bool:

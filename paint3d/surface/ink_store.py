@@ -29,6 +29,8 @@ from paint3d.surface.flow_graph import FlowGraph
 
 __all__ = ["InkStore"]
 
+_NO_RGB = np.empty((0, 3), np.float32)
+
 
 class InkStore:
     """One layer of ink on a mesh, wet over dry, and what it looks like.
@@ -213,6 +215,19 @@ class InkStore:
         self.know_vertices()
         ground = self._mesh_colours.ground_of(self._ground)
         return _in_steps(ground.linear_rgb[vertex_ids] @ ground.primaries.T)
+
+    def spectra_as_one(self, vertex_ids: AnyArray) -> NDArray[np.uint16]:
+        """(N, 31) uint16 reflectance of distinct vertices, as if this were the only layer."""
+        spectra = self.bare_spectra(vertex_ids)
+        rows = self.dry_layers.rows_of(vertex_ids)
+        spectra[rows >= 0] = self.dry_layers.spectra[rows[rows >= 0]]
+        wet = np.flatnonzero(self.ink.coverage[vertex_ids] > 0.0).astype(np.int32)
+        if len(wet) and self._glaze is not None:
+            below = self._ground._replace(slots=wet, spectra=spectra, linear_rgb=_NO_RGB)
+            ids = vertex_ids[wet]
+            every = np.arange(len(wet), dtype=np.int32)
+            self._glaze.dry(self.ink.amounts[ids], self.ink.coverage[ids], below, every, wet)
+        return spectra
 
     @property
     def glaze(self) -> GlazeModel | None:

@@ -251,11 +251,15 @@ class LayerStack:
         """Fill `srgb` (cap, 3) for some distinct vertices (N,) int32."""
         for start in range(0, len(vertex_ids), _AT_ONCE):
             ids = vertex_ids[start : start + _AT_ONCE]
-            spectra = self._store.bare_spectra(ids)
-            for key in self._keys:
-                if self._about[key].visible:
-                    self._lay(glaze, key, ids, spectra)
-            srgb[ids] = self._seen(glaze, spectra)
+            srgb[ids] = self._seen(glaze, self.spectra(glaze, ids))
+
+    def spectra(self, glaze: GlazeModel, vertex_ids: AnyArray) -> NDArray[np.uint16]:
+        """(N, 31) uint16 reflectance of distinct vertices (N,) int32, in steps of 1/65535."""
+        spectra = self._store.bare_spectra(vertex_ids)
+        for key in self._keys:
+            if self._about[key].visible:
+                self._lay(glaze, key, vertex_ids, spectra)
+        return spectra
 
     def _lay(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
         """Lay one layer over the spectra (N, 31) of the vertices (N,)."""

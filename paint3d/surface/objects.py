@@ -13,11 +13,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.illuminants import colour_science
+from paint3d.colour.spectra import WAVELENGTHS
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["open3d_of", "plot_painting", "pyvista_of", "trimesh_of"]
+__all__ = ["open3d_of", "plot_painting", "pyvista_of", "spectral_of", "trimesh_of"]
 
 _COLOURS = "srgb"
 
@@ -47,6 +49,12 @@ def trimesh_of(painting: Paintings) -> Any:
         metadata={"name": mesh.name, "units": "mm"},
         process=False,  # which would join vertices, and lose their order
     )
+
+
+def spectral_of(spectra: NDArray[np.float64], labels: AnyArray) -> Any:
+    """Return a colour.MultiSpectralDistributions of spectra (N, 31), labelled (N,)."""
+    named = [str(label) for label in labels.tolist()]
+    return colour_science().MultiSpectralDistributions(spectra.T, WAVELENGTHS, labels=named)
 
 
 def open3d_of(painting: Paintings, legacy: bool = False) -> Any:

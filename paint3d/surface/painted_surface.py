@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.materials import Material, load_material
-from paint3d.core.arrays import as_number
+from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.mesh.bvh import build_contact_tree
@@ -21,11 +21,12 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow import Flow
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.layer_stack import LayerStack
-from paint3d.surface.objects import open3d_of, plot_painting, pyvista_of, trimesh_of
+from paint3d.surface.objects import open3d_of, plot_painting, pyvista_of, spectral_of, trimesh_of
 from paint3d.surface.vertex_sets import union
 from paint3d.surface.water import Water
 
 if TYPE_CHECKING:
+    import colour
     import open3d
     import pyvista
     import trimesh
@@ -212,6 +213,48 @@ class PaintedSurface(InkStore):
         """(V, 3) uint8 sRGB of every vertex, up to date; the order is that of `mesh.vertices`."""
         self.refresh()
         return self._srgb[: self.n_vertices]
+
+    def spectra(self, vertex_ids: AnyArray | None = None) -> NDArray[np.float64]:
+        """Reflectance of vertices as the eye gets it, all layers and what lies below together.
+
+        Parameters
+        ----------
+        vertex_ids : (N,) array_like of int, optional
+            Distinct vertices; by default all.
+
+        Returns
+        -------
+        (N, 31) float64
+            At 400, 410, ... 700 nm. The colour that a mesh came with has a smooth spectrum of
+            that sRGB (`colour.glazing.srgb_primaries`).
+
+        Raises
+        ------
+        InputError
+            If one is not a vertex.
+        """
+        self.refresh()
+        n = self.n_vertices
+        every = np.arange(n) if vertex_ids is None else _as_ids(vertex_ids, n)
+        ids = every.astype(np.int32)
+        if self.layers is not None and not self.layers.is_plain and self.glaze is not None:
+            steps = self.layers.spectra(self.glaze, ids)
+        else:
+            steps = self.spectra_as_one(ids)
+        return steps / 65535.0
+
+    def reflectance(self, vertex_ids: AnyArray | None = None) -> colour.MultiSpectralDistributions:
+        """`spectra` as an object of colour-science, n vertices x 31 bands.
+
+        Its labels are the vertices' ids.
+
+        Raises
+        ------
+        InputError
+            If one is not a vertex, or colour-science is not installed.
+        """
+        ids = np.arange(self.n_vertices) if vertex_ids is None else np.asarray(vertex_ids)
+        return spectral_of(self.spectra(vertex_ids), ids)
 
     @property
     def painted(self) -> NDArray[np.bool_]:
@@ -448,6 +491,20 @@ class PaintedSurface(InkStore):
         if self.layers is None:
             return 0.0, 0.0
         return self.layers.resting_ink(self.vertex_areas, self._lasting)
+
+
+def _as_ids(vertex_ids: AnyArray, n: int) -> NDArray[np.int64]:
+    """Check ids of vertices.
+
+    Raises
+    ------
+    InputError
+        If one is no whole number from 0 to n - 1.
+    """
+    ids = as_array(vertex_ids, "vertex_ids", (None,), np.int64)
+    if ids.size and not (ids.min() >= 0 and ids.max() < n):
+        raise InputError(f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
+    return ids
 
 
 def _code_difference(a: AnyArray, b: AnyArray) -> AnyArray:

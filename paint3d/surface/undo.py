@@ -203,9 +203,7 @@ class UndoHistory:
 
     def _take_back_since(self) -> AnyArray:
         """Bring the surface to the end of the last step that is done, where one was undone."""
-        self.seal()
-        step, self._since = self._since, Step(None, 0)
-        return self._exchange(step)
+        return self.lay_aside_since()[1]
 
     def _union(self, sets: list[AnyArray]) -> AnyArray:
         return union(sets, self._surface.paint_mesh.capacity)
@@ -257,6 +255,29 @@ class UndoHistory:
         finally:
             self._undone = undone
         self._spill()
+
+    def lay_aside_since(self) -> tuple[Step, AnyArray]:
+        """Take back what came since an undo; `resume_since` brings it back.
+
+        Returns it, and vertices (N,) int32 whose colours may change.
+        """
+        self.seal()
+        step, self._since = self._since, Step(None, 0)
+        return step, self._exchange(step)
+
+    def resume_since(self, step: Step) -> AnyArray:
+        """Bring back what came since an undo; returns vertices (N,) int32."""
+        touched, self._since = self._exchange(step), step
+        return touched
+
+    def exchange_undone(self, steps: Sequence[Step]) -> list[Step]:
+        """Have other steps to do again, which lead on from where the surface is, the next one last.
+
+        Nothing came since the undo. Returns the steps that there were.
+        """
+        aside, self._undone = self._undone, list(steps)
+        self._spill(aside)
+        return aside
 
     def _begin_here(self) -> None:
         """Take everything as it is now, whatever it was."""
@@ -360,10 +381,12 @@ class UndoHistory:
         self._newest += len(done) + len(undone)
         self._spill()
 
-    def _spill(self) -> None:
+    def _spill(self, aside: Sequence[Step] = ()) -> None:
         """Write to the disk what memory has no room for: what is farthest from now first."""
-        n_bytes = self.n_bytes
-        for step in [*self._done[:-1], *self._undone[:-1]]:
+        n_bytes = self.n_bytes + sum(
+            part.n_bytes for step in aside for part in step.parts if isinstance(part, Painting)
+        )
+        for step in [*aside, *self._done[:-1], *self._undone[:-1]]:
             for k, part in enumerate(step.parts):
                 if n_bytes <= self.memory_budget:
                     return

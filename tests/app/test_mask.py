@@ -75,6 +75,20 @@ def test_paint_stays_where_the_surface_looks_the_right_way():
     close(document)
 
 
+def test_paint_stays_where_regions_and_the_angle_both_allow():
+    """Triangles that are halved share corners with the new ones, which are the region's, too."""
+    document = Document.new("sphere", 1.0)
+    top = float(document.surface.source.vertices[:, 2].max())
+    document.set_mask(Mask(AngleMask(UP, 20.0), (RegionPick(0, "piece"),)))
+    document.begin_stroke()
+    document.feed(line((-30, 0), (30, 0), n=40, height=top + 35.0))
+    document.end_stroke()
+    surface = document.surface
+    height = surface.paint_mesh.normals[surface.painted] @ UP
+    assert len(height)
+    assert height.min() >= np.cos(np.radians(20.0)) - 1e-6
+
+
 @settings(deadline=None, max_examples=25)
 @given(st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), min_size=1, max_size=3))
 def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends):

@@ -448,3 +448,24 @@ def test_all_that_readers_leave_out_has_chinese_words() -> None:
              read_obj.PASSED_OVER, read_gltf.THIN)  # fmt: skip
     words = {word for one in lists for word in one.values()}
     assert words <= set(CHINESE)
+
+
+def test_the_papers_records_are_an_object_with_its_colours(window, tmp_path: Path) -> None:
+    mesh = jug()
+    codes = np.full((mesh.n_vertices, 3), (200, 90, 40), np.uint8)
+    path = tmp_path / "jug.p3d.txt"
+    export(TriangleMesh(mesh.vertices, mesh.faces, codes), path)
+    seen = []
+
+    def choose(dialog: QtWidgets.QFileDialog) -> None:
+        seen.append(" ".join(dialog.nameFilters()))
+        take_file(path)(dialog)
+
+    files = foreseen(QtWidgets.QFileDialog, choose)
+    foreseen(ObjectDialog, lambda dialog: dialog.accept())
+    window.workspace.actions["open"].trigger()
+    assert files
+    assert "*.p3d.txt" in seen[0]
+    source = window.document.surface.source
+    np.testing.assert_allclose(source.vertices, mesh.vertices, atol=1e-4)
+    assert (source.colours == codes).all()

@@ -249,7 +249,7 @@ def test_strokes_alone_keep_their_brushes_inks_and_layers(tmp_path) -> None:
 
 
 def test_every_command_of_a_journal_is_one_of_a_score() -> None:
-    assert set(command_names()) == COMMANDS - {"pick_colour", "swap_inks"}
+    assert set(command_names()) == COMMANDS - {"edit_stroke", "pick_colour", "swap_inks"}
 
 
 def test_a_score_on_another_object_is_told_where_it_does_not_fit() -> None:

@@ -1,5 +1,7 @@
 """What lies on the table: the copybook, devices."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -151,6 +153,9 @@ class Servo:
 
     def is_running(self):
         return self.runs
+
+    def status(self):
+        return SimpleNamespace(fault="")
 
     def take(self):
         return [StylusReading(MS, np.array([1.0, 2.0, 3.0]), UPRIGHT, None)]

@@ -17,6 +17,7 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 import paint3d
+from paint3d.app.model.input.plugging import Feeling
 from paint3d.app.model.persistence.sitting import recoverable
 from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.input.device_input import DeviceInput, carried_camera
@@ -289,6 +290,9 @@ class Plugged:
         taken, self.readings = self.readings[:5], self.readings[5:]
         return taken
 
+    def read_caps(self, deflection) -> None:
+        pass
+
     def stop(self) -> None:
         self.readings = []
 
@@ -297,6 +301,7 @@ class Felt(Plugged):
     """A haptic stylus that pushes back with 2 N."""
 
     last_force = np.array([0.0, 0.0, 2.0])
+    settings = None
 
     def take(self) -> list:
         return self.take_stylus()
@@ -330,7 +335,9 @@ def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
     workspace, panel = window.workspace, window.panels.devices
     if haptic:
         felt = Felt(readings)
-        window.both_hands = DeviceInput(workspace, panel, Plugged([]), lambda document: felt)
+        window.both_hands = DeviceInput(
+            workspace, panel, Plugged([]), lambda document, settings: Feeling(felt)
+        )
         window.both_hands.open(window.document)
     else:
         window.both_hands = DeviceInput(workspace, panel, Plugged(readings))

@@ -5,9 +5,7 @@ from __future__ import annotations
 import ctypes
 import json
 import math
-import shutil
 import socket
-import subprocess
 import threading
 import time
 from contextlib import suppress
@@ -27,8 +25,8 @@ from paint3d.device.force.inverse3_port import Inverse3Port
 from paint3d.device.force.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
 from paint3d.device.sample import BARREL, DIP
 from paint3d.errors import DeviceError
+from tests.support.styli import compile_library
 
-STAND_IN = Path(__file__).parents[1] / "support" / "openhaptics_stand_in.c"
 MS = 1_000_000
 
 
@@ -64,14 +62,7 @@ class Loop:
 
 @pytest.fixture
 def library(tmp_path) -> Path:
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None:
-        pytest.skip("no C compiler for the library that stands in")
-    out = tmp_path / "libHD.so"
-    subprocess.run(
-        [compiler, "-shared", "-fPIC", "-O1", "-o", out, STAND_IN, "-lpthread"], check=True
-    )
-    return out
+    return compile_library(tmp_path)
 
 
 def told(library: Path) -> tuple[ctypes.CDLL, np.ndarray]:

@@ -361,6 +361,34 @@ def test_a_servo_that_is_killed_is_spoken_for(plugged, tmp_path) -> None:
     assert not felt[-1].any()  # the program told the device to rest
 
 
+STUDIO = """
+import json, time
+from paint3d.app.model.input.devices import DeviceHub, StrokeCutter
+from paint3d.app.model.input.plugging import plug_in_mice
+from paint3d.device.hid_link import open_node
+from paint3d.device.hid_nodes import list_nodes
+pens = list_nodes(("pen",))
+other = open_node(pens[0])  # it may be opened, and the pen is pressed
+end = time.monotonic() + 120
+while not other.read(100) and time.monotonic() < end:
+    pass
+hub, samples = DeviceHub(plug_in_mice()), []
+for _ in range(20):
+    time.sleep(0.02)
+    samples += hub.take().samples
+views = [view.kind for view in hub.views()]
+hub.stop()
+print(json.dumps({"pens": len(pens), "views": views, "cut": len(StrokeCutter().cut(samples))}))
+"""
+
+
+def test_a_pen_whose_node_may_be_opened_is_no_second_brush_of_the_studio(plugged) -> None:
+    report = struct.pack("<BBHHHHbbH", 7, 1 | 32, 5000, 2500, 0, 8191, 0, 0, 0).hex()
+    script = [[0.05, "send", report] for _ in range(20)]
+    devices = [device(0x1234, 0x5678, "tablet", pen(), script, starts="open"), mouse([])]
+    assert plugged(devices, STUDIO).said == {"pens": 1, "views": ["mouse"], "cut": 0}
+
+
 # -- the command ------------------------------------------------------------------------------
 
 

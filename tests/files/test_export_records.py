@@ -1,12 +1,20 @@
 """The paper's record format: nine numbers, seven numbers, and bad lines by number."""
 
+import gzip
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.cli import main
 from paint3d.errors import InputError, MeshError
+from paint3d.files.export import export
+from paint3d.files.export_options import ExportOptions
+from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.project.records import pack_normals, read_records, unpack_normals, write_records
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
 
 
 def sample(n=200):
@@ -53,12 +61,12 @@ def test_the_file_names_its_columns(tmp_path):
         ("", "the file is empty"),
         ("# x\n", "expected InitialPosition="),
         ("{1, 2, 3}\n", "expected InitialPosition="),
-        ("InitialPosition={0, 0, 1e}\n{1}\n", "a.txt:1: a coordinate is not a number"),
+        ("InitialPosition={0, 0, 1e}\n{1}\n", "line 1: a coordinate is not a number"),
         ("InitialPosition={0, 0, 0}\n", "it has no rows"),
-        ("InitialPosition={0, 0, 0}\n{1, 2, 3}\n", "a.txt:2: '{1, 2, 3}'; expected"),
-        ("InitialPosition={0, 0, 0}\n{1,2,3,4,5,6,7}\n{1,2,3,4,5,6,7\n", "a.txt:3: "),
-        ("InitialPosition={0, 0, 0}\n{1,2,3,4,5,6,7}\n{1,2,3,4,5,6,7,8,9}\n", "a.txt:3: "),
-        ("InitialPosition={0, 0, 0}\n# x\n{1,2,3,4,5,6,256}\n", "a.txt:3: .* RGB codes from 0 to"),
+        ("InitialPosition={0, 0, 0}\n{1, 2, 3}\n", "line 2: '{1, 2, 3}'; expected"),
+        ("InitialPosition={0, 0, 0}\n{1,2,3,4,5,6,7}\n{1,2,3,4,5,6,7\n", "line 3: "),
+        ("InitialPosition={0, 0, 0}\n{1,2,3,4,5,6,7}\n{1,2,3,4,5,6,7,8,9}\n", "line 3: "),
+        ("InitialPosition={0, 0, 0}\n# x\n{1,2,3,4,5,6,256}\n", "line 3: .* RGB codes from 0 to"),
         ("InitialPosition={0, 0, 0}\n{1,2,3,x,5,6,7}\n", "has 'x' where a number"),
         ("InitialPosition={0, 0, 0}\n{1,2,3,,5,6,7}\n", "a number is missing"),
         ("InitialPosition={0, 0, 0}\n{1,2,3,0,0,0,5,6,7}\n", "a normal has length 0"),
@@ -89,3 +97,73 @@ def test_packing_a_normal_turns_it_by_less_than_a_degree(vector):
     code = pack_normals(normal)
     assert 0 <= code[0] <= 65535
     assert (unpack_normals(code) @ normal.T).item() > np.cos(np.radians(1.0))
+
+
+def painted(tmp_path, suffix=".p3d.txt", **options):
+    """A bowl's records with two colours, and the mesh that they are of."""
+    mesh = load_mesh("bowl")
+    codes = np.full((mesh.n_vertices, 3), 238, np.uint8)
+    codes[::3] = (51, 20, 9)
+    moved = TriangleMesh(mesh.vertices + np.array([100.0, -20.0, 7.5]), mesh.faces, codes)
+    export(moved, tmp_path / f"a{suffix}", ExportOptions(**options))
+    return moved, load_mesh(tmp_path / f"a{suffix}")
+
+
+def test_records_are_read_back_as_the_mesh_that_was_written(tmp_path):
+    mesh, back = painted(tmp_path)
+    np.testing.assert_array_equal(back.faces, mesh.faces)
+    np.testing.assert_array_equal(back.colours, mesh.colours)
+    np.testing.assert_allclose(back.vertices, mesh.vertices, atol=6e-5)
+    written = read_records(tmp_path / "a.p3d.txt").normals
+    assert np.einsum("ij,ij->i", back.normals, written).min() > 0.999999
+    surface = PaintedSurface(back)
+    own = surface.paint_mesh.source_vertices
+    np.testing.assert_array_equal(surface.srgb[: len(own)], mesh.colours[own])
+    export(back, tmp_path / "b.p3d.txt")
+    again, first = load_mesh(tmp_path / "b.p3d.txt"), back
+    np.testing.assert_array_equal(again.vertices, first.vertices)
+    np.testing.assert_array_equal(again.faces, first.faces)
+
+
+def test_the_initial_position_is_where_the_object_stands(tmp_path):
+    painted(tmp_path)
+    assert "InitialPosition={100, -20, 7.5}" in (tmp_path / "a.p3d.txt").read_text()
+
+
+def test_a_reader_of_the_papers_format_passes_the_faces_over(tmp_path):
+    mesh, _ = painted(tmp_path, packed_normals=True)
+    lines = (tmp_path / "a.p3d.txt").read_text().splitlines()
+    assert len([line for line in lines if line.startswith("{")]) == mesh.n_vertices
+
+
+def test_the_papers_own_list_of_vertices_becomes_a_surface(tmp_path):
+    mesh, _ = painted(tmp_path)
+    text = (tmp_path / "a.p3d.txt").read_text()
+    (tmp_path / "bare.p3d.txt.gz").write_bytes(
+        gzip.compress(text[: text.index("# faces")].encode())
+    )
+    reading = read_mesh(tmp_path / "bare.p3d.txt.gz")
+    assert "point cloud" in reading.notes[0]
+    np.testing.assert_array_equal(reading.mesh.colours, mesh.colours)
+    assert reading.mesh.n_faces > 0.9 * mesh.n_faces
+    with pytest.raises(MeshError, match=r"points but no triangles; expected a surface"):
+        load_mesh(tmp_path / "bare.p3d.txt.gz", from_points=False)
+
+
+def test_a_bad_face_is_named_with_its_line(tmp_path):
+    path = tmp_path / "a.p3d.txt"
+    row = "InitialPosition={0, 0, 0}\n{0,0,0,0,0,1,9,9,9}\n"
+    path.write_text(row + "# faces {a, b, c}, rows from 0\n#{0, 0, 1}\n")
+    with pytest.raises(MeshError, match=r"a\.p3d\.txt: line 4: '#\{0, 0, 1\}'; expected a face"):
+        load_mesh(path)
+    with pytest.raises(MeshError, match=r"the suffix '\.txt' is not known; .*\.p3d\.txt"):
+        load_mesh(path.rename(tmp_path / "a.txt"))
+
+
+def test_a_command_takes_records_for_a_mesh(tmp_path, capsys):
+    mesh, _ = painted(tmp_path)
+    records, out = str(tmp_path / "a.p3d.txt"), tmp_path / "b.ply"
+    assert main.main(["export", records, str(out), "--quiet"]) == 0
+    np.testing.assert_array_equal(load_mesh(out).colours, mesh.colours)
+    assert main.main(["export", records, str(tmp_path / "b.p3d"), "--quiet"]) == 2
+    assert "is a mesh, which no session is made of" in capsys.readouterr().err

@@ -90,9 +90,9 @@ def test_unknown_unit_name_and_suffix(tmp_path):
     with pytest.raises(MeshError, match=r"bowll: no such file.*bowl, plate, vase, sphere, plane"):
         load_mesh("bowll")
     with pytest.raises(
-        MeshError, match=r"suffix '\.xyz' is not known; expected one of \.ply \.obj"
+        MeshError, match=r"suffix '\.abc' is not known; expected one of \.ply \.obj"
     ):
-        load_mesh(written(tmp_path, "a.xyz", "x"))
+        load_mesh(written(tmp_path, "a.abc", "x"))
     for name, kind in (("a.usdz", "USD"), ("a.WRL", "VRML"), ("a.fbx", "FBX")):
         with pytest.raises(MeshError, match=rf"{kind} is not read \(Blender saves it as \.glb\)"):
             load_mesh(written(tmp_path, name, "x"))

@@ -82,6 +82,7 @@ class ForceModel:
         self._settings = settings.as_record()
         self.state = new_state()
         self._out = np.zeros(3)
+        self.clicks = 0
         if awake:
             self.state["started"] = 1.0
             self.state["risen_s"] = settings.rise_s
@@ -117,6 +118,7 @@ class ForceModel:
         DeviceError
             If a shape is wrong.
         """
+        self._settings["clicks"] = self.clicks
         pose = np.concatenate([np.ravel(position), np.ravel(orientation)]).astype(np.float64)
         if pose.shape != (7,):
             raise DeviceError(f"the pose has {pose.size} numbers; expected 3 and 4")

@@ -61,7 +61,7 @@ def plugged(umockdev, tmp_path):
             timeout=timeout,
             check=False,
             cwd=tmp_path,
-            env=dict(os.environ, PYTHONPATH=str(ROOT)),
+            env=dict(os.environ, PYTHONPATH=str(ROOT), PAINT3D_CONFIG=str(tmp_path / "config")),
         )
         lines = done.stdout.splitlines()
         host = [line for line in lines if line.startswith("HOST ")]

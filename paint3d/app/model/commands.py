@@ -20,8 +20,8 @@ __all__ = ["COMMANDS", "decode_command", "do_again", "encode_command"]
 
 COMMANDS = frozenset(
     {
-        "add_layer", "begin_stroke", "cancel_stroke", "dip", "dry", "end_stroke", "follow_time",
-        "let_time_pass", "lift", "move_layer", "pick_colour", "redo", "remove_layer",
+        "add_layer", "begin_stroke", "cancel_stroke", "dip", "dry", "edit_stroke", "end_stroke",
+        "follow_time", "let_time_pass", "lift", "move_layer", "pick_colour", "redo", "remove_layer",
         "rename_layer", "replay_history", "resize_brush", "rinse", "scale_brush", "select_layer",
         "set_azimuth", "set_brush", "set_locked", "set_mask", "set_symmetry", "set_tags",
         "set_visible", "step_brush", "swap_inks", "undo", "wipe",

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from paint3d.app.model.brush_commands import BrushCommands, Ink
-from paint3d.app.model.history_commands import HistoryCommands
+from paint3d.app.model.edit_commands import EditCommands
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import Symmetry
 from paint3d.app.model.layer_commands import LayerCommands
@@ -56,11 +56,11 @@ FileState = tuple[int, int, int]
 
 
 @keeps_score
-class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
+class Document(BrushCommands, StrokeCommands, LayerCommands, EditCommands):
     """One painting, with everything that can be done to it.
 
     Make it with `Document.new` or `Document.open`. What can be done to it is in `brush_commands`,
-    `stroke_commands`, `layer_commands` and `history_commands`.
+    `stroke_commands`, `layer_commands`, `history_commands` and `edit_commands`.
 
     Attributes
     ----------
@@ -115,6 +115,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, HistoryCommands):
         surface.use_layers()
         self._dipped = self.settings.get("fresh", True) is not False
         self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
+        self._edits, self._unedits = [], []
         self.keeper = self._keeper(saved)
         self.refused_history = self._take_history(saved)
         self._saved_at = self._undo.next_undo

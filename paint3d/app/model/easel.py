@@ -535,6 +535,8 @@ class Easel:
 
         Bases hold the steps themselves, as far as there is room.
         """
+        if name in ("undo", "redo") and self.document.has_edits:
+            self._base_due = True  # no base knows the way over an edit
         if not self.document.left_out:
             return
         steps = self.document.steps

@@ -14,7 +14,11 @@ from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
 from paint3d.surface.vertex_sets import union
 
-__all__ = ["HistoryCommands"]
+__all__ = ["EDIT_STEP", "HistoryCommands"]
+
+EDIT_STEP = "edit"
+"""Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
+done again with the one after it."""
 
 
 class HistoryCommands(RecallCommands):
@@ -25,6 +29,7 @@ class HistoryCommands(RecallCommands):
     modified: bool
     _saved_at: int | None
     _passing: bool = False
+    _looking: bool = False  # strokes were undone to look at what was before
     _dipped: bool
     _log: StrokeLog
     _undo: UndoHistory
@@ -46,6 +51,11 @@ class HistoryCommands(RecallCommands):
         """Whether there is something to do again."""
         return bool(self._undo.undone)
 
+    @property
+    def looks_back(self) -> bool:
+        """Whether strokes were undone by `replay_history` and not done again since."""
+        return self._looking
+
     def undo(self) -> AnyArray:
         """Take back the last step; the brush stays the one that was chosen last.
 
@@ -58,26 +68,43 @@ class HistoryCommands(RecallCommands):
             Vertices whose colours may have changed.
         """
         self.break_off()
-        self._passing = False
+        return self._step_back()
+
+    def _step_back(self) -> AnyArray:
+        self._passing = self._looking = False
         if not self._undo.done and self.can_undo:
             self.recall_strokes()
-        painter = self.painter
+        painter, steps = self.painter, self._undo
         brush, dipped = painter.brush, painter.dipped
-        touched = self._undo.undo()
+        touched = []
+        while steps.done and steps.done[-1] == EDIT_STEP:
+            touched.append(steps.undo())
+        touched.append(steps.undo())
         if painter.brush != brush or weights_of(painter.dipped) != weights_of(dipped):
             painter.change_brush(brush)
             painter.dip(dipped)
             self._dipped = True
-        return self._stepped(touched)
+        return self._stepped(union(touched, self.surface.paint_mesh.capacity))
 
     def redo(self) -> AnyArray:
         """Do again what was undone last; returns as `undo`."""
         self.break_off()
-        self._passing = False
-        return self._stepped(self._undo.redo())
+        return self._step_forth()
+
+    def _step_forth(self) -> AnyArray:
+        self._passing = self._looking = False
+        steps = self._undo
+        touched = [steps.redo()]
+        while steps.undone and steps.done[-1] == EDIT_STEP:
+            touched.append(steps.redo())
+        return self._stepped(union(touched, self.surface.paint_mesh.capacity))
+
+    def _follow_log(self) -> None:
+        """Have the strokes of the steps that are done."""
+        self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
 
     def _stepped(self, touched: AnyArray) -> AnyArray:
-        self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
+        self._follow_log()
         self.compare_with_saved()
         self._note(touched)
         return touched
@@ -125,10 +152,10 @@ class HistoryCommands(RecallCommands):
         if upto < self.oldest_stroke:
             touched.append(self.recall_strokes())
         while len(self.strokes) > upto:
-            touched.append(self.undo())
+            touched.append(self._step_back())
         while len(self.strokes) < upto or self._next_is_no_stroke():
-            touched.append(self.redo())
-        self._passing = passing
+            touched.append(self._step_forth())
+        self._passing, self._looking = passing, upto < most
         return union(touched, self.surface.paint_mesh.capacity)
 
     def _come_back(self) -> None:

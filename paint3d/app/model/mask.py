@@ -194,14 +194,15 @@ class Stencil:
         if mask.regions:
             picked = [region_faces(surface.paint_mesh, pick) for pick in mask.regions]
             self._faces = np.logical_or.reduce(picked) != mask.inverted
-        self._open = np.zeros(0, bool)
+        self._open = np.zeros(0, bool)  # by the regions
+        self._leans = np.zeros(0, bool)  # by the angle
         self._known = 0, 0
         self._looked = self._masked = np.empty(0, np.int32)
 
     def covers(self, vertex_ids: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether vertices (N,) take no paint."""
         self._know()
-        return ~self._open[vertex_ids]
+        return ~(self._open[vertex_ids] & self._leans[vertex_ids])
 
     def _know(self) -> None:
         """Learn about vertices that have appeared."""
@@ -217,6 +218,7 @@ class Stencil:
             fresh = slice(known_nodes, nodes)
             allowed = self._faces[fields.node_root[fresh]]
             self._open[fields.node_vertices[fresh][allowed]] = True
+        self._leans = np.pad(self._leans, (0, n - known), constant_values=True)
         if self._mask.angle is not None:
             self._lean(self._mask.angle, known, n)
         self._known = n, nodes
@@ -229,7 +231,7 @@ class Stencil:
             getattr(fields, name)[first:last] * part
             for name, part in zip(("nx", "ny", "nz"), towards, strict=True)
         )
-        self._open[first:last] &= height >= math.cos(math.radians(angle.degrees)) - 1e-6
+        self._leans[first:last] = height >= math.cos(math.radians(angle.degrees)) - 1e-6
 
     def wipe(self, before: Callable[[AnyArray], tuple[AnyArray, AnyArray]]) -> AnyArray:
         """Give masked vertices back what they had, and the brush what fell on them.

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import Symmetry
+from paint3d.app.model.loan import Loan
 from paint3d.app.model.mask import Mask, Stencil
-from paint3d.app.model.stroke_log import Stroke, StrokeLog
+from paint3d.app.model.stroke_log import Stroke, StrokeLog, parts_of
+from paint3d.brush.spec import BrushSpec
+from paint3d.colour.pigments import Pigment
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.ink_time import LOOKAHEAD
@@ -32,6 +35,7 @@ class StrokeCommands:
     _undo: UndoHistory
     _images: list[ImagePainter]
     _stencil: Stencil | None
+    _loan: Loan | None = None
     _dipped: bool
     _refused: bool
     _come_back: Callable[[], None]
@@ -66,13 +70,22 @@ class StrokeCommands:
         """The stroke that is going on."""
         return self._log.current
 
-    def begin_stroke(self, time_s: float | None = None) -> None:
+    def begin_stroke(
+        self,
+        time_s: float | None = None,
+        brush: BrushSpec | None = None,
+        ink: str | Pigment | Mapping[Any, float] | None = None,
+    ) -> None:
         """Start a stroke: a step that can be undone.
 
         Parameters
         ----------
         time_s : float, optional
             When it began, s since 1970; now by default.
+        brush, ink : optional
+            Of this stroke alone: another brush, dipped in the ink or in the same as the one in
+            hand; without a brush, as much of the ink as the brush holds. What is in hand comes back
+            with the stroke's end.
 
         Raises
         ------
@@ -84,12 +97,36 @@ class StrokeCommands:
         self._come_back()
         self._refused = True
         layer = self._paintable()
-        self._refused = False
         painter = self.painter
         stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped, time_s)
         self._undo.begin(stroke)
-        self._dipped = False
+        if brush is not None or ink is not None:
+            self._borrow(stroke, brush, ink)
+        self._refused = self._dipped = False
         self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
+
+    def _borrow(
+        self,
+        stroke: Stroke,
+        brush: BrushSpec | None,
+        ink: str | Pigment | Mapping[Any, float] | None,
+    ) -> None:
+        """Take a brush or an ink for the stroke that begins; where that fails, none begins."""
+        painter = self.painter
+        try:
+            self._loan = Loan(painter, brush, ink)
+        except BaseException:
+            self._log.cancel()
+            self._note(self._undo.revert())
+            raise
+        stroke.brush, stroke.ink = painter.brush, parts_of(painter.dipped)
+        stroke.dipped = True
+
+    def _give_back(self) -> None:
+        """End the loan of a brush or an ink, if there is one."""
+        if self._loan is not None:
+            self._loan.end()
+            self._loan = None
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples of both hands, in the order of time; the last two wait for more.
@@ -138,6 +175,7 @@ class StrokeCommands:
         self.painter.finish()
         self._wipe_stencil()
         self._lift_images()
+        self._give_back()
         stroke = self._log.end()
         if stroke is None:
             self._note(self._undo.revert())
@@ -157,6 +195,7 @@ class StrokeCommands:
             return
         self.painter.abandon()
         self._images = []
+        self._loan = None  # what was in hand comes back with the step
         self._log.cancel()
         self._note(self._undo.revert())
         self.compare_with_saved()

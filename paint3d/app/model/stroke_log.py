@@ -20,7 +20,15 @@ from paint3d.errors import RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
 from paint3d.pose.brush_pose import contacts_of
 
-__all__ = ["Stroke", "StrokeLog", "names_apart", "recording_of", "strokes_of", "weights_of"]
+__all__ = [
+    "Stroke",
+    "StrokeLog",
+    "names_apart",
+    "parts_of",
+    "recording_of",
+    "strokes_of",
+    "weights_of",
+]
 
 _PAUSE_NS = 200_000_000  # before a stroke whose clock is not that of those before it
 _LANDING_NS = 1_000_000
@@ -125,7 +133,7 @@ class StrokeLog:
     ) -> Stroke:
         """Start a stroke, now or at a time (s since 1970)."""
         at = time.time() if time_s is None else time_s
-        self.current = Stroke(at, brush, _parts(ink), layer, dipped, tags=dict(self.tags))
+        self.current = Stroke(at, brush, parts_of(ink), layer, dipped, tags=dict(self.tags))
         return self.current
 
     def check(self, samples: Sequence[DeviceSample]) -> None:
@@ -288,7 +296,8 @@ def weights_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
     return {k if isinstance(k, str) else k.name: float(w) for k, w in stirred.items()}
 
 
-def _parts(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
+def parts_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
+    """The weights of the inks in a mixture, of sum 1, by name."""
     weights = weights_of(ink)
     total = sum(weights.values())
     return {name: weight / total for name, weight in weights.items()}

@@ -6,23 +6,21 @@ import logging
 import os
 import sys
 from concurrent.futures import CancelledError
+from dataclasses import replace
 
 import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.document import Document
+from paint3d.app.model.input.plugging import plug_in_mice, start_feeling
 from paint3d.app.model.persistence.places import stand_in
 from paint3d.app.model.persistence.settings import load_settings
 from paint3d.app.window.garbage import collect_here
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
-from paint3d.device.force.force_port import HidForcePort
-from paint3d.device.hid_nodes import list_nodes
-from paint3d.device.hot_plug import PluggedDevices
-from paint3d.errors import InputError, Paint3DError
-from paint3d.haptics.servo import ForceFeedback
-from paint3d.haptics.settings import HapticSettings
+from paint3d.errors import InputError
+from paint3d.haptics.stylus_choice import check_stylus
+from paint3d.pose.mouse_settings import MouseSettings
 
 __all__ = ["make_program", "open_first", "run_studio"]
 
@@ -75,6 +73,7 @@ def run_studio(
     material: str | None = None,
     language: str | None = None,
     up: str | None = None,
+    stylus: str | None = None,
 ) -> int:
     """Open the window and stay until it is closed.
 
@@ -90,6 +89,8 @@ def run_studio(
         "en" or "zh"; by default what was chosen last, or the system's.
     up : str, optional
         The axis of the mesh that points up; by default as its file says, or guessed.
+    stylus : str, optional
+        Which stylus pushes back (`find_stylus`), from now on; by default what was chosen last.
 
     Returns
     -------
@@ -103,9 +104,12 @@ def run_studio(
     """
     app = make_program()
     settings, problem = load_settings()
+    if stylus is not None:
+        settings = replace(settings, stylus=check_stylus(stylus))
     choose_language(language or settings.language)
     _translate_qt(app)
-    window = StudioWindow(app, settings, plugged=_plugged(), feel=_feel)
+    plugged = plug_in_mice(MouseSettings.from_words(settings.mouse))
+    window = StudioWindow(app, settings, plugged=plugged, feel=start_feeling)
     if problem is not None:
         window.workspace.tell(problem, state="bad", stays=True)
     elif (kept := stand_in()) is not None:
@@ -137,23 +141,6 @@ class _FirstPaint(QtCore.QObject):
 def _tell_painted(window: StudioWindow) -> None:
     if log.isEnabledFor(logging.DEBUG):
         window.installEventFilter(_FirstPaint(window))
-
-
-def _plugged() -> PluggedDevices | None:
-    """Pens and 6-DOF mice that are there or come; None where HID devices cannot be read."""
-    try:
-        return PluggedDevices(find=lambda: list_nodes(("mouse", "pen")))
-    except (Paint3DError, ImportError, OSError):
-        return None
-
-
-def _feel(document: Document) -> ForceFeedback | None:
-    """The force feedback of the first haptic stylus there is."""
-    nodes = list_nodes(("stylus",))
-    if not nodes:
-        return None
-    settings = HapticSettings.for_brush(document.painter.brush)
-    return ForceFeedback(HidForcePort(nodes[0]), document.surface.contact_tree, settings)
 
 
 def _translate_qt(app: QtWidgets.QApplication) -> None:

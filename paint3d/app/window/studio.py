@@ -11,7 +11,8 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Event
 from paint3d.app.model.frame import Frame
-from paint3d.app.model.input.devices import Feedback, Plugged
+from paint3d.app.model.input.devices import Plugged
+from paint3d.app.model.input.plugging import Feeling
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
@@ -22,6 +23,7 @@ from paint3d.app.window.hud import Hud
 from paint3d.app.window.input.device_input import DeviceInput
 from paint3d.app.window.input.keys import HeldKeys
 from paint3d.app.window.input.steering import Steering
+from paint3d.app.window.input.stroke_drag import StrokeDrag
 from paint3d.app.window.jobs.exporting import Exporting
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.jobs.opening import Opening
@@ -33,6 +35,7 @@ from paint3d.app.window.jobs.recordings import Recordings
 from paint3d.app.window.jobs.recovery import Recovery
 from paint3d.app.window.jobs.saving import Saving
 from paint3d.app.window.jobs.standing import Standing
+from paint3d.app.window.jobs.stroke_editing import StrokeEditing
 from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.named import described
 from paint3d.app.window.paint_actions import PaintActions
@@ -81,7 +84,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         *,
         dark: bool | None = None,
         plugged: Plugged | None = None,
-        feel: Callable[[Document], Feedback | None] | None = None,
+        feel: Callable[[Document, Settings], Feeling | None] | None = None,
     ) -> None:
         super().__init__()
         self.setObjectName("studio")
@@ -126,6 +129,7 @@ class StudioWindow(QtWidgets.QMainWindow):
             workspace, self.targets, self.player, history.speed, self.saving.may_leave
         )
         self.recalling = Recalling(workspace, history.refuse)
+        self.editing = StrokeEditing(workspace, StrokeDrag(workspace, self.canvas))
 
     def _bind_actions(self) -> None:
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
@@ -168,6 +172,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.recent.chosen.connect(self.opening.open_path)
         self.commands.menus["file"].aboutToShow.connect(self.recovery.fill_menu)
         panels.history.asked.connect(self.recalling.go_to)
+        panels.history.edited.connect(self.editing.ask)
         panels.history.exported.connect(self.recordings.do_save_recording)
         panels.hand.turns.connect(self.painting.set_turns)
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)

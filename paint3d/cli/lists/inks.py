@@ -9,8 +9,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.options import MATERIALS
+
 if TYPE_CHECKING:
     from paint3d.colour.pigment import Pigment
+    from paint3d.core.types import AnyArray
 
 HELP = "the palette with sources and swatches"
 
@@ -24,23 +27,95 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TABLE.csv",
         nargs="?",
         type=Path,
-        help="check and list your own pigments (K and S, or R of a masstone) instead",
+        help="check and list your own pigments (K and S, or R of a masstone; .spdx, .txt: measured "
+        "masstones) instead",
+    )
+    parser.add_argument(
+        "--compare",
+        metavar=("A", "B"),
+        nargs=2,
+        help="how two inks look in several lights, and how far apart (metamerism), as CSV",
+    )
+    parser.add_argument(
+        "--illuminant",
+        metavar="LIGHT",
+        action="append",
+        help="with --compare, in these lights (the first: the one to refer to) instead of D65, "
+        "D50, A, F2, F11 and LED-B3; a name, a temperature such as 2700K, or FILE.spd",
+    )
+    parser.add_argument(
+        "--observer",
+        metavar="DEGREES",
+        type=int,
+        choices=(2, 10),
+        default=2,
+        help="with --compare, 2 or 10 (default: 2)",
+    )
+    parser.add_argument(
+        "--coats",
+        metavar="X",
+        type=float,
+        default=_FULL,
+        help="with --compare, how thick both lie (default: 1)",
+    )
+    parser.add_argument(
+        "--material",
+        metavar="NAME",
+        choices=MATERIALS,
+        default="porcelain",
+        help="with --compare, what they lie on (default: porcelain)",
     )
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write the table to stdout, with coloured swatches on a terminal.
+    """Write the table to stdout, with coloured swatches on a terminal; or compare two inks.
 
     Raises
     ------
     PigmentError
         If the user's table cannot be used.
+    InputError
+        If an ink or a light is not known, or colour-science is missing.
     """
+    if options.compare is not None:
+        sys.stdout.write("\n".join(comparison_table(options)) + "\n")
+        return
     from paint3d.colour.pigments import load_palette, load_pigments_csv
 
     pigments = load_palette() if options.table is None else load_pigments_csv(options.table)
     lines = swatches_table(pigments.values(), colour=sys.stdout.isatty())
     sys.stdout.write("\n".join(lines) + "\n")
+
+
+def comparison_table(options: argparse.Namespace) -> list[str]:
+    """Lines of CSV: a head, then one light a line, with colours, dE00 and metamerism index."""
+    from paint3d.colour.materials import load_material
+    from paint3d.colour.metamerism import COMPARED, compare_spectra
+    from paint3d.core.arrays import as_number
+
+    coats = as_number(options.coats, "--coats", 0.0, 100.0)
+    ground = load_material(options.material).reflectance
+    one, two = (_film(ink, coats, ground) for ink in options.compare)
+    seen = compare_spectra(one, two, options.illuminant or COMPARED, options.observer)
+    lines = ["illuminant,L_A,a_A,b_A,L_B,a_B,b_B,dE00,metamerism_index"]
+    for row in seen:
+        numbers = [*row.lab.ravel().tolist(), row.difference, row.shift]
+        lines.append(",".join([_csv_word(row.illuminant), *(f"{x:.2f}" for x in numbers)]))
+    return lines
+
+
+def _film(ink: str, coats: float, ground: AnyArray) -> AnyArray:
+    """Reflectance (31,) of a film of an ink in words."""
+    from paint3d.colour.inks import load_ink
+    from paint3d.colour.layers import mixture_reflectance
+
+    stirred: dict[str | Pigment, float] = {}
+    stirred.update(load_ink(ink).items())
+    return mixture_reflectance(stirred, coats, ground)
+
+
+def _csv_word(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n') else text
 
 
 def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[str]:

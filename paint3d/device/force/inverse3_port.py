@@ -6,10 +6,13 @@ next state, so its pace is ours. Needs the package websockets (``pip install 'pa
 
 from __future__ import annotations
 
+import socket
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from paint3d.device.force.force_port import ForceLoop
 from paint3d.device.force.haptic_stylus import PoseNumbers
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Inverse3Port"]
 
 _FIRST_S, _SILENCE_S = 5.0, 0.002
+_LISTENS_S = 0.25
 _NOTHING = (0.0, 0.0, 0.0)
 
 
@@ -31,6 +35,27 @@ class Inverse3Port:
 
     uri: str = URI
 
+    def is_served(self) -> bool:
+        """Whether something listens where the service would be."""
+        place = urlsplit(self.uri)
+        try:
+            there = (place.hostname or "localhost", place.port or 80)
+            socket.create_connection(there, _LISTENS_S).close()
+        except (OSError, ValueError):
+            return False
+        return True
+
+    def read_name(self) -> str:
+        """The name of the Inverse3 that the service knows.
+
+        Raises
+        ------
+        DeviceError
+            As by `run`.
+        """
+        with self._connected() as service:
+            return decode_state(service.recv(timeout=_FIRST_S)).device_id
+
     def run(self, loop: ForceLoop) -> None:
         """See `paint3d.device.force.force_port.ForcePort`.
 
@@ -39,6 +64,11 @@ class Inverse3Port:
         DeviceError
             If the service does not run, knows no Inverse3, or hangs up.
         """
+        with self._connected() as service:
+            self._serve(service, loop)
+
+    @contextmanager
+    def _connected(self) -> Iterator[ClientConnection]:
         try:
             from websockets.exceptions import WebSocketException
             from websockets.sync.client import connect
@@ -48,10 +78,11 @@ class Inverse3Port:
             ) from None
         try:
             with connect(self.uri, open_timeout=_FIRST_S, close_timeout=1.0) as service:
-                self._serve(service, loop)
-        except (OSError, WebSocketException, TimeoutError) as cause:
+                yield service
+        except (OSError, WebSocketException, TimeoutError, ValueError) as cause:
             raise DeviceError(
-                f"the Inverse3 service at {self.uri} has gone or does not run ({cause})"
+                f"the Inverse3 service at {self.uri} has gone or does not run ({cause}); it comes "
+                "with Haply's software: start it, or say where it is: --stylus inverse3=ws://HOST:PORT"
             ) from None
 
     def _serve(self, service: ClientConnection, loop: ForceLoop) -> None:

@@ -28,6 +28,7 @@ WORLD_FROM_OPENHAPTICS = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 """Rotation for a `DeviceCalibration`: a quarter turn about x."""
 
 _BUTTONS, _TRANSFORM, _MAX_FORCE, _FORCE = 0x2000, 0x2052, 0x2603, 0x2700
+_MAX_STIFFNESS = 0x2602
 _FORCE_OUTPUT, _FORCE_CLAMPING = 0x4000, 0x4001
 _NO_DEVICE = 0xFFFFFFFF
 _DONE, _GO_ON = 0, 1
@@ -60,6 +61,47 @@ class OpenHapticsPort:
     name: str = ""
     library: str = "libHD.so"
 
+    def is_installed(self) -> bool:
+        """Whether the library can be loaded."""
+        try:
+            _load(self.library)
+        except DeviceError:
+            return False
+        return True
+
+    def read_limits(self) -> tuple[float, float | None]:
+        """Open the device for a moment, and let it go.
+
+        Returns
+        -------
+        (float, float or None)
+            Its greatest force, N, and greatest stable stiffness, N/mm, where it says.
+
+        Raises
+        ------
+        DeviceError
+            If the library is missing, or the device cannot be opened.
+        """
+        hd = _load(self.library)
+        handle = self._open(hd)
+        try:
+            most = _greatest_force(hd)
+            stiffest = (ctypes.c_double * 1)()
+            hd.hdGetDoublev(_MAX_STIFFNESS, stiffest)
+        finally:
+            hd.hdDisableDevice(handle)
+        return most, stiffest[0] if 0.01 <= stiffest[0] <= 20.0 else None
+
+    def _open(self, hd: ctypes.CDLL) -> int:
+        handle: int = hd.hdInitDevice(self.name.encode() or None)
+        if handle == _NO_DEVICE or (code := hd.hdGetError().code):
+            reason = "" if handle == _NO_DEVICE else f" (error {code:#x})"
+            raise DeviceError(
+                f"OpenHaptics cannot open {self.name or 'the device'}{reason}; expected one that "
+                "is plugged in, awake, and set up in the maker's Touch Setup"
+            )
+        return handle
+
     def run(self, loop: ForceLoop) -> None:
         """See `paint3d.device.force.force_port.ForcePort`.
 
@@ -69,10 +111,7 @@ class OpenHapticsPort:
             If the library is missing, the device cannot be opened, or it fails.
         """
         hd = _load(self.library)
-        handle = hd.hdInitDevice(self.name.encode() or None)
-        if handle == _NO_DEVICE or (code := hd.hdGetError().code):
-            reason = "" if handle == _NO_DEVICE else f" (error {code:#x})"
-            raise DeviceError(f"OpenHaptics cannot open {self.name or 'the device'}{reason}")
+        handle = self._open(hd)
         session = _Session(hd, handle, loop)
         callback = _Callback(session.call)
         try:
@@ -111,11 +150,7 @@ class _Session:
 
     def read_limit(self) -> None:
         """What the device itself can do, N."""
-        most = (ctypes.c_double * 1)()
-        self.hd.hdGetDoublev(_MAX_FORCE, most)
-        if not 0.0 < most[0] <= 1000.0:
-            raise DeviceError(f"OpenHaptics says the greatest force is {most[0]} N")
-        self.limit = min(most[0], MAX_FORCE_N)
+        self.limit = _greatest_force(self.hd)
         self.called_ns = time.monotonic_ns()
 
     def check_beat(self) -> None:
@@ -158,6 +193,15 @@ class _Session:
         return force[0] * scale, force[1] * scale, force[2] * scale
 
 
+def _greatest_force(hd: ctypes.CDLL) -> float:
+    """What the open device can do, N, but never more than is asked of any."""
+    most = (ctypes.c_double * 1)()
+    hd.hdGetDoublev(_MAX_FORCE, most)
+    if not 0.0 < most[0] <= 1000.0:
+        raise DeviceError(f"OpenHaptics says the greatest force is {most[0]} N")
+    return min(most[0], MAX_FORCE_N)
+
+
 def _pose(matrix: Any, buttons: int, time_ns: int) -> PoseNumbers:
     """Position and quaternion out of a column-major 4 x 4 matrix."""
     m = [[matrix[4 * column + row] for column in range(3)] for row in range(3)]
@@ -190,7 +234,8 @@ def _load(library: str) -> ctypes.CDLL:
     except OSError as cause:
         raise DeviceError(
             f"OpenHaptics' library {library} cannot be loaded ({cause}); it comes with the maker's "
-            "driver"
+            "driver: install 3D Systems' OpenHaptics and Touch Device Driver, or say where it is: "
+            "--stylus openhaptics=/PATH/libHD.so"
         ) from None
     doubles, unsigned = ctypes.POINTER(ctypes.c_double), ctypes.c_uint
     for name, result, arguments in (

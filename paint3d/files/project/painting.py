@@ -13,6 +13,7 @@ from paint3d.errors import ExportError, MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import UNITS_MM
 from paint3d.files.progress import Progress, part_of
+from paint3d.files.project.in_light import InLight, tell_clipped
 from paint3d.files.project.position_steps import find_steps
 from paint3d.files.writers.filaments import (
     choose_filaments,
@@ -70,7 +71,7 @@ class Painting(NamedTuple):
     """Arrays of a painting, names of its material and file, its texture or filaments if any.
 
     `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
-    `paint3d.files.project.position_steps`.
+    `paint3d.files.project.position_steps`. `gamut` is what the codes mean.
     """
 
     vertices: NDArray[np.float32]
@@ -83,6 +84,7 @@ class Painting(NamedTuple):
     palette: NDArray[np.uint8] | None = None
     face_filaments: NDArray[np.int32] | None = None
     steps: NDArray[np.float32] | None = None
+    gamut: str = "srgb"
 
     def placed(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
@@ -174,6 +176,19 @@ def read_painting(
     """
     if isinstance(surface, TriangleMesh):
         surface = PlainSurface(surface)
+    viewing = options.viewing
+    if viewing is not None and not viewing.is_plain:
+        surface = InLight(surface, viewing)
+    tell_clipped(surface, viewing)
+    painting = _read(surface, options, progress)
+    if isinstance(painting, Painting):
+        return painting._replace(gamut=options.gamut or "srgb")
+    return painting
+
+
+def _read(
+    surface: Exportable, options: ExportOptions, progress: Progress | None
+) -> Painting | Untextured:
     material = str(getattr(surface.material, "name", "painting"))
     if options.texture:
         size = None if options.texture is True else int(options.texture)
@@ -188,7 +203,7 @@ def read_painting(
     return _in_filaments(_checked(arrays, material), filaments.palette)
 
 
-def _detail_of(surface: Exportable | PlainSurface) -> Detail:
+def _detail_of(surface: Exportable) -> Detail:
     """Copies of what a texture is baked from.
 
     Raises

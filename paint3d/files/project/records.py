@@ -4,6 +4,10 @@ The paper prints ``InitialPosition={0, 0, 0}`` and rows ``{172, 205, 309, 22, 30
 "position, normal, and RGB": seven numbers where nine are needed. We write nine, in a column order
 that the file itself names, and read seven as position, one packed normal, RGB. How the paper
 packs a normal is not said; ours is 256 v + u with (u, v) on the octahedron's map, 0 to 255 each.
+
+The paper's records have no faces. Ours follow the rows as comments, ``#{0, 1, 2}`` below a line
+``# faces {a, b, c}``, so that a reader of the paper's format passes them over. InitialPosition is
+where the object stands: the middle of its box in x and y, its lowest point in z.
 """
 
 from __future__ import annotations
@@ -23,12 +27,22 @@ from paint3d.errors import MeshError
 from paint3d.files.readers.contents import plain_text, read_contents
 from paint3d.files.readers.raw_mesh import parse_numbers
 
-__all__ = ["Records", "pack_normals", "read_records", "unpack_normals", "write_records"]
+__all__ = [
+    "Records",
+    "pack_normals",
+    "parse_records",
+    "read_records",
+    "standing_place",
+    "unpack_normals",
+    "write_records",
+]
 
 NUMBER = r"\s*([-+0-9.eE]+)\s*"
 INITIAL = re.compile(rf"InitialPosition\s*=\s*\{{{NUMBER},{NUMBER},{NUMBER}\}}\.?\s*$")
 ROW = re.compile(r"\{[^{}]*\}\.?\s*$")
 NAMES = {9: "{x, y, z, nx, ny, nz, R, G, B}", 7: "{x, y, z, packed normal, R, G, B}"}
+FACES = "# faces {a, b, c}"
+FACE = re.compile(r"#\s*\{\s*(\d+)\s*,\s*(\d+)\s*,\s*(\d+)\s*\}$")
 CHUNK = 100_000
 MAX_BYTES = 1 << 28
 
@@ -45,12 +59,24 @@ class Records(NamedTuple):
     normals : (V, 3) float64
         Unit.
     srgb : (V, 3) uint8
+    faces : (F, 3) int64 or None
+        None where the file has none, as the paper's.
     """
 
     initial_position: NDArray[np.float64]
     vertices: NDArray[np.float64]
     normals: NDArray[np.float64]
     srgb: NDArray[np.uint8]
+    faces: NDArray[np.int64] | None = None
+
+
+def standing_place(vertices: AnyArray) -> tuple[float, float, float]:
+    """Where an object stands, in mm: the middle of its box in x and y, its lowest point in z."""
+    low, high = np.min(vertices, axis=0), np.max(vertices, axis=0)
+    middle = (low + high) / 2.0
+    # to the digits of the rows; 0 is added since -0 would be another text
+    x, y, z = (np.round((middle[0], middle[1], low[2]), 4) + 0.0).tolist()
+    return x, y, z
 
 
 def write_records(
@@ -59,6 +85,7 @@ def write_records(
     normals: AnyArray,
     srgb: NDArray[np.uint8],
     *,
+    faces: AnyArray | None = None,
     initial_position: Sequence[float] = (0.0, 0.0, 0.0),
     packed: bool = False,
 ) -> None:
@@ -70,6 +97,8 @@ def write_records(
     vertices : (V, 3) array_like, mm
     normals : (V, 3) array_like, unit
     srgb : (V, 3) uint8
+    faces : (F, 3) array_like of int, optional
+        Written behind the rows, as comments.
     initial_position : (3,) array_like, mm
         Rows hold positions relative to it.
     packed : bool
@@ -97,6 +126,13 @@ def write_records(
         for first in range(0, len(table), CHUNK):
             part = table[first : first + CHUNK]
             file.write(row * len(part) % tuple(part.ravel().tolist()))
+        if faces is None:
+            return
+        triangles = as_array(faces, "faces", (None, 3), np.int64)
+        file.write(f"{FACES}, rows from 0\n")
+        for first in range(0, len(triangles), CHUNK):
+            part = triangles[first : first + CHUNK]
+            file.write("#{%d, %d, %d}\n" * len(part) % tuple(part.ravel().tolist()))
 
 
 def read_records(path: str | os.PathLike[str]) -> Records:
@@ -105,34 +141,65 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     Raises
     ------
     MeshError
-        ``file:line: what`` if a line is neither, or rows differ in kind.
+        ``file: line N: what`` if a line is neither, or rows differ in kind.
     """
     path = Path(path)
     try:
-        lines = plain_text(read_contents(path, MAX_BYTES)).decode("utf-8").split("\n")
-    except (MeshError, UnicodeDecodeError) as cause:
+        return parse_records(read_contents(path, MAX_BYTES))
+    except MeshError as cause:
         raise MeshError(f"{path}: {cause}") from None
+
+
+def parse_records(data: bytes) -> Records:
+    """Return the records in a file's bytes.
+
+    Raises
+    ------
+    MeshError
+        As `read_records`, without the file's name.
+    """
+    try:
+        lines = plain_text(data).decode("utf-8").split("\n")
+    except UnicodeDecodeError as cause:
+        raise MeshError(str(cause)) from None
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip()]
+    comments = [(k, line) for k, line in rows if line.startswith("#")]
     rows = [(k, line) for k, line in rows if not line.startswith("#")]
     match = INITIAL.match(rows[0][1]) if rows else None
     if match is None:
-        raise MeshError(f"{path}: expected InitialPosition={{x, y, z}} on its first line")
+        raise MeshError("expected InitialPosition={x, y, z} on its first line")
     try:
         start = np.array([float(number) for number in match.groups()])
     except ValueError:
-        raise MeshError(f"{path}:{rows[0][0]}: a coordinate is not a number") from None
+        raise MeshError(f"line {rows[0][0]}: a coordinate is not a number") from None
     if len(rows) < 2:
-        raise MeshError(f"{path}: it has no rows; expected one for each vertex")
-    table = _table(path, rows[1:])
-    try:
-        normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _unit(table[:, 3:6])
-    except MeshError as cause:
-        raise MeshError(f"{path}: {cause}") from None
+        raise MeshError("it has no rows; expected one for each vertex")
+    table = _table(rows[1:])
+    normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _unit(table[:, 3:6])
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = table[:, :3] + start
     if not np.isfinite(vertices).all():
-        raise MeshError(f"{path}: a position is not finite; expected numbers in mm")
-    return Records(start, vertices, normals, table[:, -3:].astype(np.uint8))
+        raise MeshError("a position is not finite; expected numbers in mm")
+    srgb = table[:, -3:].astype(np.uint8)
+    return Records(start, vertices, normals, srgb, _faces(comments, len(vertices)))
+
+
+def _faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64] | None:
+    """Return the triangles among a file's comments, from the line that announces them on."""
+    announced = [n for n, (_, line) in enumerate(comments) if line.startswith(FACES)]
+    if not announced:
+        return None
+    faces = []
+    for k, line in comments[announced[0] + 1 :]:
+        match = FACE.match(line)
+        corners = [int(word) for word in match.groups()] if match else [n_vertices]
+        if max(corners) >= n_vertices:
+            raise MeshError(
+                f"line {k}: {line[:60]!r}; expected a face #{{a, b, c}} of rows from 0 to "
+                f"{n_vertices - 1}"
+            )
+        faces.append(corners)
+    return np.array(faces, np.int64).reshape(-1, 3)
 
 
 def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -144,26 +211,23 @@ def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def _table(path: Path, rows: list[tuple[int, str]]) -> NDArray[np.float64]:
+def _table(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
     """Return all rows' numbers, (V, 7) or (V, 9)."""
     width = rows[0][1].count(",") + 1
     for k, line in rows:
         if not ROW.match(line) or line.count(",") + 1 != width or width not in NAMES:
             expected = NAMES.get(width, " or ".join(NAMES.values()))
-            raise MeshError(f"{path}:{k}: {line[:60]!r}; expected {expected}")
+            raise MeshError(f"line {k}: {line[:60]!r}; expected {expected}")
     text = " ".join(line.strip("{}. \t").replace(",", " ") for _, line in rows)
-    try:
-        table = parse_numbers(text.encode("utf-8"), "a row")
-    except MeshError as cause:
-        raise MeshError(f"{path}: {cause}") from None
+    table = parse_numbers(text.encode("utf-8"), "a row")
     if table.size != width * len(rows) or not np.isfinite(table).all():
-        raise MeshError(f"{path}: a number is missing or not finite")
+        raise MeshError("a number is missing or not finite")
     table = table.reshape(-1, width)
     codes = table[:, -3:]
     wrong = np.flatnonzero(((codes < 0) | (codes > 255) | (codes % 1 != 0)).any(axis=1))
     if len(wrong):
         k, line = rows[wrong[0]]
-        raise MeshError(f"{path}:{k}: {line[:60]!r}; expected RGB codes from 0 to 255")
+        raise MeshError(f"line {k}: {line[:60]!r}; expected RGB codes from 0 to 255")
     return table
 
 

@@ -26,14 +26,17 @@ __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface", "ta
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
-READERS |= {".glb": "gltf", ".gltf": "gltf"}
+READERS |= {".glb": "gltf", ".gltf": "gltf", ".p3d.txt": "records"}
 UNREAD = {  # what other programs read, and ours does not
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
     **dict.fromkeys((".wrl", ".vrml", ".x3d"), "VRML"),
-    **{".fbx": "FBX", ".dae": "COLLADA", ".blend": "a .blend file"},
+    **{".fbx": "FBX", ".blend": "a .blend file"},
 }
+RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
 BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
-MESH_SUFFIXES = tuple(READERS)
+FOREIGN_SUFFIXES = (".dae", ".zae", ".xaml", ".ctm", ".xyz", ".dxf", ".svg")
+"""What trimesh reads, `readers.read_foreign`."""
+MESH_SUFFIXES = (*READERS, *FOREIGN_SUFFIXES)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 # What damaged structure makes a reader stumble over; the careful messages come before these.
@@ -131,6 +134,8 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     data = read_contents(path)
     if data.startswith(WIDE):
         data = plain_text(data)
+    if kind in FOREIGN_SUFFIXES:
+        return read(data, kind, texture)
     if kind in BESIDE:
         return read(data, path.parent, texture)
     return read(data, texture) if kind == "3mf" else read(data)
@@ -156,6 +161,10 @@ def _one_line(cause: BaseException) -> str:
 def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
     inner = Path(path.stem) if path.suffix.lower() in PACKED else path
     suffix = inner.suffix.lower()
+    if inner.name.lower().endswith(RECORDS):
+        suffix = RECORDS
+    if suffix in FOREIGN_SUFFIXES:
+        return suffix, import_module("paint3d.files.readers.read_foreign").read_foreign
     if suffix not in READERS:
         wanted = " ".join(MESH_SUFFIXES)
         shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
@@ -235,7 +244,8 @@ def _without_faces(
 
     faces = surface_through(vertices, raw.normals)
     note = f"it is a point cloud: built {len(faces):,} triangles through {len(vertices):,} points"
-    return Reading(TriangleMesh(vertices, faces, raw.colours, name), (*raw.notes, note))
+    mesh = TriangleMesh(vertices, faces, raw.colours, name, _unit_normals(raw.normals))
+    return Reading(mesh, (*raw.notes, note))
 
 
 def _unit_normals(normals: NDArray[np.float64] | None) -> NDArray[np.float64] | None:

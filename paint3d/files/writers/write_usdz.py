@@ -32,7 +32,7 @@ def write_usdz(
     vertices: NDArray[np.float32],
     faces: NDArray[np.int32],
     normals: NDArray[np.float32],
-    srgb: NDArray[np.uint8],
+    colours: NDArray[np.uint8] | NDArray[np.float32],
     finish: Finish = PLAIN,
     *,
     unit: str = "m",
@@ -48,7 +48,8 @@ def write_usdz(
     vertices : (V, 3) float32
     faces : (F, 3) int32
     normals : (V, 3) float32, unit
-    srgb : (V, 3) uint8
+    colours : (V, 3) uint8 or float32
+        sRGB codes, or linear sRGB, which is below 0 or above 1 where a colour is outside sRGB.
     finish : Finish
         Of the material; its name goes into the scene's documentation.
     unit : {"mm", "cm", "m", "in"}
@@ -61,10 +62,11 @@ def write_usdz(
         If the file cannot be written.
     """
     linear = decode_srgb(np.arange(256, dtype=np.uint8)).astype("<f4")
+    told = linear[colours] if colours.dtype == np.uint8 else colours
     specs = [
         _root(finish.name, unit, up_axis),
         _prim(SCENE, "Xform", children=["Mesh", "Material"], kind=Value(Type.TOKEN, "component")),
-        *_mesh(vertices, faces, normals, linear[srgb]),
+        *_mesh(vertices, faces, normals, told),
         *_material(finish.roughness),
     ]
     scene = io.BytesIO()

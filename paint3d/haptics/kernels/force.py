@@ -6,6 +6,7 @@ import numpy as np
 
 from paint3d.core.kernel import kernel
 from paint3d.core.quaternion import compiled_turn
+from paint3d.haptics.kernels.cues import nearing_force, nearing_store, stored_in_contact
 from paint3d.mesh.kernels.bounded_bvh import find_foot_within, mean_normal
 
 __all__ = ["contact_force"]
@@ -17,7 +18,8 @@ def contact_force(tree, settings, state, root, q, work, force):
 
     F = lambda_c S D_s along the averaged normal (Guo 2017, Eq. 4), plus friction of at most mu F
     against the slip: a proxy point is held on the surface by a stiff spring and let go where that
-    would pull harder. No torque: the tuft bends freely.
+    would pull harder. No torque: the tuft bends freely. Where it is asked for, a gentle force
+    grows before the surface is touched.
 
     Parameters
     ----------
@@ -45,7 +47,7 @@ def contact_force(tree, settings, state, root, q, work, force):
     foot = np.empty(6)
     foot[:3] = state.foot
     foot[3:] = state.foot_normal
-    triangle = find_foot_within(tree, place, up, length, state.warm, work, foot)
+    triangle = find_foot_within(tree, place, up, length + settings.ahead, state.warm, work, foot)
     before, state.descent, state.stored, state.credit = state.descent, 0.0, 0.0, 0.0
     if triangle < 0:
         return False
@@ -55,7 +57,7 @@ def contact_force(tree, settings, state, root, q, work, force):
     height, along_way = _keep_foot(state, root, foot, normal)
     descent = length * sine - height
     if descent <= 0.0:
-        return False
+        return _near(settings, state, foot, normal, -descent, force)
     state.descent = descent
     stiffness = min(settings.spring, settings.stiffest) * state.softening
     pressing = stiffness * descent
@@ -63,11 +65,23 @@ def contact_force(tree, settings, state, root, q, work, force):
         state.proxy[:] = foot[:3]
     elif before > 0.0:
         state.credit = 0.5 * stiffness * (descent + before) * (descent - before + along_way)
+    felt = max(pressing, nearing_force(settings, state, 0.0))
     for axis in range(3):
-        force[axis] = pressing * normal[axis]
+        force[axis] = felt * normal[axis]
     held = _hold_proxy(settings, state, foot, normal, pressing, force)
-    state.stored = 0.5 * stiffness * descent * descent + held
+    state.stored = stored_in_contact(settings, state, stiffness, descent) + held
     return True
+
+
+@kernel(error_model="numpy")
+def _near(settings, state, foot, normal, gap, force):
+    """Fill in the force (3,), N, at a gap (mm) before the surface; whether there is any."""
+    nearing = nearing_force(settings, state, gap)
+    state.stored = nearing_store(settings, state, gap)
+    for axis in range(3):
+        force[axis] = nearing * normal[axis]
+        state.proxy[axis] = foot[axis]
+    return nearing > 0.0
 
 
 @kernel(error_model="numpy")

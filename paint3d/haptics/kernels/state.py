@@ -32,6 +32,10 @@ SETTINGS = np.dtype(  # see paint3d.haptics.settings
         ("rise_s", "f8"),
         ("follow_s", "f8"),
         ("patch", "f8"),  # mm
+        ("ahead", "f8"),  # mm before the surface from which it is felt
+        ("ahead_n", "f8"),  # N at contact
+        ("click_n", "f8"),  # N
+        ("clicks", "f8"),  # how many were asked for
     ]
 )
 N_SETTINGS = len(SETTINGS)
@@ -62,6 +66,8 @@ STATE = np.dtype(
         ("spent", "f8"),  # tree nodes of the last step
         ("wanted", "f8"),  # size of the force before anything was made safe, N
         ("credit", "f8"),  # N mm that turning or curvature put into the spring since the last step
+        ("clicks_heard", "f8"),
+        ("click_s", "f8"),  # what is left of a click
         ("near", "f8", (PATCH_SAMPLES,)),  # every sample's triangle of the last patch, plus 1
     ]
 )

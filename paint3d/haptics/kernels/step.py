@@ -6,6 +6,7 @@ import numpy as np
 
 from paint3d.core.kernel import kernel
 from paint3d.core.quaternion import compiled_relative, compiled_turn, compiled_turn_back
+from paint3d.haptics.kernels.cues import add_click
 from paint3d.haptics.kernels.force import contact_force
 from paint3d.haptics.kernels.safety import limit_power, make_safe
 from paint3d.haptics.kernels.state import BUDGET_SPENT
@@ -44,7 +45,7 @@ def servo_step(tree, the_settings, the_state, target, pose, moment, out):
     work = np.empty(1, np.int64)
     work[0] = NODE_BUDGET
     force, way = np.empty(3), np.zeros(3)
-    _feel(tree, settings, state, pose, work, force, way)
+    _feel(tree, settings, state, pose, work, force, way, moment.dt)
     state.spent = NODE_BUDGET - work[0]
     flags = make_safe(settings, state, force, moment)
     flags |= limit_power(state, force, way)
@@ -57,7 +58,7 @@ def servo_step(tree, the_settings, the_state, target, pose, moment, out):
 
 
 @kernel(error_model="numpy")
-def _feel(tree, settings, state, pose, work, force, way):
+def _feel(tree, settings, state, pose, work, force, way, dt):
     """Find the force (3,) that is wanted at a pose, and the root's way (3,); object's frame."""
     q, place = state.object_turn, state.object_place
     x, y, z = compiled_turn_back(q, pose[0] - place[0], pose[1] - place[1], pose[2] - place[2])
@@ -74,6 +75,7 @@ def _feel(tree, settings, state, pose, work, force, way):
             way[axis] = root[axis] - state.last[axis]
     touching = contact_force(tree, settings, state, root, held, work, force)
     state.touching = 1.0 if touching else 0.0
+    add_click(settings, state, compiled_turn(held, 0.0, 0.0, 1.0), dt, force)
     state.last[:] = root
     state.has_last = 1.0
 

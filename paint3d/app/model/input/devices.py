@@ -7,22 +7,34 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 
 from paint3d.core.types import AnyArray
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find_actions
+from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.report_rate import find_report_rate
-from paint3d.device.sample import DeviceSample, StylusReading
+from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.device.space_mouse import MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
+from paint3d.haptics.servo import ServoStatus
+from paint3d.haptics.settings import HapticSettings
+from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import ObjectPose, apply_action
 from paint3d.pose.two_hands import TwoHands
 
-__all__ = ["DOCUMENT_COMMANDS", "DeviceHub", "DeviceView", "StrokeCutter", "Taken"]
+__all__ = [
+    "DOCUMENT_COMMANDS",
+    "DeviceHub",
+    "DeviceView",
+    "NothingPlugged",
+    "StrokeCutter",
+    "Taken",
+]
 
 DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
 """Actions of buttons that are commands of a `Document`; the others steer the object."""
@@ -54,14 +66,51 @@ class Plugged(Protocol):
     def take_stylus(self) -> list[StylusReading]:
         """Readings of all styli since the last call."""
 
+    def read_caps(self, deflection: DeflectionSettings) -> None:
+        """Read the caps of mice so."""
+
     def stop(self) -> None:
         """Close everything."""
+
+
+class NothingPlugged:
+    """Stands where HID devices cannot be read: see `Plugged`."""
+
+    def __init__(self) -> None:
+        self.failures: dict[str, str] = {}
+
+    def nodes(self) -> list[HidNode]:
+        """None."""
+        return []
+
+    def mice(self) -> list[SpaceMouse]:
+        """None."""
+        return []
+
+    def styli(self) -> list[Stylus]:
+        """None."""
+        return []
+
+    def take_mouse(self) -> list[MouseEvent]:
+        """None."""
+        return []
+
+    def take_stylus(self) -> list[StylusReading]:
+        """None."""
+        return []
+
+    def read_caps(self, deflection: DeflectionSettings) -> None:
+        """There are none."""
+
+    def stop(self) -> None:
+        """There is nothing to close."""
 
 
 class Feedback(Protocol):
     """What `haptics.servo.ForceFeedback` offers."""
 
     last_force: AnyArray
+    settings: HapticSettings
 
     def take(self) -> list[StylusReading]:
         """Readings of the haptic stylus since the last call."""
@@ -69,8 +118,14 @@ class Feedback(Protocol):
     def publish(self, object_pose: AnyArray | None = None) -> None:
         """Tell where the object is, (7,), and that the program is alive."""
 
+    def click(self) -> None:
+        """Let a click be felt."""
+
     def is_running(self) -> bool:
         """Whether the servo runs; the device of one that was killed is told to rest."""
+
+    def status(self) -> ServoStatus:
+        """How it does, and why it failed."""
 
     def stop(self) -> None:
         """Stop the servo."""
@@ -131,10 +186,14 @@ class DeviceHub:
     feedback : ForceFeedback, optional
         Of a haptic stylus: its readings count, and it is told where the object is. It is stopped
         by `stop`, and let go of when its process has ended.
+    stylus_name : str
+        Of that stylus.
 
     Attributes
     ----------
     hands : TwoHands
+    ended : str or None
+        Why the force feedback has ended; None while it goes on, or there was none.
     """
 
     def __init__(
@@ -144,13 +203,16 @@ class DeviceHub:
         actions: Mapping[int, str] = DEFAULT_ACTIONS,
         clock: Callable[[], int] = time.monotonic_ns,
         feedback: Feedback | None = None,
+        stylus_name: str = "stylus",
     ) -> None:
         self.hands = hands or TwoHands(time_ns=clock())
+        self.ended: str | None = None
+        self._stylus_name = stylus_name
         self._plugged = plugged
         self._feedback = feedback
         self._actions = checked_actions(actions)
         self._clock = clock
-        self._buttons = 0
+        self._buttons = self._held = 0
         self._heard: dict[str, deque[int]] = {h: deque(maxlen=_REMEMBERED) for h in _HANDS}
         self._force = 0.0
 
@@ -160,8 +222,19 @@ class DeviceHub:
             DeviceView(node.name, node.kind, "left" if node.kind in _LEFT else "right", True)
             for node in self._plugged.nodes()
         ]
+        if self._feedback is not None:
+            found.append(DeviceView(self._stylus_name, "stylus", "right", True))
         failures = dict(self._plugged.failures)
         return found + [DeviceView(path, "", "", False, why) for path, why in failures.items()]
+
+    def set_mouse(self, settings: MouseSettings) -> None:
+        """Read the 6-DOF mouse so from now on."""
+        self.hands.steering = settings.steering()
+        self._plugged.read_caps(settings.deflection())
+
+    def set_actions(self, actions: Mapping[int, str]) -> None:
+        """Let the 6-DOF mouse's buttons do this; see `device.button_actions`."""
+        self._actions = checked_actions(actions)
 
     def take(self) -> Taken:
         """Take what the devices said, and do what the buttons ask of the object."""
@@ -178,16 +251,26 @@ class DeviceHub:
                 samples += self.hands.take(event.time_ns)  # what was before it
                 commands += self._act(action)
             self._buttons = event.buttons
+        self._click(commands, readings)
         self._heard["left"].extend(event.time_ns for event in events)
         self._heard["right"].extend(reading.time_ns for reading in readings)
         self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
         return Taken(samples, commands, self.hands.object_pose)
 
+    def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
+        """Let a dip be felt, whichever hand's button asked for it."""
+        held = [self._held, *(reading.buttons for reading in readings)]
+        self._held = held[-1]
+        by_stylus = any(now & ~before & DIP for before, now in pairwise(held))
+        if self._feedback is not None and (by_stylus or "dip" in commands):
+            self._feedback.click()
+
     def _let_go_of_what_ended(self, feedback: Feedback) -> None:
         """Have a device rest whose servo was killed: it would push on with its last force."""
         if not feedback.is_running():
-            log.warning("force feedback has ended: its process stopped")
+            self.ended = feedback.status().fault or "its process stopped"
+            log.warning("force feedback has ended: %s", self.ended)
             feedback.stop()
             self._feedback, self._force = None, 0.0
 

@@ -3,9 +3,10 @@
 A window says where the pointer's ray meets the object, or gives the ray. That place is what every
 sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
 What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
-way, for the tuft trails behind. A stroke waits until it is known whither it goes, so that the tuft
-comes down trailing and need not turn round. Strokes can be steadied by a string that pulls the
-brush; its end is reached when the stroke ends.
+way, for the tuft trails behind, unless it is told whither (Guo 2015, Table 2: device I). A stroke
+waits until it is known whither it goes, so that the tuft comes down trailing and need not turn
+round. Strokes can be steadied by a string that pulls the brush; its end is reached when the stroke
+ends.
 
 One step after the other over events; nothing here has a clock.
 """
@@ -78,6 +79,8 @@ class PointerInput:
         Whether these keys are held, for a device without pressure.
     wheel : float
         Notches since the last event, for the same.
+    bend : (3,) or None
+        Whither the tuft's tip is told to point, however long; None: it trails behind the way.
     """
 
     time_ns: int
@@ -95,6 +98,7 @@ class PointerInput:
     harder: bool = False
     softer: bool = False
     wheel: float = 0.0
+    bend: Sequence[float] | AnyArray | None = None
 
 
 @dataclass(frozen=True)
@@ -173,6 +177,7 @@ class _Stand:
     twist: float | None  # rad
     pressure: float
     buttons: int
+    bend: AnyArray | None = None  # unit, whither the tip is told to point
 
 
 class Hand:
@@ -394,6 +399,7 @@ class Hand:
             None if event.rotation is None else math.radians(event.rotation),
             self._pressure(event) if pressed else 0.0,
             event.buttons,
+            None if event.bend is None else any_tangent(normal, as_array(event.bend, "bend", (3,))),
         )
 
     def _rest(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
@@ -420,7 +426,8 @@ class Hand:
         first, last = self._waiting[0], self._waiting[-1]
         far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
         stands = last.time_ns - first.time_ns >= _STANDS_NS
-        return self._land(brush) if far or stands or first.twist is not None else []
+        told = first.twist is not None or last.bend is not None
+        return self._land(brush) if far or stands or told else []
 
     def _land(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples of all that waited; the tip trails behind the way, or points as it rests."""
@@ -431,6 +438,8 @@ class Hand:
         way = stands[-1].target - first.point
         moved = length_of(way) >= _LEAST_SURE * self._trail(brush)
         back = any_tangent(first.normal, -way) if moved else first.rest
+        if stands[-1].bend is not None:
+            back = any_tangent(first.normal, stands[-1].bend)
         self._now.tip = first.point + self._trail(brush) * back
         self._last = first
         samples = []
@@ -451,7 +460,9 @@ class Hand:
         back = back - length_of(way) * _along(stand.normal, way)
         back = back - (back @ stand.normal) * stand.normal
         distance = length_of(back)
-        if distance < 1e-9:
+        if stand.bend is not None:
+            back = stand.bend * trail
+        elif distance < 1e-9:
             back = stand.rest * trail
         elif distance > trail:
             back *= trail / distance

@@ -20,6 +20,9 @@ from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import ExportError, InputError, Paint3DError
 from paint3d.files.readers.odd_names import json_text
+from paint3d.haptics.feel import Feel
+from paint3d.haptics.stylus_choice import check_stylus
+from paint3d.pose.mouse_settings import MouseSettings
 
 __all__ = ["Settings", "load_settings", "save_settings"]
 
@@ -83,6 +86,12 @@ class Settings:
         Files, the last opened first.
     buttons : dict of int to str
         Actions of a 6-DOF mouse's buttons.
+    mouse : dict
+        How a 6-DOF mouse is read: see `MouseSettings`.
+    stylus : str
+        Which stylus pushes back: see `find_stylus`.
+    feel : dict of str to float
+        What of a haptic stylus is the user's choice: see `Feel`.
     window : dict
         What the window keeps for itself: size, place, panels.
     exports : dict
@@ -112,6 +121,9 @@ class Settings:
     undo_megabytes: float = 512.0
     recent: tuple[str, ...] = ()
     buttons: Mapping[int, str] = field(default_factory=lambda: dict(DEFAULT_ACTIONS))
+    mouse: Mapping[str, object] = field(default_factory=dict)
+    stylus: str = "auto"
+    feel: Mapping[str, float] = field(default_factory=dict)
     window: Mapping[str, object] = field(default_factory=dict)
     exports: Mapping[str, object] = field(default_factory=dict)
 
@@ -130,11 +142,14 @@ class Settings:
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))
-        for name in ("window", "exports"):
+        for name in ("mouse", "feel", "window", "exports"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected names, values")
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
+        MouseSettings.from_words(self.mouse)
+        Feel.from_words(self.feel)
+        check_stylus(self.stylus)
 
     @property
     def curve(self) -> PressureCurve:

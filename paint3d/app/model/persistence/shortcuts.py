@@ -108,6 +108,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
         "stroke",
         ("Left", "paint", "drag"),
         ("Fingers 1", "paint", "drag"),
+        ("Shift+Left", "bend", "drag"),
         ("Esc", "cancel_stroke"),
         ("M", "mirror"),
         ("Shift+M", "radial"),

@@ -108,6 +108,9 @@ class ScoreKeeper:
         }:  # fmt: skip
             last["times"] = last.get("times", 1) + 1
             return
+        again = isinstance(last, dict) and last["do"] == name and not last.get("refused")
+        if name == "replay_history" and again:  # only the last place that was looked at matters
+            self._events.pop()
         self._events.append(line)
 
     def refused(self, name: str, asked: Mapping[str, Any], surface: PaintedSurface) -> None:
@@ -191,8 +194,9 @@ def _fed(feed: Callable[..., None]) -> Callable[..., None]:
     def kept(document: Any, samples: Sequence[DeviceSample]) -> None:
         is_painted = document.in_stroke and samples
         feed(document, samples)
-        if document.keeper is not None and is_painted:
-            document.keeper.feed(samples)
+        keeper = document.keeper
+        if keeper is not None and is_painted and not keeper.is_within:
+            keeper.feed(samples)
 
     return kept
 

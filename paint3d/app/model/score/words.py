@@ -243,6 +243,12 @@ def _dip_said(asked: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
     return said | ({"reach": float(asked["reach"])} if "reach" in asked else {})
 
 
+def _stroke_said(asked: Mapping[str, Any], surface: PaintedSurface, inks: Inks) -> Words:
+    said: Words = {"time_s": asked["time_s"]} if "time_s" in asked else {}
+    own = _brush_said(asked, surface, inks) if "brush" in asked else {}
+    return said | own | ({"ink": inks.words(asked["ink"])} if "ink" in asked else {})
+
+
 def _symmetry_said(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
     symmetry = asked["symmetry"]
     said: Words = {}
@@ -280,6 +286,7 @@ def _middle_of(surface: PaintedSurface, face: int) -> list[float]:
 
 
 _SAID: Mapping[str, Callable[[Mapping[str, Any], PaintedSurface, Inks], Words]] = {
+    "begin_stroke": _stroke_said,
     "set_brush": _brush_said,
     "dip": _dip_said,
     "set_symmetry": _symmetry_said,
@@ -338,12 +345,22 @@ def _faces_at(surface: PaintedSurface, places: list[list[float]]) -> list[int]:
     return found
 
 
+def _stroke_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
+    own = dict(given)
+    if "brush" in given:
+        own["brush"] = brush_in(given, "")
+    if "ink" in given:
+        own["ink"] = inks.mixture(given["ink"])
+    return own
+
+
 def _dip_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
     own = {"ink": inks.mixture(given["ink"])} if "ink" in given else {}
     return own | ({"reach": given["reach"]} if "reach" in given else {})
 
 
 _ASKED: Mapping[str, Callable[[Mapping[str, Any], PaintedSurface, Inks], Words]] = {
+    "begin_stroke": _stroke_asked,
     "set_brush": lambda given, _, __: {"brush": brush_in(given, "")},
     "dip": _dip_asked,
     "set_symmetry": _symmetry_asked,

@@ -13,7 +13,12 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.model.input.fingers import Fingers, Meaning
-from paint3d.app.window.input.touch import Touch, touch_of_mouse, touch_of_tablet
+from paint3d.app.window.input.touch import (
+    Touch,
+    pressure_of_contact,
+    touch_of_mouse,
+    touch_of_tablet,
+)
 from paint3d.core.types import AnyArray
 
 __all__ = ["WRITING", "Canvas", "Drag"]
@@ -21,6 +26,7 @@ __all__ = ["WRITING", "Canvas", "Drag"]
 WRITING = (QtWidgets.QLineEdit, QtWidgets.QAbstractSpinBox, QtWidgets.QPlainTextEdit)
 """Widgets that want every key for themselves."""
 
+_MM_PER_INCH = 25.4
 _S = 1_000_000_000  # ns; as by the events' own times, however late they are handed over:
 _PEN_LEFT_NS = 600 * _S  # for so long after a pen was seen, a finger alone does not paint
 _PALM_NS = _S // 5  # for so long after a pen was seen, what touches is the hand that holds it
@@ -108,6 +114,7 @@ class Canvas(QtWidgets.QWidget):
         self._fingers = Fingers()
         self._mode: str | None = None  # of the drag that steers now
         self._by = ""  # what began it: "mouse", "pen" or "finger"
+        self._finger_pressure: float | None = None
         self._pen_down = self._mouse_down = self._finger_down = self._palm = False
         self.pen_seen_ns: int | None = None
         self._clock = EventClock()
@@ -269,17 +276,16 @@ class Canvas(QtWidgets.QWidget):
             self._palm = self._pen_down or self._saw_pen(now, _PALM_NS)
         if self._palm:
             return
+        fingers = [point for point in event.points() if point.state() != _RELEASED]
+        if len(fingers) == 1:
+            can = event.pointingDevice().capabilities()
+            fine = self.screen().physicalDotsPerInch() / _MM_PER_INCH
+            self._finger_pressure = pressure_of_contact(fingers[0], can, fine)
         if event.type() == _KIND.TouchCancel:
             said = self._fingers.cancel(now)
         else:
-            said = self._fingers.follow(
-                now,
-                {
-                    point.id(): (point.position().x(), point.position().y())
-                    for point in event.points()
-                    if point.state() != _RELEASED
-                },
-            )
+            places = {p.id(): (p.position().x(), p.position().y()) for p in fingers}
+            said = self._fingers.follow(now, places)
         for one in said:
             self._do_fingers(one)
 
@@ -303,7 +309,8 @@ class Canvas(QtWidgets.QWidget):
             self.taken_back.emit()
         else:
             down = self._finger_down = meant.kind != "lift"
-            self.touched.emit(Touch(meant.time_ns, meant.x, meant.y, down=down))
+            pressure = self._finger_pressure
+            self.touched.emit(Touch(meant.time_ns, meant.x, meant.y, pressure, down=down))
             if not down:
                 self.left.emit()  # a finger that has left points at nothing
 

@@ -3,31 +3,40 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paint3d.app.model.input.devices import DeviceHub, StrokeCutter
+from paint3d.app.model.input.devices import DeviceHub, NothingPlugged, StrokeCutter
+from paint3d.app.model.persistence.calibrations import keep_calibration
 from paint3d.app.window.panels.device_panel import DevicePanel
-from paint3d.app.window.wording import say_error
+from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions, rotate
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.device.sample import DeviceSample
+from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.errors import Paint3DError
+from paint3d.haptics.feel import Feel
+from paint3d.pose.calibration import DeviceCalibration
+from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import ObjectPose
+from paint3d.pose.touching import Touches, sheet_corners
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from paint3d.app.model.document import Document
-    from paint3d.app.model.input.devices import Feedback, Plugged
+    from paint3d.app.model.input.devices import Plugged
+    from paint3d.app.model.input.plugging import Feeling
+    from paint3d.app.model.persistence.settings import Settings
     from paint3d.view.camera import Camera
 
 __all__ = ["DeviceInput", "carried_camera"]
 
 _SHOWN_EVERY = 12  # ticks between two looks at the panel
+_CORNERS = ("near left", "near right", "far right", "far left")
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -53,12 +62,12 @@ class DeviceInput:
     ----------
     workspace : Workspace
     panel : DevicePanel
-        Shows them now and then.
+        Shows them now and then, and says what is chosen for them.
     plugged : PluggedDevices, optional
         None where there are none to look for.
     feel : callable, optional
-        Starts the force feedback of a haptic stylus on a document; None where there is no such
-        stylus. It is asked whenever a document is opened.
+        Starts the force feedback of the stylus that the settings ask for on a document; None where
+        there is no such stylus. It is asked whenever a document is opened or another is chosen.
     """
 
     def __init__(
@@ -66,40 +75,181 @@ class DeviceInput:
         workspace: Workspace,
         panel: DevicePanel,
         plugged: Plugged | None = None,
-        feel: Callable[[Document], Feedback | None] | None = None,
+        feel: Callable[[Document, Settings], Feeling | None] | None = None,
     ) -> None:
         self._workspace, self._panel = workspace, panel
         self._plugged, self._feel = plugged, feel
-        self._feedback: Feedback | None = None
+        self._feeling: Feeling | None = None
+        self._touches: Touches | None = None
+        self.desk: DeviceHub | None = None
         self.desk = self._make_desk()
-        self._cutter = StrokeCutter(self._touches)
+        self._cutter = StrokeCutter(self._is_touching)
         self._pose = ObjectPose()
         self._ticks = 0
+        self._told: str | None = None
+        self._buttons = 0
+        self._closed = False
+        self._show_choices()
+        for signal, slot in self._heard():
+            signal.connect(slot)
+
+    def _heard(self) -> list[tuple[Any, Callable[..., None]]]:
+        """What the panel says, and who hears it."""
+        stylus, mouse = self._panel.stylus, self._panel.mouse
+        return [
+            (stylus.chosen, self.choose_stylus),
+            (stylus.felt, self.choose_feel),
+            (stylus.calibrated, self.calibrate),
+            (mouse.read, self.choose_mouse),
+            (mouse.pressed, self.choose_button),
+        ]
+
+    def _show_choices(self) -> None:
+        settings = self._workspace.settings
+        self._panel.stylus.show_choices(settings.stylus, Feel.from_words(settings.feel))
+        self._panel.mouse.show_choices(MouseSettings.from_words(settings.mouse), settings.buttons)
+
+    @property
+    def feeling(self) -> Feeling | None:
+        """The stylus that pushes back; None where none does."""
+        return self._feeling
 
     def open(self, document: Document) -> None:
-        """Let the haptic stylus feel another object."""
-        if self._feedback is not None:
-            self._feedback.stop()
-            self._feedback = None
-        if self._feel is None or self._plugged is None:
-            return
-        try:
-            self._feedback = self._feel(document)
-        except Paint3DError as error:
-            self._workspace.tell(say_error(error), state="bad")
-        self.desk = self._make_desk()
+        """Let the haptic stylus feel another object, which stands as its picture shows it."""
+        if self.desk is not None:
+            self.desk.hands.set_object_pose(ObjectPose())
+        self._pose = ObjectPose()
+        self._start_feeling(document)
+
+    def _start_feeling(self, document: Document) -> None:
+        """Feel with the stylus that the settings ask for; the object stays where it is."""
+        self._stop_calibrating()
+        if self._feeling is not None:
+            self._feeling.feedback.stop()
+            self._feeling = None
+        if self._feel is not None:
+            try:
+                self._feeling = self._feel(document, self._workspace.settings)
+            except Paint3DError as error:
+                self._workspace.tell(say_error(error), state="bad", stays=True)
+        if self._feeling is not None or self.desk is not None:
+            self.desk = self._make_desk()
+        self._told = None
 
     def _make_desk(self) -> DeviceHub | None:
-        if self._plugged is None:
+        """A hub for what is there; the object stays where the left hand has it."""
+        settings, before = self._workspace.settings, self.desk
+        if self._plugged is None and self._feeling is None:
             return None
-        actions = self._workspace.settings.buttons
-        return DeviceHub(self._plugged, actions=actions, feedback=self._feedback)
+        feeling = self._feeling
+        desk = DeviceHub(
+            self._plugged or NothingPlugged(),
+            None if before is None else before.hands,
+            actions=settings.buttons,
+            feedback=None if feeling is None else feeling.feedback,
+            stylus_name="" if feeling is None else feeling.name,
+        )
+        desk.set_mouse(MouseSettings.from_words(settings.mouse))
+        return desk
+
+    # -- what is chosen ---------------------------------------------------------------------
+
+    def choose_stylus(self, stylus: str) -> None:
+        """Feel with this one from now on, one of `STYLI`; again, if it was chosen before."""
+        kept = self._workspace.settings.stylus
+        if kept.partition("=")[0] != stylus:  # the place of a library or a service stays
+            self._workspace.keep(stylus=stylus)
+        if self._workspace.stage.easel is not None:
+            self._start_feeling(self._workspace.document)
+            if self._feeling is not None:
+                self._workspace.tell(self._feeling.name, state="good")
+
+    def choose_feel(self, changes: Mapping[str, float]) -> None:
+        """Change what of a haptic stylus is the user's choice: see `Feel`."""
+        self._workspace.keep(feel={**self._workspace.settings.feel, **changes})
+
+    def choose_mouse(self, mouse: MouseSettings) -> None:
+        """Read the 6-DOF mouse so from now on."""
+        self._workspace.keep(mouse=mouse.as_words())
+        if self.desk is not None:
+            self.desk.set_mouse(mouse)
+
+    def choose_button(self, button: int, action: str) -> None:
+        """Let a button of the 6-DOF mouse, from 0, do this; "": nothing."""
+        buttons = {**self._workspace.settings.buttons, button: action}
+        buttons = {number: act for number, act in buttons.items() if act}
+        self._workspace.keep(buttons=buttons)
+        self._show_choices()
+        if self.desk is not None:
+            self.desk.set_actions(buttons)
+
+    # -- calibrating ------------------------------------------------------------------------
+
+    def calibrate(self, width: float, depth: float) -> None:
+        """Have the corners of a sheet touched that is so large, mm; (0, 0) stops it."""
+        self._stop_calibrating()
+        if width <= 0.0:
+            return
+        if self._feeling is None:
+            self._panel.stylus.show_calibrating(say("No stylus is there to calibrate"), False)
+            return
+        self._touches = Touches(sheet_corners(width, depth))
+        self._ask_for_touch("")
+
+    def _stop_calibrating(self) -> None:
+        if self._touches is not None:
+            self._touches = None
+            self._panel.stylus.show_calibrating("", False)
+
+    def _ask_for_touch(self, problem: str) -> None:
+        assert self._touches is not None, "it is being calibrated"
+        n = len(self._touches.touched)
+        asked = say(
+            "Touch the {corner} corner and press the stylus' button", corner=say(_CORNERS[n])
+        )
+        self._panel.stylus.show_calibrating(f"{problem}\n{asked}".strip(), True)
+
+    def _hear_touches(self, samples: list[DeviceSample]) -> None:
+        """Follow a stylus that is calibrated: it paints nothing meanwhile."""
+        touches, feeling = self._touches, self._feeling
+        if touches is None or feeling is None:
+            return
+        frame = feeling.calibration or DeviceCalibration()
+        readings = [
+            StylusReading(
+                one.time_ns, frame.to_device(one.position), one.orientation, None, one.buttons
+            )
+            for one in samples
+        ]
+        try:
+            if not touches.hear(readings):
+                return
+            if not touches.is_done:
+                self._ask_for_touch("")
+                return
+            fitted = touches.fit()
+            keep_calibration(feeling.key, fitted.calibration)
+        except Paint3DError as error:
+            if touches.is_done:
+                self._touches = Touches(touches.points)
+            self._ask_for_touch(say_error(error))
+            return
+        self._touches = None
+        self._start_feeling(self._workspace.document)
+        told = say("Calibrated: {mm:.2f} mm off", mm=fitted.calibration.residual_mm)
+        self._panel.stylus.show_calibrating(told, False)
+
+    # -- tick by tick -----------------------------------------------------------------------
 
     def tick(self) -> None:
         """Take what the devices said; show them now and then."""
         self._ticks += 1
         if self.desk is not None:
             self._take(self.desk)
+            self._tell_end(self.desk)
+        if self._feeling is not None:
+            feel = Feel.from_words(self._workspace.settings.feel)
+            self._feeling.follow(self._workspace.easel.brush, feel)
         if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
             frame = self._workspace.stage.frame
             self._panel.show_desk(self.desk, frame)
@@ -113,7 +263,15 @@ class DeviceInput:
         for command in taken.commands:
             easel.post(command)
         self._carry(taken.object_pose)
-        for part in self._cutter.cut(taken.samples):
+        if self._touches is not None:
+            self._hear_touches(taken.samples)
+            return
+        parts = self._cutter.cut(taken.samples)
+        held = [self._buttons, *(sample.buttons for sample in taken.samples)]
+        self._buttons = held[-1]
+        if not parts and any(now & ~before & DIP for before, now in pairwise(held)):
+            easel.post("dip")  # in a stroke its samples ask for it themselves
+        for part in parts:
             if isinstance(part, str):
                 if part == "begin_stroke":
                     self._workspace.hand.began.emit()
@@ -124,6 +282,15 @@ class DeviceInput:
                 easel.feed(part)
         if taken.samples and not self._cutter.is_down:
             easel.hover(taken.samples[-1])
+
+    def _tell_end(self, desk: DeviceHub) -> None:
+        """Say why the force feedback has ended, once."""
+        if desk.ended is not None and desk.ended != self._told:
+            self._told = desk.ended
+            self._feeling = None
+            self._stop_calibrating()
+            told = say("The stylus pushes no longer: {why}", why=desk.ended)
+            self._workspace.tell(told, state="bad", stays=True)
 
     def _carry(self, pose: ObjectPose) -> None:
         """Turn the view as the left hand turns the object."""
@@ -136,7 +303,7 @@ class DeviceInput:
         axes = matrices_from_quaternions(pose.orientation[None])[0]
         self._panel.show_object(axes)
 
-    def _touches(self, sample: DeviceSample) -> bool:
+    def _is_touching(self, sample: DeviceSample) -> bool:
         """Whether the brush touches: by its force, or by where it is."""
         if sample.pressure is not None:
             return sample.pressure > 0.0
@@ -148,5 +315,9 @@ class DeviceInput:
 
     def close(self) -> None:
         """Let go of the devices."""
+        if not self._closed:
+            self._closed = True
+            for signal, slot in self._heard():
+                signal.disconnect(slot)
         if self.desk is not None:
             self.desk.stop()

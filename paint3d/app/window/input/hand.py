@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ _SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
 _FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
 _FIRST_VIEW = View((0.12, -1.0, 0.62))
 _FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
+_BENDS_PX = 6.0  # a motion that tells whither the tuft is to bend
 _CLOSE = 1.5  # tuft lengths that are seen all round of what is under the pointer
 
 
@@ -61,6 +63,10 @@ class CanvasHand(QtCore.QObject):
         self._place: Touch | None = None
         self._spent = False  # a stroke was taken back whose pen is still down
         self._notches = 0.0
+        self._under: tuple[float, float] | None = None  # where the brush is in a stroke, pixels
+        self._bends_from: tuple[float, float] | None = None  # and since the mouse turns its bend
+        self._bend: AnyArray | None = None  # whither its tip was told to point, object's frame
+        self._aside = (0.0, 0.0)  # pixels from the pointer to the brush that turned in place
         canvas.touched.connect(self.touch)
         canvas.taken_back.connect(self._take_back)
         canvas.resized.connect(self._resized)
@@ -157,9 +163,13 @@ class CanvasHand(QtCore.QObject):
 
     def place(self) -> AnyArray | None:
         """(3,) the place on the object under the pointer, or None."""
-        if self._place is None or self._surface is None:
+        return None if self._place is None else self.place_at(self._place.x, self._place.y)
+
+    def place_at(self, x: float, y: float) -> AnyArray | None:
+        """(3,) the place on the object at a place in the picture (pixels, y down), or None."""
+        if self._surface is None:
             return None
-        ray = navigation.ray_at(self.open_camera, self._place.x, self._place.y, self._size())
+        ray = navigation.ray_at(self.open_camera, x, y, self._size())
         hits = self._surface.cast(ray.origin[None], ray.direction[None])
         return hits.points[0] if hits.hit[0] else None
 
@@ -177,7 +187,7 @@ class CanvasHand(QtCore.QObject):
         if before is not None and self.held & {"size", "force"} and not self.in_stroke:
             self._adjust(touch.x - before.x)
             return
-        event, brush = self._input(touch), easel.brush
+        event, brush = self._input(self._bent(touch)), easel.brush
         if self.in_stroke and touch.down:
             easel.feed(self._open_hand.move(event, brush))
         elif self.in_stroke:
@@ -192,6 +202,32 @@ class CanvasHand(QtCore.QObject):
                 easel.hover(sample)
         if touch.eraser and touch.down and (before is None or not before.down):
             easel.post("rinse")
+
+    def _bent(self, touch: Touch) -> Touch:
+        """The touch under the brush: with Shift the mouse turns the bend, and the brush stays.
+
+        The way that the pointer went meanwhile stays between them until the stroke ends.
+        """
+        if not self.in_stroke:
+            self._under, self._bends_from, self._bend, self._aside = None, None, None, (0.0, 0.0)
+            if not touch.down:
+                return touch
+        x, y = touch.x + self._aside[0], touch.y + self._aside[1]
+        stays = self._under or (x, y)
+        if touch.bends and touch.down:
+            start = self._bends_from = self._bends_from or stays
+            across, down = x - start[0], y - start[1]
+            if math.hypot(across, down) >= _BENDS_PX:
+                right, up, _ = picture_axes(self.open_camera)
+                self._bend = across * right - down * up
+            x, y = stays
+        elif self._bends_from is not None:
+            if touch.down:
+                self._bends_from = self._bend = None
+            self._aside = (stays[0] - touch.x, stays[1] - touch.y)
+            x, y = stays
+        self._under = (x, y)
+        return replace(touch, x=x, y=y)
 
     def _adjust(self, pixels: float) -> None:
         """Change what a held key says by a drag."""
@@ -219,6 +255,7 @@ class CanvasHand(QtCore.QObject):
             wheel=notches,
             harder="harder" in self.held,
             softer="softer" in self.held,
+            bend=self._bend,
         )
 
     def _begin(self, event: PointerInput) -> None:

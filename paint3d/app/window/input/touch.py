@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 from PySide6 import QtCore, QtGui
 
-__all__ = ["Touch", "touch_of_mouse", "touch_of_tablet"]
+__all__ = ["Touch", "pressure_of_contact", "touch_of_mouse", "touch_of_tablet"]
 
 _ERASER = QtGui.QPointingDevice.PointerType.Eraser
+_LEAST_MM, _LIGHT_MM, _FIRM_MM = 2.0, 4.0, 16.0  # across the contact of a fingertip
+_CAN = QtGui.QInputDevice.Capability
 _LEFT = QtCore.Qt.MouseButton.LeftButton
 
 
@@ -24,7 +26,7 @@ class Touch:
     x, y : float
         In the canvas, its pixels as the window system counts them, y down.
     pressure : float or None
-        0 to 1; None from a mouse.
+        0 to 1; None from a mouse, and from a finger on a screen that does not say.
     tilt_x, tilt_y : float
         How far the pen leans to the right and toward the user, rad; 0 upright.
     twist : float
@@ -33,6 +35,8 @@ class Touch:
         Whether it touches: the left button, or the tip.
     eraser : bool
         The other end of the pen.
+    bends : bool
+        Whether Shift is held with a mouse: its motion turns the tuft's bend in place.
     """
 
     time_ns: int
@@ -44,13 +48,43 @@ class Touch:
     twist: float = 0.0
     down: bool = False
     eraser: bool = False
+    bends: bool = False
 
 
 def touch_of_mouse(event: QtGui.QMouseEvent, time_ns: int) -> Touch:
     """What a mouse says."""
     place = event.position()
     down = bool(event.buttons() & _LEFT)
-    return Touch(time_ns, place.x(), place.y(), down=down)
+    bends = bool(event.modifiers() & QtCore.Qt.KeyboardModifier.ShiftModifier)
+    return Touch(time_ns, place.x(), place.y(), down=down, bends=bends)
+
+
+def pressure_of_contact(
+    point: QtGui.QEventPoint, can: QtGui.QInputDevice.Capability, px_per_mm: float
+) -> float | None:
+    """How hard a finger presses, 0 to 1, by how large its contact is.
+
+    Parameters
+    ----------
+    point : QEventPoint
+    can : QInputDevice.Capability
+        What the screen says of fingers.
+    px_per_mm : float
+        Of the picture's pixels.
+
+    Returns
+    -------
+    float or None
+        4 mm across is 0, 16 mm is 1. By the screen's own pressure where it has no size; None where
+        it has neither, or says what no fingertip is.
+    """
+    size = point.ellipseDiameters()
+    across = math.sqrt(max(0.0, size.width() * size.height())) / max(px_per_mm, 1e-6)
+    if can & _CAN.Area and across >= _LEAST_MM:
+        return min(1.0, max(0.02, (across - _LIGHT_MM) / (_FIRM_MM - _LIGHT_MM)))
+    if can & _CAN.Pressure and 0.0 < point.pressure() < 1.0:
+        return float(point.pressure())
+    return None
 
 
 def touch_of_tablet(event: QtGui.QTabletEvent, time_ns: int) -> Touch:

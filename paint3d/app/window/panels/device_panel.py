@@ -11,6 +11,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.devices import DeviceHub, DeviceView
 from paint3d.app.window.keeping_up import keeping_up
+from paint3d.app.window.panels.device_forms import MouseForm, StylusForm
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
 from paint3d.core.types import AnyArray
@@ -97,7 +98,7 @@ class HandsPicture(QtWidgets.QWidget):
 
 
 class DevicePanel(QtWidgets.QWidget):
-    """Both hands, and a line for each device."""
+    """Both hands, a line for each device, and what is chosen for them."""
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -107,10 +108,13 @@ class DevicePanel(QtWidgets.QWidget):
         self.lines.setWordWrap(True)
         self.lines.setTextFormat(QtCore.Qt.TextFormat.PlainText)
         self.lines.setTextInteractionFlags(QtCore.Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.stylus, self.mouse = StylusForm(), MouseForm()
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(10, 6, 10, 8)
         layout.addWidget(self.picture)
         layout.addWidget(self.lines)
+        layout.addWidget(self.stylus)
+        layout.addWidget(self.mouse)
         layout.addStretch(1)
         self.show_desk(None, None)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -18,7 +18,24 @@ __all__ = ["HistoryPanel"]
 
 _ICON = 22
 _SPEEDS = (("¼ x", 0.25), ("½ x", 0.5), ("1 x", 1.0), ("4 x", 4.0), ("16 x", 16.0), ("max", None))
+_EDITS = (
+    ("drag", "Move it on the object"), ("move", "Move it by numbers…"),
+    ("ink", "Paint it in the ink in hand"), ("brush", "Paint it with the brush in hand"),
+    ("time", "Its time…"), ("delete", "Delete it"),
+)  # fmt: skip
+"""What can be done with a stroke, and how the menu says it."""
 _LEAST_MS = 40  # a stroke is shown at least so long
+
+
+class _StrokeList(QtWidgets.QListWidget):
+    """Rows that the right button does not choose: it opens a menu for one."""
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Choose a row, but with the right button."""
+        if event.button() == QtCore.Qt.MouseButton.RightButton:
+            event.accept()
+        else:
+            super().mousePressEvent(event)
 
 
 class HistoryPanel(QtWidgets.QWidget):
@@ -28,6 +45,8 @@ class HistoryPanel(QtWidgets.QWidget):
     -------
     asked : (int, bool)
         The painting is to be shown as it was after so many strokes; only to look at, or to go on.
+    edited : (str, int)
+        What is to be done with a stroke, and its row; see `StrokeEditing.ask`.
     exported : ()
         The strokes are to be saved as a recording.
     told : (str)
@@ -35,6 +54,7 @@ class HistoryPanel(QtWidgets.QWidget):
     """
 
     asked = QtCore.Signal(int, bool)
+    edited = QtCore.Signal(str, int)
     exported = QtCore.Signal()
     told = QtCore.Signal(str)
 
@@ -45,11 +65,13 @@ class HistoryPanel(QtWidgets.QWidget):
         self._strokes: list[Any] = []
         self._wanted: int | None = None  # what was asked for and is not there yet
         self._is_playing = False
-        self.list = QtWidgets.QListWidget()
+        self.list = _StrokeList()
         self.list.setObjectName("strokes")
         self.list.setIconSize(QtCore.QSize(_ICON, _ICON))
         self.list.itemClicked.connect(lambda item: self._chosen(self.list.row(item)))
         self.list.currentRowChanged.connect(self._chosen)
+        self.list.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
+        self.list.customContextMenuRequested.connect(self._show_menu)
         self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.slider.setPageStep(1)
         self.slider.valueChanged.connect(self._go)
@@ -63,6 +85,9 @@ class HistoryPanel(QtWidgets.QWidget):
         self.pace.setCurrentIndex(2)
         self.pace.setToolTip(say("history.speed"))
         self.play = QtWidgets.QPushButton(say("action.replay"))
+        self.edit = QtWidgets.QPushButton(say("Edit"))
+        self.edit.setToolTip(say("Edit the stroke that is chosen; also by the right button"))
+        self.edit.setMenu(self._menu_for(self.edit, self.list.currentRow))
         export = QtWidgets.QPushButton(say("Export…"))
         self.play.clicked.connect(self._play)
         export.clicked.connect(self.exported)
@@ -72,6 +97,7 @@ class HistoryPanel(QtWidgets.QWidget):
         layout.addWidget(self.slider)
         layout.addWidget(self.count)
         row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.edit)
         row.addStretch(1)
         row.addWidget(self.pace)
         row.addWidget(self.play)
@@ -80,6 +106,36 @@ class HistoryPanel(QtWidgets.QWidget):
         self._player = QtCore.QTimer(self)
         self._player.setSingleShot(True)
         self._player.timeout.connect(self._step)
+
+    # -- editing ----------------------------------------------------------------------------
+
+    def _menu_for(self, parent: QtWidgets.QWidget, row: Callable[[], int]) -> QtWidgets.QMenu:
+        """A menu of what can be done with the stroke of a row."""
+        menu = QtWidgets.QMenu(parent)
+        for name, text in _EDITS:
+            if name == "delete":
+                menu.addSeparator()
+            action = menu.addAction(say(text))
+            action.setObjectName(name)
+            action.triggered.connect(lambda _=False, name=name: self._edit(name, row()))
+        return menu
+
+    def _show_menu(self, place: QtCore.QPoint) -> None:
+        item = self.list.itemAt(place)
+        if item is None:
+            return
+        row = self.list.row(item)
+        menu = self._menu_for(self.list, lambda: row)
+        menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
+        menu.popup(self.list.viewport().mapToGlobal(place))
+
+    def _edit(self, what: str, row: int) -> None:
+        """Ask for an edit of the stroke of a row."""
+        self.stop()
+        if 0 <= row < len(self._strokes):
+            self.edited.emit(what, row)
+        else:
+            self.told.emit(say("There is no stroke to edit"))
 
     # -- showing ----------------------------------------------------------------------------
 

@@ -1,0 +1,114 @@
+"""The strokes of a score as a list: number, brush, ink, length, time, and what became of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
+from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
+from paint3d.app.model.score.words import brush_in
+from paint3d.errors import Paint3DError, RecordingError
+from paint3d.pose.brush_pose import brush_poses
+from paint3d.recording.recording import Recording
+from paint3d.recording.score import Score
+from paint3d.recording.score_steps import follow_steps
+
+__all__ = ["ListedStroke", "listed_strokes"]
+
+
+@dataclass(frozen=True)
+class ListedStroke:
+    """A stroke of a score.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    brush, ink : str
+        What it was painted with.
+    length_mm : float
+        Of the way of the brush while it was pressed.
+    seconds : float
+        From the first sample to the last.
+    became : {"there", "undone", "cancelled"}
+    """
+
+    number: int
+    brush: str
+    ink: str
+    length_mm: float
+    seconds: float
+    became: str
+
+
+def listed_strokes(score: Score) -> list[ListedStroke]:
+    """The strokes of a score, in order.
+
+    Raises
+    ------
+    RecordingError
+        If the header names a brush that is not known.
+    """
+    try:
+        brush = brush_in(score.header, DEFAULT_BRUSH)
+    except Paint3DError as cause:
+        raise RecordingError(f"{score.name or 'the score'}: its header: {cause}") from None
+    ink = score.header.get("ink", DEFAULT_INKS[0])
+    begun = {stroke.begin: stroke for stroke in follow_steps(score).strokes}
+    listed = []
+    for k, event in enumerate(score.events):
+        if isinstance(event, Recording) or event.get("refused"):
+            continue
+        if event["do"] == "set_brush":
+            brush = _brush_of(event, brush)
+        elif event["do"] in BRUSH_COMMANDS:
+            asked = [value for key, value in event.items() if key not in ("do", "refused")]
+            brush = brush_after(brush, event["do"], asked)
+        elif event["do"] == "dip":
+            ink = event.get("ink", ink)
+        elif k in begun:
+            stroke = begun[k]
+            parts = score.events[k : stroke.end]
+            whole = [part for part in parts if isinstance(part, Recording)]
+            became = "cancelled" if stroke.is_cancelled else "undone"
+            listed.append(
+                ListedStroke(
+                    stroke.number,
+                    _brush_of(event, brush).name,
+                    _ink_text(event.get("ink", ink)),
+                    sum(map(_length_mm, whole)),
+                    (int(whole[-1].time_ns[-1]) - int(whole[0].time_ns[0])) * 1e-9,
+                    "there" if stroke.is_there else became,
+                )
+            )
+    return listed
+
+
+def _brush_of(line: Mapping[str, Any], brush: Any) -> Any:
+    """The brush that a line says, if it says one that is known."""
+    try:
+        return brush_in(line, "") if "brush" in line else brush
+    except Paint3DError:
+        return brush
+
+
+def _ink_text(ink: str | Mapping[str, float]) -> str:
+    if isinstance(ink, str):
+        return ink
+    if len(ink) == 1:
+        return next(iter(ink))
+    return ",".join(f"{name}:{parts:.3g}" for name, parts in ink.items())
+
+
+def _length_mm(part: Recording) -> float:
+    """How long the way is on which the brush is pressed, in the object's frame."""
+    way = brush_poses(part).way
+    steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    if part.pressure is not None:
+        down = part.pressure > 0.0
+        steps = steps[down[1:] | down[:-1]]
+    return float(steps.sum())

@@ -1,0 +1,1 @@
+"""The hands' devices on the command line: what is opened, calibrated and set."""

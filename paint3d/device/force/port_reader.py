@@ -1,0 +1,100 @@
+"""A stylus with motors that is only read: its port runs in a thread, and is never given a force."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+
+import numpy as np
+
+from paint3d.device.force.force_port import ForcePort
+from paint3d.device.force.haptic_stylus import PoseNumbers
+from paint3d.device.sample import StylusReading
+from paint3d.errors import DeviceError
+
+__all__ = ["PortReader"]
+
+_NOTHING = (0.0, 0.0, 0.0)
+_MOST = 100_000  # readings that wait to be taken: the oldest go
+
+
+class PortReader:
+    """Reads a force port without pushing.
+
+    Parameters
+    ----------
+    port : ForcePort
+    name : str
+        For messages.
+    patience_s : float
+        How long to wait for the first pose; what goes wrong until then is raised.
+
+    Attributes
+    ----------
+    name : str
+    n_refused : int
+        Reports that could not be read.
+
+    Raises
+    ------
+    DeviceError
+        If the port cannot be opened, or stays silent.
+    """
+
+    def __init__(self, port: ForcePort, name: str, patience_s: float = 10.0) -> None:
+        self.name, self.n_refused = name, 0
+        self._port = port
+        self._readings: deque[StylusReading] = deque(maxlen=_MOST)
+        self._spoke, self._stopping = threading.Event(), threading.Event()
+        self._failure: DeviceError | None = None
+        self._thread = threading.Thread(target=self._run, name="stylus", daemon=True)
+        self._thread.start()
+        spoke = self._spoke.wait(patience_s)
+        if self._failure is not None or not spoke:
+            self.stop()
+            raise self._failure or DeviceError(
+                f"{name} said nothing within {patience_s:g} s; expected it to be awake"
+            )
+
+    @property
+    def gone(self) -> str | None:
+        """Why nothing comes any more; None while it is read."""
+        return None if self._failure is None else str(self._failure)
+
+    def take(self) -> list[StylusReading]:
+        """All readings since the last call, oldest first."""
+        return [self._readings.popleft() for _ in range(len(self._readings))]
+
+    def stop(self) -> None:
+        """Stop reading; nothing happens the second time."""
+        self._stopping.set()
+        self._thread.join(timeout=5.0)
+
+    def _run(self) -> None:
+        try:
+            self._port.run(self)
+        except DeviceError as failure:
+            self._failure = failure
+        self._spoke.set()
+
+    # -- what the port calls ----------------------------------------------------------------
+
+    def step(self, pose: PoseNumbers | None, now_ns: int) -> tuple[float, float, float]:
+        """Keep a pose; the force is none."""
+        if pose is not None:
+            at, turned = np.array(pose.position), np.array(pose.orientation)
+            reading = StylusReading(pose.time_ns or now_ns, at, turned, None, pose.buttons)
+            self._readings.append(reading)
+            self._spoke.set()
+        return _NOTHING
+
+    def sent(self) -> None:
+        """The zero has gone out."""
+
+    def refused(self) -> None:
+        """Count a report that could not be read."""
+        self.n_refused += 1
+
+    def stopped(self) -> bool:
+        """Whether the port must end."""
+        return self._stopping.is_set()

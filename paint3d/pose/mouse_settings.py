@@ -1,0 +1,131 @@
+"""How a 6-DOF mouse is read, as a user says it in the panel, the command and the file."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from paint3d.core.arrays import as_number
+from paint3d.device.deflection import DeflectionSettings
+from paint3d.device.six_dof import AXES
+from paint3d.errors import DeviceError
+from paint3d.pose.steering import SteeringOptions
+
+__all__ = ["MODES", "MouseSettings", "parse_axes"]
+
+MODES = ("object", "camera")
+_ZOOMS = ("y", "z")
+
+
+def parse_axes(text: str) -> tuple[str, ...]:
+    """Six axes out of words with commas, such as "x,-z,y,rx,ry,-rz".
+
+    Raises
+    ------
+    DeviceError
+        If one is missing, unknown or said twice.
+    """
+    axes = tuple(part.strip().lower() for part in text.split(","))
+    if sorted(axis.removeprefix("-") for axis in axes) != sorted(AXES):
+        raise DeviceError(
+            f"axes are {text!r:.60}; expected x, y, z, rx, ry and rz once each, in the order of "
+            'the motions that they give, "-" before those to be turned round'
+        )
+    return axes
+
+
+@dataclass(frozen=True, slots=True)
+class MouseSettings:
+    """A user's choices for a 6-DOF mouse.
+
+    Parameters
+    ----------
+    mode : {"object", "camera"}
+        Whether the cap is the object, or the viewer.
+    speed_mm_s, turn_deg_s : float
+        At full deflection; 0 to 5000 and 0 to 2800.
+    dead_zone : float
+        Share of the deflection that counts as rest, 0 to 0.9.
+    curve : float
+        Exponent of the response, 1 to 4.
+    axes : tuple of 6 str
+        Which axis of the cap gives each motion; see `parse_axes`.
+    moving, turning : bool
+        False locks them.
+    dominant_axis : bool
+        Follow only the axis that is deflected farthest.
+    zoom_axis : {"y", "z"}
+        The cap's axis that brings the object nearer.
+
+    Raises
+    ------
+    DeviceError
+        Naming what is out of range.
+    """
+
+    mode: str = "object"
+    speed_mm_s: float = 150.0
+    turn_deg_s: float = math.degrees(1.5)
+    dead_zone: float = 0.05
+    curve: float = 1.6
+    axes: tuple[str, ...] = AXES
+    moving: bool = True
+    turning: bool = True
+    dominant_axis: bool = False
+    zoom_axis: str = "y"
+
+    def __post_init__(self) -> None:
+        for name, known in (("mode", MODES), ("zoom_axis", _ZOOMS)):
+            if getattr(self, name) not in known:
+                got = getattr(self, name)
+                raise DeviceError(f"{name} is {got!r:.40}; expected {' or '.join(known)}")
+        for name, low, high in (
+            ("speed_mm_s", 0.0, 5000.0),
+            ("turn_deg_s", 0.0, 2800.0),
+            ("dead_zone", 0.0, 0.9),
+            ("curve", 1.0, 4.0),
+        ):
+            as_number(getattr(self, name), name, low, high, DeviceError)
+        for name in ("moving", "turning", "dominant_axis"):
+            if not isinstance(getattr(self, name), bool):
+                got = getattr(self, name)
+                raise DeviceError(f"{name} is {got!r:.40}; expected true or false")
+        object.__setattr__(self, "axes", parse_axes(",".join(map(str, self.axes))))
+
+    @classmethod
+    def from_words(cls, words: Mapping[str, Any]) -> MouseSettings:
+        """Choices out of a file; what it does not know it passes over.
+
+        Raises
+        ------
+        DeviceError
+            See the class.
+        """
+        known = {own.name for own in dataclasses.fields(cls)}
+        return cls(**{name: value for name, value in words.items() if name in known})
+
+    def as_words(self) -> dict[str, Any]:
+        """Everything, ready for a file."""
+        return {**dataclasses.asdict(self), "axes": list(self.axes)}
+
+    def steering(self) -> SteeringOptions:
+        """For what turns deflections to motion."""
+        return SteeringOptions(
+            mode=self.mode,
+            speed_mm_s=self.speed_mm_s,
+            turn_rad_s=math.radians(self.turn_deg_s),
+            order=tuple(AXES.index(axis.removeprefix("-")) for axis in self.axes),
+            inverted=tuple(axis.startswith("-") for axis in self.axes),
+            moving=self.moving,
+            turning=self.turning,
+            dominant_axis=self.dominant_axis,
+            zoom_axis=self.zoom_axis,
+        )
+
+    def deflection(self, before: DeflectionSettings | None = None) -> DeflectionSettings:
+        """For what reads the cap; where it rests stays as it was."""
+        before = before or DeflectionSettings()
+        return dataclasses.replace(before, dead_zone=self.dead_zone, curve=self.curve)

@@ -1,0 +1,201 @@
+"""Touching known points with a stylus: which readings count, and what frame follows of them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.core.arrays import as_array, as_number
+from paint3d.core.types import AnyArray
+from paint3d.device.sample import StylusReading
+from paint3d.errors import DeviceError
+from paint3d.pose.calibration import DeviceCalibration, fit_calibration
+
+__all__ = ["SHEET_MM", "Fitted", "Touches", "sheet_corners"]
+
+SHEET_MM = (210.0, 148.0)
+"""A sheet of A5 across: how wide and how deep, mm."""
+
+_HELD_NS = 60_000_000  # over which a touch is taken
+_STILL_MM = 3.0
+_LEAST_APART_MM = 10.0
+_LEAST_WIDE_MM = 5.0  # root mean square, across the line that is nearest to the points
+_LEAST_SHARE = 0.1  # of their spread along it
+_MOST_LEFT = 0.05  # of the greatest distance between points: more is a touch in the wrong place
+_KEPT = 4096
+
+
+def sheet_corners(width: float = SHEET_MM[0], depth: float = SHEET_MM[1]) -> NDArray[np.float64]:
+    """(4, 3) the corners of a sheet on the table, mm: near left, near right, far right, far left.
+
+    The world's origin lies in its middle, x to the right, y away, z up.
+    """
+    x = 0.5 * as_number(width, "width of the sheet (mm)", 20.0, 2000.0, DeviceError)
+    y = 0.5 * as_number(depth, "depth of the sheet (mm)", 20.0, 2000.0, DeviceError)
+    return np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """What touches gave.
+
+    Attributes
+    ----------
+    calibration : DeviceCalibration
+        Its `residual_mm` is the root mean square of `errors_mm`.
+    errors_mm : (N,) float64
+        How far each touch lies from its point.
+    """
+
+    calibration: DeviceCalibration
+    errors_mm: NDArray[np.float64]
+
+
+class Touches:
+    """Points that are to be touched one after the other.
+
+    Parameters
+    ----------
+    points : (N, 3) array_like
+        In the world, mm, at least 3 that are not on a line.
+
+    Attributes
+    ----------
+    points : (N, 3) float64
+    touched : list of (3,) float64
+        In the device's frame, mm.
+
+    Raises
+    ------
+    DeviceError
+        If the points are too few, or give no frame.
+    """
+
+    def __init__(self, points: ArrayLike) -> None:
+        self.points = as_array(points, "points", (None, 3), error=DeviceError)
+        if len(self.points) < 3:
+            raise DeviceError(f"{len(self.points)} points to touch; expected at least 3")
+        _check_spread(self.points, "points to touch")
+        self.touched: list[AnyArray] = []
+        self._recent: deque[StylusReading] = deque(maxlen=_KEPT)
+        self._buttons: int | None = None
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all have been touched."""
+        return len(self.touched) == len(self.points)
+
+    def hear(self, readings: Iterable[StylusReading]) -> bool:
+        """Follow the stylus, in its own frame; whether a button that went down touched a point.
+
+        Raises
+        ------
+        DeviceError
+            See `touch`: the point is still to be touched.
+        """
+        touched = False
+        for reading in readings:
+            self._recent.append(reading)
+            while self._recent[0].time_ns < reading.time_ns - _HELD_NS:
+                self._recent.popleft()
+            before, self._buttons = self._buttons, reading.buttons
+            if before is not None and reading.buttons & ~before and not self.is_done:
+                self.touch()
+                touched = True
+        return touched
+
+    def touch(self) -> None:
+        """Take where the stylus is for the next point.
+
+        Raises
+        ------
+        DeviceError
+            If nothing was heard of it, or it was not held still.
+        """
+        if not self._recent:
+            raise DeviceError("nothing was heard of the stylus; expected it to be awake")
+        places = np.array([reading.position for reading in self._recent])
+        middle = np.median(places, axis=0)
+        moved = float(np.linalg.norm(places - middle, axis=1).max())
+        if moved > _STILL_MM:
+            raise DeviceError(
+                f"the stylus moved by {moved:.1f} mm while point {len(self.touched) + 1} was "
+                f"touched; expected it to be held within {_STILL_MM:g} mm for {_HELD_NS / 1e9:g} s"
+            )
+        self.touched.append(middle)
+        self._recent.clear()
+
+    def fit(self, *, scaled: bool = False) -> Fitted:
+        """The device's place in the world that follows.
+
+        Parameters
+        ----------
+        scaled : bool
+            Whether the device may be larger or smaller than the world.
+
+        Raises
+        ------
+        DeviceError
+            If touches are missing, too near to each other or to one line, or do not fit their
+            points: by how much.
+        """
+        if not self.is_done:
+            raise DeviceError(
+                f"{len(self.touched)} of {len(self.points)} points were touched; expected all"
+            )
+        device = np.array(self.touched)
+        _check_spread(device, "touches")
+        if not scaled:
+            _check_distances(device, self.points)
+        calibration = fit_calibration(device, self.points, scaled=scaled)
+        errors = np.linalg.norm(calibration.to_world(device) - self.points, axis=1)
+        most = _MOST_LEFT * _greatest_distance(self.points)
+        if errors.max() > most:
+            told = ", ".join(f"{error:.1f}" for error in errors)
+            raise DeviceError(
+                f"the touches lie {told} mm off their points; expected at most {most:.1f} mm: were "
+                "they touched in the order that was asked for, and are the points as far apart as "
+                "was said?"
+            )
+        return Fitted(calibration, errors)
+
+
+def _check_spread(points: AnyArray, what: str) -> None:
+    """Refuse points that lie together or on one line, with numbers."""
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    apart[np.diag_indices(len(points))] = np.inf
+    i, j = np.unravel_index(np.argmin(apart), apart.shape)
+    if apart[i, j] < _LEAST_APART_MM:
+        raise DeviceError(
+            f"{what} {min(i, j) + 1} and {max(i, j) + 1} lie {apart[i, j]:.2f} mm apart; "
+            f"expected at least {_LEAST_APART_MM:g}"
+        )
+    spread = np.linalg.svd(points - points.mean(axis=0))[1] / np.sqrt(len(points))
+    least = max(_LEAST_WIDE_MM, _LEAST_SHARE * float(spread[0]))
+    if spread[1] < least:
+        raise DeviceError(
+            f"the {what} lie within {spread[1]:.2f} mm of one line, along which they spread "
+            f"{spread[0]:.1f} mm; expected at least {least:.1f} across it"
+        )
+
+
+def _check_distances(device: AnyArray, world: AnyArray) -> None:
+    """Refuse touches whose distances are not those of their points, whatever the frame."""
+    between = [np.linalg.norm(p[:, None] - p[None], axis=2) for p in (device, world)]
+    off = np.abs(between[0] - between[1])
+    i, j = np.unravel_index(np.argmax(off), off.shape)
+    most = _MOST_LEFT * _greatest_distance(world)
+    if off[i, j] > most:
+        raise DeviceError(
+            f"touches {min(i, j) + 1} and {max(i, j) + 1} lie {between[0][i, j]:.1f} mm apart, "
+            f"their points {between[1][i, j]:.1f}; expected within {most:.1f}: were they touched "
+            "in the order that was asked for, and is the sheet as large as was said?"
+        )
+
+
+def _greatest_distance(points: AnyArray) -> float:
+    return float(np.linalg.norm(points[:, None] - points[None], axis=2).max())

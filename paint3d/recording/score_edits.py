@@ -1,0 +1,342 @@
+"""Edits of a whole painting afterwards: a stroke in the middle deleted, moved, in another ink.
+
+Every function takes a score and gives a new one; what comes after the stroke stays as it was asked
+for, and is painted anew when the score is played. Strokes count from 1, as `Score.strokes` has
+them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paint3d.device.recorded import Recording
+from paint3d.errors import InputError, RecordingError
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.recording.score import Event, Score, joined_parts
+from paint3d.recording.score_moves import carried
+from paint3d.recording.score_schema import check_command
+from paint3d.recording.score_steps import ScoreSteps, ScoreStroke, stroke_of
+
+__all__ = [
+    "EDITS",
+    "change_brush",
+    "change_ink",
+    "delete_stroke",
+    "edit_stroke",
+    "move_stroke",
+    "retime_stroke",
+]
+
+_PIECE_S = 0.05  # of the ink's time beside a hand
+_SHORTEST, _LONGEST = 1e-3, 1e3  # that a stroke becomes of its length
+Words = dict[str, Any]
+
+
+def delete_stroke(score: Score, number: int) -> Score:
+    """Take a stroke out, as if it had never been painted.
+
+    With it go the time that passed during it, and the undos and redos that were for it. A brush
+    that was dipped in another ink during it stays dipped.
+
+    Raises
+    ------
+    RecordingError
+        If there is no such stroke.
+    """
+    stroke, steps = stroke_of(score, number)
+    events: list[Event] = []
+    for k, event in enumerate(score.events):
+        if stroke.begin <= k < stroke.end:
+            events += _left_of(k, event, stroke, number < len(steps.strokes))
+        elif k in steps.moved and not isinstance(event, Recording):
+            events += _way_without(k, event, stroke, steps)
+        else:
+            events.append(event)
+    return _with_events(score, events)
+
+
+def _left_of(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[Event]:
+    """What stays of an event of a stroke that is deleted."""
+    if isinstance(event, Recording):
+        return []
+    if k == stroke.begin and stroke.began_anew:  # a stroke of nothing forgets as it did
+        return [event, {"do": "end_stroke"}]
+    return [event] if goes_on and event["do"] == "dip" and "ink" in event else []
+
+
+def _way_without(
+    k: int, event: Mapping[str, Any], stroke: ScoreStroke, steps: ScoreSteps
+) -> list[Event]:
+    """A way back or forth without a stroke."""
+    if event["do"] == "replay_history":
+        left = sum(one is not stroke for one in steps.left[k])
+        return [{**event, "upto": left}] if not event.get("refused") else [event]
+    moved = steps.moved[k]
+    idle = k > stroke.begin and not moved and event["do"] == "redo"
+    return [] if idle or any(step is stroke for step in moved) else [event]
+
+
+def move_stroke(
+    score: Score,
+    number: int,
+    mesh: TriangleMesh | ClosestPoints,
+    along: tuple[float, float] = (0.0, 0.0),
+    turn_deg: float = 0.0,
+    to: ArrayLike | None = None,
+) -> Score:
+    """Carry a stroke along the surface; see `score_moves.carried`.
+
+    Parameters
+    ----------
+    score : Score
+    number : int
+    mesh : TriangleMesh or ClosestPoints
+        The object that it is painted on.
+    along : (float, float)
+        mm: on a lying surface along x and y, on a standing one to the right and upwards.
+    turn_deg : float
+        About the surface's normal, counter-clockwise for who looks at it.
+    to : (3,) or (2, 3), optional
+        Where its middle comes to, in the object's frame, mm, or where a place comes to at which it
+        is taken hold of; before `along`.
+
+    Raises
+    ------
+    RecordingError
+        If there is no such stroke, or it would come to lie beyond an edge of the object.
+    """
+    stroke, _ = stroke_of(score, number)
+    events = list(score.events)
+    places = [k for k in range(stroke.begin, stroke.end) if isinstance(events[k], Recording)]
+    parts = [event for event in events[stroke.begin : stroke.end] if isinstance(event, Recording)]
+    try:
+        moved = carried(parts, mesh, along, turn_deg, to)
+    except RecordingError as cause:
+        raise RecordingError(f"stroke {number}: {cause}") from None
+    for k, part in zip(places, moved, strict=True):
+        events[k] = part
+    return _with_events(score, events)
+
+
+def change_ink(
+    score: Score,
+    number: int,
+    ink: str | Mapping[str, float],
+    pigments: Mapping[str, Any] | None = None,
+) -> Score:
+    """Paint a stroke in another ink: of as much as the brush holds, which it holds of its own then.
+
+    Parameters
+    ----------
+    score : Score
+    number : int
+    ink : str or mapping
+        A name of the palette or of the header's pigments, or the parts of several.
+    pigments : mapping, optional
+        Properties of inks that are no palette's, as a header says them.
+
+    Raises
+    ------
+    RecordingError
+        If there is no such stroke, or this is no ink.
+    """
+    said = ink if isinstance(ink, str) else dict(ink)
+    changed = _begun_with(score, number, {"ink": said})
+    if not pigments:
+        return changed
+    known = {**changed.header.get("pigments", {}), **pigments}
+    return replace(changed, header={**changed.header, "pigments": known})
+
+
+def change_brush(score: Score, number: int, brush: str | Mapping[str, Any]) -> Score:
+    """Paint a stroke with another brush, dipped in the same ink; the own one waits meanwhile.
+
+    Parameters
+    ----------
+    score : Score
+    number : int
+    brush : str or mapping
+        A preset's name, or all parameters of a brush.
+
+    Raises
+    ------
+    RecordingError
+        If there is no such stroke, or this is no brush.
+    """
+    said = brush if isinstance(brush, str) else dict(brush)
+    return _begun_with(score, number, {"brush": said})
+
+
+def _begun_with(score: Score, number: int, words: Words) -> Score:
+    stroke, _ = stroke_of(score, number)
+    events = list(score.events)
+    begin = events[stroke.begin]
+    assert not isinstance(begin, Recording), "a stroke begins with a command"
+    events[stroke.begin] = changed = {**begin, **words}
+    try:
+        check_command(changed)
+    except RecordingError as cause:
+        raise RecordingError(f"stroke {number}: {cause}") from None
+    return _with_events(score, events)
+
+
+def retime_stroke(
+    score: Score,
+    number: int,
+    factor: float = 1.0,
+    *,
+    seconds: float | None = None,
+    shift_s: float = 0.0,
+) -> Score:
+    """Let a stroke take another time, or begin earlier or later.
+
+    Where ink runs meanwhile, its time in the stroke becomes longer or shorter with it, in pieces
+    as they were; a shift takes from the pause on one side and gives to that on the other.
+
+    Parameters
+    ----------
+    score : Score
+    number : int
+    factor : float
+        How many times as long as it was.
+    seconds : float, optional
+        How long, instead.
+    shift_s : float
+        How much later it begins, s.
+
+    Raises
+    ------
+    RecordingError
+        If there is no such stroke, the time is out of range, or there is no pause to move it in.
+    """
+    stroke, _ = stroke_of(score, number)
+    events = list(score.events)
+    own = events[stroke.begin : stroke.end]
+    parts = [event for event in own if isinstance(event, Recording)]
+    first, last = int(parts[0].time_ns[0]), int(parts[-1].time_ns[-1])
+    if seconds is not None:
+        if last == first:
+            raise RecordingError(f"stroke {number} is one sample; expected several to give it time")
+        factor = seconds / ((last - first) * 1e-9)
+    if not _SHORTEST <= factor <= _LONGEST:
+        raise RecordingError(
+            f"stroke {number} would take {factor:.4g} times its time; "
+            f"expected {_SHORTEST:g} to {_LONGEST:g}"
+        )
+    try:
+        own = _stretched(own, first, factor, round(1e9 * shift_s))
+    except RecordingError:
+        raise RecordingError(
+            f"stroke {number} would have two samples at one time with a factor of {factor:.4g}"
+        ) from None
+    begin = own[0]
+    if shift_s and isinstance(begin, Mapping) and "time_s" in begin:
+        own[0] = {**begin, "time_s": max(0.0, begin["time_s"] + shift_s)}
+    before, after = events[: stroke.begin], events[stroke.end :]
+    if shift_s and any(not isinstance(e, Recording) and _is_time(e) for e in events):
+        pieces = round(shift_s / _PIECE_S)
+        _give_time(before, pieces, len(before), number)
+        _give_time(after, -pieces, 0, number)
+    return _with_events(score, [*before, *own, *after])
+
+
+def _is_time(event: Event) -> bool:
+    return not isinstance(event, Recording) and event["do"] == "follow_time"
+
+
+def _stretched(own: Sequence[Event], first: int, factor: float, shift: int) -> list[Event]:
+    """The events of a stroke in another time: of samples, and of the ink between them."""
+    stretched: list[Event] = []
+    passed, given = 0, 0
+    for event in own:
+        if isinstance(event, Recording):
+            since = event.time_ns - first
+            times = first + shift + np.rint(since * factor).astype(np.int64)
+            stretched.append(replace(event, time_ns=times))
+        elif _is_time(event):
+            passed += event.get("times", 1)
+            pieces = int(np.floor(passed * factor + 0.5)) - given
+            given += pieces
+            if pieces:
+                stretched.append({**event, "times": pieces})
+        else:
+            stretched.append(event)
+    return joined_parts(stretched)
+
+
+def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
+    """Let so many more pieces of time pass beside a stroke (less below 0), at one end of events."""
+    wanted, step = abs(pieces) * _PIECE_S, -1 if at else 1
+    k = at + (step if at else 0)
+    while pieces < 0 and 0 <= k < len(events):
+        event = events[k]
+        if isinstance(event, Recording) or event["do"] in ("begin_stroke", "end_stroke"):
+            break
+        if _is_time(event):
+            taken = min(-pieces, event.get("times", 1))
+            events[k] = {**event, "times": event.get("times", 1) - taken}
+            pieces += taken
+        k += step
+    if pieces < 0 and 0 <= k < len(events):
+        side = "earlier: the pause before it" if at else "later: the pause after it"
+        raise RecordingError(
+            f"stroke {number} cannot begin {wanted:.2f} s {side} is "
+            f"{wanted + pieces * _PIECE_S:.2f} s; expected a shift within it"
+        )
+    if pieces > 0:
+        events.insert(at, {"do": "follow_time", "seconds": _PIECE_S, "times": pieces})
+    events[:] = [e for e in events if isinstance(e, Recording) or e.get("times", 1) > 0]
+
+
+def _with_events(score: Score, events: Sequence[Event]) -> Score:
+    return replace(score, events=tuple(events), lines=())
+
+
+# -- an edit as words -------------------------------------------------------------------------
+
+
+def edit_stroke(
+    score: Score, number: int, edit: Mapping[str, Any], mesh: TriangleMesh | ClosestPoints
+) -> Score:
+    """Do an edit that is said in words: ``{"do": "move", "along": [5, 0], "turn_deg": 30}``.
+
+    Parameters
+    ----------
+    score : Score
+    number : int
+    edit : mapping
+        ``do``: one of "delete", "move", "ink", "brush", "time"; and what the function takes.
+    mesh : TriangleMesh or ClosestPoints
+        The object, for strokes that are moved.
+
+    Raises
+    ------
+    InputError
+        If there is no such edit, or it takes something else.
+    RecordingError
+        See the functions.
+    """
+    words = {key: value for key, value in edit.items() if key != "do"}
+    if edit.get("do") not in EDITS:
+        raise InputError(f"edit is {edit.get('do')!r:.40}; expected one of {', '.join(EDITS)}")
+    if edit["do"] == "move":
+        words["mesh"] = mesh
+    try:
+        return EDITS[edit["do"]](score, number, **words)
+    except TypeError:
+        raise InputError(f"{edit['do']} does not take {', '.join(words)!r:.80}") from None
+
+
+EDITS: Mapping[str, Callable[..., Score]] = {
+    "delete": delete_stroke,
+    "move": move_stroke,
+    "ink": change_ink,
+    "brush": change_brush,
+    "time": retime_stroke,
+}

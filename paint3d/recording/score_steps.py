@@ -1,0 +1,189 @@
+"""What becomes of the strokes of a score: which are there at its end, and what undo takes back.
+
+A step is what one undo takes back: a stroke, drying, a layer that comes, goes or moves. Who takes a
+stroke out of the middle of a score must know which of the undos and redos after it were for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from paint3d.errors import RecordingError
+from paint3d.recording.recording import Recording
+from paint3d.recording.score import Score
+
+__all__ = ["ScoreSteps", "ScoreStroke", "follow_steps", "stroke_of"]
+
+_LAYERS = frozenset({"add_layer", "remove_layer", "move_layer"})
+_WAYS = frozenset({"undo", "redo", "replay_history"})
+
+
+@dataclass(eq=False)
+class ScoreStroke:
+    """A stroke with samples in a score.
+
+    Attributes
+    ----------
+    number : int
+        From 1; as `Score.strokes` has them.
+    begin, end : int
+        Its first event, and the one after its last.
+    is_there : bool
+        Whether it is painted at the end.
+    is_cancelled : bool
+        Whether it was taken back before it ended.
+    began_anew : bool
+        Whether what had been undone was done again, or could no longer be, when it began.
+    """
+
+    number: int
+    begin: int
+    end: int = 0
+    is_there: bool = True
+    is_cancelled: bool = False
+    began_anew: bool = False
+    has_samples: bool = False
+
+
+@dataclass(eq=False)
+class ScoreSteps:
+    """What `follow_steps` finds.
+
+    Attributes
+    ----------
+    strokes : list of ScoreStroke
+    done, undone : list of ScoreStroke
+        Those that are there at the end, and those that could be done again, the next one first.
+    moved : dict
+        For each event that goes back or forth, the steps that it takes back or does again: strokes,
+        and None for others.
+    left : dict
+        For each of these, the strokes that are there after it.
+    """
+
+    strokes: list[ScoreStroke] = field(default_factory=list)
+    done: list[ScoreStroke] = field(default_factory=list)
+    undone: list[ScoreStroke] = field(default_factory=list)
+    moved: dict[int, list[ScoreStroke | None]] = field(default_factory=dict)
+    left: dict[int, list[ScoreStroke]] = field(default_factory=dict)
+
+
+class _Follower:
+    """A history without a painting."""
+
+    def __init__(self) -> None:
+        self.strokes: list[ScoreStroke] = []
+        self.done: list[ScoreStroke | None] = []
+        self.undone: list[ScoreStroke | None] = []
+        self.current: ScoreStroke | None = None
+        self.passing = False
+
+    def command(self, k: int, line: Mapping[str, Any]) -> list[ScoreStroke | None]:
+        """Do what a line says; the steps that it takes back or does again."""
+        name, refused = line["do"], bool(line.get("refused"))
+        if name == "begin_stroke":
+            self._begin(k, refused)
+        elif name in ("end_stroke", "cancel_stroke"):
+            self._end(k + 1, cancelled=name == "cancel_stroke")
+        elif name == "dry" and self.current is None:
+            self._come_back()
+            if not refused:
+                self._step(None)
+        elif name in _LAYERS and self.current is None and not self.passing:
+            self._step(None)
+        elif name in _WAYS:
+            self._end(k)
+            self.passing = name == "replay_history" and bool(line.get("passing"))
+            if name == "replay_history":
+                return self._go_to(line["upto"]) if not refused else []
+            return self._back() if name == "undo" else self._forth()
+        return []
+
+    def _begin(self, k: int, refused: bool) -> None:
+        if self.current is not None:
+            return
+        anew = self.passing or bool(self.undone)
+        self._come_back()
+        if refused:
+            return
+        self.current = ScoreStroke(0, k, began_anew=anew)
+        self._step(self.current)
+
+    def _step(self, step: ScoreStroke | None) -> None:
+        self.undone.clear()
+        self.done.append(step)
+
+    def _end(self, k: int, cancelled: bool = False) -> None:
+        stroke, self.current = self.current, None
+        if stroke is None:
+            return
+        stroke.end, stroke.is_cancelled = k, cancelled
+        if cancelled or not stroke.has_samples:
+            self.done.pop()
+        if stroke.has_samples:
+            self.strokes.append(stroke)
+            stroke.number = len(self.strokes)
+
+    def _come_back(self) -> None:
+        if self.passing:
+            self.passing = False
+            self._go_to(len(self.there()) + sum(step is not None for step in self.undone))
+
+    def there(self) -> list[ScoreStroke]:
+        return [step for step in self.done if step is not None]
+
+    def _back(self) -> list[ScoreStroke | None]:
+        if not self.done:
+            return []
+        self.undone.append(self.done.pop())
+        return [self.undone[-1]]
+
+    def _forth(self) -> list[ScoreStroke | None]:
+        if not self.undone:
+            return []
+        self.done.append(self.undone.pop())
+        return [self.done[-1]]
+
+    def _go_to(self, upto: int) -> list[ScoreStroke | None]:
+        moved: list[ScoreStroke | None] = []
+        while len(self.there()) > upto and self.done:
+            moved += self._back()
+        while self.undone and (len(self.there()) < upto or self.undone[-1] is None):
+            moved += self._forth()
+        return moved
+
+
+def follow_steps(score: Score) -> ScoreSteps:
+    """Follow what a score does and takes back, without painting it."""
+    follower, found = _Follower(), ScoreSteps()
+    for k, event in enumerate(score.events):
+        if isinstance(event, Recording):
+            if follower.current is not None:
+                follower.current.has_samples = True
+            continue
+        moved = follower.command(k, event)
+        if event["do"] in _WAYS:
+            found.moved[k], found.left[k] = moved, follower.there()
+    follower._end(len(score.events))
+    found.strokes, found.done = follower.strokes, follower.there()
+    found.undone = [step for step in reversed(follower.undone) if step is not None]
+    for stroke in found.strokes:
+        stroke.is_there = any(stroke is other for other in found.done)
+    return found
+
+
+def stroke_of(score: Score, number: int) -> tuple[ScoreStroke, ScoreSteps]:
+    """A stroke by its number, and all others.
+
+    Raises
+    ------
+    RecordingError
+        If there is none of this number.
+    """
+    steps = follow_steps(score)
+    if not 1 <= number <= len(steps.strokes):
+        some = f"1 to {len(steps.strokes)}" if steps.strokes else "none: it has no strokes"
+        raise RecordingError(f"{score.name or 'the score'}: stroke {number}; expected {some}")
+    return steps.strokes[number - 1], steps

@@ -1,0 +1,299 @@
+"""Styli that push back, chosen by a word: each paints in the window, and is felt as its brush."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from paint3d.app.model.input.devices import NothingPlugged
+from paint3d.app.model.input.plugging import Feeling, start_feeling
+from paint3d.app.model.persistence.calibrations import kept_calibration
+from paint3d.app.model.persistence.settings import Settings, load_settings
+from paint3d.app.window.studio import StudioWindow
+from paint3d.brush.presets import load_brush
+from paint3d.device.force import haptic_stylus
+from paint3d.device.sample import DIP, StylusReading
+from paint3d.haptics.feel import Feel
+from paint3d.haptics.settings import DeviceLimits, HapticSettings
+from paint3d.pose.mouse_settings import MouseSettings
+from tests.support.app.gestures import live, wait_for
+from tests.support.app.windows import close_unasked
+from tests.support.force_model import ForceModel
+from tests.support.plugged import device
+from tests.support.styli import Inverse3StandIn, OpenHapticsStandIn
+
+DEEP = 6.0  # mm
+LIFTED = 80.0
+BRUSH = load_brush("full")
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+SHEET = ((-105.0, -74.0), (105.0, -74.0), (105.0, 74.0), (-105.0, 74.0))
+
+
+@pytest.fixture(params=[OpenHapticsStandIn, Inverse3StandIn])
+def stylus(request, tmp_path, monkeypatch):
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
+    stylus = request.param(tmp_path)
+    for name, value in stylus.environment.items():
+        monkeypatch.setenv(name, value)
+    stylus.hold(0.0, 0.0, LIFTED)
+    yield stylus
+    stylus.close()
+
+
+@pytest.fixture
+def window(program, stylus):
+    settings = Settings(stylus=stylus.choice)
+    window = StudioWindow(program, settings, feel=start_feeling)
+    window.show()
+    window.workspace.quiet = True
+    assert window.opening.open_path("plane", 1.5, "porcelain", asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
+    yield window
+    close_unasked(window)
+
+
+def done(window) -> None:
+    """Wait until what was asked for is painted: a stylus that is held is never still."""
+    window.stage.easel.post(lambda document: None).result(300)
+    live(0.1)
+
+
+def paint_a_line(window, stylus, at=(0.0, 0.0)) -> np.ndarray:
+    """Go from 15 mm to the left of a place to 15 mm to the right: the vertices that are inked."""
+    n = len(window.document.strokes)
+    z = window.document.painter.brush.length_mm - DEEP
+    stylus.hold(at[0] - 15.0, at[1], LIFTED)
+    live(0.1)
+    for x in np.linspace(-15.0, 15.0, 40):
+        stylus.hold(at[0] + x, at[1], z)
+        live(0.01)
+    stylus.hold(at[0] + 15.0, at[1], LIFTED)
+    wait_for(lambda: len(window.document.strokes) == n + 1)
+    done(window)
+    surface = window.document.surface
+    return surface.paint_mesh.vertices[np.flatnonzero(surface.painted)]
+
+
+def is_pushed_back(stylus, x: float, y: float, z: float) -> bool:
+    """Whether it is told to push upwards when it is pressed down from above."""
+    stylus.hold(x, y, LIFTED)  # after a pause of the machine it is felt again when it was lifted
+    live(0.2)
+    stylus.hold(x, y, z)
+    live(0.5)
+    return bool(stylus.force()[2] > 0.02)
+
+
+def test_it_paints_under_its_place_and_is_felt_as_the_brush_in_the_hand(window, stylus) -> None:
+    places = paint_a_line(window, stylus)
+    assert abs(np.median(places[:, 1])) < 1.0
+    assert np.ptp(places[:, 0]) > 30.0
+    assert window.panels.devices.stylus.kind.currentData() == stylus.choice.partition("=")[0]
+    wait_for(lambda: is_pushed_back(stylus, 0.0, 40.0, BRUSH.length_mm - DEEP))
+    stylus.hold(0.0, 40.0, LIFTED)
+    wait_for(lambda: not stylus.force().any())
+
+
+class Law(NothingPlugged):
+    """Stands in for a servo: tells the force of its settings, 6 mm deep in the tree's surface."""
+
+    last_force = np.zeros(3)
+
+    def __init__(self, tree, settings) -> None:
+        super().__init__()
+        self.tree, self.settings = tree, settings
+
+        self.readings: list[StylusReading] = []
+        self.clicks = 0
+
+    def take(self) -> list[StylusReading]:
+        taken, self.readings = self.readings, []
+        return taken
+
+    def click(self) -> None:
+        self.clicks += 1
+
+    def publish(self, object_pose=None) -> None:
+        assert object_pose is not None
+
+    def is_running(self) -> bool:
+        return True
+
+    def felt(self) -> float:
+        model = ForceModel(self.tree, self.settings, awake=True)
+        for _ in range(60):
+            step = model.step([0.0, 0.0, self.settings.length - DEEP])
+        return float(step.force[2])
+
+
+def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
+    limits, laws = DeviceLimits(5.0, 0.6), []
+
+    def feel(document, settings):
+        brush = Feel.from_words(settings.feel).settings(document.painter.brush, limits)
+        laws.append(Law(document.surface.contact_tree, brush))
+        return Feeling(laws[-1], limits=limits)
+
+    window = StudioWindow(program, Settings(), feel=feel)
+    window.workspace.quiet = True
+    assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    for name in ("full", "gongbi", "dakai", "full"):
+        window.workspace.post("set_brush", name)
+        done(window)
+        brush = load_brush(name)
+        spring = min(HapticSettings.for_brush(brush, limits).spring, limits.max_stiffness)
+        wanted = spring * DEEP
+        wait_for(lambda wanted=wanted: abs(laws[-1].felt() - wanted) < 0.01 * wanted, 30.0)
+    window.panels.devices.stylus.limit.setValue(0.5)
+    wait_for(lambda: abs(laws[-1].felt() - 0.5) < 1e-6, 30.0)
+    assert window.workspace.settings.feel["limit_n"] == 0.5
+    window.workspace.post("wipe")
+    done(window)
+    empty = window.document.surface.ink.load.sum()
+    for buttons in (0, DIP, DIP, 0):  # the stylus' own button, while it is lifted
+        now, lifted = time.monotonic_ns(), np.array([0.0, 0.0, LIFTED])
+        laws[-1].readings.append(StylusReading(now, lifted, UPRIGHT, None, buttons))
+        live(0.1)
+    wait_for(lambda: window.document.surface.ink.load.sum() > empty, 30.0)
+    assert laws[-1].clicks == 1
+    assert not window.document.strokes
+    close_unasked(window)
+
+
+def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, stylus) -> None:
+    """The sheet lies 20 mm to the right of where the device has its middle, and 5 mm lower."""
+    form = window.panels.devices.stylus
+    form.calibrate.click()
+    for x, y in SHEET:
+        said = form.told.text()
+        assert "corner" in said
+        for buttons in (0, 1, 0):
+            stylus.hold(x + 20.0, y, -5.0, buttons)
+            live(0.2)
+        wait_for(lambda said=said: form.told.text() != said)
+    assert "0.0" in form.told.text()
+    assert not window.document.strokes  # touching paints nothing
+    feeling = window.both_hands.feeling
+    middle = kept_calibration(feeling.key).to_world(np.zeros(3))
+    assert np.allclose(feeling.calibration.to_world(np.zeros(3)), middle)
+    assert np.allclose(middle, [-20.0, 0.0, 5.0], atol=0.01)
+    stylus.hold(20.0, 0.0, LIFTED)
+    wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
+
+
+def test_what_is_missing_is_said(window) -> None:
+    form = window.panels.devices.stylus
+    form.kind.setCurrentIndex(form.kind.findData("hid"))
+    form.kind.activated.emit(form.kind.currentIndex())
+    assert "f055:4a50" in window.status.told.text()
+    assert window.workspace.settings.stylus == "hid"
+    assert window.both_hands.feeling is None
+    form.calibrate.click()
+    assert "No stylus" in form.told.text()
+
+
+class Caps(NothingPlugged):
+    """Notes how caps are to be read."""
+
+    read = None
+
+    def read_caps(self, deflection) -> None:
+        self.read = deflection
+
+
+def test_the_panel_sets_the_mouse_and_what_it_says_is_kept(program, tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    caps = Caps()
+    window = StudioWindow(program, Settings(), plugged=caps)
+    form, hands = window.panels.devices.mouse, window.both_hands.desk.hands
+
+    def pick(box, value) -> None:
+        box.setCurrentIndex(box.findData(value))
+        box.activated.emit(box.currentIndex())
+
+    form.speed.setValue(300.0)
+    form.turn.setValue(45.0)
+    form.dead_zone.setValue(20.0)
+    form.curve.setValue(2.0)
+    form.turning.setChecked(False)
+    form.dominant.setChecked(True)
+    pick(form.mode, "camera")
+    pick(form.zoom, "z")
+    pick(form.axes[0], "-y")
+    form.button.setValue(3)
+    pick(form.action, "toggle_camera")
+    steering = hands.steering
+    assert (steering.speed_mm_s, steering.mode, steering.zoom_axis) == (300.0, "camera", "z")
+    assert steering.turn_rad_s == pytest.approx(np.radians(45.0))
+    assert (steering.turning, steering.moving, steering.dominant_axis) == (False, True, True)
+    assert steering.order == (1, 0, 2, 3, 4, 5)  # the motion that had y has x now
+    assert steering.inverted == (True, False, False, False, False, False)
+    assert (caps.read.dead_zone, caps.read.curve) == (0.2, 2.0)
+    kept = load_settings()[0]
+    assert MouseSettings.from_words(kept.mouse).steering() == steering
+    assert kept.buttons[2] == "toggle_camera"
+    again = StudioWindow(program, kept, plugged=Caps())
+    assert again.panels.devices.mouse.axes[0].currentData() == "-y"
+    assert again.both_hands.desk.hands.steering == steering
+    close_unasked(window)
+    close_unasked(again)
+
+
+HID_STUDIO = """
+import json, sys
+sys.path.insert(0, ROOT)
+
+def main():
+    import numpy as np
+    from paint3d.app.model.input.plugging import plug_in_mice, start_feeling
+    from paint3d.app.model.persistence.settings import Settings, load_settings
+    from paint3d.app.window.start import make_program
+    from paint3d.app.window.studio import StudioWindow
+    from tests.support.app.gestures import wait_for
+    from tests.support.app.windows import close_unasked
+
+    settings = Settings(stylus="hid")
+    window = StudioWindow(make_program(), settings, plugged=plug_in_mice(), feel=start_feeling)
+    window.show()
+    assert window.opening.open_path("plane", 1.5, "porcelain", asked=True)
+    wait_for(lambda: len(window.document.strokes) == 1, 120.0)
+    window.stage.easel.post(lambda document: None).result(120)
+    surface = window.document.surface
+    places = surface.paint_mesh.vertices[np.flatnonzero(surface.painted)]
+    print(json.dumps({"y": float(np.median(places[:, 1])), "wide": float(np.ptp(places[:, 0])),
+                      "views": [view.kind for view in window.both_hands.desk.views()]}))
+    close_unasked(window)
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def test_the_hid_stylus_paints_in_the_window_under_the_real_hidapi(
+    plugged, screen, tmp_path
+) -> None:
+    assert screen
+    upright, z = [1.0, 0.0, 0.0, 0.0], BRUSH.length_mm - DEEP
+    places = [(-15.0, 20.0, LIFTED)] * 40
+    places += [(x, 20.0, z) for x in np.linspace(-15.0, 15.0, 100)]
+    places += [(15.0, 20.0, LIFTED)] * 40
+    script = [
+        [0.008, "send", haptic_stylus.encode_pose(place, upright, 0, k).hex()]
+        for k, place in enumerate(places)
+    ]
+    ids = haptic_stylus.VENDOR_ID, haptic_stylus.PRODUCT_ID
+    program = tmp_path / "hid_studio.py"
+    program.write_text(HID_STUDIO.replace("ROOT", repr(str(Path(__file__).parents[2]))))
+    code = f"import runpy, sys; sys.argv = [{str(program)!r}]; runpy.run_path({str(program)!r}, "
+    said = plugged(
+        [device(*ids, "haptic stylus", haptic_stylus.DESCRIPTOR, script)],
+        code + "run_name='__main__')",
+    ).said
+    assert abs(said["y"] - 20.0) < 1.0
+    assert said["wide"] > 30.0
+    assert said["views"] == ["stylus"]
