@@ -32,9 +32,11 @@ from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
     "PAINTED",
+    "Deposit",
     "contact_level",
     "held_ink",
     "landing_share",
+    "leave_from_reservoirs",
     "level_reservoirs",
     "mean_pressure",
     "note_covered",
@@ -201,7 +203,7 @@ def _reservoir(before, after, field, v, reach, last):
     return min(max(behind / reach - 0.5, 0.0), np.float64(last))
 
 
-class _Deposit(NamedTuple):
+class Deposit(NamedTuple):
     """What a brush gives on its way from one stamp to the next, coats x mm2."""
 
     released: float  # what leaves it
@@ -210,7 +212,7 @@ class _Deposit(NamedTuple):
 
 
 @kernel(error_model="numpy")
-def _leave_from_reservoirs(before, after, deposit, found, n, field, ink, taken):
+def leave_from_reservoirs(before, after, deposit, found, n, field, ink, taken):
     """Leave what lands of a deposit on the vertices found, each from the reservoirs that touch it.
 
     The rest of it runs off; `taken` (P,) that the brush took up meanwhile goes to where it touches.
@@ -357,8 +359,8 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if level_shares(before, after, level, ink.transfer[0].grain, field, n, scratch):
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
-        deposit = _Deposit(released, landing, weighed)
-        _leave_from_reservoirs(before, after, deposit, found, n, field, ink, scratch.taken)
+        deposit = Deposit(released, landing, weighed)
+        leave_from_reservoirs(before, after, deposit, found, n, field, ink, scratch.taken)
     elif total > 0.0:
         for p in range(ink.load.shape[0]):
             part = ink.load[p] / total

@@ -10,7 +10,15 @@ import sys
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from paint3d.cli.options import MATERIALS, add_quiet_option, check_output_folder, parse_hairs
+from paint3d.cli.options import (
+    DIPS,
+    MATERIALS,
+    add_dip_option,
+    add_quiet_option,
+    add_spread_option,
+    check_output_folder,
+    parse_hairs,
+)
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.replay import PaintOptions, paint, prepare
 from paint3d.cli.results import timed, write_report, write_results
@@ -48,6 +56,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"of the bowl: {', '.join(MATERIALS)}, or a file of your own "
         f"(default: {MATERIALS[0]})",
     )
+    add_dip_option(parser)
+    add_spread_option(parser)
     add_quiet_option(parser)
 
 
@@ -69,6 +79,8 @@ def run(options: argparse.Namespace) -> None:
     if not options.quiet:
         sys.stdout.write(f"painting the bowl, into {options.out}\n")
         sys.stdout.flush()
+    from paint3d.brush.presets import load_brush
+    from paint3d.calligraphy.dips import dipped_as
     from paint3d.files.load import load_mesh  # after something was said
     from paint3d.recording.recording import load_recording
 
@@ -81,9 +93,12 @@ def run(options: argparse.Namespace) -> None:
     wanted = PaintOptions(
         resolution_mm=_RESOLUTION_MM,
         quiet=options.quiet,
+        spread_s=options.spread,
         hairs=options.hairs,
         material=options.material,
     )
+    brush = load_brush(str(recording.header["brush"]))
+    recording = dipped_as(recording, brush, options.dip or DIPS)
     seconds: dict[str, float] = {}
     painting = paint(prepare(mesh, wanted, seconds), recording, wanted, seconds)
     written = [options.out / name for name in _FILES]

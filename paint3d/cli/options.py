@@ -11,11 +11,14 @@ from pathlib import Path
 from paint3d.errors import ExportError
 
 __all__ = [
+    "DIPS",
+    "add_dip_option",
     "add_force_option",
     "add_ink_options",
     "add_on_and_out",
     "add_painting_options",
     "add_quiet_option",
+    "add_spread_option",
     "add_surface_options",
     "add_up_option",
     "check_output_file",
@@ -38,6 +41,7 @@ MATERIALS = (  # known before NumPy is
 )  # fmt: skip
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
 _MOST_HAIRS = 10_000  # as `brush.bristle_spec.MOST_HAIRS`, known here before NumPy is loaded
+DIPS = "auto"  # of texts
 TIP_REACH = 0.35  # as in the studio
 _FINEST_MM, _COARSEST_MM = 0.005, 1e6  # that `PaintedSurface` takes, known here before NumPy is
 
@@ -94,6 +98,19 @@ def parse_hairs(text: str) -> int:
 def parse_share(text: str) -> float:
     """A share from the command line, above 0 to 1."""
     return parse_number(text, "a share", "above 0 to 1", lambda n: 0.0 < n <= 1.0)
+
+
+def _parse_dips(text: str) -> str | int:
+    """When the brush is dipped: ``auto``, ``always``, or before every so many characters."""
+    if text in ("auto", "always"):
+        return text
+    count = text.removeprefix("every").strip()
+    if not (count.isascii() and count.isdigit() and len(count) < 6 and int(count) > 0):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not when to dip; expected auto, always, or a count of characters such as "
+            "3 or 'every 3'"
+        )
+    return int(count)
 
 
 def _parse_rate(text: str) -> float:
@@ -231,11 +248,28 @@ def add_ink_options(parser: argparse.ArgumentParser, ink: str) -> None:
         help="share of the wet ink below it that the brush takes up per mm of travel; .05 is a "
         "thirsty brush (default: 0, it stays clean)",
     )
+    add_spread_option(parser)
+
+
+def add_spread_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--spread``."""
     parser.add_argument(
         "--spread",
         metavar="S",
         type=parse_seconds,
         help="let the ink spread and dry while it is painted, and S seconds more",
+    )
+
+
+def add_dip_option(parser: argparse.ArgumentParser, default: str = DIPS) -> None:
+    """Add ``--dip``; `default` says what None stands for."""
+    parser.add_argument(
+        "--dip",
+        metavar="'every N'|auto|always",
+        type=_parse_dips,
+        help="when the brush is dipped: before every N-th character; auto: where it would run dry "
+        "within the next, about every fourth; always: fully, before each of them (default: "
+        f"{default})",
     )
 
 

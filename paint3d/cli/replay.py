@@ -238,12 +238,21 @@ def paint(
         If the brush, the ink or a sample cannot be used.
     """
     from paint3d.painter.painter import Painter
+    from paint3d.painter.recorded_tools import recorded_amount
 
     brush = _brush(recording, wanted.brush)
     ink = _ink(recording, wanted.ink)
     with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
         azimuth = recording.header["azimuth"]
-        painter = Painter(surface, brush, ink, azimuth, wanted.pickup, wanted.hairs)
+        painter = Painter(
+            surface,
+            brush,
+            ink,
+            azimuth,
+            wanted.pickup,
+            wanted.hairs,
+            recorded_amount(recording.header),
+        )
         tip, reach = _tip(recording, wanted)
         if tip is not None:
             painter.dip(tip, reach)

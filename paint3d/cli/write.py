@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING
 from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
+    DIPS,
+    add_dip_option,
     add_force_option,
     add_on_and_out,
     add_painting_options,
@@ -62,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_on_and_out(parser)
     _add_writing_options(parser)
     add_painting_options(parser, brush="one that suits the size", ink=DEFAULT_INK)
+    add_dip_option(parser, f"{DIPS}; of drawings always")
     parser.add_argument(
         "--recording", metavar="FILE", type=Path, help="also write the way of the hand"
     )
@@ -128,6 +132,7 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
+    from paint3d.calligraphy.dips import dipped_as
     from paint3d.recording.recording import save_recording
 
     _check_files(options)
@@ -146,25 +151,25 @@ def run(options: argparse.Namespace) -> None:
     surface = prepare(mesh, wanted, seconds)
     with timed(seconds, "plan"):
         written = _plan(options, mesh, write, pen, source)
-    laid = written.recording
-    watch = None if film is None else film.of_recording(surface, laid, wanted.spread_s)
-    painting = paint(surface, laid, wanted, seconds, watch)
-    header = written.recording.header
+        dips = options.dip or (DIPS if options.text is not None else "always")
+        recording = dipped_as(written.recording, pen.brush, dips)
+        written = replace(written, recording=recording)
+    watch = None if film is None else film.of_recording(surface, recording, wanted.spread_s)
+    painting = paint(surface, recording, wanted, seconds, watch)
+    header = recording.header
     told = {key: header[key] for key in ("glyphs", "source") if key in header}
     painting.counts.update(told, characters=written.characters)
     with timed(painting.seconds, "export"):
         if as_outlines:
             with ProgressBar("writing", enabled=not options.quiet):
-                export_outlines(
-                    mesh, written.recording, pen.brush, options.ink or DEFAULT_INK, options.out
-                )
+                export_outlines(mesh, recording, pen.brush, options.ink or DEFAULT_INK, options.out)
         else:
             write_result(painting, options.out, quiet=options.quiet)
         if watch is not None:
             watch.write()
     if options.recording is not None:
         with ProgressBar("writing", enabled=not options.quiet) as progress:
-            save_recording(written.recording, options.recording, progress)
+            save_recording(recording, options.recording, progress)
     if options.save_strokes is not None:
         save_written(written, options.save_strokes)
     if options.report is not None:

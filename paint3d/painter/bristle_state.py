@@ -56,16 +56,19 @@ class HairTuft:
         self.memory[:WAY] = 0.0
         self.memory[SPLIT] = 0.0
 
-    def dip(self, load: AnyArray, reach: float = 1.0) -> AnyArray:
-        """Let every hair hold its share of `load` (P,) up to `reach` of its length.
+    def dip(self, held: AnyArray, full: float, reach: float = 1.0) -> None:
+        """Let the tuft hold `held` (P,), after a dip of so much of every hair's length.
 
-        Above that it keeps what it held; either part mixes along the hair. Returns the sum (P,).
+        Up to there a hair is full as `full` fills the tuft, coats x mm2; above that it keeps what
+        it held. Which inks lie where along them, the surface's reservoirs say.
         """
-        self._fit(len(load))
+        self._fit(len(held))
         self.memory[WAY:] = 0.0
-        self.load *= 1.0 - reach
-        self.load += reach * load / len(self.load)
-        return self.held()
+        if reach >= 1.0:
+            self.load[:] = held / len(self.load)
+            return
+        own = (1.0 - reach) * self.load.sum(axis=1) + reach * full / len(self.load)
+        self.load[:] = own[:, None] * held / max(own.sum(), 1e-300)
 
     def held(self) -> AnyArray:
         """Ink in all hairs (P,)."""

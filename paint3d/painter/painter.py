@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.brush.bending import tuft_on
 from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.dynamics import build_curves
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
@@ -38,6 +39,7 @@ from paint3d.brush_engine.stroke_loop import (
     make_progress,
     paint_samples,
 )
+from paint3d.brush_engine.tuft import Tuft
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
@@ -80,11 +82,15 @@ class Painter:
         (0.05 is a thirsty brush); 0: it stays clean. None: as before, 0 on a new surface.
     hairs : int or BristleSpec, optional
         Paint with so many single hairs, or with these; 0 for a solid tuft. None: as the brush is.
+    amount : DipAmount, optional
+        How much ink a dip takes up; by default what the brush's preset says.
 
     Attributes
     ----------
     tuft : Tuft
-        The brush as it bends, and gives ink on this surface.
+        The brush as it bends, and gives ink on this surface, wetted as it is.
+    amount : DipAmount
+        How much ink a dip takes up.
     curves : Curves
         What drives it while it paints.
     hairs : HairTuft or None
@@ -108,12 +114,14 @@ class Painter:
         azimuth: str = "commanded",
         pickup: float | None = None,
         hairs: int | BristleSpec | None = None,
+        amount: DipAmount | None = None,
     ) -> None:
         if azimuth not in ("commanded", "dragged"):
             raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
         self.surface = surface
         self.brush = load_brush(brush) if isinstance(brush, str) else brush
-        self.tuft = tuft_on(self.brush, surface.material)
+        self.amount = amount or DipAmount()
+        self.tuft = self._dipped_tuft(self.brush)
         self.curves = build_curves(self.brush.inputs)
         self._wanted_hairs = hairs
         self.hairs = self._make_hairs()
@@ -137,7 +145,12 @@ class Painter:
 
     # -- the brush --------------------------------------------------------------------------
 
-    def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
+    def dip(
+        self,
+        ink: Ink | None = None,
+        reach: float | None = None,
+        amount: DipAmount | None = None,
+    ) -> None:
         """Rinse the brush and load it fully with `ink` (None: the same again, tip and belly).
 
         Parameters
@@ -147,14 +160,22 @@ class Painter:
             the same in words, ``"pine soot:0.2,water:0.8"`` or ``"light"``; see `load_ink`.
         reach : float, optional
             Dip only so much of the tuft's length, from the tip, 0 to 1; the rest keeps what it
-            holds: first the belly in light ink, then the tip in dark. In a tuft of single hairs
-            both mix along every hair. A whole dip also brings these to a point.
+            holds: first the belly in light ink, then the tip in dark. A whole dip also brings
+            single hairs to a point.
+        amount : DipAmount, optional
+            How much ink the brush takes up, now and at the dips after; None: as at the dip before.
 
         Raises
         ------
         InputError
-            If a part is not a number above 0, or the reach is not between 0 and 1.
+            If a part is not a number above 0, the reach is not between 0 and 1, or there is an
+            amount for the tip alone.
         """
+        if amount is not None:
+            if reach is not None:
+                raise InputError("an amount is said with a reach; expected it for a whole dip")
+            self.amount = amount
+            self.tuft = self._dipped_tuft(self.brush)
         if ink is None and reach is None and len(self._dips) > 1:
             for again in self._dips:
                 self.dip(*again)
@@ -163,13 +184,16 @@ class Painter:
         parts = self._mixture(ink)
         share = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
         if self.hairs is not None:
-            self._hold(self.hairs.dip(parts * self.tuft.load, share))
-            if reach is None:
-                self.hairs.shape()
-        elif reach is not None:
+            self.hairs.hold(self.surface.ink.load)
+        if reach is not None:
             self._dip_tip(parts, share)
         else:
             self._hold(parts * self.tuft.load)
+        if self.hairs is not None:
+            self.hairs.dip(self.surface.ink.load, self.tuft.load, share)
+            self.surface.ink.load[:] = self.hairs.held()
+            if reach is None:
+                self.hairs.shape()
         deeper = () if reach is None else (d for d in self._dips if d[1] is None or d[1] > share)
         self._dips = (*deeper, (ink, None if reach is None else share))
         self._dipped = ink
@@ -203,13 +227,13 @@ class Painter:
         """
         share = as_number(share, "share", 0.0, 1.0)
         ink = self.surface.ink
-        if self.hairs is not None:
-            self.hairs.hold(ink.load * (1.0 - share))
-            self._hold(self.hairs.held())
-        elif len(ink.reservoirs) > 1:
+        if len(ink.reservoirs) > 1:
             self._hold_along(ink.reservoirs * (1.0 - share))
         else:
             self._hold(ink.load * (1.0 - share))
+        if self.hairs is not None:
+            self.hairs.hold(self.surface.ink.load)
+            self.surface.ink.load[:] = self.hairs.held()
 
     def recolour(self, ink: Ink) -> None:
         """Let what the brush holds be another ink, as much of it as there is, hair by hair.
@@ -242,11 +266,15 @@ class Painter:
             For a brush that is not known, or cannot be bent.
         """
         brush = load_brush(brush) if isinstance(brush, str) else brush
-        self.tuft = tuft_on(brush, self.surface.material)
+        self.tuft = self._dipped_tuft(brush)
         self.brush = brush
         self.curves = build_curves(brush.inputs)
         self.hairs = self._make_hairs()
         self.dip(self._dipped)
+
+    def _dipped_tuft(self, brush: BrushSpec) -> Tuft:
+        """A brush on this surface, with the ink of a dip."""
+        return self.amount.of_tuft(tuft_on(brush, self.surface.material))
 
     def _make_hairs(self) -> HairTuft | None:
         wanted = self._wanted_hairs
@@ -277,7 +305,7 @@ class Painter:
 
     def keep(self) -> dict[str, object]:
         """What `restore` takes: all that is remembered between strokes, apart from the surface."""
-        names = ("brush", "tuft", "loaded", "ink", "_dipped", "_dips", "hairs", "curves")
+        names = ("brush", "tuft", "amount", "loaded", "ink", "_dipped", "_dips", "hairs", "curves")
         kept = {name: getattr(self, name) for name in names}
         return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigment import Pigment
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.arrays import as_number
-from paint3d.errors import BrushError, PigmentError, RecordingError, UnknownNameError
+from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
 
-__all__ = ["TIP_REACH", "recorded_brush", "recorded_ink", "recorded_tip"]
+__all__ = ["TIP_REACH", "recorded_amount", "recorded_brush", "recorded_ink", "recorded_tip"]
 
 TIP_REACH = 0.35  # of the tuft's length that a tip is dipped, where nothing is said
 
@@ -70,6 +71,20 @@ def recorded_tip(header: Mapping[str, Any]) -> tuple[dict[Pigment, float], float
     try:
         return load_ink(name, own_tables=False), reach
     except PigmentError as cause:
+        raise RecordingError(f"the header: {cause}") from None
+
+
+def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
+    """How much ink a recording's dips take up; what the brush's preset says where it says nothing.
+
+    Raises
+    ------
+    RecordingError
+        If it is no amount.
+    """
+    try:
+        return DipAmount.of(header.get("dip", {}))
+    except InputError as cause:
         raise RecordingError(f"the header: {cause}") from None
 
 

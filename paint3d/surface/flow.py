@@ -41,6 +41,7 @@ _LONGEST_STEP = 20.0  # s
 _SHORTEST = 0.05  # s: no step in which much moves is cut to less
 _MOST, _MEAN = 0.3, 0.01  # of the pores' depth: the changes a step of our own choosing aims at
 _EASE = 2.5  # times as much beside a hand
+_CARE = 0.15  # of it where time is asked for: then the outcome is within 1 %, whatever the steps
 _GROWTH = 1.5
 _UNLIKE = 1.15  # times as long as a neighbour's may a block's steps be
 _REST = 60.0  # s: steps while nothing moves but air
@@ -149,7 +150,7 @@ class Flow:
     def advance(self, seconds: float, step: float | None, fresh: AnyArray) -> None:
         """Let time pass; `fresh` (N,) int32 are vertices whose ink may have changed since."""
         patch = self._patch
-        self._ease = 1.0
+        self._ease = _CARE
         self._take_up(fresh)
         left = seconds
         longest = np.inf if step is None else step

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from paint3d.colour.materials import WET_COAT_MM
 from paint3d.colour.pigments import WATER
 from paint3d.core.types import AnyArray
+from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.grain import fill_grain
@@ -20,6 +21,12 @@ __all__ = ["FIRST_PACE", "WetPatch"]
 _GRAIN_MM = 1.2  # bumps of the paper that ink runs around
 _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
 _GRAIN_OF_WAYS = 2.0  # of the conductance
+_FIBRES_OF_PORES = 0.4  # less of the residual on a fibre, per unit of the grain
+_FIBRES_OF_WAYS = 1.4  # logarithm of the conductance there
+_UNDER_FIBRES = 0.35  # of the bumps that are left where there are fibres
+_FIBRE_MM = 0.3  # width of the bundles of fibres that are seen
+_SHEET_MM = 0.12  # pores that are no deeper are those of a sheet, which is felted of fibres
+_SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, from which on fibres fade, and at which none are
 _KEPT = ("water", "inside", "soaked", "pigment")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
@@ -331,8 +338,12 @@ class WetPatch:
         drink, points = self.material, self.graph.points[nodes]
         height = np.empty(len(points))
         fill_grain(points, _GRAIN_MM, height)
-        bump = drink.grain * (2.0 * height - 1.0)
+        bump, fibres = drink.grain * (2.0 * height - 1.0), self._find_fibres(points)
+        if fibres is not None:
+            bump *= _UNDER_FIBRES
         relief = _GRAIN_OF_PORES * bump
+        if fibres is not None:
+            relief -= _FIBRES_OF_PORES * drink.grain * fibres
         residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
         strength = drink.pores_mm * drink.spread_mm2_s * (1.0 - residual) / 3.0
         held = drink.pores_mm * np.maximum(residual, drink.advance * (1.0 + relief))
@@ -340,4 +351,16 @@ class WetPatch:
         s = np.minimum(1.0, s / (1.0 - residual))
         self.residual[nodes], self.strength[nodes], self.held[nodes] = residual, strength, held
         self.dry_entry[nodes] = self.entry[nodes] = strength * s**3
-        self.ways[nodes] = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
+        ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
+        if fibres is not None:
+            ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres)
+        self.ways[nodes] = ways
+
+    def _find_fibres(self, points: AnyArray) -> AnyArray | None:
+        """How far points (N, 3) lie on fibres of the sheet; None of what has none that show."""
+        spacing = float(self._store.paint_mesh.arrays.resolution)
+        fade, gone = _SHOWN
+        if not 0.0 < self.material.pores_mm <= _SHEET_MM or spacing >= gone:
+            return None
+        relief = fibre_relief(points, max(_FIBRE_MM, spacing))
+        return relief * min(1.0, (gone - spacing) / (gone - fade))

@@ -7,6 +7,7 @@ flowers        ink flowers and a branch on a vase wrapped in xuan, tip dark and 
 wet_in_wet     drops into wet washes, on xuan, and the same on paint that has dried
 feathering     the same strokes on raw xuan, on bisque and on glaze, a minute later
 vermilion      four characters in cinnabar on a bowl of dried soot
+petals         tip dark in a light belly: petals by one side-laid stroke each, solid and with hairs
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import paint3d
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.quaternion import quaternions_from_matrices
@@ -236,7 +238,33 @@ def vermilion(folder: Path) -> None:
     draw(surface, folder / "vermilion.png")
 
 
-SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion)}
+def petals(folder: Path) -> None:
+    """Two petals and a leaf of bamboo by one stroke each: by a solid tuft, and by 1,000 hairs."""
+    mesh = sheet(150.0, 56.0)
+    surface, chart = PaintedSurface(mesh, 0.2, "xuan"), sheet_chart(mesh)
+    t = np.linspace(0.0, 1.0, 40)
+    press = 0.5 * np.sin(np.pi * t) ** 0.6
+    some = DipAmount(fullness=0.12)  # wiped on the dish: what is full paints black all over
+    for x, hairs in ((-37.0, 0), (37.0, 1_000)):
+        painter = Painter(surface, "full", "clear", hairs=hairs, amount=some)
+        for at, belly, tip in (
+            (-23.0, {"carmine": 0.04, "water": 0.96}, {"carmine": 0.8, "water": 0.2}),
+            (2.0, "clear", "thick"),
+        ):
+            turn = np.radians(115.0 - 50.0 * t)
+            out = np.column_stack([np.cos(turn), np.sin(turn)])
+            painter.dip(belly)
+            painter.dip(tip, reach=0.3)
+            way = np.array([x + at, -16.0]) + out * 14.0
+            painter.replay(stroke(chart, way, press, turn))
+        painter.dip("clear")
+        painter.dip("thick", reach=0.3)
+        way = np.column_stack([x + 20.0 + 4.0 * np.sin(np.pi * t), 20.0 - 40.0 * t])
+        painter.replay(stroke(chart, way, 0.6 * press, 0.0 * t))
+    draw(surface, folder / "petals.png", (1500, 560))
+
+
+SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion, petals)}
 
 
 def main() -> None:

@@ -11,7 +11,9 @@ from PIL import Image, ImageDraw
 
 import paint3d
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import choose_brush, load_brush
+from paint3d.calligraphy.dips import dipped_as
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.kanjivg import load_lines
 from paint3d.calligraphy.kanjivg_folder import find_kanjivg
@@ -172,7 +174,23 @@ def stacked(pictures: list[Image.Image]) -> Image.Image:
     return sheet
 
 
+def draw_dips(file: Path, glyphs: Path) -> None:
+    """A column in full black, dipped as a writer would, and so with single hairs."""
+    text, em = "春眠不覚暁", 20.0
+    pen = Pen(load_brush(choose_brush(em)), em)
+    told = write_text(load_mesh("plane"), text, open_glyphs(None), pen, Layout())
+    dipped = dipped_as(told.recording, pen.brush, "auto")
+    columns = []
+    for recording, hairs in ((told.recording, 0), (dipped, 0), (dipped, 1000)):
+        surface = PaintedSurface(load_mesh("plane"), resolution=0.1, material="xuan")
+        amount = DipAmount.of(recording.header.get("dip", {}))
+        Painter(surface, pen.brush, hairs=hairs, amount=amount).replay(recording)
+        columns.append(seen_from_above(surface, (-12, -52, 12, 52), 320))
+    beside(columns).save(file)
+
+
 PICTURES = {
+    "dips.png": draw_dips,
     "techniques.png": draw_techniques,
     "centre_lines.png": draw_centre_lines,
     "objects.png": draw_objects,

@@ -32,6 +32,7 @@ HEADERS = (
     {"brush": "slender", "ink": "cinnabar", "azimuth": "dragged"},
     {"brush": "feibai", "ink": "pine soot", "parts": {"pine soot": 0.3, "water": 0.7}},
     {"brush": "full", "ink": "water", "tip": "indigo", "reach": 0.4},
+    {"brush": "zhongkai", "ink": "indigo", "dip": {"wetted": 0.02, "fullness": 1.5}},
 )
 
 

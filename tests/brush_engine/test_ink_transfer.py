@@ -100,12 +100,12 @@ def test_pick_up_conserves_at_any_rate_and_reading(pickup):
 
 
 def test_stirred_ink_and_water():
-    dark, light = Painter(surface()), Painter(surface(), ink={"pine soot": 0.2, "water": 0.8})
-    assert light.loaded == pytest.approx(0.2 * dark.loaded)
+    dark, light = Painter(surface()), Painter(surface(), ink={"pine soot": 0.08, "water": 0.92})
+    assert light.loaded == pytest.approx(0.08 * dark.loaded)
     assert light.ink.name == "pine soot"
     dark.replay(stroke())
     light.replay(stroke())
-    assert balanced(light)["wet"] == pytest.approx(0.2 * balanced(dark)["wet"], rel=1e-5)
+    assert balanced(light)["wet"] == pytest.approx(0.08 * balanced(dark)["wet"], rel=1e-5)
     covered = light.surface.coverage == 1.0
     assert light.surface.srgb[covered].mean() > dark.surface.srgb[covered].mean() + 20
     light.surface.dry()
@@ -136,6 +136,46 @@ def test_tip_dark_belly_light():
     plain = Painter(surface())
     plain.replay(stroke(along=(0.0, 1.0, 0.0)))
     np.testing.assert_allclose(total, plain.surface.amounts[full, 0], rtol=2e-3)
+
+
+@pytest.mark.parametrize("hairs", [200, 1000])
+def test_tip_dark_belly_light_with_hairs(hairs):
+    """Each hair holds its inks along its length: one side-laid stroke goes from dark to light."""
+    ratios = []
+    for n in (0, hairs):
+        painter = Painter(surface(), ink={"pine soot": 0.1, "water": 0.9}, hairs=n)
+        painter.dip("pine soot", reach=0.2)
+        painter.replay(stroke(along=(0.0, 1.0, 0.0)))
+        balanced(painter)
+        points = painter.surface.paint_mesh.vertices
+        full = (np.abs(points[:, 0]) < 6.0) & (painter.surface.coverage > 0.95)
+        low, high = points[full, 1].min(), points[full, 1].max()
+        soot = painter.surface.amounts[:, painter.surface.column_of(load_pigment("pine soot"))]
+        total = painter.surface.amounts.sum(axis=1)
+        shares = []
+        for y in (low + 1.0, high - 1.0):
+            row = full & (np.abs(points[:, 1] - y) < 0.8)
+            shares.append(soot[row].sum() / total[row].sum())
+        ratios.append(max(shares) / min(shares))
+        if n:
+            held = painter.hairs.load
+            np.testing.assert_allclose(painter.hairs.held(), painter.surface.ink.load)
+            np.testing.assert_allclose(
+                held / held.sum(axis=1, keepdims=True),
+                np.tile(painter.hairs.held() / held.sum(), (n, 1)),
+            )
+    assert ratios[0] > 1.5
+    assert ratios[1] == pytest.approx(ratios[0], rel=0.25)
+
+
+def test_a_tip_is_dipped_in_a_brush_that_was_rinsed():
+    painter = Painter(surface(), ink="pine soot", hairs=100)
+    painter.rinse()
+    painter.dip("cinnabar", reach=0.25)
+    held = painter.surface.ink.load
+    assert held[painter.surface.column_of(load_pigment("pine soot"))] == 0.0
+    assert painter.in_brush() == pytest.approx(0.25 * painter.tuft.load)
+    balanced(painter)
 
 
 def test_reservoirs_that_are_alike_paint_like_one():

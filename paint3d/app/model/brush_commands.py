@@ -7,6 +7,7 @@ from typing import Any
 
 from paint3d.app.model.brush_size import resized, scaled, stepped
 from paint3d.app.model.persistence.brush_words import brush_from_words
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
@@ -89,9 +90,17 @@ class BrushCommands:
         """Share of the wet ink under the brush that it takes up per mm of way at full pressure."""
         return float(self.surface.ink.transfer["pickup"].item())
 
-    def dip(self, ink: Ink | None = None, reach: float | None = None) -> None:
-        """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is."""
-        self.painter.dip(ink, reach)
+    def dip(
+        self,
+        ink: Ink | None = None,
+        reach: float | None = None,
+        amount: Mapping[str, float] | None = None,
+    ) -> None:
+        """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is.
+
+        `amount` is what `DipAmount.words` gives.
+        """
+        self.painter.dip(ink, reach, None if amount is None else DipAmount.of(amount))
         self._dipped = True
         if ink is not None:
             self.inks[0] = ink

@@ -299,6 +299,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditC
         settings["azimuth"] = self.painter.azimuth
         settings["hairs"] = hair_words(self.painter)
         settings["dipped"] = weights_of(self.painter.dipped)
+        settings["amount"] = self.painter.amount.words()
         settings["dips"] = [[weights_of(ink), reach] for ink, reach in self.painter.dips]
         settings["fresh"] = self._dipped
         if not self.surface.keeps_up:

@@ -75,14 +75,15 @@ class HistoryCommands(RecallCommands):
         if not self._undo.done and self.can_undo:
             self.recall_strokes()
         painter, steps = self.painter, self._undo
-        brush, dipped = painter.brush, painter.dipped
+        brush, dipped, amount = painter.brush, painter.dipped, painter.amount
         touched = []
         while steps.done and steps.done[-1] == EDIT_STEP:
             touched.append(steps.undo())
         touched.append(steps.undo())
-        if painter.brush != brush or weights_of(painter.dipped) != weights_of(dipped):
+        held = painter.brush, weights_of(painter.dipped), painter.amount
+        if held != (brush, weights_of(dipped), amount):
             painter.change_brush(brush)
-            painter.dip(dipped)
+            painter.dip(dipped, amount=amount)
             self._dipped = True
         return self._stepped(union(touched, self.surface.paint_mesh.capacity))
 

@@ -102,6 +102,7 @@ class RecallCommands:
         self._gather()
         painter = self.painter
         brush, dipped, since_dip = painter.brush, painter.dipped, self._dipped
+        amount = painter.amount
         n_done = len(self._undo.done)
         touched = [self._undo.undo() for _ in range(n_done)]
         touched.append(self.surface.use_layers().painted_ids())
@@ -113,9 +114,10 @@ class RecallCommands:
                 self._saved_at = self._undo.next_undo
         finally:
             touched += [self._undo.redo() for _ in range(n_done)]
-            if painter.brush != brush or weights_of(painter.dipped) != weights_of(dipped):
+            held = painter.brush, weights_of(painter.dipped), painter.amount
+            if held != (brush, weights_of(dipped), amount):
                 painter.change_brush(brush)
-                painter.dip(dipped)
+                painter.dip(dipped, amount=amount)
             self._dipped = since_dip
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
@@ -130,7 +132,7 @@ class RecallCommands:
         painter.rinse()
         surface.ink.off_surface[:] = 0.0
         painter.loaded = 0.0
-        painter.dip(self._ink_of(first))
+        painter.dip(self._ink_of(first), amount=first.amount)
 
     def _repeat(self, strokes: Sequence[Stroke]) -> None:
         """Paint strokes on the layers of their names, each a step."""
@@ -161,9 +163,9 @@ class RecallCommands:
             self._undo.change(stack.state, lambda: stack.activate(names.index(stroke.layer)))
         if stroke.brush != painter.brush:
             painter.change_brush(stroke.brush)
-            painter.dip(self._ink_of(stroke))
+            painter.dip(self._ink_of(stroke), amount=stroke.amount)
         elif stroke.dipped:
-            painter.dip(self._ink_of(stroke))
+            painter.dip(self._ink_of(stroke), amount=stroke.amount)
 
     def _ink_of(self, stroke: Stroke) -> dict[str | Pigment, float]:
         known = {pigment.name: pigment for pigment in self.surface.pigments}

@@ -98,7 +98,9 @@ class StrokeCommands:
         self._refused = True
         layer = self._paintable()
         painter = self.painter
-        stroke = self._log.begin(painter.brush, painter.dipped, layer.name, self._dipped, time_s)
+        stroke = self._log.begin(
+            painter.brush, painter.dipped, layer.name, self._dipped, time_s, painter.amount
+        )
         self._undo.begin(stroke)
         if brush is not None or ink is not None:
             self._borrow(stroke, brush, ink)

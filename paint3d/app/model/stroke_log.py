@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from paint3d.app.model.persistence.brush_words import brush_from_words
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP, DeviceSample
-from paint3d.errors import RecordingError, SessionError
+from paint3d.errors import InputError, RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
 from paint3d.pose.brush_pose import contacts_of
 
@@ -49,6 +50,8 @@ class Stroke:
         Name of the layer.
     dipped : bool
         Whether the brush was dipped since the stroke before.
+    amount : DipAmount
+        How much ink its dips took up.
     samples : list of DeviceSample
     tags : dict
         What else is known, as JSON holds it: character, participant, device set ...
@@ -59,6 +62,7 @@ class Stroke:
     ink: dict[str, float]
     layer: str
     dipped: bool = True
+    amount: DipAmount = field(default_factory=DipAmount)
     samples: list[DeviceSample] = field(default_factory=list)
     tags: dict[str, object] = field(default_factory=dict)
 
@@ -71,7 +75,8 @@ class Stroke:
 
     def header(self, brush: str = "") -> dict[str, object]:
         """What a recording's header says of it; its brush by that name, or by its own."""
-        return {
+        own = {} if self.amount == DipAmount() else {"dip": self.amount.words()}
+        return own | {
             "brush": brush or self.brush.name,
             "ink": max(self.ink, key=self.ink.__getitem__) if self.ink else None,
             "parts": dict(self.ink),
@@ -130,10 +135,13 @@ class StrokeLog:
         layer: str,
         dipped: bool,
         time_s: float | None = None,
+        amount: DipAmount | None = None,
     ) -> Stroke:
         """Start a stroke, now or at a time (s since 1970)."""
         at = time.time() if time_s is None else time_s
-        self.current = Stroke(at, brush, parts_of(ink), layer, dipped, tags=dict(self.tags))
+        self.current = Stroke(
+            at, brush, parts_of(ink), layer, dipped, amount or DipAmount(), tags=dict(self.tags)
+        )
         return self.current
 
     def check(self, samples: Sequence[DeviceSample]) -> None:
@@ -272,9 +280,9 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -
         ink = {str(k): float(w) for k, w in header["parts"].items()}
         return Stroke(
             float(header["time_s"]), brush, ink, str(header["layer"]), bool(header["dipped"]),
-            list(recording.samples()), dict(header["tags"]),
+            DipAmount.of(header.get("dip", {})), list(recording.samples()), dict(header["tags"]),
         )  # fmt: skip
-    except (KeyError, TypeError, ValueError, AttributeError) as cause:
+    except (KeyError, TypeError, ValueError, AttributeError, InputError) as cause:
         raise SessionError(f"a stroke of the session cannot be used: {cause}") from None
 
 

@@ -6,6 +6,9 @@ by that law, those that lie on the surface for all, some more readily than other
 are wet level out. A tuft that is equally wet everywhere thus gives what a solid one gives, and one
 that runs dry does so hair by hair.
 
+A tuft that is loaded differently along its length has hairs that are so: how much each holds is its
+own, and of which inks that is lies in reservoirs from the tip to the root, as in a solid one.
+
 One sweep: vertices ask the map of hairs what lies over them, block by block in vector instructions,
 and get what the hairs there leave.
 """
@@ -32,8 +35,10 @@ from paint3d.brush_engine.dry_contact import dry_contact, thin_contact
 from paint3d.brush_engine.footprint import Sweep, outline_motion
 from paint3d.brush_engine.ink_transfer import (
     PAINTED,
+    Deposit,
     contact_level,
     landing_share,
+    leave_from_reservoirs,
     note_covered,
     take_up_ink,
 )
@@ -497,6 +502,42 @@ def _leave(mix, landing, found, n, field, weights, ink):
 
 
 @uncounted(error_model="numpy")
+def _leave_along(before, after, lands, n, hairs, field, ink, scratch):
+    """Leave what the hairs released on the vertices found, each of the inks that lie so far up the
+    tuft; `lands` of it does. What stays is shared out among the hairs as they hold it.
+
+    Conserves as `leave_from_reservoirs` does.
+    """
+    found, released = scratch.found, 0.0
+    for p in range(hairs.released.shape[0]):
+        released += hairs.released[p]
+    weighed = weighed_area(field, found.ids, found.share, n)
+    landing = released * lands if weighed > 0.0 else 0.0
+    if released > 0.0 or ink.transfer[0].pickup > 0.0:
+        deposit = Deposit(released, landing, weighed)
+        leave_from_reservoirs(before, after, deposit, found, n, field, ink, scratch.taken)
+    note_covered(found, n, ink)
+    _mix_hairs(hairs.load, ink.load)
+
+
+@kernel(error_model="numpy")
+def _mix_hairs(load, mixture):
+    """Let hairs (B, P) hold `mixture` (P,) in all, each as much as before, and all of one kind."""
+    count, n_pigments = load.shape
+    total = 0.0
+    for i in range(count):
+        for p in range(n_pigments):
+            total += load[i, p]
+    for i in range(count):
+        own = 0.0
+        for p in range(n_pigments):
+            own += load[i, p]
+        share = own / total if total > 0.0 else 1.0 / count
+        for p in range(n_pigments):
+            load[i, p] = share * mixture[p]
+
+
+@uncounted(error_model="numpy")
 def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
@@ -538,14 +579,17 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
     level_shares(before, after, level, ink.transfer[0].grain, field, n, scratch)
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
-    for p in range(hairs.left.shape[0]):
-        hairs.left[p] = hairs.released[p] * lands
-        ink.off_surface[p] += hairs.released[p] - hairs.left[p]
-    _leave(hairs.imprint.mix, hairs.left, found, n, field, scratch.part, ink)
-    for p in range(hairs.left.shape[0]):  # what found no vertex
-        ink.off_surface[p] += hairs.left[p]
-    if ink.transfer[0].pickup > 0.0:
-        _give_to_hairs(hairs.load, hairs.hair_contacts, scratch.taken)
+    if ink.reservoirs.shape[0] > 1:
+        _leave_along(before, after, lands, n, hairs, field, ink, scratch)
+    else:
+        for p in range(hairs.left.shape[0]):
+            hairs.left[p] = hairs.released[p] * lands
+            ink.off_surface[p] += hairs.released[p] - hairs.left[p]
+        _leave(hairs.imprint.mix, hairs.left, found, n, field, scratch.part, ink)
+        for p in range(hairs.left.shape[0]):  # what found no vertex
+            ink.off_surface[p] += hairs.left[p]
+        if ink.transfer[0].pickup > 0.0:
+            _give_to_hairs(hairs.load, hairs.hair_contacts, scratch.taken)
     _level(hairs, ink.transfer[0].capacity, outline_motion(before, after))
     sum_hairs(hairs.load, ink.load)
     scratch.counters[PAINTED] += n

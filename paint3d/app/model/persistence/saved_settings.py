@@ -11,6 +11,7 @@ from paint3d.app.model.persistence.brush_words import brush_from_words, restore_
 from paint3d.app.model.persistence.own_brushes import own_brushes
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.stroke_log import weights_of
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.ink_text import names_table
@@ -52,7 +53,8 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, Any]) -> Paint
     azimuth = settings.get("azimuth", "commanded")
     brush = _brush(settings.get("brush"))
     pigment = None if surface.pigments else load_pigment(ink, own_tables=False)
-    painter = Painter(surface, brush, pigment, azimuth)
+    amount = DipAmount.of(settings.get("amount", {}))
+    painter = Painter(surface, brush, pigment, azimuth, amount=amount)
     if "dipped" in settings:
         dipped = saved_mixture(settings["dipped"], surface)
         dips = _saved_dips(settings.get("dips", []), surface)

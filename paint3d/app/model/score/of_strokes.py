@@ -7,6 +7,7 @@ from typing import Any
 
 from paint3d.app.model.score.words import Inks, brush_named, header_of
 from paint3d.app.model.stroke_log import Stroke, recording_of
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
@@ -26,7 +27,7 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
     events: list[Recording | dict[str, Any]] = [
         {"do": "rename_layer", "place": 0, "name": first.layer}
     ]
-    layers, active, brush = [first.layer], first.layer, None
+    layers, active, brush, amount = [first.layer], first.layer, None, DipAmount()
     for stroke in strokes:
         ink = inks.words({known.get(name, name): part for name, part in stroke.ink.items()})
         if stroke.layer not in layers:
@@ -38,7 +39,9 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
         if stroke.brush != brush:
             events.append({"do": "set_brush", "brush": brush_named(stroke.brush)})
         if stroke.brush != brush or stroke.dipped:
-            events.append({"do": "dip", "ink": ink})
+            amounts = {} if stroke.amount == amount else {"amount": stroke.amount.words()}
+            events.append({"do": "dip", "ink": ink, **amounts})
+            amount = stroke.amount
         brush = stroke.brush
         events.append({"do": "begin_stroke", "time_s": stroke.time_s})
         events.append(recording_of(stroke.samples, {}))

@@ -240,6 +240,7 @@ def _brush_said(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
 
 def _dip_said(asked: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
     said = {"ink": inks.words(asked["ink"])} if "ink" in asked else {}
+    said |= {"amount": dict(asked["amount"])} if "amount" in asked else {}
     return said | ({"reach": float(asked["reach"])} if "reach" in asked else {})
 
 
@@ -362,6 +363,7 @@ def _stroke_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Wo
 
 def _dip_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
     own = {"ink": inks.mixture(given["ink"])} if "ink" in given else {}
+    own |= {"amount": given["amount"]} if "amount" in given else {}
     return own | ({"reach": given["reach"]} if "reach" in given else {})
 
 

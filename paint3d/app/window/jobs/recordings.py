@@ -21,7 +21,12 @@ from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.files.progress import part_of
 from paint3d.painter.painter import Painter
-from paint3d.painter.recorded_tools import recorded_brush, recorded_ink, recorded_tip
+from paint3d.painter.recorded_tools import (
+    recorded_amount,
+    recorded_brush,
+    recorded_ink,
+    recorded_tip,
+)
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
 
@@ -180,8 +185,7 @@ def _tools_of(recording: Recording) -> list[Asked]:
     asked: list[Asked] = [("set_azimuth", (recording.header["azimuth"],))]
     if brush is not None:
         asked.append(("set_brush", (brush,)))
-    if ink is not None:
-        asked.append(("dip", (ink,)))
+    asked.append(("dip", (ink, None, recorded_amount(recording.header).words())))
     if tip is not None:
         asked.append(("dip", tip))
     return asked
@@ -190,7 +194,10 @@ def _tools_of(recording: Recording) -> list[Asked]:
 def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:
     """What gives the hand back what it holds, freshly dipped."""
     asked: list[Asked] = [("set_azimuth", (painter.azimuth,)), ("set_brush", (brush,))]
-    return asked + [("dip", (ink, reach)) for ink, reach in painter.dips]
+    amount = painter.amount.words()
+    return asked + [
+        ("dip", (ink, reach, amount if reach is None else None)) for ink, reach in painter.dips
+    ]
 
 
 def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:

@@ -1,0 +1,190 @@
+"""When a writer dips: a planned hand presses the dip button before every character, and here
+presses are let go, so that the load of the brush falls along a column.
+
+The ink left after a way is R exp(-eta' sum pe ds) of what the brush held (docs/model.md, equation
+(10)), so what a character takes is known before it is painted, as far as the way of the outline is
+that of the root. A brush made for a range of sizes would hold ink for dozens of the small ones; a
+writer wets only the part of its tuft that he needs (`paint3d.brush.dip_amount`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import as_number
+from paint3d.core.quaternion import rotate
+from paint3d.core.types import AnyArray
+from paint3d.device.recorded import Recording
+from paint3d.device.sample import DIP
+from paint3d.errors import InputError
+
+__all__ = ["DipPolicy", "dipped_as", "ink_taken", "redipped"]
+
+_LEAST_LOAD = 0.14  # of what a dip gave: a writer dips before less is left; set by eye
+_CHARACTERS = 4.0  # of a middle size that a dip is for
+_NEW_COLUMN = 1.6  # times the usual step from character to character: there the column ends
+_ROOM = 2  # characters that a load has to last for at the head of a column
+_LEAST_WETTED = 0.005  # share of a tuft: its point
+
+
+@dataclass(frozen=True)
+class DipPolicy:
+    """When the brush is dipped.
+
+    Attributes
+    ----------
+    every : int, optional
+        Before every so many-th character. None: where the load would fall under `least` before the
+        end of the next character, or at a column's head before the end of the one after that.
+    least : float
+        Load, as a share of what a dip gives, to which it falls until the brush is dipped again,
+        between 0 and 1.
+    fullness : float
+        See `DipAmount`.
+
+    Raises
+    ------
+    InputError
+        For a count below 1, or a share that is none.
+    """
+
+    every: int | None = None
+    least: float = _LEAST_LOAD
+    fullness: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.every is not None and not (type(self.every) is int and self.every >= 1):
+            raise InputError(f"every is {self.every!r:.60}; expected a count of 1 or more, or None")
+        as_number(self.least, "least load", 0.01, 0.99)
+
+
+def dipped_as(recording: Recording, brush: BrushSpec, wanted: str | int) -> Recording:
+    """A planned recording with the brush dipped as ``--dip`` says.
+
+    Parameters
+    ----------
+    recording, brush
+        As for `redipped`.
+    wanted : {"auto", "always"} or int
+        "always": the whole tuft before every character, as it was planned.
+    """
+    if wanted == "always":
+        return recording
+    return redipped(recording, brush, DipPolicy(None if wanted == "auto" else int(wanted)))
+
+
+def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recording:
+    """The same way of the hand with the brush dipped where the policy says.
+
+    Parameters
+    ----------
+    recording : Recording
+        Its dip button goes down before every character, as in a planned text.
+    brush : BrushSpec
+        That it is painted with.
+    policy : DipPolicy
+
+    Returns
+    -------
+    Recording
+        Its header has ``"dip"``, the words of a `DipAmount`. So much of the tuft is wet that the
+        load falls to the policy's least over its number of characters, or over four that take a
+        middle amount of ink; the whole tuft where these take more.
+    """
+    starts = np.concatenate([[0], _presses(recording)])
+    taken = np.add.reduceat(ink_taken(recording, brush), starts)
+    lasts = -math.log(policy.least)
+    if policy.every is None:
+        wetted = _wetted(max(_CHARACTERS * float(np.median(taken)), float(taken.max())) / lasts)
+        dips = _where_needed(taken / wetted, _heads(recording, starts), policy.least)
+    else:
+        dips = np.arange(len(starts)) % policy.every == 0
+        runs = np.add.reduceat(taken, np.flatnonzero(dips))
+        wetted = _wetted(float(runs.max()) / lasts)
+    buttons = np.array(recording.buttons)
+    ends = np.append(starts[1:], len(buttons))
+    for start, end, stays in zip(starts, ends, dips, strict=True):
+        if not stays:
+            buttons[start:end] &= ~DIP
+    amount = {"dip": DipAmount(wetted, policy.fullness).words()}
+    return replace(recording, buttons=buttons, header={**recording.header, **amount})
+
+
+def _wetted(share: float) -> float:
+    return math.ceil(1e4 * min(1.0, max(_LEAST_WETTED, share))) / 1e4
+
+
+def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
+    """How much ink each sample takes: the fall of the logarithm of a fully wetted brush's load.
+
+    Parameters
+    ----------
+    recording : Recording
+        With pressures; in the world or the object's frame.
+    brush : BrushSpec
+
+    Returns
+    -------
+    (N,) float64
+        eta' pe ds with ds the root's way over the object, mm.
+
+    Raises
+    ------
+    InputError
+        If the recording has no pressures.
+    """
+    pressure = recording.pressure
+    if pressure is None:
+        raise InputError("the recording has no pressure; expected one, to know what ink it takes")
+    steps = np.linalg.norm(np.diff(_over_object(recording), axis=0), axis=1)
+    mean = 0.5 * (pressure[1:] + pressure[:-1])
+    touches = (pressure[1:] > 0.0) & (pressure[:-1] > 0.0)
+    taken = np.zeros(len(recording))
+    taken[1:] = np.where(touches, brush.transfer_per_mm * mean * steps, 0.0)
+    return taken
+
+
+def _over_object(recording: Recording) -> AnyArray:
+    """(N, 3) root in the object's frame, mm."""
+    inverse = recording.object_orientation * np.array([1.0, -1.0, -1.0, -1.0])
+    result: AnyArray = rotate(inverse, recording.position - recording.object_position)
+    return result
+
+
+def _presses(recording: Recording) -> AnyArray:
+    """Samples at which the dip button goes down, without the first."""
+    down = (recording.buttons & DIP) != 0
+    return np.flatnonzero(down[1:] & ~down[:-1]) + 1
+
+
+def _heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
+    """(K,) bool: characters that lie much farther from the one before than usual."""
+    place = _over_object(recording)
+    touches = (np.zeros(len(place)) if recording.pressure is None else recording.pressure) > 0.0
+    weights = np.add.reduceat(touches.astype(float), starts)
+    sums = np.add.reduceat(np.where(touches[:, None], place, 0.0), starts, axis=0)
+    middle = sums / np.maximum(weights, 1.0)[:, None]
+    steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
+    heads = np.zeros(len(starts), bool)
+    heads[0] = True
+    if len(steps):
+        heads[1:] = steps > _NEW_COLUMN * np.median(steps)
+    return heads
+
+
+def _where_needed(taken: AnyArray, heads: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
+    """(K,) bool: characters that the brush is dipped for, by what each takes of a wetted tuft."""
+    lasts = -math.log(least)
+    dips = np.zeros(len(taken), bool)
+    used = math.inf
+    for k in range(len(taken)):
+        ahead = taken[k : k + _ROOM].sum() if heads[k] else taken[k]
+        dips[k] = used + ahead > lasts * (1.0 + 1e-9)
+        used = taken[k] + (0.0 if dips[k] else used)
+    return dips

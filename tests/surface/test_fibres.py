@@ -1,0 +1,61 @@
+"""The fibres of a sheet: streaks in all directions, the same wherever a place is asked for."""
+
+import numpy as np
+import pytest
+from scipy.ndimage import uniform_filter
+
+import paint3d.surface.wet_patch as wet_patch
+from paint3d.surface.fibres import fibre_relief
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.surface.test_diffusion import drop, grid
+
+STEP = 0.06  # mm
+
+
+def square(normal=(0.0, 0.0, 1.0), side=240):
+    """Points (N, 3) of a square that faces a direction, row by row."""
+    normal = np.array(normal) / np.linalg.norm(normal)
+    u = np.cross(normal, [0.31, 0.7, 0.2])
+    u /= np.linalg.norm(u)
+    i, j = np.meshgrid(*[STEP * np.arange(side)] * 2)
+    return i.reshape(-1, 1) * u + j.reshape(-1, 1) * np.cross(normal, u)
+
+
+def coherence(height, side=240, window=200):
+    """Mean of how far heights on a square vary in one direction only, near each place: 0 to 1."""
+    gy, gx = np.gradient(height.reshape(side, side))
+    xx, yy, xy = (uniform_filter(part, window) for part in (gx * gx, gy * gy, gx * gy))
+    return np.mean(np.hypot(xx - yy, 2.0 * xy) / (xx + yy + 1e-12))
+
+
+def test_a_place_has_the_same_fibres_whoever_asks():
+    points = square(side=40)
+    some = np.random.default_rng(1).permutation(len(points))[:300]
+    np.testing.assert_array_equal(fibre_relief(points, 0.3)[some], fibre_relief(points[some], 0.3))
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (1, 0, 0), (0.4, 0.5, 0.7)])
+def test_no_direction_prevails(normal):
+    points = square(normal)
+    relief = fibre_relief(points, 0.3)
+    assert abs(relief.mean()) < 0.25
+    assert relief.std() > 0.3
+    assert coherence(relief) < 0.2  # over 12 mm no direction prevails
+
+
+def outline_turns(material="xuan"):
+    """How much the outline of a drop goes in and out from one 60th of it to the next, mm."""
+    surface = drop(PaintedSurface(grid(16.0, 0.2), None, material), 2.0)
+    surface.diffuse(20.0)
+    points = surface.paint_mesh.vertices
+    inked = surface.ink.coverage > 0.5
+    away, angle = np.linalg.norm(points[:, :2], axis=1), np.arctan2(points[:, 1], points[:, 0])
+    cell = ((angle + np.pi) / (2 * np.pi) * 60).astype(int) % 60
+    rim = [away[inked & (cell == k)].max(initial=0.0) for k in range(60)]
+    return np.abs(np.diff(rim, n=2)).mean()
+
+
+def test_ink_feathers_in_finer_points_than_by_bumps_alone(monkeypatch):
+    feathered = outline_turns()
+    monkeypatch.setattr(wet_patch, "_SHEET_MM", 0.0)
+    assert feathered > 1.15 * outline_turns()
