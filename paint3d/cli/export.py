@@ -6,7 +6,6 @@ import argparse
 import sys
 from pathlib import Path
 
-from paint3d.cli.lights import add_light_options, viewing_of
 from paint3d.cli.options import (
     UNITS,
     add_force_option,
@@ -15,6 +14,7 @@ from paint3d.cli.options import (
     check_overwriting,
 )
 from paint3d.cli.paintings import add_painting_argument, open_painting
+from paint3d.cli.pictures.lights import add_light_options, viewing_of
 from paint3d.cli.progress import ProgressBar
 
 __all__ = ["HELP", "add_arguments", "run"]

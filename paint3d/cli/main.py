@@ -23,7 +23,6 @@ from paint3d.cli import (
     devices,
     export,
     paint,
-    picture,
     replay,
     report,
     score,
@@ -32,6 +31,7 @@ from paint3d.cli import (
 )
 from paint3d.cli.lists import brushes, fonts, inks, materials
 from paint3d.cli.parsing import Parser, UsageError
+from paint3d.cli.pictures import picture
 from paint3d.cli.seals import seal
 from paint3d.errors import Paint3DError
 

@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
@@ -27,6 +26,7 @@ from paint3d.cli.options import (
     parse_place,
 )
 from paint3d.cli.pads import lay_on
+from paint3d.cli.pictures.films import add_film_options, film_of
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.untouched import refuse_untouched
@@ -34,7 +34,7 @@ from paint3d.errors import InputError, RecordingError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
-    from paint3d.cli.films import Watch
+    from paint3d.cli.pictures.films import Watch
     from paint3d.colour.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad

@@ -17,7 +17,7 @@ from paint3d.errors import InputError, RecordingError
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.app.model.score.playing import Step
-    from paint3d.cli.films import FilmWanted, Watch
+    from paint3d.cli.pictures.films import FilmWanted, Watch
     from paint3d.recording.score import Score
 
 __all__ = ["replay_score"]

@@ -10,7 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
     DIPS,
@@ -27,6 +26,7 @@ from paint3d.cli.options import (
     parse_place,
 )
 from paint3d.cli.outlines import check_is_plane, export_outlines
+from paint3d.cli.pictures.films import add_film_options, film_of
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare, read_for_ink
 from paint3d.cli.results import result_suffixes, timed, write_report, write_result

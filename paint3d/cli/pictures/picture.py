@@ -8,7 +8,6 @@ import re
 import sys
 from pathlib import Path
 
-from paint3d.cli.lights import add_light_options, viewing_of
 from paint3d.cli.options import (
     MATERIALS,
     add_force_option,
@@ -19,6 +18,7 @@ from paint3d.cli.options import (
     parse_number,
 )
 from paint3d.cli.paintings import add_painting_argument, is_recording, open_painting
+from paint3d.cli.pictures.lights import add_light_options, viewing_of
 from paint3d.cli.progress import ProgressBar
 from paint3d.errors import InputError
 
