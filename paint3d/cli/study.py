@@ -28,8 +28,8 @@ from paint3d.core.atomic import write_atomically
 from paint3d.files.readers.odd_names import json_text
 
 if TYPE_CHECKING:
-    from paint3d.app.model.study import StudyTable, Summary
-    from paint3d.app.model.study_plan import StudyPlan
+    from paint3d.app.model.studies.plan import StudyPlan
+    from paint3d.app.model.studies.study import StudyTable, Summary
 
 __all__ = ["HELP", "add_arguments", "plan_lines", "run", "table_lines"]
 
@@ -102,7 +102,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _plan(options: argparse.Namespace) -> None:
-    from paint3d.app.model.study_plan import make_plan, save_plan
+    from paint3d.app.model.studies.plan import make_plan, save_plan
 
     plan = make_plan(
         options.participants,
@@ -119,7 +119,7 @@ def _plan(options: argparse.Namespace) -> None:
 
 
 def _answer(options: argparse.Namespace) -> None:
-    from paint3d.app.model.study_plan import Answer, load_plan, save_answer
+    from paint3d.app.model.studies.plan import Answer, load_plan, save_answer
 
     plan = load_plan(options.folder)
     answer = Answer(options.prefers, options.comment)
@@ -129,8 +129,8 @@ def _answer(options: argparse.Namespace) -> None:
 
 def _measured(options: argparse.Namespace, written: Path | None, suffix: str) -> StudyTable:
     """The results, if the file that is to be written can be."""
-    from paint3d.app.model.study import evaluate
-    from paint3d.app.model.study_plan import ANSWERS_NAME, PLAN_NAME, load_plan
+    from paint3d.app.model.studies.plan import ANSWERS_NAME, PLAN_NAME, load_plan
+    from paint3d.app.model.studies.study import evaluate
     from paint3d.calligraphy.glyph_sources import open_glyphs
 
     plan = load_plan(options.folder)
@@ -160,7 +160,7 @@ def _table(options: argparse.Namespace) -> None:
 
 
 def _report(options: argparse.Namespace) -> None:
-    from paint3d.app.model.study_report import page_of
+    from paint3d.app.model.studies.report import page_of
 
     table = _measured(options, options.out, ".html")
     with write_atomically(options.out) as part:

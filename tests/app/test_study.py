@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from paint3d.app.model.study import Measured, StudyTable, evaluate, find_file, measure
-from paint3d.app.model.study_plan import StudyPlan, Trial, load_plan, make_plan, save_plan
+from paint3d.app.model.studies.plan import StudyPlan, Trial, load_plan, make_plan, save_plan
+from paint3d.app.model.studies.study import Measured, StudyTable, evaluate, find_file, measure
 from paint3d.cli.main import main
 from paint3d.cli.study import table_lines
 from paint3d.device.recorded import Recording

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from paint3d.app.model.study_plan import make_plan, save_plan
+from paint3d.app.model.studies.plan import make_plan, save_plan
 from paint3d.cli import main
 from paint3d.cli.batches.table import read_table
 from paint3d.files.load import load_mesh

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.study import evaluate
-from paint3d.app.model.study_plan import make_plan
+from paint3d.app.model.studies.plan import make_plan
+from paint3d.app.model.studies.study import evaluate
 from paint3d.cli import main
 from paint3d.colour import pigments
 from paint3d.errors import SessionError

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import pytest
 import trimesh
 
-from paint3d.app.model.study_plan import load_plan, make_plan, save_plan
+from paint3d.app.model.studies.plan import load_plan, make_plan, save_plan
 from paint3d.cli import main
 from paint3d.cli.results import Painting, write_report
 from paint3d.colour.materials import load_material

@@ -13,7 +13,7 @@ from html import escape
 
 import numpy as np
 
-from paint3d.app.model.study import Measured, StudyTable, Summary
+from paint3d.app.model.studies.study import Measured, StudyTable, Summary
 
 __all__ = ["page_of"]
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from paint3d.app.model.copybook import Ghost
 from paint3d.app.model.score.playing import painted
-from paint3d.app.model.study_plan import NEITHER, Answer, StudyPlan, Trial, load_answers
+from paint3d.app.model.studies.plan import NEITHER, Answer, StudyPlan, Trial, load_answers
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.layout import layout_text

@@ -1,0 +1,1 @@
+"""The timing study of the papers: its plan, its table and its page."""
