@@ -26,7 +26,7 @@ from paint3d.errors import InputError
 
 __all__ = ["DipPolicy", "dipped_as", "ink_taken", "redipped"]
 
-_LEAST_LOAD = 0.14  # of what a dip gave: a writer dips before less is left; set by eye
+_LEAST_LOAD = 0.25  # of what a dip gave: a writer dips before less is left; set by eye
 _CHARACTERS = 4.0  # of a middle size that a dip is for
 _NEW_COLUMN = 1.6  # times the usual step from character to character: there the column ends
 _ROOM = 2  # characters that a load has to last for at the head of a column
