@@ -11,7 +11,7 @@ out = Path(sys.argv[1] if len(sys.argv) > 1 else "out")
 out.mkdir(exist_ok=True)
 
 surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=0.8, material="xuan")
-painter = paint3d.Painter(surface, "full", {"pine soot": 0.3, "water": 0.7})
+painter = paint3d.Painter(surface, "full", {"pine soot": 0.12, "water": 0.88})
 painter.replay(line((-15, 0), (15, 0), press=(0.2, 0.4, 0.2)))
 for seconds in (0.0, 1.0, 4.0):
     surface.diffuse(seconds)

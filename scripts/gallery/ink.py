@@ -111,7 +111,7 @@ def flowers(folder: Path) -> None:
     mesh = TriangleMesh(mesh.vertices * np.float32(0.5), mesh.faces, name="vase")
     surface = PaintedSurface(mesh, 0.5, "xuan")
     chart = make_chart(ClosestPoints(mesh), place(ClosestPoints(mesh), (0.5, 0.56)), 52.0, 88.0)
-    painter = Painter(surface, "full", {"pine soot": 0.35, "water": 0.65})
+    painter = Painter(surface, "full", {"pine soot": 0.15, "water": 0.85})
     painter.dip("pine soot", reach=0.3)
     line(chart, painter, [(-40, -80), (-26, -44), (-20, -16), (2, 14), (8, 44)],
          [0.10, 0.26, 0.2, 0.16, 0.05])  # fmt: skip
@@ -179,7 +179,7 @@ def wet_in_wet(folder: Path) -> None:
         if dries:
             surface.diffuse(2.0)
             surface.dry()
-        drop(surface, (x - 14, 6), 3.5, {"pine soot": 1.2, "water": 2.0})
+        drop(surface, (x - 14, 6), 3.5, {"pine soot": 0.5, "water": 2.7})
         drop(surface, (x + 1, 0), 3.0, {"carmine": 0.8, "water": 2.0})
         drop(surface, (x + 16, -8), 3.0, {"water": 5.0})
         surface.diffuse(6.0)
@@ -195,7 +195,7 @@ def feathering(folder: Path) -> None:
         surface, chart = PaintedSurface(mesh, 0.35, name), sheet_chart(mesh)
         painter = Painter(surface, "full", "pine soot")
         line(chart, painter, [(-20, 26), (-4, 29), (18, 27)], [0.3, 0.16, 0.34])
-        painter.dip({"pine soot": 0.25, "water": 0.75})
+        painter.dip({"pine soot": 0.1, "water": 0.9})
         line(chart, painter, [(-19, 2), (0, 5), (19, 2)], [0.2, 0.42, 0.2])
         painter.wipe(0.93)
         line(chart, painter, [(-20, -24), (2, -20), (21, -25)], [0.32, 0.3, 0.26])
@@ -270,11 +270,11 @@ SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion, pe
 def main() -> None:
     """Run as the module's first lines say."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", metavar="NAME", nargs="*", default=list(SCENES), choices=SCENES)
+    parser.add_argument("names", metavar="NAME", nargs="*", choices=[*SCENES, []])
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    for name in options.names:
+    for name in options.names or SCENES:
         SCENES[name](options.out)
 
 

@@ -263,7 +263,7 @@ def draw_manbu(file: Path, glyphs: Path) -> None:
     told = write_text(mesh, "漫步人生", open_glyphs(glyphs), pen, Layout("row"))
     for seconds in (0.0, 4.0):
         surface = PaintedSurface(mesh, 0.3, "xuan")
-        painter = Painter(surface, "xiaobaiyun", {"pine soot": 0.6, "water": 0.4})
+        painter = Painter(surface, "xiaobaiyun", {"pine soot": 0.25, "water": 0.75})
         painter.replay(told.recording)
         surface.diffuse(seconds)
         part = file.with_name(f"part_{seconds:g}.png")
