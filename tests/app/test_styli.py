@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -104,11 +105,11 @@ class Law(NothingPlugged):
     """Stands in for a servo: tells the force of its settings, 6 mm deep in the tree's surface."""
 
     last_force = np.zeros(3)
+    fault: str | None = None
 
     def __init__(self, tree, settings) -> None:
         super().__init__()
         self.tree, self.settings = tree, settings
-
         self.readings: list[StylusReading] = []
         self.clicks = 0
 
@@ -123,7 +124,16 @@ class Law(NothingPlugged):
         assert object_pose is not None
 
     def is_running(self) -> bool:
-        return True
+        return self.fault is None
+
+    def status(self) -> SimpleNamespace:
+        return SimpleNamespace(fault=self.fault)
+
+    def say(self, x: float, z: float, buttons: int = 0) -> None:
+        """Be held there, upright, mm; and be heard."""
+        place = np.array([x, 0.0, z])
+        self.readings.append(StylusReading(time.monotonic_ns(), place, UPRIGHT, None, buttons))
+        live(0.1)
 
     def felt(self) -> float:
         model = ForceModel(self.tree, self.settings, awake=True)
@@ -157,9 +167,7 @@ def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
     done(window)
     empty = window.document.surface.ink.load.sum()
     for buttons in (0, DIP, DIP, 0):  # the stylus' own button, while it is lifted
-        now, lifted = time.monotonic_ns(), np.array([0.0, 0.0, LIFTED])
-        laws[-1].readings.append(StylusReading(now, lifted, UPRIGHT, None, buttons))
-        live(0.1)
+        laws[-1].say(0.0, LIFTED, buttons)
     wait_for(lambda: window.document.surface.ink.load.sum() > empty, 30.0)
     assert laws[-1].clicks == 1
     assert not window.document.strokes
@@ -186,6 +194,69 @@ def test_the_surface_is_felt_as_it_is_and_its_grain_as_much_as_is_wanted(program
     wait_for(lambda: laws[-1].settings.texture == 0.5, 30.0)
     assert window.workspace.settings.feel["texture"] == 0.5
     close_unasked(window)
+
+
+@pytest.fixture
+def felt(program, tmp_path, monkeypatch):
+    """A window, and the styli that it began to feel with."""
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
+    laws = []
+
+    def feel(document, settings):
+        laws.append(Law(document.surface.contact_tree, HapticSettings(35.0, 0.4, 0.2)))
+        return Feeling(laws[-1])
+
+    window = StudioWindow(program, Settings(), feel=feel)
+    window.workspace.quiet = True
+    assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    yield window, laws
+    close_unasked(window)
+
+
+@pytest.mark.parametrize("how", ["it fails", "another is chosen", "it is calibrated", "it is gone"])
+def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
+    window, laws = felt
+    deep = window.document.painter.brush.length_mm - DEEP
+    for x, z in ((0.0, LIFTED), (0.0, deep), (5.0, deep), (10.0, deep)):
+        laws[-1].say(x, z)
+    assert window.both_hands._cutter.is_down
+    if how == "it fails":
+        laws[-1].fault = "its cable is off"
+    elif how == "another is chosen":
+        window.both_hands.choose_stylus("auto")
+    elif how == "it is calibrated":
+        window.both_hands.calibrate(210.0, 148.0)
+    else:
+        assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    live(0.1)
+    assert not window.both_hands._cutter.is_down
+    if how == "it is gone":
+        laws[-1].say(0.0, LIFTED)
+        done(window)
+        assert not window.document.strokes
+    else:
+        wait_for(lambda: len(window.document.strokes) == 1, 30.0)
+
+
+def test_the_button_that_touched_the_last_corner_dips_nothing(felt) -> None:
+    window, laws = felt
+    window.workspace.post("wipe")
+    done(window)
+    empty = window.document.surface.ink.load.sum()
+    window.both_hands.calibrate(210.0, 148.0)
+    law, n = laws[-1], len(laws)
+    for x, y in SHEET:
+        for buttons in (0, DIP):
+            place = np.array([x, y, 0.0])
+            law.readings.append(StylusReading(time.monotonic_ns(), place, UPRIGHT, None, buttons))
+            live(0.1)
+    assert len(laws) == n + 1
+    for buttons in (DIP, DIP, 0):  # it is let go after the stylus was begun with anew
+        laws[-1].say(0.0, LIFTED, buttons)
+    done(window)
+    assert window.document.surface.ink.load.sum() == empty
+    assert laws[-1].clicks == 0
 
 
 def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, stylus) -> None:

@@ -34,6 +34,7 @@ __all__ = [
     "NothingPlugged",
     "StrokeCutter",
     "Taken",
+    "went_down",
 ]
 
 DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
@@ -171,6 +172,23 @@ class Taken:
     object_pose: ObjectPose
 
 
+def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, int | None]:
+    """Whether a button of a stylus went down, and which are held now.
+
+    Parameters
+    ----------
+    button : int
+        Its bit.
+    before : int or None
+        Held until now; None where that is not known, and then what is held first went down before.
+    held : list of int
+        By reading.
+    """
+    known = held if before is None else [before, *held]
+    down = any(now & ~then & button for then, now in pairwise(known))
+    return down, known[-1] if known else None
+
+
 class DeviceHub:
     """The devices of both hands; ask it some ten to a hundred times a second.
 
@@ -212,7 +230,8 @@ class DeviceHub:
         self._feedback = feedback
         self._actions = checked_actions(actions)
         self._clock = clock
-        self._buttons = self._held = 0
+        self._buttons = 0
+        self._held: int | None = None  # by the stylus; None where it has not been heard
         self._heard: dict[str, deque[int]] = {h: deque(maxlen=_REMEMBERED) for h in _HANDS}
         self._force = 0.0
 
@@ -260,9 +279,7 @@ class DeviceHub:
 
     def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
         """Let a dip be felt, whichever hand's button asked for it."""
-        held = [self._held, *(reading.buttons for reading in readings)]
-        self._held = held[-1]
-        by_stylus = any(now & ~before & DIP for before, now in pairwise(held))
+        by_stylus, self._held = went_down(DIP, self._held, [one.buttons for one in readings])
         if self._feedback is not None and (by_stylus or "dip" in commands):
             self._feedback.click()
 
@@ -362,3 +379,8 @@ class StrokeCutter:
                 found.append("end_stroke")
             self._down, self._before = down, sample
         return [part for part in found if part]
+
+    def end(self) -> bool:
+        """Leave, whatever the hand does: it is not heard any more. Whether a stroke went on."""
+        was_down, self._down, self._before = self._down, False, None
+        return was_down
