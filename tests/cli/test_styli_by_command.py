@@ -74,6 +74,11 @@ def test_it_is_listed_calibrated_and_recorded_where_it_was_touched(
     choice = ["--stylus", stylus.choice]
     assert main(["devices", "list", *choice]) == 0
     assert f"{stylus.limits[0]:g} N: ready" in capsys.readouterr().out
+    stylus.hold(20.0, 10.0, 30.0)
+    file = tmp_path / "hand.jsonl"
+    assert main(["devices", "record", str(file), "--seconds", "0.3", *choice]) == 0
+    assert np.allclose(load_recording(file).position, [20.0, 10.0, 30.0], atol=0.05)  # z is up
+    capsys.readouterr()
     code, said = calibrate(stylus, [SHEET[k] for k in (0, 2, 1, 3)], monkeypatch)
     assert code == 2
     assert said[0].startswith("touch 1 of 4: the near left corner (-105, -74, 0) mm")
@@ -85,8 +90,7 @@ def test_it_is_listed_calibrated_and_recorded_where_it_was_touched(
     assert "config/calibrations/" in out
     assert float(out.split(": ")[1].split(" mm")[0]) < 0.05
     stylus.hold(20.0, 10.0, 30.0)
-    file = tmp_path / "hand.jsonl"
-    assert main(["devices", "record", str(file), "--seconds", "0.3", *choice]) == 0
+    assert main(["devices", "record", str(file), "--seconds", "0.3", *choice, "--force"]) == 0
     recording = load_recording(file)
     assert np.allclose(recording.position, [0.0, 10.0, 35.0], atol=0.05)
     assert main(["devices", "check", "--seconds", "0.5", *choice]) == 0

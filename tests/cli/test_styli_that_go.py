@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import os
 import sys
+import threading
 import time
 from types import SimpleNamespace
 
@@ -17,7 +20,7 @@ from paint3d.device.force.port_reader import PortReader
 from paint3d.errors import DeviceError
 from paint3d.haptics.settings import TOUCH
 from paint3d.haptics.stylus_choice import FoundStylus
-from paint3d.pose.calibration import DeviceCalibration
+from paint3d.pose.calibration import DeviceCalibration, load_calibration
 from paint3d.recording.recording import load_recording
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -90,3 +93,48 @@ def test_a_port_that_breaks_is_told_and_not_waited_for() -> None:
 def test_one_that_says_nothing_is_not_waited_for_for_ever() -> None:
     with pytest.raises(DeviceError, match=r"Haply said nothing within 0\.1 s; expected it to be"):
         PortReader(Going(None, 0), "Haply", 0.1)
+
+
+class Held:
+    """A port that is held where it is asked for next, at half the size, and never presses."""
+
+    def __init__(self, points, asked) -> None:
+        self.points, self.asked = 0.5 * np.array(points), asked
+
+    def run(self, loop) -> None:
+        while not loop.stopped():
+            now, n = time.monotonic_ns(), self.asked() - 1
+            place = self.points[min(max(n, 0), len(self.points) - 1)]
+            loop.step(PoseNumbers(now, tuple(place.tolist()), UPRIGHT, 0, 0), now)
+            time.sleep(0.002)
+
+
+def test_points_of_ones_own_are_touched_by_enter_scaled_into_a_file(
+    going, monkeypatch, capsys
+) -> None:
+    points = [(-90.0, 0.0, 5.0), (90.0, 0.0, 5.0), (0.0, 60.0, 40.0)]
+    reads, writes = os.pipe()
+
+    class Hand(io.StringIO):
+        def write(self, text: str) -> int:
+            n = super().write(text)
+            if text.startswith("touch "):
+                threading.Timer(0.3, os.write, (writes, b"\n")).start()
+            return n
+
+    hand = Hand()
+    port = Held(points, lambda: hand.getvalue().count("touch "))
+    found = FoundStylus("inverse3", "Haply", "inverse3", port, TOUCH, DeviceCalibration())
+    monkeypatch.setattr(opened, "find_stylus", lambda _: found)
+    monkeypatch.setattr(sys, "stderr", hand)
+    monkeypatch.setattr(sys, "stdin", os.fdopen(reads))
+    asked = [f"--point={x:g},{y:g},{z:g}" for x, y, z in points]
+    file = going / "own.json"
+    assert main(["devices", "calibrate", *asked, "--scaled", "--out", str(file)]) == 0
+    os.close(writes)
+    assert "touch 1 of 3: the point 1 (-90, 0, 5) mm" in hand.getvalue()
+    own = load_calibration(file)
+    assert own.scale == pytest.approx(2.0)
+    assert np.allclose(own.to_world(0.5 * np.array(points)), points)
+    assert np.allclose(own.to_device(np.array(points)), 0.5 * np.array(points))
+    assert not (going / "config" / "calibrations").exists()

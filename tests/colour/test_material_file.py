@@ -59,6 +59,9 @@ def test_a_file_may_start_from_a_material(tmp_path: Path) -> None:
     silk = load_material("silk")
     assert (read.friction, read.rated_friction, read.grain) == (1.2, silk.friction, silk.grain)
     assert srgb_from_reflectance(read.reflectance).tolist() == [0xE8, 0xD9, 0xB0]
+    assert (read.basis, read.source, read.licence) == ("of the colour #e8d9b0", "", "")
+    plain = load_material(written(tmp_path, 'base = "silk"\n'))
+    assert (plain.basis, plain.note, plain.chinese) == ("as silk", "", "")
     whole = load_material(written(tmp_path, NEEDED + 'colour = "#ffffff"\n'))
     assert whole.reflectance.min() > 0.999
     pairs = "reflectance = [[380, 0.2], [700, 0.84]]"

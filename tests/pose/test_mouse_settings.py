@@ -11,6 +11,7 @@ from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.deflection import deflection
 from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError
+from paint3d.haptics.feel import Feel
 from paint3d.pose.mouse_settings import MouseSettings, parse_axes
 from paint3d.pose.touching import Touches, sheet_corners
 from paint3d.pose.two_hands import TwoHands
@@ -116,7 +117,11 @@ def test_the_command_keeps_what_was_set(tmp_path, monkeypatch, capsys) -> None:
         assert said.startswith("paint3d: error: ")
         assert said.count("\n") == 1
     assert main(["devices", "set", "--defaults"]) == 0
-    assert MouseSettings.from_words(load_settings()[0].mouse) == MouseSettings()
+    settings = load_settings()[0]
+    assert MouseSettings.from_words(settings.mouse) == MouseSettings()
+    assert Feel.from_words(settings.feel) == Feel()
+    assert (settings.stylus, settings.buttons) == ("auto", Settings().buttons)
+    assert settings.language == "zh"
 
 
 # -- touching ---------------------------------------------------------------------------------

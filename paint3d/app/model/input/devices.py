@@ -21,6 +21,7 @@ from paint3d.device.report_rate import find_report_rate
 from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.device.space_mouse import MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
+from paint3d.errors import DeviceError
 from paint3d.haptics.servo import ServoStatus
 from paint3d.haptics.settings import HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
@@ -165,11 +166,14 @@ class Taken:
         Methods of `Document` that buttons asked for.
     object_pose : ObjectPose
         Where the left hand holds the object now.
+    failures : tuple of DeviceError
+        Why what a button asked for could not be done.
     """
 
     samples: list[DeviceSample]
     commands: list[str]
     object_pose: ObjectPose
+    failures: tuple[DeviceError, ...] = ()
 
 
 def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, int | None]:
@@ -262,20 +266,24 @@ class DeviceHub:
             readings = sorted([*readings, *self._feedback.take()], key=lambda one: one.time_ns)
             self._let_go_of_what_ended(self._feedback)
         commands: list[str] = []
+        failures: list[DeviceError] = []
         samples: list[DeviceSample] = []
         self.hands.add_stylus(readings)
         for event in events:
             self.hands.add_deflection(event.time_ns, event.deflection)
             for action in find_actions(self._buttons, event.buttons, self._actions):
                 samples += self.hands.take(event.time_ns)  # what was before it
-                commands += self._act(action)
+                try:
+                    commands += self._act(action)
+                except DeviceError as failure:
+                    failures.append(failure)
             self._buttons = event.buttons
         self._click(commands, readings)
         self._heard["left"].extend(event.time_ns for event in events)
         self._heard["right"].extend(reading.time_ns for reading in readings)
         self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
-        return Taken(samples, commands, self.hands.object_pose)
+        return Taken(samples, commands, self.hands.object_pose, tuple(failures))
 
     def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
         """Let a dip be felt, whichever hand's button asked for it."""

@@ -270,6 +270,8 @@ class DeviceInput:
         taken, easel = desk.take(), self._workspace.easel
         for command in taken.commands:
             easel.post(command)
+        for failure in taken.failures:
+            self._workspace.tell(say_error(failure), state="bad")
         self._carry(taken.object_pose)
         held = [sample.buttons for sample in taken.samples]
         dips, self._held = went_down(DIP, self._held, held)
