@@ -160,7 +160,11 @@ def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
         spring = min(HapticSettings.for_brush(brush, limits).spring, limits.max_stiffness)
         wanted = spring * DEEP
         wait_for(lambda wanted=wanted: abs(laws[-1].felt() - wanted) < 0.01 * wanted, 30.0)
-    window.panels.devices.stylus.limit.setValue(0.5)
+    form = window.panels.devices.stylus
+    form.ahead.setValue(4.0)
+    form.click.setValue(0.3)
+    wait_for(lambda: (laws[-1].settings.ahead_mm, laws[-1].settings.click_n) == (4.0, 0.3), 30.0)
+    form.limit.setValue(0.5)
     wait_for(lambda: abs(laws[-1].felt() - 0.5) < 1e-6, 30.0)
     assert window.workspace.settings.feel["limit_n"] == 0.5
     window.workspace.post("wipe")
@@ -231,6 +235,8 @@ def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
         assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
     live(0.1)
     assert not window.both_hands._cutter.is_down
+    if how == "it fails":
+        assert "pushes no longer: its cable is off" in window.status.told.text()
     if how == "it is gone":
         laws[-1].say(0.0, LIFTED)
         done(window)
@@ -281,7 +287,11 @@ def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, s
 
 
 def test_what_is_missing_is_said(window) -> None:
-    form = window.panels.devices.stylus
+    form, kept = window.panels.devices.stylus, window.workspace.settings.stylus
+    form.kind.activated.emit(form.kind.currentIndex())  # again, as it was: at the same place
+    assert window.workspace.settings.stylus == kept
+    assert "=" in kept
+    assert window.both_hands.feeling.name in window.status.told.text()
     form.kind.setCurrentIndex(form.kind.findData("hid"))
     form.kind.activated.emit(form.kind.currentIndex())
     assert "f055:4a50" in window.status.told.text()

@@ -149,8 +149,9 @@ def test_a_cap_that_moves_while_its_rest_is_taken_is_told_and_all_goes_on():
         def calibrate_rest(self):
             raise DeviceError("the cap moved by 40% of its way")
 
-    stand = Moved()
-    desk = DeviceHub(stand, actions={0: "calibrate_rest", 1: "undo"}, clock=lambda: 9 * MS)
+    stand, hands = Moved(), TwoHands(time_ns=0)
+    actions = {0: "calibrate_rest", 1: "undo"}
+    desk = DeviceHub(stand, hands, actions, clock=lambda: 70 * MS)
     push = np.array([1.0, 0, 0, 0, 0, 0])
     stand.mouse = [
         MouseEvent(MS, push, 0),
