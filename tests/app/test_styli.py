@@ -23,6 +23,7 @@ from paint3d.device.sample import DIP, StylusReading
 from paint3d.haptics.feel import Feel
 from paint3d.haptics.settings import DeviceLimits, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
+from paint3d.pose.steering import apply_action
 from tests.support.app.gestures import live, wait_for
 from tests.support.app.windows import close_unasked
 from tests.support.force_model import ForceModel
@@ -252,6 +253,9 @@ def test_the_button_that_touched_the_last_corner_dips_nothing(felt) -> None:
     empty = window.document.surface.ink.load.sum()
     window.both_hands.calibrate(210.0, 148.0)
     law, n = laws[-1], len(laws)
+    wait_for(
+        lambda: law.settings.user_limit == 0.0, 30.0
+    )  # the object pushes no hand off the sheet
     for x, y in SHEET:
         for buttons in (0, DIP):
             place = np.array([x, y, 0.0])
@@ -263,6 +267,22 @@ def test_the_button_that_touched_the_last_corner_dips_nothing(felt) -> None:
     done(window)
     assert window.document.surface.ink.load.sum() == empty
     assert laws[-1].clicks == 0
+    wait_for(lambda: laws[-1].settings.user_limit == Feel().limit_n, 30.0)
+    window.both_hands.calibrate(210.0, 148.0)
+    wait_for(lambda: laws[-1].settings.user_limit == 0.0, 30.0)
+    window.both_hands.calibrate(0.0, 0.0)  # Cancel
+    wait_for(lambda: laws[-1].settings.user_limit == Feel().limit_n, 30.0)
+
+
+def test_what_the_mouse_locked_stays_locked_with_another_stylus_and_object(felt) -> None:
+    window, laws = felt
+    hands = window.both_hands.desk.hands
+    hands.steering = apply_action(hands.steering, "toggle_turning")
+    window.both_hands.choose_stylus("auto")
+    assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    assert window.both_hands.desk.hands is hands
+    assert not hands.steering.turning
+    assert laws[-1] is window.both_hands.feeling.feedback
 
 
 def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, stylus) -> None:

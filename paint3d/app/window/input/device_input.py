@@ -155,7 +155,8 @@ class DeviceInput:
             feedback=None if feeling is None else feeling.feedback,
             stylus_name="" if feeling is None else feeling.name,
         )
-        desk.set_mouse(MouseSettings.from_words(settings.mouse))
+        if before is None:  # else the hands go on with what a button locked
+            desk.set_mouse(MouseSettings.from_words(settings.mouse))
         return desk
 
     # -- what is chosen ---------------------------------------------------------------------
@@ -256,6 +257,8 @@ class DeviceInput:
             self._tell_end(self.desk)
         if self._feeling is not None:
             feel = Feel.from_words(self._workspace.settings.feel)
+            if self._touches is not None:
+                feel = replace(feel, limit_n=0.0)  # the object pushes no hand off the sheet
             material = self._workspace.document.surface.material
             self._feeling.follow(self._workspace.easel.brush, feel, material)
         if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
