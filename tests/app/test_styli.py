@@ -225,7 +225,7 @@ def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
     deep = window.document.painter.brush.length_mm - DEEP
     for x, z in ((0.0, LIFTED), (0.0, deep), (5.0, deep), (10.0, deep)):
         laws[-1].say(x, z)
-    assert window.both_hands._cutter.is_down
+    assert window.both_hands.in_stroke
     if how == "it fails":
         laws[-1].fault = "its cable is off"
     elif how == "another is chosen":
@@ -235,7 +235,7 @@ def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
     else:
         assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
     live(0.1)
-    assert not window.both_hands._cutter.is_down
+    assert not window.both_hands.in_stroke
     if how == "it fails":
         assert "pushes no longer: its cable is off" in window.status.told.text()
     if how == "it is gone":

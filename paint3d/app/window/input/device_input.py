@@ -118,6 +118,11 @@ class DeviceInput:
         """The stylus that pushes back; None where none does."""
         return self._feeling
 
+    @property
+    def in_stroke(self) -> bool:
+        """Whether a stylus paints now."""
+        return self._cutter.is_down
+
     def open(self, document: Document) -> None:
         """Let the haptic stylus feel another object, which stands as its picture shows it."""
         if self.desk is not None:
