@@ -159,7 +159,10 @@ def _stylus_values(devices: OpenedDevices) -> list[str]:
     lines = []
     heard = [(stylus.loop.link.name, stylus.take()) for stylus in devices.styli()]
     if devices.reader is not None:
-        heard.append((devices.reader.name, devices.reader.take()))
+        if devices.reader.gone is not None:
+            lines.append(devices.reader.gone)
+        else:
+            heard.append((devices.reader.name, devices.reader.take()))
     for name, readings in heard:
         if not readings:
             lines.append(f"{name} silent")
@@ -179,7 +182,6 @@ def _stylus_values(devices: OpenedDevices) -> list[str]:
 
 
 def _check(options: argparse.Namespace) -> None:
-
     heard: dict[str, tuple[HidNode, list[tuple[int, bytes]]]] = {}
 
     def keep(node: HidNode, _: bytes, time_ns: int, report: bytes) -> None:
@@ -316,6 +318,8 @@ def _take_samples(
             for _ in rounds(options.seconds, _TAKE_S):
                 samples += _merge(devices, hands, time.monotonic_ns() - _SETTLED_NS)
             samples += _merge(devices, hands, time.monotonic_ns())
+            if devices.reader is not None and devices.reader.gone is not None:
+                sys.stderr.write(f"{devices.reader.gone}\n")
         finally:
             devices.stop()
     except BaseException:

@@ -9,7 +9,7 @@ from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError
 
-__all__ = ["WET_COAT_MM", "Material", "material_ranges"]
+__all__ = ["WAVE_RANGE_MM", "WET_COAT_MM", "Material", "material_ranges"]
 
 _FRICTION = (0.2, 2.0)
 _MOST_SPREAD = 2.5  # times the friction that a brush was rated on: what shapes are tabulated for
@@ -28,9 +28,10 @@ _RANGES = {
     "tooth_mm": (0.0, 10.0),
 }
 _BUMPS = 2.0  # lengths of a bump from one to the next
-_SHORTEST_WAVE, _LONGEST_WAVE = 0.1, 20.0  # mm
 _RATED = {"rated_absorbency": "absorbency", "rated_friction": "friction"}
 
+WAVE_RANGE_MM = (0.1, 20.0)
+"""Least and greatest distance of bumps that is felt and seen, mm."""
 WET_COAT_MM = 0.03
 """Depth of the liquid in one wet coat, mm: a full stroke brushed on. Chosen by eye."""
 
@@ -142,7 +143,8 @@ class Material:
     @property
     def wave_mm(self) -> float:
         """How far apart the bumps of its grain are, mm: as they are felt and seen."""
-        return min(max(_BUMPS * self.tooth_mm, _SHORTEST_WAVE), _LONGEST_WAVE)
+        shortest, longest = WAVE_RANGE_MM
+        return min(max(_BUMPS * self.tooth_mm, shortest), longest)
 
     @property
     def uptake(self) -> float:

@@ -27,6 +27,7 @@ _LONGEST_NAME = 60
 _LONGEST_WORDS = 500
 _WORDS = ("chinese", "source", "basis", "licence", "note")
 _COLOUR = re.compile("#[0-9a-fA-F]{6}")
+_ODD = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")  # no file or terminal takes them
 _MEANINGS = {
     "roughness": "of the reflection: 0 a mirror, 1 matt",
     "coat": "strength of a clear glaze over it",
@@ -115,8 +116,11 @@ def _check_words(name: object, values: Mapping[str, Any]) -> None:
         )
     for word in _WORDS:
         said = values.get(word, "")
-        if not isinstance(said, str) or len(said) > _LONGEST_WORDS:
-            raise PigmentError(f"{word} is {said!r:.60}; expected at most {_LONGEST_WORDS} letters")
+        if not isinstance(said, str) or len(said) > _LONGEST_WORDS or _ODD.search(said):
+            raise PigmentError(
+                f"{word} is {said!r:.60}; expected at most {_LONGEST_WORDS} letters, no control "
+                "characters and no halves of one"
+            )
 
 
 def _spectrum_of(colour: object) -> tuple[AnyArray, str]:
@@ -133,9 +137,11 @@ def _spectrum_of(colour: object) -> tuple[AnyArray, str]:
 def _bands_of(values: object) -> AnyArray:
     """Reflectance (31,) of as many numbers, or of pairs of a wavelength (nm) and a reflectance."""
     expected = f"{len(WAVELENGTHS)} numbers at 400, 410, ... 700 nm, or pairs [nm, reflectance]"
+    if not _are_numbers(values):
+        raise PigmentError(f"reflectance is {values!r:.60}; expected {expected}")
     try:
         array = np.array(values, np.float64)
-    except (ValueError, TypeError):
+    except (ValueError, OverflowError):
         raise PigmentError(f"reflectance is {values!r:.60}; expected {expected}") from None
     if array.shape == (len(WAVELENGTHS),):
         return array
@@ -149,6 +155,13 @@ def _bands_of(values: object) -> AnyArray:
         )
     bands: AnyArray = np.interp(WAVELENGTHS, nm, array[:, 1])
     return bands
+
+
+def _are_numbers(values: object) -> bool:
+    """Whether it is a number, or they are, or pairs: NumPy would take words and truths for some."""
+    rows = values if isinstance(values, list) else [values]
+    numbers = [one for row in rows for one in (row if isinstance(row, list) else [row])]
+    return all(isinstance(one, int | float) and not isinstance(one, bool) for one in numbers)
 
 
 def material_text(material: Material) -> str:

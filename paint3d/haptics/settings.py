@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
-from paint3d.colour.materials import Material
+from paint3d.colour.material import WAVE_RANGE_MM, Material
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError
@@ -23,7 +23,6 @@ _AS_THEY_ARE = (
     "max_snapshot_age_s", "start_force", "rise_s", "follow_s", "ahead_n", "click_n",
 )  # fmt: skip
 _TEXTURE = 0.25  # of the friction, by which it varies on the coarsest grain
-_SHORTEST_WAVE, _LONGEST_WAVE = 0.1, 20.0  # mm
 _PATCH = 0.08  # of the tuft's length: the disc over which the surface's normal is averaged
 
 
@@ -123,7 +122,7 @@ class HapticSettings:
             ("stick", 0.0, 20.0),
             ("follow_s", 0.0005, 0.2),
             ("grain", 0.0, 1.0),
-            ("wave_mm", _SHORTEST_WAVE, _LONGEST_WAVE),
+            ("wave_mm", *WAVE_RANGE_MM),
             ("texture", 0.0, 1.0),
             ("ahead_mm", 0.0, 20.0),
             ("ahead_n", 0.0, 1.0),

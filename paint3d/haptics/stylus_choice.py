@@ -100,7 +100,7 @@ def find_stylus(choice: str = "auto") -> FoundStylus | None:
         return {"hid": _find_hid, "openhaptics": _find_openhaptics, "inverse3": _find_inverse3}[
             kind
         ](place)
-    if any(True for _ in list_nodes(("stylus",))):
+    if _has_hid():
         return _find_hid("")
     for find, is_there in (
         (_find_openhaptics, OpenHapticsPort().is_installed),
@@ -113,6 +113,14 @@ def find_stylus(choice: str = "auto") -> FoundStylus | None:
         except DeviceError as failure:
             log.warning("%s", failure)
     return None
+
+
+def _has_hid() -> bool:
+    try:
+        return bool(list_nodes(("stylus",)))
+    except DeviceError as failure:  # without hidapi there may be another
+        log.info("%s", failure)
+        return False
 
 
 def _find_hid(_: str) -> FoundStylus:

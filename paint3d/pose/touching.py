@@ -114,7 +114,7 @@ class Touches:
         Raises
         ------
         DeviceError
-            If nothing was heard of it, or it was not held still.
+            If nothing was heard of it, it was not held still, or it is where it touched before.
         """
         if not self._recent:
             raise DeviceError("nothing was heard of the stylus; expected it to be awake")
@@ -126,6 +126,13 @@ class Touches:
                 f"the stylus moved by {moved:.1f} mm while point {len(self.touched) + 1} was "
                 f"touched; expected it to be held within {_STILL_MM:g} mm for {_HELD_NS / 1e9:g} s"
             )
+        for k, before in enumerate(self.touched):
+            apart = float(np.linalg.norm(middle - before))
+            if apart < _LEAST_APART_MM:
+                raise DeviceError(
+                    f"point {len(self.touched) + 1} was touched {apart:.2f} mm from point {k + 1}; "
+                    f"expected at least {_LEAST_APART_MM:g}"
+                )
         self.touched.append(middle)
         self._recent.clear()
 

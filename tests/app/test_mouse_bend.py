@@ -73,6 +73,8 @@ def test_after_shift_the_brush_goes_on_from_where_it_stood(window) -> None:
     assert np.ptp(places[:, 0]) > 5.0
     assert np.ptp(places[:, 1]) < 1e-3  # the way that turned the bend moved nothing
     assert steps.max() < 3.0  # no leap to where the pointer is
+    bend = rotate(samples[-1].orientation, np.array([1.0, 0.0, 0.0]))
+    assert bend[0] < -0.9 * np.linalg.norm(bend[:2])  # and the tuft trails again, as it went
 
 
 def test_the_mark_is_another_one_and_is_replayed_to_the_bit(window, tmp_path, monkeypatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from paint3d.device.sample import DIP, StylusReading
 from paint3d.haptics.feel import Feel
 from paint3d.haptics.settings import DeviceLimits, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
+from paint3d.pose.steering import apply_action
 from tests.support.app.gestures import live, wait_for
 from tests.support.app.windows import close_unasked
 from tests.support.force_model import ForceModel
@@ -104,11 +106,11 @@ class Law(NothingPlugged):
     """Stands in for a servo: tells the force of its settings, 6 mm deep in the tree's surface."""
 
     last_force = np.zeros(3)
+    fault: str | None = None
 
     def __init__(self, tree, settings) -> None:
         super().__init__()
         self.tree, self.settings = tree, settings
-
         self.readings: list[StylusReading] = []
         self.clicks = 0
 
@@ -123,7 +125,16 @@ class Law(NothingPlugged):
         assert object_pose is not None
 
     def is_running(self) -> bool:
-        return True
+        return self.fault is None
+
+    def status(self) -> SimpleNamespace:
+        return SimpleNamespace(fault=self.fault)
+
+    def say(self, x: float, z: float, buttons: int = 0) -> None:
+        """Be held there, upright, mm; and be heard."""
+        place = np.array([x, 0.0, z])
+        self.readings.append(StylusReading(time.monotonic_ns(), place, UPRIGHT, None, buttons))
+        live(0.1)
 
     def felt(self) -> float:
         model = ForceModel(self.tree, self.settings, awake=True)
@@ -150,16 +161,18 @@ def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
         spring = min(HapticSettings.for_brush(brush, limits).spring, limits.max_stiffness)
         wanted = spring * DEEP
         wait_for(lambda wanted=wanted: abs(laws[-1].felt() - wanted) < 0.01 * wanted, 30.0)
-    window.panels.devices.stylus.limit.setValue(0.5)
+    form = window.panels.devices.stylus
+    form.ahead.setValue(4.0)
+    form.click.setValue(0.3)
+    wait_for(lambda: (laws[-1].settings.ahead_mm, laws[-1].settings.click_n) == (4.0, 0.3), 30.0)
+    form.limit.setValue(0.5)
     wait_for(lambda: abs(laws[-1].felt() - 0.5) < 1e-6, 30.0)
     assert window.workspace.settings.feel["limit_n"] == 0.5
     window.workspace.post("wipe")
     done(window)
     empty = window.document.surface.ink.load.sum()
     for buttons in (0, DIP, DIP, 0):  # the stylus' own button, while it is lifted
-        now, lifted = time.monotonic_ns(), np.array([0.0, 0.0, LIFTED])
-        laws[-1].readings.append(StylusReading(now, lifted, UPRIGHT, None, buttons))
-        live(0.1)
+        laws[-1].say(0.0, LIFTED, buttons)
     wait_for(lambda: window.document.surface.ink.load.sum() > empty, 30.0)
     assert laws[-1].clicks == 1
     assert not window.document.strokes
@@ -188,6 +201,90 @@ def test_the_surface_is_felt_as_it_is_and_its_grain_as_much_as_is_wanted(program
     close_unasked(window)
 
 
+@pytest.fixture
+def felt(program, tmp_path, monkeypatch):
+    """A window, and the styli that it began to feel with."""
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
+    laws = []
+
+    def feel(document, settings):
+        laws.append(Law(document.surface.contact_tree, HapticSettings(35.0, 0.4, 0.2)))
+        return Feeling(laws[-1])
+
+    window = StudioWindow(program, Settings(), feel=feel)
+    window.workspace.quiet = True
+    assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    wait_for(lambda: window.stage.is_lit)
+    yield window, laws
+    close_unasked(window)
+
+
+@pytest.mark.parametrize("how", ["it fails", "another is chosen", "it is calibrated", "it is gone"])
+def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
+    window, laws = felt
+    deep = window.document.painter.brush.length_mm - DEEP
+    for x, z in ((0.0, LIFTED), (0.0, deep), (5.0, deep), (10.0, deep)):
+        laws[-1].say(x, z)
+    assert window.both_hands.in_stroke
+    if how == "it fails":
+        laws[-1].fault = "its cable is off"
+    elif how == "another is chosen":
+        window.both_hands.choose_stylus("auto")
+    elif how == "it is calibrated":
+        window.both_hands.calibrate(210.0, 148.0)
+    else:
+        assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    live(0.1)
+    assert not window.both_hands.in_stroke
+    if how == "it fails":
+        assert "pushes no longer: its cable is off" in window.status.told.text()
+    if how == "it is gone":
+        laws[-1].say(0.0, LIFTED)
+        done(window)
+        assert not window.document.strokes
+    else:
+        wait_for(lambda: len(window.document.strokes) == 1, 30.0)
+
+
+def test_the_button_that_touched_the_last_corner_dips_nothing(felt) -> None:
+    window, laws = felt
+    window.workspace.post("wipe")
+    done(window)
+    empty = window.document.surface.ink.load.sum()
+    window.both_hands.calibrate(210.0, 148.0)
+    law, n = laws[-1], len(laws)
+    wait_for(
+        lambda: law.settings.user_limit == 0.0, 30.0
+    )  # the object pushes no hand off the sheet
+    for x, y in SHEET:
+        for buttons in (0, DIP):
+            place = np.array([x, y, 0.0])
+            law.readings.append(StylusReading(time.monotonic_ns(), place, UPRIGHT, None, buttons))
+            live(0.1)
+    assert len(laws) == n + 1
+    for buttons in (DIP, DIP, 0):  # it is let go after the stylus was begun with anew
+        laws[-1].say(0.0, LIFTED, buttons)
+    done(window)
+    assert window.document.surface.ink.load.sum() == empty
+    assert laws[-1].clicks == 0
+    wait_for(lambda: laws[-1].settings.user_limit == Feel().limit_n, 30.0)
+    window.both_hands.calibrate(210.0, 148.0)
+    wait_for(lambda: laws[-1].settings.user_limit == 0.0, 30.0)
+    window.both_hands.calibrate(0.0, 0.0)  # Cancel
+    wait_for(lambda: laws[-1].settings.user_limit == Feel().limit_n, 30.0)
+
+
+def test_what_the_mouse_locked_stays_locked_with_another_stylus_and_object(felt) -> None:
+    window, laws = felt
+    hands = window.both_hands.desk.hands
+    hands.steering = apply_action(hands.steering, "toggle_turning")
+    window.both_hands.choose_stylus("auto")
+    assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
+    assert window.both_hands.desk.hands is hands
+    assert not hands.steering.turning
+    assert laws[-1] is window.both_hands.feeling.feedback
+
+
 def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, stylus) -> None:
     """The sheet lies 20 mm to the right of where the device has its middle, and 5 mm lower."""
     form = window.panels.devices.stylus
@@ -210,7 +307,11 @@ def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, s
 
 
 def test_what_is_missing_is_said(window) -> None:
-    form = window.panels.devices.stylus
+    form, kept = window.panels.devices.stylus, window.workspace.settings.stylus
+    form.kind.activated.emit(form.kind.currentIndex())  # again, as it was: at the same place
+    assert window.workspace.settings.stylus == kept
+    assert "=" in kept
+    assert window.both_hands.feeling.name in window.status.told.text()
     form.kind.setCurrentIndex(form.kind.findData("hid"))
     form.kind.activated.emit(form.kind.currentIndex())
     assert "f055:4a50" in window.status.told.text()

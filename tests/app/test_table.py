@@ -14,7 +14,7 @@ from paint3d.calligraphy.writing import Pen, write_text
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.sample import StylusReading
 from paint3d.device.space_mouse import MouseEvent
-from paint3d.errors import InputError
+from paint3d.errors import DeviceError, InputError
 from paint3d.pose.two_hands import TwoHands
 from scripts.solids import make_plane
 from tests.support.app.hands import UPRIGHT, line, sample
@@ -142,6 +142,27 @@ def test_buttons_ask_the_document_or_steer_the_object():
     assert "rule" in views[1].message
     desk.stop()
     assert stand.mouse is None
+
+
+def test_a_cap_that_moves_while_its_rest_is_taken_is_told_and_all_goes_on():
+    class Moved(Stand):
+        def calibrate_rest(self):
+            raise DeviceError("the cap moved by 40% of its way")
+
+    stand, hands = Moved(), TwoHands(time_ns=0)
+    actions = {0: "calibrate_rest", 1: "undo"}
+    desk = DeviceHub(stand, hands, actions, clock=lambda: 70 * MS)
+    push = np.array([1.0, 0, 0, 0, 0, 0])
+    stand.mouse = [
+        MouseEvent(MS, push, 0),
+        MouseEvent(2 * MS, push, 3),
+        MouseEvent(5 * MS, push, 3),
+    ]
+    taken = desk.take()
+    assert [str(failure) for failure in taken.failures] == ["the cap moved by 40% of its way"]
+    assert taken.commands == ["undo"]
+    assert taken.object_pose.position[0] != 0.0
+    assert desk.take().failures == ()
 
 
 class Servo:

@@ -48,7 +48,7 @@ class Hand(io.StringIO):
             if asked < 0:
                 self.over.wait(0.01)
                 continue
-            x, y = self.places[min(asked, 3)]
+            x, y = self.places[min(asked, len(self.places) - 1)]
             for buttons in (0, 1, 0):
                 self.stylus.hold(x + 20.0, y, -5.0, buttons)
                 self.over.wait(0.25)
@@ -74,17 +74,23 @@ def test_it_is_listed_calibrated_and_recorded_where_it_was_touched(
     choice = ["--stylus", stylus.choice]
     assert main(["devices", "list", *choice]) == 0
     assert f"{stylus.limits[0]:g} N: ready" in capsys.readouterr().out
-    code, said = calibrate(stylus, SHEET[:1] * 4, monkeypatch)
+    stylus.hold(20.0, 10.0, 30.0)
+    file = tmp_path / "hand.jsonl"
+    assert main(["devices", "record", str(file), "--seconds", "0.3", *choice]) == 0
+    assert np.allclose(load_recording(file).position, [20.0, 10.0, 30.0], atol=0.05)  # z is up
+    capsys.readouterr()
+    code, said = calibrate(stylus, [SHEET[k] for k in (0, 2, 1, 3)], monkeypatch)
     assert code == 2
     assert said[0].startswith("touch 1 of 4: the near left corner (-105, -74, 0) mm")
-    assert "touches 1 and 2 lie 0.00 mm apart; expected at least 10" in said[-1]
-    assert calibrate(stylus, SHEET, monkeypatch)[0] == 0
+    assert "lie 256.9 mm apart, their points 210.0; expected within" in said[-1]
+    code, said = calibrate(stylus, [SHEET[0], *SHEET], monkeypatch)  # the first one twice
+    assert code == 0
+    assert said[2].startswith("point 2 was touched 0.00 mm from point 1; expected at least 10")
     out = capsys.readouterr().out
     assert "config/calibrations/" in out
     assert float(out.split(": ")[1].split(" mm")[0]) < 0.05
     stylus.hold(20.0, 10.0, 30.0)
-    file = tmp_path / "hand.jsonl"
-    assert main(["devices", "record", str(file), "--seconds", "0.3", *choice]) == 0
+    assert main(["devices", "record", str(file), "--seconds", "0.3", *choice, "--force"]) == 0
     recording = load_recording(file)
     assert np.allclose(recording.position, [0.0, 10.0, 35.0], atol=0.05)
     assert main(["devices", "check", "--seconds", "0.5", *choice]) == 0

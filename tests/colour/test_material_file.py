@@ -59,6 +59,9 @@ def test_a_file_may_start_from_a_material(tmp_path: Path) -> None:
     silk = load_material("silk")
     assert (read.friction, read.rated_friction, read.grain) == (1.2, silk.friction, silk.grain)
     assert srgb_from_reflectance(read.reflectance).tolist() == [0xE8, 0xD9, 0xB0]
+    assert (read.basis, read.source, read.licence) == ("of the colour #e8d9b0", "", "")
+    plain = load_material(written(tmp_path, 'base = "silk"\n'))
+    assert (plain.basis, plain.note, plain.chinese) == ("as silk", "", "")
     whole = load_material(written(tmp_path, NEEDED + 'colour = "#ffffff"\n'))
     assert whole.reflectance.min() > 0.999
     pairs = "reflectance = [[380, 0.2], [700, 0.84]]"
@@ -88,6 +91,12 @@ def test_a_file_may_start_from_a_material(tmp_path: Path) -> None:
             'base = "silk"\ncolour = "#ffffff"\nreflectance = [[380, 1], [700, 1]]',
             "says a colour and a reflectance",
         ),
+        ('base = "silk"\nreflectance = [true, false]', "reflectance is [True, False]; expected 31"),
+        (f'base = "silk"\nreflectance = {["0.5"] * 31}', "reflectance is ['0.5', "),
+        (f'base = "silk"\nreflectance = [{"9" * 400}]', "reflectance is [9999"),
+        ('base = "silk"\nnote = "a\\u007fb"', "no control characters"),
+        ('base = "silk"\nchinese = "\\u001b[2J"', "no control characters"),
+        (f'base = "silk"\nreflectance = {"[" * 300}1{"]" * 300}', "reflectance is [[[[["),
         ("base = ", "cannot be read as TOML"),
     ],
 )
@@ -97,6 +106,21 @@ def test_a_bad_file_says_where_and_what(text: str, told: str, tmp_path: Path) ->
         load_material(file)
     assert str(refused.value).startswith(f"{file}: ")
     assert told in str(refused.value)
+
+
+def test_half_a_character_is_refused_before_a_session_cannot_be_saved(tmp_path: Path) -> None:
+    file = written(tmp_path, json.dumps({"base": "silk", "note": "a\ud800"}), "half.json")
+    with pytest.raises(PigmentError, match="no halves of one"):
+        load_material(file)
+    lines = json.dumps({"base": "silk", "note": "first\nsecond\t\u3000绢"})
+    read = load_material(written(tmp_path, lines, "lines.json"))
+    again = load_material(written(tmp_path, material_text(read)))
+    assert again.note == read.note == "first\nsecond\t\u3000绢"
+
+
+def test_a_name_that_no_file_can_have_is_no_file() -> None:
+    with pytest.raises(PigmentError, match=r"a\.toml: "):
+        load_material("a" * 300 + ".toml")
 
 
 def test_names_out_of_files_open_no_files(tmp_path: Path) -> None:

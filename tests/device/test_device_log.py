@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from paint3d.device.catalogue import find_mouse_quirks
+from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.device_log import DeviceLog, PlaybackLink, read_device_log
 from paint3d.device.device_loop import DeviceLoop
 from paint3d.device.force import haptic_stylus
@@ -183,6 +184,20 @@ def test_rest_is_learned_from_the_last_reports() -> None:
     wait_until_gone(mouse.loop)
     mouse.calibrate_rest()
     assert mouse.settings.rest[:2] == (9.0, -4.0)
+
+
+def test_another_dead_zone_leaves_where_the_cap_rests() -> None:
+    resting = [[(i, struct.pack("<B3h", 1, 9, -4, 0))] for i in range(5)]
+    link = FakeLink(SPACENAVIGATOR, [*resting, *([[]] * 100_000)])
+    devices = PluggedDevices(lambda: [MOUSE], lambda _: link, 0.0)
+    (mouse,) = devices.mice()
+    until = time.monotonic() + 60.0
+    while mouse.loop.status.n_reports < 5 and time.monotonic() < until:
+        time.sleep(0.005)
+    mouse.calibrate_rest()
+    devices.read_caps(DeflectionSettings(dead_zone=0.2, curve=3.0))
+    assert mouse.settings == DeflectionSettings(0.2, (9.0, -4.0, 0.0, 0.0, 0.0, 0.0), 3.0)
+    devices.stop()
 
 
 def test_events_that_nobody_takes_are_counted() -> None:

@@ -126,6 +126,15 @@ def test_an_error_of_the_library_is_told(library) -> None:
         OpenHapticsPort(library=str(library)).run(Loop(1000))
 
 
+def test_a_device_that_was_asleep_is_opened_when_it_is_asked_for_again(library) -> None:
+    port, refuse = OpenHapticsPort(library=str(library)), ctypes.CDLL(str(library))
+    ctypes.c_int.in_dll(refuse, "refuse").value = 1
+    with pytest.raises(DeviceError, match="cannot open the device; expected one that"):
+        port.read_limits()
+    ctypes.c_int.in_dll(refuse, "refuse").value = 0
+    assert port.read_limits() == (3.3, 0.4)
+
+
 def test_no_openhaptics_device_and_no_library(library) -> None:
     ctypes.c_int.in_dll(ctypes.CDLL(str(library)), "refuse").value = 1
     with pytest.raises(DeviceError, match="cannot open"):

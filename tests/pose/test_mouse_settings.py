@@ -9,7 +9,9 @@ from paint3d.app.model.persistence.settings import Settings, load_settings, save
 from paint3d.cli.main import main
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.deflection import deflection
+from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError
+from paint3d.haptics.feel import Feel
 from paint3d.pose.mouse_settings import MouseSettings, parse_axes
 from paint3d.pose.touching import Touches, sheet_corners
 from paint3d.pose.two_hands import TwoHands
@@ -115,7 +117,11 @@ def test_the_command_keeps_what_was_set(tmp_path, monkeypatch, capsys) -> None:
         assert said.startswith("paint3d: error: ")
         assert said.count("\n") == 1
     assert main(["devices", "set", "--defaults"]) == 0
-    assert MouseSettings.from_words(load_settings()[0].mouse) == MouseSettings()
+    settings = load_settings()[0]
+    assert MouseSettings.from_words(settings.mouse) == MouseSettings()
+    assert Feel.from_words(settings.feel) == Feel()
+    assert (settings.stylus, settings.buttons) == ("auto", Settings().buttons)
+    assert settings.language == "zh"
 
 
 # -- touching ---------------------------------------------------------------------------------
@@ -158,6 +164,32 @@ def test_touches_give_the_frame_and_each_its_error() -> None:
 def test_touches_that_give_no_frame_are_refused_with_numbers(places, message) -> None:
     with pytest.raises(DeviceError, match=message):
         touched(sheet_corners(), places).fit()
+
+
+def heard(time_ms: float, place, buttons: int) -> StylusReading:
+    at, upright = np.array(place, float), np.array([1.0, 0.0, 0.0, 0.0])
+    return StylusReading(int(time_ms * MS), at, upright, None, buttons)
+
+
+def test_a_button_that_bounces_touches_one_point() -> None:
+    touches = Touches(sheet_corners())
+    held = [heard(k, touches.points[0], b) for k, b in enumerate((0, 0, 1, 0))]
+    assert touches.hear(held)
+    with pytest.raises(DeviceError, match=r"point 2 was touched 0\.00 mm from point 1; expected"):
+        touches.hear([heard(9.0, touches.points[0], 1)])
+    assert len(touches.touched) == 1
+    for k, place in enumerate(touches.points[1:]):
+        assert touches.hear([heard(100.0 * (k + 1) + b, place, b) for b in (0, 1)])
+    assert touches.is_done
+    assert touches.fit().errors_mm.max() < 1e-9
+
+
+def test_a_stylus_that_moves_while_it_touches_is_asked_again() -> None:
+    touches = Touches(sheet_corners())
+    moves = [heard(k, touches.points[0] + [0.2 * k, 0.0, 0.0], int(k == 59)) for k in range(60)]
+    with pytest.raises(DeviceError, match=r"moved by 5\.9 mm while point 1 was touched"):
+        touches.hear(moves)
+    assert touches.hear([heard(150.0 + k, touches.points[0], k) for k in (0, 1)])
 
 
 def test_points_on_a_line_are_not_asked_for() -> None:

@@ -30,6 +30,7 @@ unsigned hdInitDevice(const char *name) {
         held = mmap(0, 64, PROT_READ | PROT_WRITE, MAP_SHARED, f, 0);
         close(f);
     }
+    if (refuse) error_code = 0x0301;
     return refuse ? 0xFFFFFFFFu : 7;
 }
 void hdDisableDevice(unsigned h) { disabled = (h == 7); }
@@ -67,6 +68,7 @@ void hdSetDoublev(unsigned what, const double *in) {
 }
 Error hdGetError(void) {
     Error e = {error_code, 0, 7};
+    error_code = 0; /* the library keeps an error until it is asked for, and then no longer */
     if (fail_at >= 0 && calls > fail_at) e.code = 0x0302;
     return e;
 }

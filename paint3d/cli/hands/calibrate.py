@@ -60,7 +60,7 @@ def add_calibrate(parser: argparse.ArgumentParser) -> None:
         metavar="X,Y,Z",
         type=_parse_point,
         action="append",
-        help="touch these points of the world instead, mm; three or more",
+        help="touch these points of the world instead, mm; three or more (--point=-90,0,0)",
     )
     parser.add_argument("--scaled", action="store_true", help="let lengths be scaled, too")
     parser.add_argument(
@@ -139,6 +139,8 @@ def _touch_all(devices: OpenedDevices, touches: Touches, names: list[str]) -> No
 
 
 def _can_type() -> bool:
+    if sys.stdin is None:
+        return False
     try:
         select.select([sys.stdin], [], [], 0.0)
     except (OSError, ValueError):

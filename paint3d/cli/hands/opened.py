@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 
 from paint3d.app.model.persistence.calibrations import kept_calibration
@@ -48,7 +49,10 @@ class OpenedDevices(PluggedDevices):
     """
 
     def __init__(self, stylus: str = "auto", log: Log | None = None) -> None:
-        self.mouse = MouseSettings.from_words(load_settings()[0].mouse)
+        settings, problem = load_settings()
+        if problem is not None:
+            sys.stderr.write(f"{problem}\n")
+        self.mouse = MouseSettings.from_words(settings.mouse)
         self.reader: PortReader | None = None
         self._found: FoundStylus | None = None
         kinds = _KINDS.get(stylus, ("mouse",))

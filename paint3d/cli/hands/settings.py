@@ -37,7 +37,7 @@ def _parse_button(text: str) -> tuple[int, str]:
     from paint3d.device.button_actions import checked_actions
 
     number, _, action = text.partition("=")
-    if not number.isdigit() or not 1 <= int(number) <= 31:
+    if not number.isdecimal() or not 1 <= int(number) <= 31:
         raise argparse.ArgumentTypeError(
             f"{text!r} is no button; expected N=ACTION with N from 1 to 31, or N= for nothing"
         )

@@ -31,6 +31,7 @@ _BUTTONS, _TRANSFORM, _MAX_FORCE, _FORCE = 0x2000, 0x2052, 0x2603, 0x2700
 _MAX_STIFFNESS = 0x2602
 _FORCE_OUTPUT, _FORCE_CLAMPING = 0x4000, 0x4001
 _NO_DEVICE = 0xFFFFFFFF
+_MOST_ERRORS = 64
 _DONE, _GO_ON = 0, 1
 _PRIORITY = 0xFFFF
 _PATIENCE_S = 0.05
@@ -93,6 +94,9 @@ class OpenHapticsPort:
         return most, stiffest[0] if 0.01 <= stiffest[0] <= 20.0 else None
 
     def _open(self, hd: ctypes.CDLL) -> int:
+        for _ in range(_MOST_ERRORS):  # it keeps them until they are asked for
+            if not hd.hdGetError().code:
+                break
         handle: int = hd.hdInitDevice(self.name.encode() or None)
         if handle == _NO_DEVICE or (code := hd.hdGetError().code):
             reason = "" if handle == _NO_DEVICE else f" (error {code:#x})"

@@ -75,7 +75,10 @@ class PortReader:
             self._port.run(self)
         except DeviceError as failure:
             self._failure = failure
-        self._spoke.set()
+        except Exception as cause:  # nobody else would hear of it
+            self._failure = DeviceError(f"{self.name} failed: {cause!r}")
+        finally:
+            self._spoke.set()
 
     # -- what the port calls ----------------------------------------------------------------
 

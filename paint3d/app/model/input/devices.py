@@ -21,6 +21,7 @@ from paint3d.device.report_rate import find_report_rate
 from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.device.space_mouse import MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
+from paint3d.errors import DeviceError
 from paint3d.haptics.servo import ServoStatus
 from paint3d.haptics.settings import HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
@@ -34,6 +35,7 @@ __all__ = [
     "NothingPlugged",
     "StrokeCutter",
     "Taken",
+    "went_down",
 ]
 
 DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
@@ -164,11 +166,31 @@ class Taken:
         Methods of `Document` that buttons asked for.
     object_pose : ObjectPose
         Where the left hand holds the object now.
+    failures : tuple of DeviceError
+        Why what a button asked for could not be done.
     """
 
     samples: list[DeviceSample]
     commands: list[str]
     object_pose: ObjectPose
+    failures: tuple[DeviceError, ...] = ()
+
+
+def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, int | None]:
+    """Whether a button of a stylus went down, and which are held now.
+
+    Parameters
+    ----------
+    button : int
+        Its bit.
+    before : int or None
+        Held until now; None where that is not known, and then what is held first went down before.
+    held : list of int
+        By reading.
+    """
+    known = held if before is None else [before, *held]
+    down = any(now & ~then & button for then, now in pairwise(known))
+    return down, known[-1] if known else None
 
 
 class DeviceHub:
@@ -212,7 +234,8 @@ class DeviceHub:
         self._feedback = feedback
         self._actions = checked_actions(actions)
         self._clock = clock
-        self._buttons = self._held = 0
+        self._buttons = 0
+        self._held: int | None = None  # by the stylus; None where it has not been heard
         self._heard: dict[str, deque[int]] = {h: deque(maxlen=_REMEMBERED) for h in _HANDS}
         self._force = 0.0
 
@@ -243,26 +266,28 @@ class DeviceHub:
             readings = sorted([*readings, *self._feedback.take()], key=lambda one: one.time_ns)
             self._let_go_of_what_ended(self._feedback)
         commands: list[str] = []
+        failures: list[DeviceError] = []
         samples: list[DeviceSample] = []
         self.hands.add_stylus(readings)
         for event in events:
             self.hands.add_deflection(event.time_ns, event.deflection)
             for action in find_actions(self._buttons, event.buttons, self._actions):
                 samples += self.hands.take(event.time_ns)  # what was before it
-                commands += self._act(action)
+                try:
+                    commands += self._act(action)
+                except DeviceError as failure:
+                    failures.append(failure)
             self._buttons = event.buttons
         self._click(commands, readings)
         self._heard["left"].extend(event.time_ns for event in events)
         self._heard["right"].extend(reading.time_ns for reading in readings)
         self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
-        return Taken(samples, commands, self.hands.object_pose)
+        return Taken(samples, commands, self.hands.object_pose, tuple(failures))
 
     def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
         """Let a dip be felt, whichever hand's button asked for it."""
-        held = [self._held, *(reading.buttons for reading in readings)]
-        self._held = held[-1]
-        by_stylus = any(now & ~before & DIP for before, now in pairwise(held))
+        by_stylus, self._held = went_down(DIP, self._held, [one.buttons for one in readings])
         if self._feedback is not None and (by_stylus or "dip" in commands):
             self._feedback.click()
 
@@ -362,3 +387,8 @@ class StrokeCutter:
                 found.append("end_stroke")
             self._down, self._before = down, sample
         return [part for part in found if part]
+
+    def end(self) -> bool:
+        """Leave, whatever the hand does: it is not heard any more. Whether a stroke went on."""
+        was_down, self._down, self._before = self._down, False, None
+        return was_down

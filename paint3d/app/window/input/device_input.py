@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paint3d.app.model.input.devices import DeviceHub, NothingPlugged, StrokeCutter
+from paint3d.app.model.input.devices import (
+    DeviceHub,
+    NothingPlugged,
+    StrokeCutter,
+    went_down,
+)
 from paint3d.app.model.persistence.calibrations import keep_calibration
 from paint3d.app.window.panels.device_panel import DevicePanel
 from paint3d.app.window.wording import say, say_error
@@ -87,7 +91,7 @@ class DeviceInput:
         self._pose = ObjectPose()
         self._ticks = 0
         self._told: str | None = None
-        self._buttons = 0
+        self._held: int | None = None  # buttons of the stylus
         self._closed = False
         self._show_choices()
         for signal, slot in self._heard():
@@ -114,16 +118,23 @@ class DeviceInput:
         """The stylus that pushes back; None where none does."""
         return self._feeling
 
+    @property
+    def in_stroke(self) -> bool:
+        """Whether a stylus paints now."""
+        return self._cutter.is_down
+
     def open(self, document: Document) -> None:
         """Let the haptic stylus feel another object, which stands as its picture shows it."""
         if self.desk is not None:
             self.desk.hands.set_object_pose(ObjectPose())
         self._pose = ObjectPose()
+        self._cutter.end()  # what was begun on another document ended with it
         self._start_feeling(document)
 
     def _start_feeling(self, document: Document) -> None:
         """Feel with the stylus that the settings ask for; the object stays where it is."""
         self._stop_calibrating()
+        self._leave_object()
         if self._feeling is not None:
             self._feeling.feedback.stop()
             self._feeling = None
@@ -149,7 +160,8 @@ class DeviceInput:
             feedback=None if feeling is None else feeling.feedback,
             stylus_name="" if feeling is None else feeling.name,
         )
-        desk.set_mouse(MouseSettings.from_words(settings.mouse))
+        if before is None:  # else the hands go on with what a button locked
+            desk.set_mouse(MouseSettings.from_words(settings.mouse))
         return desk
 
     # -- what is chosen ---------------------------------------------------------------------
@@ -193,6 +205,7 @@ class DeviceInput:
         if self._feeling is None:
             self._panel.stylus.show_calibrating(say("No stylus is there to calibrate"), False)
             return
+        self._leave_object()
         self._touches = Touches(sheet_corners(width, depth))
         self._ask_for_touch("")
 
@@ -249,6 +262,8 @@ class DeviceInput:
             self._tell_end(self.desk)
         if self._feeling is not None:
             feel = Feel.from_words(self._workspace.settings.feel)
+            if self._touches is not None:
+                feel = replace(feel, limit_n=0.0)  # the object pushes no hand off the sheet
             material = self._workspace.document.surface.material
             self._feeling.follow(self._workspace.easel.brush, feel, material)
         if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
@@ -263,32 +278,43 @@ class DeviceInput:
         taken, easel = desk.take(), self._workspace.easel
         for command in taken.commands:
             easel.post(command)
+        for failure in taken.failures:
+            self._workspace.tell(say_error(failure), state="bad")
         self._carry(taken.object_pose)
+        held = [sample.buttons for sample in taken.samples]
+        dips, self._held = went_down(DIP, self._held, held)
         if self._touches is not None:
             self._hear_touches(taken.samples)
             return
         parts = self._cutter.cut(taken.samples)
-        held = [self._buttons, *(sample.buttons for sample in taken.samples)]
-        self._buttons = held[-1]
-        if not parts and any(now & ~before & DIP for before, now in pairwise(held)):
+        if dips and not parts:
             easel.post("dip")  # in a stroke its samples ask for it themselves
         for part in parts:
             if isinstance(part, str):
                 if part == "begin_stroke":
                     self._workspace.hand.began.emit()
-                done = easel.post(part)
-                if part == "end_stroke":
-                    self._workspace.hand.ended.emit(done)
+                    easel.post(part)
+                else:
+                    self._end_stroke()
             else:
                 easel.feed(part)
         if taken.samples and not self._cutter.is_down:
             easel.hover(taken.samples[-1])
+
+    def _leave_object(self) -> None:
+        """End a stroke whose stylus is not heard any more."""
+        if self._cutter.end():
+            self._end_stroke()
+
+    def _end_stroke(self) -> None:
+        self._workspace.hand.ended.emit(self._workspace.easel.post("end_stroke"))
 
     def _tell_end(self, desk: DeviceHub) -> None:
         """Say why the force feedback has ended, once."""
         if desk.ended is not None and desk.ended != self._told:
             self._told = desk.ended
             self._feeling = None
+            self._leave_object()
             self._stop_calibrating()
             told = say("The stylus pushes no longer: {why}", why=desk.ended)
             self._workspace.tell(told, state="bad", stays=True)
