@@ -22,6 +22,7 @@ from paint3d.app.model.score.playing import painted
 from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs import brush_editor
 from paint3d.app.window.dialogs.brush_draft import changed, range_of, value_of
+from paint3d.app.window.wording import choose_language, say_brush
 from paint3d.brush.bristle_spec import BristleSpec, shape_rows
 from paint3d.brush.presets import load_brush
 from paint3d.errors import BrushError
@@ -239,3 +240,55 @@ def test_numbers_are_shown_with_their_units_and_ranges(program) -> None:
         type_in(rows["transfer_per_mm"].box, "0.00025")
         assert window.brushes.editor.brush.transfer_per_mm == 0.00025
         window.brushes.editor.close()
+
+
+def test_a_brush_may_be_called_like_a_text_of_the_window(program) -> None:
+    """`device.lost` is the key of a text that wants a number; `Close` has another in Chinese."""
+    brush = dataclasses.replace(load_brush("full"), name="device.lost")
+    with opened(program) as window:
+        window.workspace.post("set_brush", brush)
+        settled(window)
+        pen_stroke(window.canvas, (0.42, 0.5), (0.55, 0.5), [0.1, *[0.5] * 8, 0.0])
+        settled(window)
+        window.grab()  # the plate in the picture's corner is painted
+        history = window.panels.history.list
+        wait_for(lambda: history.count() == 1)
+        assert "device.lost" in history.item(0).text()
+    choose_language("zh")
+    try:
+        assert say_brush("Close") == "Close"
+        assert say_brush("full") != "full"
+    finally:
+        choose_language("en")
+
+
+def test_another_size_of_a_preset_is_not_called_like_it(program) -> None:
+    with opened(program) as window:
+        window.workspace.post("resize_brush", 50.0)
+        settled(window)
+        window.workspace.actions["edit_brush"].trigger()
+        editor = window.brushes.editor
+        taken = []
+        editor.taken.connect(taken.append)
+        assert editor.brush.length_mm == 50.0
+        editor.name_box.setText("full")
+        click(editor.take)
+        assert "a brush that comes with the program" in editor.told.text()
+        assert taken == []
+        editor.close()
+
+
+def test_the_editors_stroke_is_in_the_ink_in_hand(program) -> None:
+    with opened(program) as window:
+        window.workspace.actions["edit_brush"].trigger()
+        editor = window.brushes.editor
+        footprints, black = drawn(editor)
+        window.panels.inks.dishes.taken.emit("cinnabar")
+        settled(window)
+        again, red = drawn(editor)
+        assert again == footprints
+        assert red != black
+        click(editor.leave)
+        window.panels.inks.dishes.taken.emit("pine soot")  # the closed editor draws nothing
+        settled(window)
+        assert not editor.drawing.is_busy
