@@ -45,10 +45,10 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
     error
         Naming the file, if it cannot be read or holds no parameters by name.
     """
-    if not path.is_file():
-        raise error(f"{path}: there is no such file; expected {what} in .toml or .json")
     parse: Callable[[str], Any] = json.loads if path.suffix.lower() == ".json" else tomllib.loads
     try:
+        if not path.is_file():
+            raise error(f"{path}: there is no such file; expected {what} in .toml or .json")
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
         if len(data) > _MOST_BYTES:

@@ -15,7 +15,12 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
+from paint3d.app.model.persistence.own_brushes import (
+    keep_brush,
+    own_brush_folder,
+    own_brush_path,
+    own_brushes,
+)
 from paint3d.app.model.persistence.saved_settings import chosen_brush, in_hand
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.score.playing import painted
@@ -216,6 +221,22 @@ def test_a_bad_file_among_ones_own_is_told_and_the_others_listed(own_folder: Pat
     assert "z.toml: base is 'fulll'" in problems[0]
     with pytest.raises(BrushError, match="comes with the program"):
         keep_brush(load_brush("full"))
+
+
+def test_a_brush_in_a_file_of_another_name_is_kept_there(own_folder: Path) -> None:
+    """And one in .json gives way to what was kept of it later."""
+    own_folder.mkdir(parents=True)
+    (own_folder / "foo.toml").write_text('base = "full"\nname = "mine"', encoding="utf-8")
+    (own_folder / "a.json").write_text('{"base": "full", "name": "jay"}', encoding="utf-8")
+    assert own_brush_path("mine") == own_folder / "foo.toml"
+    assert own_brush_path("jay") == own_folder / "a.json"
+    for name in ("mine", "jay"):
+        keep_brush(dataclasses.replace(own_brushes()[0][name], taper=0.7))
+    found, problems = own_brushes()
+    assert {name: brush.taper for name, brush in found.items()} == {"mine": 0.7, "jay": 0.7}
+    assert own_brush_path("jay") == own_folder / "jay.toml"
+    assert len(problems) == 1  # that there is another jay
+    assert "a.json: another brush is called 'jay'" in problems[0]
 
 
 def test_all_that_the_editor_says_is_said_in_chinese() -> None:

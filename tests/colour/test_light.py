@@ -225,3 +225,29 @@ def test_instruments_files_that_colour_science_reads(tmp_path):
             (tmp_path / "lamp.txt").write_bytes((RESOURCES / name).read_bytes())
             seen = Viewing(str(tmp_path / "lamp.txt")).codes(WHITE)
             assert seen.rgb.tolist() == [[255, 255, 255]]
+
+
+def spectrum_file(folder, power_at):
+    """A file of a light from 300 to 900 nm."""
+    path = folder / "light.spd"
+    path.write_text("".join(f"{nm} {power_at(nm)!r}\n" for nm in range(300, 901, 10)))
+    return str(path)
+
+
+def test_a_light_that_nobody_sees_is_refused(tmp_path):
+    with pytest.raises(InputError, match="none of its power is from 360 to 830 nm"):
+        Viewing(spectrum_file(tmp_path, lambda nm: 1.0 if nm == 320 else 0.0))
+
+
+@pytest.mark.parametrize("scale", [1e308, 1e-300])
+def test_a_lights_unit_does_not_matter(scale, tmp_path):
+    seen = Viewing(spectrum_file(tmp_path, lambda _: scale), adaptation="none")
+    np.testing.assert_allclose(seen.weights, Viewing("E", adaptation="none").weights, atol=1e-9)
+
+
+def test_a_light_of_one_line_adapts_as_far_as_it_can(tmp_path):
+    for nm in (360, 460, 640, 830):
+        light = find_illuminant.__wrapped__(
+            spectrum_file(tmp_path, lambda at, nm=nm: 1.0 if at == nm else 0.0)
+        )
+        assert light.max() == 1.0
