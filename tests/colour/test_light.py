@@ -251,3 +251,11 @@ def test_a_light_of_one_line_adapts_as_far_as_it_can(tmp_path):
             spectrum_file(tmp_path, lambda at, nm=nm: 1.0 if at == nm else 0.0)
         )
         assert light.max() == 1.0
+
+
+@pytest.mark.parametrize("arguments", [
+    ["--illuminant", "A"], ["mine.csv", "--compare", "indigo", "azurite"],
+])  # fmt: skip
+def test_options_that_would_do_nothing_are_refused(arguments, capsys):
+    assert main.main(["inks", *arguments]) == 2
+    assert "--compare" in capsys.readouterr().err

@@ -120,6 +120,20 @@ def test_rubbish_ends_in_one_line(tmp_path, suffix):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA])
+def test_a_damaged_package_ends_in_one_line(tmp_path, packing):
+    pytest.importorskip("collada")
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", packing) as package:
+        package.writestr("a.dae", "<a>" * 1000)
+    data = bytearray(packed.getvalue())
+    data[45] ^= 0xFF
+    data[60] ^= 0xFF
+    (tmp_path / "a.zae").write_bytes(data)
+    with pytest.raises(MeshError, match="is a ZIP, which cannot be unpacked"):
+        load_mesh(tmp_path / "a.zae")
+
+
 def test_entities_are_refused(tmp_path):
     bomb = '<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]>' + XAML
     (tmp_path / "a.xaml").write_text(bomb)

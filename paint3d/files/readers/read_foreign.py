@@ -124,7 +124,9 @@ def _documents(data: bytes, form: Foreign) -> Iterator[ElementTree.Element]:
                     content = package.read(entry)
                     if content.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"<":
                         yield _checked_xml(content, form)
-        except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as cause:
+        except MeshError:
+            raise
+        except Exception as cause:  # of any kind: every packing has its own
             raise MeshError(f"{form.name} is a ZIP, which cannot be unpacked: {cause}") from None
 
 
