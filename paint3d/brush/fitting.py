@@ -155,7 +155,7 @@ def fit_presses(
     progress: Callable[[float], None] | None = None,
     exponents: Sequence[float] = _EXPONENTS,
 ) -> BrushSpec:
-    """The brush whose footprints come closest to readings, in least squares. About 10 s.
+    """The brush whose footprints come closest to readings, in least squares; some seconds.
 
     Sought are root diameter, taper, full press and point, for each exponent of stiffness; all else,
     the length among it, is that of the base.
