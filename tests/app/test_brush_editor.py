@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
+from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
 from paint3d.app.model.persistence.own_brushes import (
     keep_brush,
     own_brush_folder,
@@ -170,6 +172,11 @@ def test_a_command_carries_a_brush_with_its_own_table() -> None:
     brush = dataclasses.replace(load_brush("feibai"), name="mine", bristles=BristleSpec(30, TABLE))
     name, (again,), options = decode_command(encode_command("set_brush", [brush], {}))
     assert (name, again, options) == ("set_brush", brush, {})
+
+
+def test_a_brush_is_the_same_in_the_words_of_json() -> None:
+    brush = dataclasses.replace(load_brush("feibai"), name="mine", bristles=BristleSpec(30, TABLE))
+    assert brush_from_words(json.loads(json.dumps(brush_words(brush)))) == brush
 
 
 @pytest.mark.parametrize("name", [row[0] for row in ROWS if row[0] != "max_force"])

@@ -104,3 +104,20 @@ def test_the_paste_may_be_any_ink(ink: str, names: list[str], folder: Path, pain
 def test_a_seed_that_is_none_is_named(seed: str, folder: Path, capsys) -> None:
     assert run("印", "--on", "plane", f"--seed={seed}", "--out", "a.ply") == 2
     assert "is not a seed; expected a whole number, 0 to 1,000,000" in capsys.readouterr().err
+
+
+def test_a_seal_is_turned_anticlockwise(folder: Path) -> None:
+    pytest.importorskip("svgelements")
+    head = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H20V8H12V20H8V8H0Z"/></svg>'
+    (folder / "t.svg").write_text(head, encoding="utf-8")
+    middles = {}
+    for turn in (0, 90):
+        assert run("--svg", "t.svg", "--on", "plane", "--at", "0.5,0.5", "--turn", turn,
+                   "--resolution", "0.4", "--out", f"{turn}.p3d", "--quiet") == 0  # fmt: skip
+        surface = Document.open(f"{turn}.p3d").surface
+        share = surface.share_painted()
+        x, y, _ = surface.mesh.vertices.T @ share / share.sum()
+        middles[turn] = (x - surface.mesh.vertices[:, 0].mean(), y)
+    xs, ys = zip(*middles.values(), strict=True)
+    assert ys[0] > ys[1] + 0.5  # the bar of the T is above, and then it is on the left
+    assert xs[1] < xs[0] - 0.5

@@ -259,3 +259,11 @@ def test_a_light_of_one_line_adapts_as_far_as_it_can(tmp_path):
 def test_options_that_would_do_nothing_are_refused(arguments, capsys):
     assert main.main(["inks", *arguments]) == 2
     assert "--compare" in capsys.readouterr().err
+
+
+def test_a_temperature_is_the_black_bodys_of_colour_science():
+    theirs = colour.sd_blackbody(2700.0, colour.SpectralShape(360, 830, 1)).values
+    ours = find_illuminant("2700K")
+    np.testing.assert_allclose(
+        ours / ours.max(), theirs / theirs.max(), rtol=1e-3
+    )  # its c2 is rounded

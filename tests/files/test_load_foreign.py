@@ -87,6 +87,27 @@ def test_a_drawing_is_a_plate_with_its_holes(tmp_path):
     assert np.ptp(mesh.vertices, axis=0).tolist() == pytest.approx([40.0, 40.0, 0.0])
 
 
+@pytest.mark.parametrize(
+    ("header", "mm"),
+    [
+        ("9\n$INSUNITS\n70\n1\n", 25.4),
+        ("9\n$INSUNITS\n70\n6\n", 1000.0),
+        ("9\n$LUNITS\n70\n2\n", 1.0),  # decimal numbers, of no unit
+        ("9\n$LUNITS\n70\n2\n9\n$INSUNITS\n70\n4\n", 1.0),
+        ("9\n$LUNITS\n70\n2\n9\n$INSUNITS\n70\n0\n", 1.0),
+    ],
+)
+def test_a_plate_has_the_unit_of_its_drawing(tmp_path, header, mm):
+    path = trimesh.load_path(np.array([(0, 0), (2, 0), (2, 1), (0, 1), (0, 0)], float))
+    text = path.export(file_type="dxf")
+    entities = text[text.index("ENTITIES") :]
+    (tmp_path / "a.dxf").write_text(
+        f"0\nSECTION\n2\nHEADER\n{header}0\nENDSEC\n0\nSECTION\n2\n{entities}"
+    )
+    reading = read_mesh(tmp_path / "a.dxf")
+    assert np.ptp(reading.mesh.vertices, axis=0).tolist() == pytest.approx([2 * mm, mm, 0.0])
+
+
 def test_a_drawing_in_svg(tmp_path):
     pytest.importorskip("svg.path")
     shape = "M0 0 H40 V40 H0 Z"
