@@ -205,7 +205,8 @@ def test_pigments_from_a_measured_masstone(tmp_path):
     ).write()
     rows = "\n".join(f"{nm:g}\t{r:.6f}" for nm, r in data.items())
     (tmp_path / "blue.txt").write_text(rows)
-    for name in (f"{path}:blue", f"{tmp_path / 'blue.txt'}:blue"):
+    (tmp_path / "blue.xml").write_bytes(path.read_bytes())  # as meters write TM-27, too
+    for name in (f"{tmp_path / f'blue.{kind}'}:blue" for kind in ("spdx", "xml", "txt")):
         pigment = load_pigment(name)
         thick = mixture_reflectance({pigment: 1.0}, 20.0, np.full(N_BANDS, 0.9))
         np.testing.assert_allclose(thick, masstone, atol=0.01)
@@ -267,3 +268,11 @@ def test_a_temperature_is_the_black_bodys_of_colour_science():
     np.testing.assert_allclose(
         ours / ours.max(), theirs / theirs.max(), rtol=1e-3
     )  # its c2 is rounded
+
+
+def test_no_more_of_a_file_is_read_than_a_spectrum_can_have(tmp_path):
+    path = tmp_path / "large.spd"
+    with path.open("wb") as file:
+        file.truncate(1 << 38)  # without taking room on the disk
+    with pytest.raises(InputError, match="is larger than 4,194,304 bytes"):
+        find_illuminant(str(path))
