@@ -131,7 +131,9 @@ def shape_rows(rows: Any) -> ShapeRows:
     BrushError
         Naming the row and the column, what was got and what was expected.
     """
-    if not isinstance(rows, list | tuple) or not 1 <= len(rows) <= _MOST_SHAPES:
+    if not isinstance(rows, list | tuple):
+        raise BrushError(f"table is {rows!r:.60}; expected rows of numbers")
+    if not 1 <= len(rows) <= _MOST_SHAPES:
         raise BrushError(f"table has {len(rows)} rows; expected 1 to {_MOST_SHAPES}")
     checked = set()
     for k, row in enumerate(rows, 1):

@@ -25,8 +25,8 @@ from paint3d.core.parameter_file import check_known, is_parameter_file, read_par
 from paint3d.errors import BrushError
 
 __all__ = [
-    "brush_text", "check_brush_name", "is_brush_file", "meaning_of", "read_brush",
-    "write_brush",
+    "brush_text", "check_brush_name", "check_unlike_presets", "is_brush_file", "meaning_of",
+    "read_brush", "write_brush",
 ]  # fmt: skip
 
 _LONGEST_NAME = 60
@@ -129,11 +129,8 @@ def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSp
         values["bristles"] = _hairs_of(values["bristles"], given.get("bristles"))
     check_brush_name(name)
     brush = BrushSpec(**(given | values | {"name": name}))
-    if brush.name in presets and brush != presets[brush.name]:
-        raise BrushError(
-            f"name is {brush.name!r}, a brush that comes with the program; expected another: "
-            'name = "mine"'
-        )
+    if brush != presets.get(brush.name):
+        check_unlike_presets(brush.name, presets)
     return brush
 
 
@@ -150,6 +147,20 @@ def check_brush_name(name: object) -> None:
         raise BrushError(
             f"name is {name!r:.80}; expected 1 to {_LONGEST_NAME} characters, without ' @' and no "
             "file's name"
+        )
+
+
+def check_unlike_presets(name: str, presets: Iterable[str]) -> None:
+    """Refuse the name of a brush that comes with the program.
+
+    Raises
+    ------
+    BrushError
+        What was got and what was expected.
+    """
+    if name in presets:
+        raise BrushError(
+            f'name is {name!r}, a brush that comes with the program; expected another: "mine"'
         )
 
 
@@ -186,7 +197,8 @@ def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
         '# or as name = "..." says. Behind each value: its range; what it is.',
     ]
     lines += [f"name = {json.dumps(brush.name, ensure_ascii=False)}"] if named else []
-    lines += [f"note = {json.dumps(note, ensure_ascii=False)}"] if note else []
+    told = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in note)
+    lines += [f"note = {json.dumps(told, ensure_ascii=False)}"] if told else []
     for field in dataclasses.fields(brush):
         if field.name not in ("name", "bristles", "inputs"):
             lines.append(_line(field.name, getattr(brush, field.name), ranges, HAIRS))
@@ -227,10 +239,7 @@ def write_brush(
         If the file cannot be written.
     """
     check_brush_name(brush.name)
-    if brush.name in presets:
-        raise BrushError(
-            f"name is {brush.name!r}, a brush that comes with the program; expected another"
-        )
+    check_unlike_presets(brush.name, presets)
     with write_atomically(path) as file:
         file.write_text(brush_text(brush, note, named=True), encoding="utf-8")
 

@@ -24,6 +24,7 @@ from paint3d.brush.bending import GREATEST_FRACTION, build_tuft
 from paint3d.brush.bristle_spec import SHAPE_COLUMNS, ShapeRows, shape_rows
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec, parameter_ranges
+from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import BrushError, InputError
 
@@ -45,6 +46,7 @@ _EXPONENTS = (2.5, 3.0, 3.5, 4.0, 4.5, 5.0)
 _STEP = 5e-3  # of a parameter, over which the model's slope is taken
 _MOST_TRIES = 25
 _MOST_BYTES = 1 << 20
+_MOST_MM = 1000.0  # of a reading
 
 
 def _text(path: Path) -> str:
@@ -109,9 +111,14 @@ def read_presses(path: str | Path) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        If there is no such table, or it lacks a column, or a cell holds no number.
+        If there is no such table, or it lacks a column, or a cell holds no number, or one that no
+        footprint has.
     """
     rows = _rows(Path(path), PRESS_COLUMNS)
+    for line, row in rows:
+        for column in PRESS_COLUMNS:
+            least = -_MOST_MM if column == "offset_mm" else 0.0
+            as_number(row[column], f"{path}:{line}: {column}", least, _MOST_MM)
     readings = np.array([[row[column] for column in PRESS_COLUMNS] for _, row in rows])
     depths = np.unique(readings[:, 0])
     return np.array([readings[readings[:, 0] == depth].mean(axis=0) for depth in depths])
@@ -148,7 +155,7 @@ def fit_presses(
     progress: Callable[[float], None] | None = None,
     exponents: Sequence[float] = _EXPONENTS,
 ) -> BrushSpec:
-    """The brush whose footprints come closest to readings, in least squares. About 10 s.
+    """The brush whose footprints come closest to readings, in least squares; some seconds.
 
     Sought are root diameter, taper, full press and point, for each exponent of stiffness; all else,
     the length among it, is that of the base.
@@ -218,11 +225,12 @@ def _fitted(base: BrushSpec, presses: AnyArray) -> BrushSpec:
 
 
 def is_table_of_shapes(path: str | Path) -> bool:
-    """Whether a table holds bent hairs, and no presses: what its first line names."""
+    """Whether a table holds bent hairs, and no presses: what the first line with words names."""
     try:
         with Path(path).open(encoding="utf-8-sig", errors="replace") as stream:
-            lines = (line for line in stream.read(1 << 12).splitlines() if line[:1] != "#")
-            names = {name.strip() for name in next(lines, "").split(",")}
+            lines = stream.read(1 << 12).splitlines()
+            head = next((line for line in lines if line[:1] != "#" and line.strip()), "")
+            names = {name.strip(' "') for name in head.split(",")}
     except OSError:
         return False
     return "angle" in names

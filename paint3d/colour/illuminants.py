@@ -39,6 +39,7 @@ _KELVINS = re.compile(r"(\d{3,5}(?:\.\d+)?)\s*K", re.IGNORECASE)
 _LAMP = re.compile(r"F(L?)(\d+(?:\.\d+)?)", re.IGNORECASE)
 _COLDEST, _HOTTEST = 800.0, 25_000.0
 _C2 = 1.438776877e7  # nm K, of Planck's law
+_FAINTEST = 1e-9  # share of a file's power that can be seen
 _SUFFIXES = (".spd", ".csv", ".txt", ".tsv", ".spdx", ".xml")
 
 
@@ -120,7 +121,10 @@ def _of_file(path: Path) -> NDArray[np.float64]:
     nm, power = found
     if power.min() < 0.0 or not power.max() > 0.0:
         raise InputError(f"{path}: its power is {power.min():g} to {power.max():g}; expected light")
-    return _fine(nm, power)
+    fine = _fine(nm, power / power.max())
+    if not fine.max() > _FAINTEST:
+        raise InputError(f"{path}: none of its power is from 360 to 830 nm; expected light")
+    return fine
 
 
 def _fine(nm: AnyArray, values: AnyArray) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from paint3d.errors import PigmentError
 
 __all__ = ["names_table", "split_ink", "table_of", "tables_in", "with_tables"]
 
-_TABLES = (".csv", ".spdx", ".txt")  # pigments, and measured spectra
+_TABLES = (".csv", ".spdx", ".xml", ".txt")  # pigments, and measured spectra
 
 
 def table_of(name: str) -> str | None:

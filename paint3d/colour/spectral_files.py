@@ -130,7 +130,8 @@ def _points(spectrum: Any) -> Spectrum:
 
 def _text(path: Path) -> str:
     try:
-        data = path.read_bytes()
+        with path.open("rb") as stream:
+            data = stream.read(_MOST_BYTES + 1)
     except OSError as cause:
         raise InputError(f"{path}: cannot be read: {cause.strerror or cause}") from None
     if len(data) > _MOST_BYTES:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from pathlib import Path
 
@@ -15,13 +16,20 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
+from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
+from paint3d.app.model.persistence.own_brushes import (
+    keep_brush,
+    own_brush_folder,
+    own_brush_path,
+    own_brushes,
+)
 from paint3d.app.model.persistence.saved_settings import chosen_brush, in_hand
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.score.playing import painted
 from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs import brush_editor
 from paint3d.app.window.dialogs.brush_draft import changed, range_of, value_of
+from paint3d.app.window.wording import choose_language, say_brush
 from paint3d.brush.bristle_spec import BristleSpec, shape_rows
 from paint3d.brush.presets import load_brush
 from paint3d.errors import BrushError
@@ -166,6 +174,11 @@ def test_a_command_carries_a_brush_with_its_own_table() -> None:
     assert (name, again, options) == ("set_brush", brush, {})
 
 
+def test_a_brush_is_the_same_in_the_words_of_json() -> None:
+    brush = dataclasses.replace(load_brush("feibai"), name="mine", bristles=BristleSpec(30, TABLE))
+    assert brush_from_words(json.loads(json.dumps(brush_words(brush)))) == brush
+
+
 @pytest.mark.parametrize("name", [row[0] for row in ROWS if row[0] != "max_force"])
 def test_every_control_changes_what_is_painted(name: str) -> None:
     brush = load_brush("feibai")
@@ -217,6 +230,22 @@ def test_a_bad_file_among_ones_own_is_told_and_the_others_listed(own_folder: Pat
         keep_brush(load_brush("full"))
 
 
+def test_a_brush_in_a_file_of_another_name_is_kept_there(own_folder: Path) -> None:
+    """And one in .json gives way to what was kept of it later."""
+    own_folder.mkdir(parents=True)
+    (own_folder / "foo.toml").write_text('base = "full"\nname = "mine"', encoding="utf-8")
+    (own_folder / "a.json").write_text('{"base": "full", "name": "jay"}', encoding="utf-8")
+    assert own_brush_path("mine") == own_folder / "foo.toml"
+    assert own_brush_path("jay") == own_folder / "a.json"
+    for name in ("mine", "jay"):
+        keep_brush(dataclasses.replace(own_brushes()[0][name], taper=0.7))
+    found, problems = own_brushes()
+    assert {name: brush.taper for name, brush in found.items()} == {"mine": 0.7, "jay": 0.7}
+    assert own_brush_path("jay") == own_folder / "jay.toml"
+    assert len(problems) == 1  # that there is another jay
+    assert "a.json: another brush is called 'jay'" in problems[0]
+
+
 def test_all_that_the_editor_says_is_said_in_chinese() -> None:
     source = Path(brush_editor.__file__).read_text(encoding="utf-8")
     texts = set(re.findall(r'say\("([^"]+)"', source)) | {row[1] for row in ROWS}
@@ -239,3 +268,55 @@ def test_numbers_are_shown_with_their_units_and_ranges(program) -> None:
         type_in(rows["transfer_per_mm"].box, "0.00025")
         assert window.brushes.editor.brush.transfer_per_mm == 0.00025
         window.brushes.editor.close()
+
+
+def test_a_brush_may_be_called_like_a_text_of_the_window(program) -> None:
+    """`device.lost` is the key of a text that wants a number; `Close` has another in Chinese."""
+    brush = dataclasses.replace(load_brush("full"), name="device.lost")
+    with opened(program) as window:
+        window.workspace.post("set_brush", brush)
+        settled(window)
+        pen_stroke(window.canvas, (0.42, 0.5), (0.55, 0.5), [0.1, *[0.5] * 8, 0.0])
+        settled(window)
+        window.grab()  # the plate in the picture's corner is painted
+        history = window.panels.history.list
+        wait_for(lambda: history.count() == 1)
+        assert "device.lost" in history.item(0).text()
+    choose_language("zh")
+    try:
+        assert say_brush("Close") == "Close"
+        assert say_brush("full") != "full"
+    finally:
+        choose_language("en")
+
+
+def test_another_size_of_a_preset_is_not_called_like_it(program) -> None:
+    with opened(program) as window:
+        window.workspace.post("resize_brush", 50.0)
+        settled(window)
+        window.workspace.actions["edit_brush"].trigger()
+        editor = window.brushes.editor
+        taken = []
+        editor.taken.connect(taken.append)
+        assert editor.brush.length_mm == 50.0
+        editor.name_box.setText("full")
+        click(editor.take)
+        assert "a brush that comes with the program" in editor.told.text()
+        assert taken == []
+        editor.close()
+
+
+def test_the_editors_stroke_is_in_the_ink_in_hand(program) -> None:
+    with opened(program) as window:
+        window.workspace.actions["edit_brush"].trigger()
+        editor = window.brushes.editor
+        footprints, black = drawn(editor)
+        window.panels.inks.dishes.taken.emit("cinnabar")
+        settled(window)
+        again, red = drawn(editor)
+        assert again == footprints
+        assert red != black
+        click(editor.leave)
+        window.panels.inks.dishes.taken.emit("pine soot")  # the closed editor draws nothing
+        settled(window)
+        assert not editor.drawing.is_busy

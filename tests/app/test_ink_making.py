@@ -93,6 +93,20 @@ def test_any_colour_is_mixed_of_the_inks_there_are(window) -> None:
     dialog.close()
 
 
+def test_a_colour_is_mixed_for_the_ground_that_is_painted_on(window) -> None:
+    """The dialog's mixtures are those of a ground: another object has another."""
+    click(window.findChild(QtWidgets.QPushButton, "choose_colour"))
+    dialog = window.inks.dialog
+    wait_for(lambda: not dialog.is_busy)
+    other = "silk" if window.document.surface.material.name != "silk" else "xuan"
+    while window.document.can_undo:
+        window.document.undo()
+    window.standing.take_material(other)
+    settled(window)
+    assert window.document.surface.material.name == other
+    assert window.inks.dialog is None
+
+
 def test_pigments_of_ones_own_are_dishes_to_dip_in(window, tmp_path: Path, monkeypatch) -> None:
     table, bad = tmp_path / "mine.csv", tmp_path / "bad.csv"
     head = "name,R_400,R_550,R_700\n"

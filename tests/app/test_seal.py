@@ -105,6 +105,7 @@ def test_masks_and_layers_are_heeded(document: Document) -> None:
     [
         (([], HERE), "a seal of 0 rings"),
         (([[[0, 0], [1, 1]]], HERE), "expected rings of three"),
+        (([[[0, 0], [0, 0], [0, 0]]], HERE, UP), "go around no area"),
         ((RINGS, HERE, (0, 0, 1)), "along the surface's normal"),
         ((RINGS, HERE, UP, {}), "a paste of nothing"),
         ((RINGS, HERE, UP, "cinnabar", 0.0), "coats"),
@@ -115,3 +116,32 @@ def test_what_cannot_be_pressed_is_said(document: Document, given, words: str) -
     with pytest.raises(InputError, match=words):
         document.press_seal(*given)
     assert document.steps.done == steps
+
+
+def test_no_wet_ink_is_lost_below_it(document: Document) -> None:
+    """What is dipped for is the paste alone, on wet ink as on bare paper."""
+    bare = Document.new(small_plane().surface.source, 0.5, "xuan")
+    paint(bare, (-15, 0), (15, 0))
+    bare.undo()  # the same vertices, without ink
+    paste = []
+    for one in (document, bare):
+        before = one.painter.loaded
+        one.press_seal(RINGS, HERE, UP)
+        paste.append(one.painter.loaded - before)
+    assert paste[0] == pytest.approx(paste[1], rel=0.01)
+
+
+def test_it_is_not_pressed_within_a_stroke(document: Document) -> None:
+    document.begin_stroke()
+    with pytest.raises(InputError, match="a seal"):
+        document.press_seal(RINGS, HERE, UP)
+    document.end_stroke()
+
+
+def test_what_was_undone_only_to_look_at_it_is_there_below_a_seal(document: Document) -> None:
+    document.replay_history(0, passing=True)
+    assert len(document.strokes) == 0
+    document.press_seal(RINGS, HERE, UP)
+    assert len(document.strokes) == 1
+    document.undo()
+    assert document.surface.painted.any()

@@ -12,7 +12,7 @@ import pytest
 from paint3d.brush.bristle_shapes import MEASURED, measured_shapes
 from paint3d.brush.bristle_spec import BristleSpec, shape_rows
 from paint3d.brush.bristles import build_bristles
-from paint3d.brush.brush_file import brush_text
+from paint3d.brush.brush_file import brush_text, write_brush
 from paint3d.brush.fitting import (
     PRESS_COLUMNS,
     fit_presses,
@@ -22,7 +22,7 @@ from paint3d.brush.fitting import (
     read_presses,
     read_shapes,
 )
-from paint3d.brush.presets import load_brush
+from paint3d.brush.presets import load_brush, load_presets
 from paint3d.errors import BrushError, InputError
 
 CURVES = "angle,x0,z0,x1,z1,x2,z2,x3,z3,spread\n"
@@ -65,6 +65,8 @@ def test_readings_of_one_depth_are_averaged(tmp_path: Path) -> None:
             "t.csv:5: drag_mm is None",
         ),
         (",".join(PRESS_COLUMNS) + "\n" + "1" * 200_000 + ",2,3,4\n", "cannot be read as a table"),
+        (",".join(PRESS_COLUMNS) + "\n1,-2,3,4\n", "t.csv:2: width_mm is -2; expected 0 to 1000"),
+        (",".join(PRESS_COLUMNS) + "\n1,2,3,1e300\n", "drag_mm is 1e\\+300; expected 0 to 1000"),
         ("", "has the columns none"),
         (",".join(PRESS_COLUMNS) + "\n", "has no rows"),
     ],
@@ -89,6 +91,8 @@ def test_a_table_of_fastbrushs_shapes_gives_fastbrushs_brush(tmp_path: Path) -> 
     text = head + "".join(",".join(map(str, row)) + "\n" for row in MEASURED if row[1] < 1.0)
     path = table(tmp_path, text)
     assert is_table_of_shapes(path)
+    assert is_table_of_shapes(table(tmp_path, "# seen from the side\n\n" + text, "b.csv"))
+    assert is_table_of_shapes(table(tmp_path, text.replace("angle", '"angle"', 1), "c.csv"))
     rows = read_shapes(path, 35.0)
     assert rows == shape_rows(MEASURED)
     own = BristleSpec(n_hairs=60, table=rows)
@@ -141,3 +145,16 @@ def test_a_brush_carries_its_own_table_in_its_file(tmp_path: Path) -> None:
     )
     with pytest.raises(BrushError, match=r"bristles: table: row 1 is .* expected 7 numbers"):
         load_brush(str(tmp_path / "bad.toml"))
+
+
+def test_a_note_of_any_characters_is_kept_in_a_file(tmp_path: Path) -> None:
+    """A table's name may be no text at all, and control characters are none of TOML."""
+    brush = dataclasses.replace(load_brush("full"), name="mine")
+    path = tmp_path / "mine.toml"
+    write_brush(path, brush, load_presets(), "of \udcff\x7f\n.csv")
+    assert load_brush(str(path)) == brush
+
+
+def test_shapes_that_are_no_rows_are_refused() -> None:
+    with pytest.raises(BrushError, match="table is 7; expected rows of numbers"):
+        shape_rows(7)

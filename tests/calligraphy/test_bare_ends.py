@@ -33,3 +33,8 @@ def test_thin_strokes_and_plain_ends_have_none() -> None:
     assert len(with_stubs([stroke(arm, STEM)], 50.0)) == 1
     plain = stroke(box(30, 0, 70, 200), STEM)
     assert with_stubs([plain], 30.0) == [plain]
+
+
+def test_what_is_bare_beside_a_line_but_narrow_is_none() -> None:
+    """A line that runs off the middle leaves a band along the edge, a fifth of the stroke wide."""
+    assert len(with_stubs([stroke(box(30, 0, 78, 200), STEM)], 30.0)) == 1

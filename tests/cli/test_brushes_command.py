@@ -16,6 +16,7 @@ from paint3d.app.model.persistence.own_brushes import keep_brush
 from paint3d.brush.fitting import press_errors, read_presses
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.cli.main import main
+from paint3d.errors import BrushError
 
 SHEET = "v 0 0 0\nv 90 0 0\nv 90 90 0\nv 0 90 0\nf 1 2 3 4\n"
 
@@ -170,3 +171,33 @@ def test_brushes_that_the_studio_keeps_are_listed_with_their_files(
     assert " 0.4 " in line
     assert "z.toml: says no hair" in told.err
     assert load_brush(str(path)).hardness == 0.4
+
+
+def test_names_in_chinese_keep_the_columns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    keep_brush(dataclasses.replace(load_brush("full"), name="大笔"))
+    assert main(["brushes"]) == 0
+    head, *lines = capsys.readouterr().out.splitlines()
+    (line,) = (line for line in lines if line.startswith("大笔"))
+    assert line.index("mixed") == head.index("hair") - 2  # each of the two is two columns wide
+
+
+def test_the_brush_that_a_fit_begins_with_is_not_written_over(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "t.csv").write_text(tables_of_the_page()[1], encoding="utf-8")
+    mine = tmp_path / "mine.toml"
+    mine.write_text('base = "full"', encoding="utf-8")
+    command = ["brushes", "fit", str(tmp_path / "t.csv"), "--base", str(mine), "--out", str(mine)]
+    assert main(command) == 2
+    assert "would be replaced" in capsys.readouterr().err
+    assert mine.read_text(encoding="utf-8") == 'base = "full"'
+    assert main([*command, "--force"]) == 0
+    assert load_brush(str(mine)).bristles is not None
+
+
+def test_a_name_longer_than_a_file_can_have_is_a_fault_of_the_brush() -> None:
+    with pytest.raises(BrushError, match="File name too long"):
+        load_brush(f"{'a' * 300}.toml")

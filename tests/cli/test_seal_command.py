@@ -79,3 +79,45 @@ def test_bad_input_is_one_line(painting: str, folder: Path, capsys, arguments, w
     assert told[0].startswith("paint3d: error: ")
     assert words in told[0]
     assert not (folder / "out.ply").exists()
+
+
+TABLE = "name," + ",".join(f"R_{nm}" for nm in range(400, 701, 10))
+TABLE += "\nred lead," + ",".join("0.05" if nm < 580 else "0.8" for nm in range(400, 701, 10))
+
+
+@pytest.mark.parametrize(("ink", "names"), [
+    ("my.csv:red lead", ["red lead"]), ("carmine:1,my.csv:red lead:1", ["carmine", "red lead"]),
+])  # fmt: skip
+def test_the_paste_may_be_any_ink(ink: str, names: list[str], folder: Path, painting: str) -> None:
+    (folder / "my.csv").write_text(TABLE, encoding="utf-8")
+    assert run("印", "--on", painting, "--size", 12, "--ink", ink, "--out", "sealed.p3d") == 0
+    (folder / "my.csv").unlink()
+    document = Document.open("sealed.p3d")
+    assert [p.name for p in document.surface.pigments if p.name in names] == names
+    pressed = document.surface.srgb.copy()
+    document.undo()
+    document.redo()
+    assert np.array_equal(document.surface.srgb, pressed)
+
+
+@pytest.mark.parametrize("seed", ["-1", "1.5", "1000001", "nan", "x"])
+def test_a_seed_that_is_none_is_named(seed: str, folder: Path, capsys) -> None:
+    assert run("印", "--on", "plane", f"--seed={seed}", "--out", "a.ply") == 2
+    assert "is not a seed; expected a whole number, 0 to 1,000,000" in capsys.readouterr().err
+
+
+def test_a_seal_is_turned_anticlockwise(folder: Path) -> None:
+    pytest.importorskip("svgelements")
+    head = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H20V8H12V20H8V8H0Z"/></svg>'
+    (folder / "t.svg").write_text(head, encoding="utf-8")
+    middles = {}
+    for turn in (0, 90):
+        assert run("--svg", "t.svg", "--on", "plane", "--at", "0.5,0.5", "--turn", turn,
+                   "--resolution", "0.4", "--out", f"{turn}.p3d", "--quiet") == 0  # fmt: skip
+        surface = Document.open(f"{turn}.p3d").surface
+        share = surface.share_painted()
+        x, y, _ = surface.mesh.vertices.T @ share / share.sum()
+        middles[turn] = (x - surface.mesh.vertices[:, 0].mean(), y)
+    xs, ys = zip(*middles.values(), strict=True)
+    assert ys[0] > ys[1] + 0.5  # the bar of the T is above, and then it is on the left
+    assert xs[1] < xs[0] - 0.5

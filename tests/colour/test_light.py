@@ -205,7 +205,8 @@ def test_pigments_from_a_measured_masstone(tmp_path):
     ).write()
     rows = "\n".join(f"{nm:g}\t{r:.6f}" for nm, r in data.items())
     (tmp_path / "blue.txt").write_text(rows)
-    for name in (f"{path}:blue", f"{tmp_path / 'blue.txt'}:blue"):
+    (tmp_path / "blue.xml").write_bytes(path.read_bytes())  # as meters write TM-27, too
+    for name in (f"{tmp_path / f'blue.{kind}'}:blue" for kind in ("spdx", "xml", "txt")):
         pigment = load_pigment(name)
         thick = mixture_reflectance({pigment: 1.0}, 20.0, np.full(N_BANDS, 0.9))
         np.testing.assert_allclose(thick, masstone, atol=0.01)
@@ -225,3 +226,53 @@ def test_instruments_files_that_colour_science_reads(tmp_path):
             (tmp_path / "lamp.txt").write_bytes((RESOURCES / name).read_bytes())
             seen = Viewing(str(tmp_path / "lamp.txt")).codes(WHITE)
             assert seen.rgb.tolist() == [[255, 255, 255]]
+
+
+def spectrum_file(folder, power_at):
+    """A file of a light from 300 to 900 nm."""
+    path = folder / "light.spd"
+    path.write_text("".join(f"{nm} {power_at(nm)!r}\n" for nm in range(300, 901, 10)))
+    return str(path)
+
+
+def test_a_light_that_nobody_sees_is_refused(tmp_path):
+    with pytest.raises(InputError, match="none of its power is from 360 to 830 nm"):
+        Viewing(spectrum_file(tmp_path, lambda nm: 1.0 if nm == 320 else 0.0))
+
+
+@pytest.mark.parametrize("scale", [1e308, 1e-300])
+def test_a_lights_unit_does_not_matter(scale, tmp_path):
+    seen = Viewing(spectrum_file(tmp_path, lambda _: scale), adaptation="none")
+    np.testing.assert_allclose(seen.weights, Viewing("E", adaptation="none").weights, atol=1e-9)
+
+
+def test_a_light_of_one_line_adapts_as_far_as_it_can(tmp_path):
+    for nm in (360, 460, 640, 830):
+        light = find_illuminant.__wrapped__(
+            spectrum_file(tmp_path, lambda at, nm=nm: 1.0 if at == nm else 0.0)
+        )
+        assert light.max() == 1.0
+
+
+@pytest.mark.parametrize("arguments", [
+    ["--illuminant", "A"], ["mine.csv", "--compare", "indigo", "azurite"],
+])  # fmt: skip
+def test_options_that_would_do_nothing_are_refused(arguments, capsys):
+    assert main.main(["inks", *arguments]) == 2
+    assert "--compare" in capsys.readouterr().err
+
+
+def test_a_temperature_is_the_black_bodys_of_colour_science():
+    theirs = colour.sd_blackbody(2700.0, colour.SpectralShape(360, 830, 1)).values
+    ours = find_illuminant("2700K")
+    np.testing.assert_allclose(
+        ours / ours.max(), theirs / theirs.max(), rtol=1e-3
+    )  # its c2 is rounded
+
+
+def test_no_more_of_a_file_is_read_than_a_spectrum_can_have(tmp_path):
+    path = tmp_path / "large.spd"
+    with path.open("wb") as file:
+        file.truncate(1 << 38)  # without taking room on the disk
+    with pytest.raises(InputError, match="is larger than 4,194,304 bytes"):
+        find_illuminant(str(path))

@@ -156,6 +156,10 @@ def test_a_bad_face_is_named_with_its_line(tmp_path):
     path.write_text(row + "# faces {a, b, c}, rows from 0\n#{0, 0, 1}\n")
     with pytest.raises(MeshError, match=r"a\.p3d\.txt: line 4: '#\{0, 0, 1\}'; expected a face"):
         load_mesh(path)
+    many = path.with_name("b.p3d.txt")
+    many.write_text(row + "# faces {a, b, c}, rows from 0\n#{0, 0, " + "9" * 5000 + "}\n")
+    with pytest.raises(MeshError, match=r"line 4: .*; expected a face"):
+        read_records(many)
     with pytest.raises(MeshError, match=r"the suffix '\.txt' is not known; .*\.p3d\.txt"):
         load_mesh(path.rename(tmp_path / "a.txt"))
 

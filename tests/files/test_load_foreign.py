@@ -87,6 +87,27 @@ def test_a_drawing_is_a_plate_with_its_holes(tmp_path):
     assert np.ptp(mesh.vertices, axis=0).tolist() == pytest.approx([40.0, 40.0, 0.0])
 
 
+@pytest.mark.parametrize(
+    ("header", "mm"),
+    [
+        ("9\n$INSUNITS\n70\n1\n", 25.4),
+        ("9\n$INSUNITS\n70\n6\n", 1000.0),
+        ("9\n$LUNITS\n70\n2\n", 1.0),  # decimal numbers, of no unit
+        ("9\n$LUNITS\n70\n2\n9\n$INSUNITS\n70\n4\n", 1.0),
+        ("9\n$LUNITS\n70\n2\n9\n$INSUNITS\n70\n0\n", 1.0),
+    ],
+)
+def test_a_plate_has_the_unit_of_its_drawing(tmp_path, header, mm):
+    path = trimesh.load_path(np.array([(0, 0), (2, 0), (2, 1), (0, 1), (0, 0)], float))
+    text = path.export(file_type="dxf")
+    entities = text[text.index("ENTITIES") :]
+    (tmp_path / "a.dxf").write_text(
+        f"0\nSECTION\n2\nHEADER\n{header}0\nENDSEC\n0\nSECTION\n2\n{entities}"
+    )
+    reading = read_mesh(tmp_path / "a.dxf")
+    assert np.ptp(reading.mesh.vertices, axis=0).tolist() == pytest.approx([2 * mm, mm, 0.0])
+
+
 def test_a_drawing_in_svg(tmp_path):
     pytest.importorskip("svg.path")
     shape = "M0 0 H40 V40 H0 Z"
@@ -118,6 +139,20 @@ def test_rubbish_ends_in_one_line(tmp_path, suffix):
         load_mesh(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA])
+def test_a_damaged_package_ends_in_one_line(tmp_path, packing):
+    pytest.importorskip("collada")
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", packing) as package:
+        package.writestr("a.dae", "<a>" * 1000)
+    data = bytearray(packed.getvalue())
+    data[45] ^= 0xFF
+    data[60] ^= 0xFF
+    (tmp_path / "a.zae").write_bytes(data)
+    with pytest.raises(MeshError, match="is a ZIP, which cannot be unpacked"):
+        load_mesh(tmp_path / "a.zae")
 
 
 def test_entities_are_refused(tmp_path):

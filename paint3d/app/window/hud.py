@@ -7,7 +7,7 @@ from PySide6 import QtCore, QtGui
 from paint3d.app.model.held_ink import HeldInk, held_ink
 from paint3d.app.window.panels.brush_panel import plain_name
 from paint3d.app.window.panels.ink_panel import ink_label
-from paint3d.app.window.wording import say, say_length
+from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
 
 __all__ = ["PLATE_ALPHA", "Hud"]
@@ -34,7 +34,7 @@ class Hud:
             return
         theme, brush = workspace.theme, workspace.stage.easel.brush
         held = held_ink(workspace.document.painter)
-        name = f"{say(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
+        name = f"{say_brush(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
         told = self.told(held)
         wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, told))
         width = min(max(_LEAST_WIDTH, wide + _BESIDE + 14), area.width() - 2 * _MARGIN)

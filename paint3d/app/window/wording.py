@@ -11,6 +11,7 @@ from typing import Any
 from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
+from paint3d.brush.presets import brush_names
 from paint3d.colour.materials import Material, load_materials
 from paint3d.errors import LayerError
 from paint3d.files.load import UNITS_MM
@@ -20,6 +21,7 @@ __all__ = [
     "choose_unit",
     "language",
     "say",
+    "say_brush",
     "say_error",
     "say_layer",
     "say_length",
@@ -62,6 +64,11 @@ def say(text: str, **values: Any) -> str:
 def say_layer(name: str) -> str:
     """What a layer is called: one that nobody named has only a number."""
     return say("layer.name", number=name) if name.isdigit() else name
+
+
+def say_brush(name: str) -> str:
+    """What a brush is called: one of the user's own as its file says, were it a text's key."""
+    return say(name) if name in brush_names() else name
 
 
 def say_material(material: Material) -> str:

@@ -113,7 +113,7 @@ def find_impression(
     MeshError
         If the surface ends within the stone.
     InputError
-        If hardly anything of the stone meets the surface.
+        If hardly anything of the stone meets the surface, or nothing is cut into it.
     """
     half = np.max([np.abs(ring).max(axis=0) for ring in rings], axis=0) + _MARGIN_MM
     try:
@@ -209,6 +209,8 @@ def _signed_distances(xy: AnyArray, rings: Sequence[AnyArray]) -> AnyArray:
     shape: Geometry = shapely.Polygon()
     for ring in rings:
         shape = shape.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+    if shape.is_empty:
+        raise InputError("the seal prints nothing: its rings go around no area")
     shapely.prepare(shape)
     edge = shape.boundary
     shapely.prepare(edge)

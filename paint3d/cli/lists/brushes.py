@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.options import add_quiet_option, check_output_folder
+from paint3d.cli.lists.columns import columns_of, padded_line
+from paint3d.cli.options import (
+    add_force_option,
+    add_quiet_option,
+    check_output_folder,
+    check_overwriting,
+)
 from paint3d.cli.progress import ProgressBar
 from paint3d.errors import ExportError
 
@@ -74,6 +80,7 @@ def _add_fit(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     fit.add_argument(
         "--hairs", metavar="N", type=int, help="single hairs, for bent hairs (default: 1000)"
     )
+    add_force_option(fit)
     add_quiet_option(fit)
 
 
@@ -119,7 +126,12 @@ def _fit(options: argparse.Namespace) -> None:
     import dataclasses
 
     from paint3d.app.model.brush_size import resized
-    from paint3d.brush.brush_file import check_brush_name, is_brush_file, write_brush
+    from paint3d.brush.brush_file import (
+        check_brush_name,
+        check_unlike_presets,
+        is_brush_file,
+        write_brush,
+    )
     from paint3d.brush.fitting import (
         fit_presses,
         is_table_of_shapes,
@@ -134,6 +146,8 @@ def _fit(options: argparse.Namespace) -> None:
     check_output_folder(options.out.parent)
     name = options.out.stem
     check_brush_name(name)
+    check_unlike_presets(name, load_presets())
+    check_overwriting((options.out,), (options.base, options.table), force=options.force)
     base = load_brush(options.base)
     if options.length is not None and options.length != base.length_mm:
         base = resized(base, options.length)
@@ -184,13 +198,8 @@ def brush_lines(brushes: Iterable[BrushSpec], notes: dict[str, str]) -> list[str
         numbers = [f"{getattr(brush, field):g}" for _, field in _COLUMNS]
         hairs = "solid" if brush.bristles is None else str(brush.bristles.n_hairs)
         rows.append((brush.name, brush.hair, *numbers, hairs, notes.get(brush.name, "")))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [_line(row, widths) for row in rows]
-
-
-def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
-    *cells, last = (cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
-    return "  ".join([*cells, last.rstrip()])
+    widths = [max(map(columns_of, column)) for column in zip(*rows, strict=True)]
+    return [padded_line(row, widths) for row in rows]
 
 
 def _draw(brushes: Iterable[BrushSpec], folder: Path, *, quiet: bool) -> None:

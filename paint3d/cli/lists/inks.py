@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from paint3d.cli.lists.columns import block, columns_of, hexadecimal, padded_line
 from paint3d.cli.options import MATERIALS
+from paint3d.errors import InputError
 
 if TYPE_CHECKING:
     from paint3d.colour.pigment import Pigment
@@ -77,6 +78,13 @@ def run(options: argparse.Namespace) -> None:
     InputError
         If an ink or a light is not known, or colour-science is missing.
     """
+    if options.compare is None and options.illuminant is not None:
+        raise InputError("--illuminant is given without inks to compare; expected --compare A B")
+    if options.compare is not None and options.table is not None:
+        raise InputError(
+            f"{options.table} is given beside --compare; expected one of them "
+            "(--compare takes FILE.csv:NAME)"
+        )
     if options.compare is not None:
         sys.stdout.write("\n".join(comparison_table(options)) + "\n")
         return

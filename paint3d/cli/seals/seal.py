@@ -32,6 +32,7 @@ from paint3d.errors import InputError, MeshError, Paint3DError
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.calligraphy.seal.stone import Seal
+    from paint3d.colour.pigment import Pigment
     from paint3d.mesh.chart import SurfaceFrame
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -43,6 +44,7 @@ _STYLES = ("zhuwen", "baiwen")
 _SIDES = ("outside", "inside", "top", "bottom")
 _RESOLUTION_MM = 0.1
 _MOST_PLACES = 12
+_MOST_SEED = 1_000_000
 _COARSE = 2.5  # vertices across a line below which a note says that it is coarse
 
 
@@ -91,7 +93,7 @@ def _add_stone_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="an unpacked npm hanzi-writer-data (default: the lines of the package kanjivg)",
     )
-    add("--ink", metavar="NAME", help="of the paste (default: cinnabar)")
+    add("--ink", metavar="INK", help="of the paste, as --ink of write (default: cinnabar)")
     add(
         "--coats",
         metavar="N",
@@ -113,9 +115,18 @@ def _add_stone_options(parser: argparse.ArgumentParser) -> None:
     add(
         "--seed",
         metavar="N",
-        type=parse_face,
+        type=_parse_seed,
         help="another one leaves other spots bare and other chips (default: 1)",
     )
+
+
+def _parse_seed(text: str) -> int:
+    return int(
+        parse_number(
+            text, "a seed", f"a whole number, 0 to {_MOST_SEED:,}",
+            lambda n: 0 <= n <= _MOST_SEED and n == int(n),
+        )
+    )  # fmt: skip
 
 
 def _add_place_options(parser: argparse.ArgumentParser) -> None:
@@ -146,12 +157,11 @@ def run(options: argparse.Namespace) -> None:
         If anything handed in cannot be used, or the result cannot be written.
     """
     from paint3d.calligraphy.seal.asked import cut_seal
-    from paint3d.colour.pigments import load_pigment
+    from paint3d.colour.inks import load_ink
     from paint3d.files.project.session import is_session_path
 
     _check(options)
-    if options.ink is not None:
-        load_pigment(options.ink)
+    paste = None if options.ink is None else load_ink(options.ink)
     seal = cut_seal(
         options.text,
         options.svg,
@@ -166,7 +176,7 @@ def run(options: argparse.Namespace) -> None:
     if options.layer is not None:
         _take_layer(document, options.layer)
     with ProgressBar("pressing", enabled=not options.quiet):
-        touched = _press(document, seal, options)
+        touched = _press(document, seal, paste, options)
     with ProgressBar("writing", enabled=not options.quiet) as progress:
         document.export(options.out, progress=progress)
     if not options.quiet:
@@ -221,10 +231,12 @@ def _take_layer(document: Document, name: str) -> None:
         document.add_layer(name, len(names))
 
 
-def _press(document: Document, seal: Seal, options: argparse.Namespace) -> float:
+def _press(
+    document: Document, seal: Seal, paste: dict[Pigment, float] | None, options: argparse.Namespace
+) -> float:
     """Press it where it is asked for, or at the first place that has room."""
     given = {"coats": options.coats, "pad_mm": options.pad, "wear": options.wear,
-             "seed": options.seed, "ink": options.ink}  # fmt: skip
+             "seed": options.seed, "ink": paste}  # fmt: skip
     given = {name: value for name, value in given.items() if value is not None}
     fault: Paint3DError | None = None
     for frame in _frames(document, options):

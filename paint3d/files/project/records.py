@@ -42,7 +42,7 @@ INITIAL = re.compile(rf"InitialPosition\s*=\s*\{{{NUMBER},{NUMBER},{NUMBER}\}}\.
 ROW = re.compile(r"\{[^{}]*\}\.?\s*$")
 NAMES = {9: "{x, y, z, nx, ny, nz, R, G, B}", 7: "{x, y, z, packed normal, R, G, B}"}
 FACES = "# faces {a, b, c}"
-FACE = re.compile(r"#\s*\{\s*(\d+)\s*,\s*(\d+)\s*,\s*(\d+)\s*\}$")
+FACE = re.compile(r"#\s*\{\s*(\d{1,12})\s*,\s*(\d{1,12})\s*,\s*(\d{1,12})\s*\}$")
 CHUNK = 100_000
 MAX_BYTES = 1 << 28
 

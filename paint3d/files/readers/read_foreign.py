@@ -48,6 +48,18 @@ FOREIGN = {
     ".dxf": Foreign("DXF", ("networkx", "shapely"), flat=True),
     ".svg": Foreign("SVG", ("svg.path", "lxml", "networkx", "shapely"), "plain", flat=True),
 }
+_INSUNITS_MM = {
+    1: 25.4,
+    2: 304.8,
+    4: 1.0,
+    5: 10.0,
+    6: 1000.0,
+    9: 0.0254,
+    10: 914.4,
+    13: 1e-3,
+    14: 100.0,
+}
+"""Of DXF's header. trimesh's own `units` take $LUNITS, how numbers are shown, for a unit, too."""
 _MODULES = {"pycollada": "collada"}  # packages whose module has another name
 
 
@@ -124,7 +136,9 @@ def _documents(data: bytes, form: Foreign) -> Iterator[ElementTree.Element]:
                     content = package.read(entry)
                     if content.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"<":
                         yield _checked_xml(content, form)
-        except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as cause:
+        except MeshError:
+            raise
+        except Exception as cause:  # of any kind: every packing has its own
             raise MeshError(f"{form.name} is a ZIP, which cannot be unpacked: {cause}") from None
 
 
@@ -167,7 +181,7 @@ def _flat(path: Any) -> RawMesh:
     triangles[down] = triangles[down, ::-1]
     flat, faces = np.unique(triangles.reshape(-1, 2), axis=0, return_inverse=True)
     vertices = np.column_stack([flat, np.zeros(len(flat))])
-    unit = {"meters": 1000.0, "centimeters": 10.0, "inches": 25.4}.get(str(path.units))
+    unit = _INSUNITS_MM.get(path.metadata.get("$INSUNITS", 0))
     notes = left_out(["outlines that are not closed"]) if _has_open(path) else ()
     return RawMesh.of_triangles(vertices, faces, unit_mm=unit, up="z", notes=notes)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from paint3d.app.model.persistence.places import config_folder
-from paint3d.brush.brush_file import read_brush, write_brush
+from paint3d.brush.brush_file import is_brush_file, read_brush, write_brush
 from paint3d.brush.presets import load_presets
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import BrushError, Paint3DError
@@ -30,11 +30,7 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
     """
     folder = own_brush_folder() if folder is None else folder
     presets, found, problems = load_presets(), {}, []
-    try:
-        files = sorted(path for path in folder.iterdir() if path.suffix in (".toml", ".json"))
-    except OSError:
-        return {}, []
-    for path in files[:_MOST]:
+    for path in _files(folder):
         try:
             brush = read_brush(path, presets)
             if brush.name in found or brush.name in presets:
@@ -46,8 +42,25 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
 
 
 def own_brush_path(name: str, folder: Path | None = None) -> Path:
-    """The file that a brush of this name is kept in: that of the name, or a new one."""
+    """The file that a brush of this name is kept in, whatever that is called; or a new one's."""
     folder = own_brush_folder() if folder is None else folder
+    path = _named(name, folder)
+    if _name_in(path) == name:
+        return path
+    return next((other for other in _files(folder) if _name_in(other) == name), path)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Files of brushes in the order in which they are listed: what is kept here, .toml, first."""
+    try:
+        found = sorted(path for path in folder.iterdir() if is_brush_file(path.name))
+    except OSError:
+        return []
+    return sorted(found, key=lambda path: path.suffix.lower() != ".toml")[:_MOST]
+
+
+def _named(name: str, folder: Path) -> Path:
+    """The .toml called like a brush: the one that holds it, or one that is not there yet."""
     plain = "".join(c if c.isalnum() or c in "-_" else "_" for c in name).strip("_") or "brush"
     path, n = folder / f"{plain}.toml", 1
     while path.exists() and _name_in(path) != name:
@@ -66,6 +79,8 @@ def _name_in(path: Path) -> str | None:
 def keep_brush(brush: BrushSpec, folder: Path | None = None) -> Path:
     """Write a brush into the folder, over the one of the same name; where it lies now.
 
+    One of the same name in a .json stays, and is listed no more.
+
     Raises
     ------
     BrushError
@@ -73,7 +88,10 @@ def keep_brush(brush: BrushSpec, folder: Path | None = None) -> Path:
     ExportError
         If it cannot be written.
     """
+    folder = own_brush_folder() if folder is None else folder
     path = own_brush_path(brush.name, folder)
+    if path.suffix.lower() != ".toml":
+        path = _named(brush.name, folder)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as cause:

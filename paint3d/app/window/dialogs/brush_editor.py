@@ -24,8 +24,8 @@ from paint3d.app.window.panels.brush_panel import pixmap_of, plain_name
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_error
 from paint3d.brush.bristle_spec import TABLES, BristleSpec
-from paint3d.brush.brush_file import check_brush_name, meaning_of
-from paint3d.brush.presets import brush_names
+from paint3d.brush.brush_file import check_brush_name, check_unlike_presets, meaning_of
+from paint3d.brush.presets import brush_names, load_presets
 from paint3d.brush.spec import HAIRS, BrushSpec
 from paint3d.errors import BrushError, Paint3DError
 
@@ -251,10 +251,8 @@ class BrushEditor(QtWidgets.QDialog):
         name = self.name_box.text().strip()
         try:
             check_brush_name(name)
-            if name in brush_names() and dataclasses.replace(self.brush, name=name) != self.begun:
-                raise BrushError(
-                    f"name is {name!r}, a brush that comes with the program; expected another"
-                )
+            if dataclasses.replace(self.brush, name=name) != load_presets().get(name):
+                check_unlike_presets(name, load_presets())
         except BrushError as error:
             self.tell(error)
             return

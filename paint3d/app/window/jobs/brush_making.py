@@ -6,6 +6,7 @@ from pathlib import Path
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
 from paint3d.app.window.dialogs.brush_editor import BrushEditor
 from paint3d.app.window.panels.side_panels import Panels
@@ -33,6 +34,7 @@ class BrushMaking:
         self.editor: BrushEditor | None = None
         panels.brushes.edit.connect(self.do_edit_brush)
         panels.brushes.open_file.connect(self.do_open_brush)
+        panels.brushes.inked.connect(self._follow_ink)
         self._list()
 
     def _list(self) -> None:
@@ -61,6 +63,10 @@ class BrushMaking:
             self.editor.close()
             self.editor.deleteLater()
             self.editor = None
+
+    def _follow_ink(self, ink: Ink) -> None:
+        if self.editor is not None and self.editor.isVisible():
+            self.editor.set_ink(ink)
 
     def _take(self, brush: BrushSpec) -> None:
         self._panels.brushes.add_own(brush)

@@ -29,6 +29,7 @@ class InkMaking:
     def __init__(self, workspace: Workspace, panels: Panels) -> None:
         self._workspace, self._panels = workspace, panels
         self.dialog: ColourDialog | None = None
+        workspace.opened.connect(lambda _: self.close_down())  # mixed for another ground
         panels.inks.colour_asked.connect(self.do_choose_colour)
         panels.inks.table_asked.connect(self.do_open_pigments)
         panels.inks.pickup_chosen.connect(lambda share: workspace.post("set_pickup", share))

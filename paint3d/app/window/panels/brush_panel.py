@@ -15,7 +15,7 @@ from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.jobs.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say, say_length
+from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.types import AnyArray
@@ -51,12 +51,15 @@ class BrushPanel(QtWidgets.QWidget):
     chosen : BrushSpec
     failed : str
         A preview could not be painted; told once for each reason.
+    inked : Ink
+        What strokes are shown in from now on.
     edit, open_file : ()
         The brush in hand is to be changed, or one is to be taken from a file.
     """
 
     chosen = QtCore.Signal(object)
     failed = QtCore.Signal(str)
+    inked = QtCore.Signal(object)
     edit = QtCore.Signal()
     open_file = QtCore.Signal()
 
@@ -172,6 +175,7 @@ class BrushPanel(QtWidgets.QWidget):
         self._ink = ink
         self._is_due = True
         self._timer.start()
+        self.inked.emit(ink)
 
     def set_theme(self, theme: Theme) -> None:
         """Use other colours."""
@@ -258,8 +262,7 @@ def plain_name(brush: BrushSpec) -> str:
 
 
 def _told(brush: BrushSpec) -> str:
-    name = say(brush.name) if brush.name in brush_names() else brush.name
-    return f"{name}\n{say_length(brush.length_mm)}"
+    return f"{say_brush(brush.name)}\n{say_length(brush.length_mm)}"
 
 
 def _list_item(brush: BrushSpec) -> QtWidgets.QListWidgetItem:

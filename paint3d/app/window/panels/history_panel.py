@@ -12,7 +12,7 @@ from paint3d.app.model.frame import Frame
 from paint3d.app.window.panels.brush_panel import plain_icon, plain_name
 from paint3d.app.window.panels.ink_panel import ink_label, paint_dish
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_brush
 
 __all__ = ["HistoryPanel"]
 
@@ -181,7 +181,7 @@ class HistoryPanel(QtWidgets.QWidget):
             self.list.clear()
             for k, stroke in enumerate(self._strokes):
                 ink = " + ".join(ink_label(name) for name in stroke.ink)
-                brush = say(plain_name(stroke.brush))
+                brush = say_brush(plain_name(stroke.brush))
                 text = f"{k + 1}   {brush}, {ink}   {stroke.duration_s:.2f} s"
                 item = QtWidgets.QListWidgetItem(_dish_icon(stroke.ink, self._theme), text)
                 if k >= there:
