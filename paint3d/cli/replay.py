@@ -237,6 +237,7 @@ def paint(
     InputError
         If the brush, the ink or a sample cannot be used.
     """
+    from paint3d.brush.dip_amount import DipAmount
     from paint3d.painter.painter import Painter
     from paint3d.painter.recorded_tools import recorded_amount
 
@@ -271,6 +272,8 @@ def paint(
         settings["dipped"] = {pigment.name: parts for pigment, parts in last.items()}
     if painter.hairs is not None:
         settings["hairs"] = asdict(painter.hairs.spec)
+    if painter.amount != DipAmount():
+        settings["amount"] = painter.amount.words()
     return Painting(surface, counts, seconds, (recording,), settings)
 
 

@@ -42,7 +42,7 @@ def delete_stroke(score: Score, number: int) -> Score:
     """Take a stroke out, as if it had never been painted.
 
     With it go the time that passed during it, and the undos and redos that were for it. A brush
-    that was dipped in another ink during it stays dipped.
+    that was dipped in another ink, or in more or less of it, during it stays dipped.
 
     Raises
     ------
@@ -67,7 +67,8 @@ def _left_of(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[E
         return []
     if k == stroke.begin and stroke.began_anew:  # a stroke of nothing forgets as it did
         return [event, {"do": "end_stroke"}]
-    return [event] if goes_on and event["do"] == "dip" and "ink" in event else []
+    lasts = event["do"] == "dip" and ("ink" in event or "amount" in event)
+    return [event] if goes_on and lasts else []
 
 
 def _way_without(
