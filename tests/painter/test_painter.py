@@ -205,7 +205,7 @@ def test_dipping_again_dips_belly_and_tip(hairs):
 def test_inks_may_be_words():
     words, parts = (
         Painter(surface(), ink="light"),
-        Painter(surface(), ink={"pine soot": 0.2, "water": 0.8}),
+        Painter(surface(), ink={"pine soot": 0.09, "water": 0.91}),
     )
     assert words.ledger() == parts.ledger()
     assert words.ink is load_pigment("pine soot")
