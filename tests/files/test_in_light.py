@@ -175,7 +175,10 @@ def test_a_wide_film_says_so(tmp_path):
     for gamut, profile in (("srgb", None), ("p3", icc_profile("p3"))):
         path = tmp_path / f"{gamut}.webp"
         write_picture(
-            painted(), path, Shot("front", (32, 32), "none"), Turning(1.0, 2.0),
+            painted(),
+            path,
+            Shot("front", (32, 32), "none"),
+            Turning(1.0, 2.0),
             viewing=Viewing(gamut=gamut),
         )
         with Image.open(path) as film:
