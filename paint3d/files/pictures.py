@@ -129,6 +129,8 @@ class Filmed(NamedTuple):
         ExportError, InputError
             If not.
         """
+        if self.turn_s:
+            shot.check_turning()
         n, form = n_pictures + self.n_held, film_form(path)
         width, height = shot.size or (0, 0)
         if is_held_whole(form) and width * height * n > MOST_PIXELS:
