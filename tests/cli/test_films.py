@@ -225,3 +225,10 @@ def test_rests_are_short_and_other_clocks_follow() -> None:
     assert clock.pass_samples(np.array([60_700_000_000])).tolist() == pytest.approx([2.7])
     assert clock.pass_samples(np.array([0, 10**8])).tolist() == pytest.approx([3.0, 3.1])
     assert HandTime(in_full=True).pass_samples(np.array([0, 9]) * 10**9).tolist() == [0.0, 9.0]
+
+
+def test_what_the_packer_refuses_is_said(tmp_path) -> None:
+    file = tmp_path / "none" / "a.mp4"
+    with pytest.raises(ExportError, match=r"a\.mp4: cannot write: .*none") as caught:
+        write_mp4(file, pictures(3, (32, 32)), 12.0)
+    assert "\n" not in str(caught.value)
