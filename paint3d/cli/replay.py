@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -237,6 +237,7 @@ def paint(
     InputError
         If the brush, the ink or a sample cannot be used.
     """
+    from paint3d.brush.dip_amount import DipAmount
     from paint3d.painter.painter import Painter
     from paint3d.painter.recorded_tools import recorded_amount
 
@@ -265,12 +266,18 @@ def paint(
         rate = None if watch is None else 1.0 / watch.step_s
         painter.replay(recording, told, rate, rest_s is not None, rest_s or 0.0)
         counts = painter.report()
-    settings = {"brush": asdict(brush), "ink": painter.ink.name, "azimuth": azimuth}
+    own = None if painter.hairs is None else painter.hairs.spec
+    held = replace(brush, bristles=own)  # as it was painted with
+    settings = {"brush": asdict(held), "ink": painter.ink.name, "azimuth": azimuth}
     last = ink if tip is None else tip
     if tip is not None or len(ink) > 1:
         settings["dipped"] = {pigment.name: parts for pigment, parts in last.items()}
     if painter.hairs is not None:
-        settings["hairs"] = asdict(painter.hairs.spec)
+        from paint3d.app.model.persistence.brush_words import hair_words
+
+        settings["hairs"] = hair_words(painter)
+    if painter.amount != DipAmount():
+        settings["amount"] = painter.amount.words()
     return Painting(surface, counts, seconds, (recording,), settings)
 
 

@@ -78,7 +78,7 @@ def write_picture(
     progress : callable, optional
         Called with the share done; what it raises leaves everything as it was.
     viewing : Viewing, optional
-        In which light, by which observer and for which screen; a .gif has sRGB only.
+        In which light, by which observer and for which screen; .gif and .mp4 have sRGB only.
 
     Raises
     ------
@@ -89,8 +89,10 @@ def write_picture(
     """
     path, shot = Path(path), shot or Shot()
     form = _form_of(path, shot, turning)
-    if viewing is not None and viewing.gamut != "srgb" and form == "GIF":
-        raise InputError(f"{path}: a .gif is in sRGB; expected .png or .webp for {viewing.gamut}")
+    if viewing is not None and viewing.gamut != "srgb" and form in ("GIF", "MP4"):
+        raise InputError(
+            f"{path}: a .{form.lower()} is in sRGB; expected .png or .webp for {viewing.gamut}"
+        )
     read = read_painting(painting, ExportOptions(viewing=viewing))
     assert isinstance(read, Painting), "no texture was asked for"
     gloss = gloss_of(read) if material is None else Gloss.of(material)
@@ -101,7 +103,7 @@ def write_picture(
             return
         n = turning.n_pictures
         pictures = map(Image.fromarray, take_turning(arrays, shot, n, gloss))
-        write_film(part, _told(pictures, n, progress), n, form, turning.rate, _QUALITY)
+        write_film(part, _told(pictures, n, progress), n, form, turning.rate, how)
 
 
 class Filmed(NamedTuple):
@@ -127,6 +129,8 @@ class Filmed(NamedTuple):
         ExportError, InputError
             If not.
         """
+        if self.turn_s:
+            shot.check_turning()
         n, form = n_pictures + self.n_held, film_form(path)
         width, height = shot.size or (0, 0)
         if is_held_whole(form) and width * height * n > MOST_PIXELS:
@@ -180,7 +184,7 @@ def write_growth(
     drawn = take_film(arrays, shot, moments(), Gloss.of(surface.material), n_lights)
     with write_atomically(path, progress) as part:
         pictures = _told(map(Image.fromarray, drawn), n, progress)
-        write_film(part, pictures, n, form, filmed.rate, _QUALITY)
+        write_film(part, pictures, n, form, filmed.rate, _how(form))
     return n
 
 

@@ -171,18 +171,17 @@ class Painter:
             If a part is not a number above 0, the reach is not between 0 and 1, or there is an
             amount for the tip alone.
         """
-        if amount is not None:
-            if reach is not None:
-                raise InputError("an amount is said with a reach; expected it for a whole dip")
-            self.amount = amount
-            self.tuft = self._dipped_tuft(self.brush)
+        if amount is not None and reach is not None:
+            raise InputError("an amount is said with a reach; expected it for a whole dip")
         if ink is None and reach is None and len(self._dips) > 1:
+            self._take_amount(amount)
             for again in self._dips:
                 self.dip(*again)
             return
         ink = _in_parts(self._dipped if ink is None else ink)
         parts = self._mixture(ink)
         share = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
+        self._take_amount(amount)
         if self.hairs is not None:
             self.hairs.hold(self.surface.ink.load)
         if reach is not None:
@@ -271,6 +270,12 @@ class Painter:
         self.curves = build_curves(brush.inputs)
         self.hairs = self._make_hairs()
         self.dip(self._dipped)
+
+    def _take_amount(self, amount: DipAmount | None) -> None:
+        """Take up so much ink from now on; None: as before."""
+        if amount is not None:
+            self.amount = amount
+            self.tuft = self._dipped_tuft(self.brush)
 
     def _dipped_tuft(self, brush: BrushSpec) -> Tuft:
         """A brush on this surface, with the ink of a dip."""

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.closest_points import ClosestPoints
@@ -35,6 +36,7 @@ __all__ = [
 
 _PIECE_S = 0.05  # of the ink's time beside a hand
 _SHORTEST, _LONGEST = 1e-3, 1e3  # that a stroke becomes of its length
+_LATEST_NS = 1 << 62  # or earliest below 0: as a line of a score may say it
 Words = dict[str, Any]
 
 
@@ -42,7 +44,7 @@ def delete_stroke(score: Score, number: int) -> Score:
     """Take a stroke out, as if it had never been painted.
 
     With it go the time that passed during it, and the undos and redos that were for it. A brush
-    that was dipped in another ink during it stays dipped.
+    that was dipped in another ink, or in more or less of it, during it stays dipped.
 
     Raises
     ------
@@ -67,7 +69,8 @@ def _left_of(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[E
         return []
     if k == stroke.begin and stroke.began_anew:  # a stroke of nothing forgets as it did
         return [event, {"do": "end_stroke"}]
-    return [event] if goes_on and event["do"] == "dip" and "ink" in event else []
+    lasts = event["do"] == "dip" and ("ink" in event or "amount" in event)
+    return [event] if goes_on and lasts else []
 
 
 def _way_without(
@@ -110,6 +113,8 @@ def move_stroke(
     ------
     RecordingError
         If there is no such stroke, or it would come to lie beyond an edge of the object.
+    InputError
+        If a length, the turn or a place is no such thing.
     """
     stroke, _ = stroke_of(score, number)
     events = list(score.events)
@@ -229,8 +234,9 @@ def retime_stroke(
             f"stroke {number} would take {factor:.4g} times its time; "
             f"expected {_SHORTEST:g} to {_LONGEST:g}"
         )
+    shift = _shift_ns(number, shift_s, first, round((last - first) * factor))
     try:
-        own = _stretched(own, first, factor, round(1e9 * shift_s))
+        own = _stretched(own, first, factor, shift)
     except RecordingError:
         raise RecordingError(
             f"stroke {number} would have two samples at one time with a factor of {factor:.4g}"
@@ -244,6 +250,19 @@ def retime_stroke(
         _give_time(before, pieces, len(before), number)
         _give_time(after, -pieces, 0, number)
     return _with_events(score, [*before, *own, *after])
+
+
+def _shift_ns(number: int, shift_s: float, first: int, length: int) -> int:
+    """A shift in ns, if a stroke that begins at `first` and is so long can be said then."""
+    most = 1e-9 * _LATEST_NS
+    shift_s = as_number(shift_s, f"shift of stroke {number} (s)", -most, most, RecordingError)
+    ends = [first + round(1e9 * shift_s), first + round(1e9 * shift_s) + length]
+    if max(map(abs, ends)) > _LATEST_NS:
+        raise RecordingError(
+            f"stroke {number} would be at {1e-9 * ends[0]:.4g} to {1e-9 * ends[1]:.4g} s; "
+            f"expected it within {most:.4g} s of 0"
+        )
+    return ends[0] - first
 
 
 def _is_time(event: Event) -> bool:
@@ -323,7 +342,7 @@ def edit_stroke(
         See the functions.
     """
     words = {key: value for key, value in edit.items() if key != "do"}
-    if edit.get("do") not in EDITS:
+    if edit.get("do") not in tuple(EDITS):
         raise InputError(f"edit is {edit.get('do')!r:.40}; expected one of {', '.join(EDITS)}")
     if edit["do"] == "move":
         words["mesh"] = mesh

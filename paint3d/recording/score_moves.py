@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paint3d.core.arrays import as_array, as_number
 from paint3d.core.quaternion import (
     matrices_from_quaternions,
     multiply_quaternions,
@@ -22,7 +23,7 @@ from paint3d.core.quaternion import (
 )
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
-from paint3d.errors import RecordingError
+from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -31,6 +32,7 @@ __all__ = ["carried", "middle_of", "tangents_at"]
 _STEPS = 64  # of the way along the surface
 _LEAST_STEP = 0.5  # a step that is shorter by so much has met an edge
 _NO_WAY_MM = 1e-9
+_MOST_TURN = 36000.0  # degrees
 _UPRIGHT = 0.9  # cosine to the vertical above which a normal is that of a table, not of a wall
 _BESIDE_MM, _BESIDE = 0.5, 0.35  # a place may be so far beside the nearest one's normal, and so
 # many times its distance: farther, and it lies beyond an edge
@@ -89,21 +91,33 @@ def carried(
     ------
     RecordingError
         If the brush would come down beyond an edge of the object.
+    InputError
+        If a length, the turn or a place is no such thing.
     """
+    way = as_array(along, "along (mm)", (2,))
+    angle = as_number(turn_deg, "turn (degrees)", -_MOST_TURN, _MOST_TURN)
     ground = mesh if isinstance(mesh, ClosestPoints) else ClosestPoints(mesh)
     middle, normal = middle_of(parts, ground)
     place, up, turn = middle, normal, np.eye(3)
     if to is not None:
-        ends = np.atleast_2d(np.asarray(to, np.float64))
+        ends = _ends(to)
         found = ground.find(ends)
         if len(ends) == 2:
             middle, normal = found.points[0], found.normals[0]
         place, up = found.points[-1], found.normals[-1]
         turn = _smallest_turns(normal[None], up[None])[0]
-    ahead = np.asarray(along, np.float64) @ tangents_at(up)
+    ahead = way @ tangents_at(up)
     place, after, walked = _walk(ground, place, up, ahead)
-    turn = _turn_about(after, np.radians(turn_deg)) @ walked @ turn
+    turn = _turn_about(after, np.radians(angle)) @ walked @ turn
     return [_follow(part, ground, middle, place, turn) for part in parts]
+
+
+def _ends(to: ArrayLike) -> AnyArray:
+    """Where something goes (1, 3), or from where to where (2, 3)."""
+    try:
+        return as_array(to, "to (mm)", (2, 3))
+    except InputError:
+        return as_array(to, "to (mm)", (3,))[None]
 
 
 def _walk(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
 from itertools import chain
 from pathlib import Path
@@ -49,7 +49,7 @@ def write_film(
     n: int,
     form: str,
     rate: float,
-    quality: int | None = None,
+    how: Mapping[str, Any] | None = None,
 ) -> None:
     """Write a film; its pictures are asked for one after the other.
 
@@ -68,8 +68,8 @@ def write_film(
         One of those of `FILMS`.
     rate : float
         Pictures a second. A GIF counts hundredths of a second, a WebP thousandths.
-    quality : int, optional
-        Of a WebP, 1 to 100.
+    how : mapping, optional
+        What Pillow is told besides for a GIF or a WebP, such as its quality and its profile.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def write_film(
     if form == "MP4":
         write_mp4(part, pictures, rate)
         return
-    how = {"quality": quality} if form == "WEBP" and quality is not None else {}
+    how = how or {}
     with open(part, "r+b") as file:
         first, second = next(pictures), next(pictures)
         reserve_space(file, _film_bytes(first, second, n, form, how))
@@ -93,14 +93,14 @@ def _write(
     others: Iterable[Image.Image],
     form: str,
     rate: float,
-    how: dict[str, Any],
+    how: Mapping[str, Any],
 ) -> None:
     duration = round(1e3 / rate)
     first.save(file, form, save_all=True, append_images=others, duration=duration, loop=0, **how)
 
 
 def _film_bytes(
-    first: Image.Image, second: Image.Image, n: int, form: str, how: dict[str, Any]
+    first: Image.Image, second: Image.Image, n: int, form: str, how: Mapping[str, Any]
 ) -> int:
     """About what a film of n pictures takes that begins with these two."""
     sizes = []

@@ -133,6 +133,8 @@ class SceneDrawing:
             self._plotter.remove_actor(self._ground, render=False)
             self._ground = _add_ground(self._plotter, scene.ground)
         mesh.Modified()
+        if scene.vertices is not self._scene.vertices:  # nearer or farther than before
+            self._plotter.reset_camera_clipping_range()
         self._scene = scene
 
     def pixels(self) -> NDArray[np.uint8]:

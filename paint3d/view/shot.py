@@ -115,6 +115,20 @@ class Shot:
             vertices, faces, normals, srgb = arrays
             found = find_view(vertices, normals, srgb, vertex_areas(vertices, faces))
             return View(found.direction, found.up, self.zoom)
+        return self._told_view()
+
+    def check_turning(self) -> None:
+        """Refuse a view from which no object is seen to turn.
+
+        Raises
+        ------
+        InputError
+            If it is straight from above or below.
+        """
+        if self.view != AUTO and _is_steep(self._told_view()):
+            raise InputError("an object that turns is seen from the side; expected another view")
+
+    def _told_view(self) -> View:
         told = "top" if self.view == FLAT else self.view
         azimuth, height = VIEWS[told] if isinstance(told, str) else told
         turn, rise = np.radians(azimuth), np.radians(height)
@@ -216,10 +230,9 @@ def take_film(
         camera = None if not shot.is_lit else _fitted(arrays[0], axes, view, shot)
         frame, size = _frame(arrays[0], _picture_axes(view), shot)
     else:
-        if _is_steep(view) and shot.view == AUTO:
-            view = replace(shot, view="above").seen_from(arrays)
+        shot.check_turning()
         if _is_steep(view):
-            raise InputError("an object that turns is seen from the side; expected another view")
+            view = replace(shot, view="above").seen_from(arrays)
         axes = studio_axes(arrays[0], view)
         middle = _middle(arrays[0])
         swept = _swept(arrays[0] - middle) + middle

@@ -12,9 +12,16 @@ from paint3d.app.model.easel import Easel
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
+from paint3d.cli.main import main
 from paint3d.errors import BrushError, SessionError
+from paint3d.files.load import load_mesh
+from paint3d.files.project.session import load_session, save_session
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import save_recording
+from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import line, paint, same_vertices, small_plane
 
 HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=40))
@@ -78,6 +85,41 @@ def test_a_session_keeps_every_hair(tmp_path):
         again.save(tmp_path / "b.p3d")
         with pytest.raises(SessionError, match="hairs"):
             Document.open(tmp_path / "b.p3d")
+
+
+@pytest.mark.parametrize("tools", [["--brush", "feibai"], ["--hairs", "30"], ["--hairs", "0"]])
+def test_a_session_by_command_opens_with_its_hairs(tmp_path, tools):
+    """The tuft is the one that painted, and every hair holds what it held."""
+    file, out = tmp_path / "a.jsonl", tmp_path / "a.p3d"
+    samples = line((-15, 0), (15, 0))
+    recording = recording_of(samples, {"brush": "feibai", "ink": "pine soot"})
+    save_recording(recording, file)
+    on = ["--on", "plane", "--resolution", "3", "--quiet"]
+    assert main(["replay", str(file), *on, *tools, "--out", str(out)]) == 0
+    document = Document.open(out)
+    alone = Painter(
+        PaintedSurface(load_mesh("plane"), 3.0), "feibai",
+        hairs=None if tools[0] == "--brush" else int(tools[1]),
+    )  # fmt: skip
+    alone.replay(recording)
+    assert (document.painter.hairs is None) == (alone.hairs is None)
+    if alone.hairs is not None:
+        assert document.painter.hairs.spec == alone.hairs.spec
+        np.testing.assert_array_equal(document.painter.hairs.load, alone.hairs.load)
+        np.testing.assert_array_equal(document.painter.hairs.memory, alone.hairs.memory)
+
+
+def test_a_session_by_an_older_command_opens(tmp_path):
+    """It said which hairs there are, not what each holds."""
+    document = hairy_plane()
+    paint(document, (-20, 0), (20, 0))
+    document.save(tmp_path / "a.p3d")
+    session = load_session(tmp_path / "a.p3d")
+    told = {**session.settings, "hairs": dataclasses.asdict(HAIRY.bristles)}
+    save_session(dataclasses.replace(session, settings=told, history=None), tmp_path / "b.p3d")
+    again = Document.open(tmp_path / "b.p3d")
+    paint(again, (-20, 9), (20, 9))
+    assert again.painter.hairs.held().sum() > 0.0
 
 
 def test_a_session_from_before_tufts_could_split_opens(tmp_path):

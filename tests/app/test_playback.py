@@ -16,7 +16,11 @@ from PySide6 import QtTest
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.score.playing import painted
+from paint3d.app.model.stroke_log import weights_of
 from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
+from paint3d.app.window.jobs import growth_film
+from paint3d.app.window.wording import say
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.cli.main import main
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
@@ -73,7 +77,7 @@ def test_a_recording_is_played_with_its_own_tools_as_the_command_does(
     file, out = tmp_path / "a.jsonl", tmp_path / "a.p3d"
     save_recording(stroke(header), file)
     window.workspace.post("set_brush", "baiyun" if header["brush"] == "full" else "full")
-    window.workspace.post("dip", "oil soot")
+    window.workspace.post("dip", "oil soot", None, {"wetted": 0.5})
     settled(window)
     in_hand = window.document.painter.brush
     by_menu(window, file)
@@ -98,6 +102,26 @@ def test_a_recording_is_played_with_its_own_tools_as_the_command_does(
     assert painter.brush == in_hand
     assert painter.azimuth == "commanded"
     assert painter.dipped == "oil soot"
+    assert painter.amount == DipAmount(0.5)
+
+
+def test_the_hand_of_a_painting_by_command_has_its_ink_again_after_a_replay(
+    program, tmp_path
+) -> None:
+    """Such a session does not say in which dips the brush came to it."""
+    files, out = [tmp_path / "a.jsonl", tmp_path / "b.jsonl"], tmp_path / "a.p3d"
+    for file, header in zip(files, (HEADERS[1], HEADERS[3]), strict=True):
+        save_recording(stroke(header), file)
+    on = ["--on", "plane", "--resolution", "3", "--quiet"]
+    assert main(["replay", str(files[0]), *on, "--out", str(out)]) == 0
+    with opened(program, out, 3.0, "porcelain") as window:
+        window.panels.history.pace.setCurrentText("max")
+        by_menu(window, files[1])
+        wait_for(lambda: not window.player.is_playing)
+        settled(window)
+        painter = window.document.painter
+        assert weights_of(painter.dipped) == pytest.approx({"pine soot": 0.3, "water": 0.7})
+        assert painter.amount == DipAmount()
 
 
 def test_a_whole_painting_is_played_in_time_pauses_and_changes_its_speed(window, tmp_path) -> None:
@@ -170,10 +194,13 @@ def test_a_film_of_the_painting_that_grew_is_written_by_the_menu(window, tmp_pat
     settled(window)
     window.targets.folder = tmp_path
 
+    titles: list[str] = []
+
     def short(dialog: FilmDialog) -> None:
         dialog.seconds.setValue(1.0)
         dialog.rate.setValue(5)
         dialog.size_boxes.width_box.setValue(64)
+        titles.append(dialog.windowTitle())
         dialog.accept()
 
     answer(lambda asked: (take_file(tmp_path / "a.gif")(asked), answer(short)))
@@ -184,9 +211,22 @@ def test_a_film_of_the_painting_that_grew_is_written_by_the_menu(window, tmp_pat
         last = np.array(film.convert("L")).astype(int)
         film.seek(0)
         first = np.array(film.convert("L")).astype(int)
+    assert titles == [say("Film of the painting growing…").rstrip("…")]
     assert (first - last > 60).sum() > 10
     assert (last - first > 20).sum() < 10
     assert len(window.document.strokes) == 1
+
+
+def test_a_film_that_grows_too_large_is_refused_before_anything_is_painted(
+    window, tmp_path, monkeypatch
+) -> None:
+    drag(window.canvas, (0.35, 0.5), (0.65, 0.5), n=20)
+    settled(window)
+    monkeypatch.setattr(growth_film, "begun", None)
+    told: list[str] = []
+    answer(lambda box: (told.append(box.text()), box.accept()))
+    assert not window.pictures.growth_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
+    assert "too many" in told[0]
 
 
 def grown(window, path: Path) -> bool:

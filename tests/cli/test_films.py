@@ -16,6 +16,7 @@ from PIL import Image
 
 from paint3d.cli import main
 from paint3d.errors import ExportError
+from paint3d.painter.painter import Painter
 from paint3d.recording.hand_time import HandTime
 from paint3d.recording.recording import Recording, save_recording
 from paint3d.view import shot
@@ -164,6 +165,10 @@ def test_what_cannot_be_filmed_is_said_in_one_line(
     assert "expected seconds" in refused(capsys, *on, *film, "--turn", "quick")
     told = refused(capsys, *on, *film, "--speed", "0.01", "--film-size", "1600x1200", "--quiet")
     assert "too many; expected a shorter or smaller film, or .mp4" in told
+    monkeypatch.setattr(Painter, "replay", None)  # it is said before anything is painted
+    for view in ("top", "flat", "20,90"):
+        told = refused(capsys, *on, *film, "--view", view, "--turn", "8", "--quiet")
+        assert "seen from the side" in told
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setenv("PATH", str(tmp_path))
     told = refused(capsys, *on, "--film", tmp_path / "a.mp4")
@@ -220,3 +225,10 @@ def test_rests_are_short_and_other_clocks_follow() -> None:
     assert clock.pass_samples(np.array([60_700_000_000])).tolist() == pytest.approx([2.7])
     assert clock.pass_samples(np.array([0, 10**8])).tolist() == pytest.approx([3.0, 3.1])
     assert HandTime(in_full=True).pass_samples(np.array([0, 9]) * 10**9).tolist() == [0.0, 9.0]
+
+
+def test_what_the_packer_refuses_is_said(tmp_path) -> None:
+    file = tmp_path / "none" / "a.mp4"
+    with pytest.raises(ExportError, match=r"a\.mp4: cannot write: .*none") as caught:
+        write_mp4(file, pictures(3, (32, 32)), 12.0)
+    assert "\n" not in str(caught.value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import shutil
 from pathlib import Path
@@ -129,3 +130,21 @@ def test_strokes_of_a_file_are_moved_on_the_object_that_is_named(score, capsys) 
     assert main(words) == 2
     assert "expected --on MESH" in capsys.readouterr().err
     assert main([*words, "--on", "plane"]) == 0
+
+
+def test_a_length_is_that_of_the_way_on_which_the_brush_is_pressed(tmp_path, capsys) -> None:
+    """10 mm through the air, 30 pressed, and 5 through the air again."""
+    x, pressure = (0, 10, 20, 40, 45), (0.0, 0.0, 0.4, 0.0, 0.0)
+    at_s = (0.0, 0.25, 0.5, 1.0, 1.25)
+    header = {"format": "paint3d-recording", "version": 2, "object": "plane"}
+    samples = [
+        {"time_ns": round(t * 1e9), "position": [place, 0, 35], "orientation": [1, 0, 0, 0],
+         "pressure": press}
+        for t, place, press in zip(at_s, x, pressure, strict=True)
+    ]  # fmt: skip
+    lines = [header, {"do": "begin_stroke"}, *samples, {"do": "end_stroke"}]
+    file = tmp_path / "a.score.jsonl"
+    file.write_text("\n".join(map(json.dumps, lines)))
+    assert main(["score", str(file), "--list"]) == 0
+    row = capsys.readouterr().out.splitlines()[1].split()
+    assert row == ["1", "full", "pine", "soot", "30.0", "1.25"]

@@ -165,9 +165,25 @@ def test_what_has_no_wide_colours_is_refused(tmp_path):
     wide = ExportOptions(viewing=Viewing(gamut="p3"))
     with pytest.raises(ExportError, match=r"\.glb files cannot have gamut; expected one of"):
         export(painted(), tmp_path / "a.glb", wide)
-    with pytest.raises(InputError, match=r"a \.gif is in sRGB; expected \.png or \.webp for p3"):
-        write_picture(painted(), tmp_path / "a.gif", Shot(size=(64, 64)), Turning(1.0, 2.0),
-                      viewing=Viewing(gamut="p3"))  # fmt: skip
+    for form in ("gif", "mp4"):
+        with pytest.raises(InputError, match=rf"a \.{form} is in sRGB; expected \.png or \.webp"):
+            write_picture(painted(), tmp_path / f"a.{form}", Shot(size=(64, 64)), Turning(1.0, 2.0),
+                          viewing=Viewing(gamut="p3"))  # fmt: skip
+
+
+def test_a_wide_film_says_so(tmp_path):
+    for gamut, profile in (("srgb", None), ("p3", icc_profile("p3"))):
+        path = tmp_path / f"{gamut}.webp"
+        write_picture(
+            painted(),
+            path,
+            Shot("front", (32, 32), "none"),
+            Turning(1.0, 2.0),
+            viewing=Viewing(gamut=gamut),
+        )
+        with Image.open(path) as film:
+            assert film.n_frames == 2
+            assert film.info.get("icc_profile") == profile
 
 
 def test_commands_take_the_light(tmp_path, capsys):

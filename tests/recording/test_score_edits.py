@@ -231,3 +231,38 @@ def test_an_edit_that_is_none_is_refused() -> None:
         edit_stroke(score, 1, {"do": "colour"}, ground())
     with pytest.raises(InputError, match="delete does not take 'far'"):
         edit_stroke(score, 1, {"do": "delete", "far": 1}, ground())
+
+
+NAN, INF = float("nan"), float("inf")
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        *({"do": "time", "shift_s": shift} for shift in (NAN, INF, 1e300, -1e300, 9e9, "1")),
+        *({"do": "time", "factor": factor} for factor in (NAN, INF, -1.0, "2")),
+        *({"do": "time", "seconds": seconds} for seconds in (NAN, INF, 0.0)),
+        *({"do": "move", "along": way} for way in (5, "ab", (1, 2, 3), (NAN, 0.0), (0.0, INF))),
+        *({"do": "move", "turn_deg": turn} for turn in (NAN, INF, 1e300, "90")),
+        *({"do": "move", "to": to} for to in ("x", (1, 2), [[1, 2, 3]] * 3, (NAN, 0, 0))),
+        *({"do": "ink", "ink": ink} for ink in (5, {"pine soot": NAN}, {"pine soot": -1.0}, [])),
+        *({"do": "brush", "brush": brush} for brush in (5, {}, [])),
+        {"do": ["delete"]},
+        {"do": None},
+        {},
+    ],
+    ids=str,
+)
+def test_an_edit_with_values_that_are_none_is_refused(edit: dict) -> None:
+    """In a score without time for the ink, where no pause says how far a stroke may be shifted."""
+    score = Score({}, (*stroke(A), *stroke(B)))
+    with pytest.raises(InputError) as caught:
+        edit_stroke(score, 1, edit, ground())
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("shift", [1e9, -1e9, 4.6e9])
+def test_a_score_with_a_large_shift_is_read_again(tmp_path: Path, shift: float) -> None:
+    score = retime_stroke(Score({}, (*stroke(A), *stroke(B))), 1, shift_s=shift)
+    save_score(score, tmp_path / "a.jsonl")
+    assert load_score(tmp_path / "a.jsonl").n_samples == score.n_samples

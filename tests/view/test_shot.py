@@ -112,6 +112,21 @@ def test_an_object_turns_once_and_keeps_its_size() -> None:
 
 
 @needs_opengl
+@pytest.mark.parametrize("light", ["none", "soft"])
+def test_a_long_object_is_not_cut_off_as_it_turns(light) -> None:
+    """Its ends come nearer and go farther than all of it was in the first picture."""
+    vertices, faces, normals = ball()
+    stretched = (vertices * [9.0, 1.0, 1.0]).astype(np.float32)
+    grey = np.full((len(vertices), 3), 120, np.uint8)
+    shot = Shot("front", SIZE, light=light, transparent=True)
+    pictures = take_turning((stretched, faces, normals, grey), shot, 8)
+    widths = [np.flatnonzero((p[..., 3] > 0).any(axis=0)) for p in pictures]
+    wide = [int(columns[-1] - columns[0]) for columns in widths]
+    assert min(wide[1], wide[3], wide[5], wide[7]) > 0.6 * wide[0]
+    assert max(wide[2], wide[6]) < 0.4 * wide[0]
+
+
+@needs_opengl
 def test_a_lit_object_turns_under_one_light() -> None:
     vertices, faces, normals = ball()
     half = np.where(normals[:, :1] > 0.0, BARE, INK).astype(np.uint8)

@@ -19,6 +19,7 @@ from paint3d.app.model.score.keeping import ScoreKeeper
 from paint3d.app.model.score.stepping import play
 from paint3d.app.model.score.words import Inks, asked_by, brush_named
 from paint3d.app.model.stroke_log import weights_of
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
@@ -79,7 +80,7 @@ class EditCommands(HistoryCommands):
     cancel_stroke: Callable[[], None]
     end_stroke: Callable[[], Any]
     set_brush: Callable[[BrushSpec], None]
-    dip: Callable[[Any], None]
+    dip: Callable[..., None]
     _edits: list[_Version]
     _unedits: list[_Version]
     _is_anew: bool = False  # strokes are painted anew
@@ -306,16 +307,17 @@ class EditCommands(HistoryCommands):
         self._follow_log()
         return touched
 
-    def _in_hand(self) -> tuple[BrushSpec, Any]:
-        return self.painter.brush, self.painter.dipped
+    def _in_hand(self) -> tuple[BrushSpec, Any, DipAmount]:
+        return self.painter.brush, self.painter.dipped, self.painter.amount
 
-    def _hold(self, in_hand: tuple[BrushSpec, Any]) -> None:
-        """Have the brush and the ink that were chosen last."""
-        brush, dipped = in_hand
+    def _hold(self, in_hand: tuple[BrushSpec, Any, DipAmount]) -> None:
+        """Have the brush, the ink and so much of it as were chosen last."""
+        brush, dipped, amount = in_hand
         if self.painter.brush != brush:
             self.set_brush(brush)
-        if weights_of(self.painter.dipped) != weights_of(dipped):
-            self.dip(dipped)
+        held = weights_of(self.painter.dipped), self.painter.amount
+        if held != (weights_of(dipped), amount):
+            self.dip(dipped, amount=amount.words())
 
 
 def _places(score: Score, there: int, undone: int) -> list[tuple[int, int]]:

@@ -57,6 +57,8 @@ def restore_hairs(painter: Painter, words: Any) -> None:
     """
     if words is None or painter.hairs is None:
         return
+    if isinstance(words, Mapping) and "n_hairs" in words:  # commands once said only which they are
+        return
     now = painter.hairs.keep()
     try:
         wide = (len(now["load"]), len(painter.surface.pigments))

@@ -18,6 +18,7 @@ from paint3d.app.model.persistence.saved_settings import saved_mixture
 from paint3d.app.model.stroke_log import Stroke, weights_of
 from paint3d.brush.bending import tuft_on
 from paint3d.brush.bristle_spec import BristleSpec
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.dynamics import build_curves
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import WATER, load_palette
@@ -65,7 +66,8 @@ def saved_history(
     state : dict
         What `undo_state` says, and: done and undone, a word for each step, the last of undone is
         the next; brushes, as `brush_words` has them; painters, what was remembered: place of its
-        brush, hairs (their properties or None), ink, and what it was dipped in, weights by name.
+        brush, hairs (their properties or None), ink, what it was dipped in, weights by name, and
+        amount, as `DipAmount.words`, where that is not the preset's.
         Of the K paintings painter (K,) int32, loaded (K,) float64, dipped (K,) uint8, and the
         columns hair_loads (B, P) and hair_memory float64, empty without hairs.
     undone : list of Stroke
@@ -98,6 +100,8 @@ def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
             "ink": painter["ink"].name,
             "dipped": weights_of(painter["_dipped"]),
         }
+        if painter["amount"] != DipAmount():
+            words["amount"] = painter["amount"].words()
         key = json.dumps(words)
         painters.setdefault(key, words)
         of[k] = places.setdefault(key, len(places))
@@ -217,8 +221,11 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
             if n_hairs > _MOST_HAIRS:
                 raise SessionError(f"they use {n_hairs:,} hairs; expected {_MOST_HAIRS:,}")
             tufts[key] = None if spec is None else HairTuft(brushes[place]["brush"], spec)
+        amount = DipAmount.of(words.get("amount", {}))
         about = {
             **brushes[place],
+            "amount": amount,
+            "tuft": amount.of_tuft(brushes[place]["tuft"]),
             "ink": inks[words["ink"]],
             "_dipped": saved_mixture(words["dipped"], surface),
             "hairs": tufts[key],

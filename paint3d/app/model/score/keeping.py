@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from paint3d.app.model.score.words import Inks, header_of, line_of
 from paint3d.app.model.stroke_log import recording_of
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
 from paint3d.painter.painter import Painter
@@ -59,7 +60,9 @@ class ScoreKeeper:
         header["azimuth"] = painter.azimuth
         pickup = float(surface.ink.transfer["pickup"].item())
         own = {"pigments": inks.table} if inks.table else {}
-        return cls(header | own | ({"pickup": pickup} if pickup else {}))
+        amount = {"do": "dip", "amount": painter.amount.words()}
+        events = [amount] if painter.amount != DipAmount() else []
+        return cls(header | own | ({"pickup": pickup} if pickup else {}), events)
 
     @classmethod
     def resumed(cls, score: Score, n_strokes: int) -> ScoreKeeper:

@@ -100,6 +100,8 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
         try:
             asked = asked_by(event, surface, inks)
         except Paint3DError as cause:
+            if event.get("refused"):  # as it was then
+                continue
             raise RecordingError(f"{score.where(k)}: {event['do']}: {cause}") from None
         if event["do"] == "begin_stroke":
             asked.setdefault("time_s", 0.0)

@@ -69,6 +69,8 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
         try:
             asked = asked_by(event, surface, inks)
         except Paint3DError as cause:
+            if event.get("refused"):  # as it was then
+                continue
             raise RecordingError(f"{score.where(k)}: {event['do']}: {cause}") from None
         if event["do"] == "begin_stroke" and not event.get("refused"):
             asked.setdefault("time_s", 0.0)

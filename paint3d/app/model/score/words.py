@@ -240,7 +240,7 @@ def _brush_said(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
 
 def _dip_said(asked: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
     said = {"ink": inks.words(asked["ink"])} if "ink" in asked else {}
-    said |= {"amount": dict(asked["amount"])} if "amount" in asked else {}
+    said |= {"amount": _plain(asked["amount"])} if "amount" in asked else {}
     return said | ({"reach": float(asked["reach"])} if "reach" in asked else {})
 
 

@@ -9,10 +9,10 @@ from PySide6 import QtWidgets
 
 from paint3d.app.window.dialogs.forms import FormDialog, SizeBoxes, kept_number
 from paint3d.app.window.wording import say
+from paint3d.view.film import MOST_PIXELS
 
 __all__ = ["Film", "FilmDialog", "kept_film"]
 
-_MOST_PIXELS = 4e8  # of all pictures: one byte each is held until a GIF is written
 _LONGEST_S, _FASTEST = 60.0, 30.0
 _LEAST_PICTURES = 2
 
@@ -36,7 +36,7 @@ class Film(NamedTuple):
     def is_too_long(self) -> bool:
         """Whether its pictures take more memory than it may."""
         width, height = self.size or (0, 0)
-        return width * height * self.n_pictures > _MOST_PIXELS
+        return width * height * self.n_pictures > MOST_PIXELS
 
 
 def kept_film(kept: Mapping[str, object]) -> Film:
@@ -61,6 +61,8 @@ class FilmDialog(FormDialog):
         Width and height of the picture on the screen, pixels.
     any_length : bool
         Whether it may be of any length, since its pictures are not held in memory.
+    title : str, optional
+        By default that of a turntable.
     """
 
     def __init__(
@@ -69,9 +71,10 @@ class FilmDialog(FormDialog):
         kept: Film,
         screen: tuple[int, int],
         any_length: bool = False,
+        title: str = "",
     ) -> None:
         self._any_length = any_length
-        super().__init__(parent, say("action.turntable").rstrip("…"))
+        super().__init__(parent, (title or say("action.turntable")).rstrip("…"))
         self.seconds = self.add_number(say("Length"), 0.5, _LONGEST_S, kept.seconds, "s", 1)
         self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, kept.rate)
         self.size_boxes = SizeBoxes(kept.size or screen, screen)

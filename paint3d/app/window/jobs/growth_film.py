@@ -33,7 +33,8 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
     Raises
     ------
     ExportError
-        If the suffix is that of no film, or an .mp4 cannot be written here.
+        If the suffix is that of no film, an .mp4 cannot be written here, or the pictures are too
+        many for their size.
     InputError
         If nothing has been painted.
     """
@@ -47,7 +48,9 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
         raise InputError(f"{path}: nothing has been painted yet; expected a stroke to film")
     known = in_pieces(score)
     size = film.size or workspace.canvas.pixel_size
-    hold = min(_HOLD_S, 0.3 * film.seconds)
+    shot, hold = Shot(size=size), min(_HOLD_S, 0.3 * film.seconds)
+    filmed = Filmed(film.rate, 0.0, hold)
+    filmed.check(path, shot, round((film.seconds - hold) * film.rate) + 2)
     step_s = max(seconds_of(score), 1e-3) / ((film.seconds - hold) * film.rate)
 
     def work(progress: Progress) -> None:
@@ -61,7 +64,6 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
             if painting.in_stroke:
                 painting.end_stroke()
             growth.end(clock.seconds)
-            filmed = Filmed(film.rate, 0.0, hold)
-            write_growth(growth, path, Shot(size=size), filmed, part_of(progress, _PAINTED, 1.0))
+            write_growth(growth, path, shot, filmed, part_of(progress, _PAINTED, 1.0))
 
     return workspace.run(say("Drawing the film…"), work)

@@ -146,7 +146,7 @@ class Pictures:
             return
         dialog = FilmDialog(
             self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size,
-            any_length=path.suffix.lower() == ".mp4",
+            any_length=path.suffix.lower() == ".mp4", title=title,
         )  # fmt: skip
         if dialog.exec():
             now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}

@@ -195,9 +195,8 @@ def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:
     """What gives the hand back what it holds, freshly dipped."""
     asked: list[Asked] = [("set_azimuth", (painter.azimuth,)), ("set_brush", (brush,))]
     amount = painter.amount.words()
-    return asked + [
-        ("dip", (ink, reach, amount if reach is None else None)) for ink, reach in painter.dips
-    ]
+    dips = painter.dips or ((painter.dipped, None),)
+    return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
 
 
 def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
