@@ -12,6 +12,7 @@ from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.contents import parse_json, read_beside
 from paint3d.files.readers.gltf_kinds import check_kinds
+from paint3d.files.readers.gltf_packing import unpack_draco, unpack_meshopt
 from paint3d.files.readers.raw_mesh import check_count
 
 __all__ = ["GltfFile"]
@@ -45,6 +46,8 @@ class GltfFile:
         self.document = parse_json(text)
         check_kinds(self.document)
         self._buffers: dict[int, bytes] = {}
+        self._unpacked: dict[int, AnyArray] = {}
+        self._views: dict[int, bytes] = {}
 
     def _open_container(self, data: bytes) -> bytes:
         version, length = (int.from_bytes(data[k : k + 4], "little") for k in (4, 8))
@@ -93,6 +96,8 @@ class GltfFile:
             If the accessor does not fit into its buffer.
         """
         accessor = self.item("accessors", index)
+        if index in self._unpacked:
+            return _unpacked(self._unpacked[index], accessor)
         dtype = np.dtype(COMPONENTS[accessor["componentType"]])
         width, count = WIDTHS[accessor["type"]], accessor["count"]
         if "bufferView" in accessor:
@@ -106,6 +111,19 @@ class GltfFile:
         if accessor.get("normalized") and dtype.kind in "iu":
             return np.maximum(values / float(np.iinfo(dtype).max), -1.0)
         return values
+
+    def unpack(self, primitive: dict[str, Any], packed: dict[str, Any]) -> None:
+        """Have the numbers of a primitive that is packed by Draco, as its extension says.
+
+        Raises
+        ------
+        MeshError
+            If they cannot be unpacked.
+        """
+        if not isinstance(packed, dict) or not isinstance(packed.get("attributes"), dict):
+            raise MeshError("its Draco extension is no object with attributes")
+        data = self.view_bytes(packed["bufferView"])
+        self._unpacked |= unpack_draco(data, primitive, packed["attributes"])
 
     def _with_sparse(
         self, values: AnyArray, sparse: dict[str, Any], dtype: np.dtype, width: int
@@ -122,12 +140,14 @@ class GltfFile:
     def _view(self, index: int, start: int, dtype: np.dtype, width: int, count: int) -> AnyArray:
         """Return (count, width) values of a buffer view, without copying."""
         view = self.item("bufferViews", index)
-        if "EXT_meshopt_compression" in view.get("extensions", {}):
-            raise MeshError("it is compressed with meshopt; expected an uncompressed file")
         size = dtype.itemsize * width
         stride = view.get("byteStride") or size
         begin, length = view.get("byteOffset", 0), view["byteLength"]
-        data = self._buffer(view["buffer"])
+        packed = view.get("extensions", {}).get("EXT_meshopt_compression")
+        if packed is None:
+            data = self._buffer(view["buffer"])
+        else:
+            data, begin = self._unpacked_view(index, packed), 0
         if min(begin, start, length, count) < 0 or stride < size or begin + length > len(data):
             raise MeshError(f"bufferViews[{index}] does not fit into its buffer")
         if count and start + (count - 1) * stride + size > length:
@@ -135,6 +155,15 @@ class GltfFile:
         return np.ndarray(
             (count, width), dtype, data, begin + start if count else 0, (stride, dtype.itemsize)
         )
+
+    def _unpacked_view(self, index: int, packed: dict[str, Any]) -> bytes:
+        if index not in self._views:
+            begin, length = packed.get("byteOffset", 0), packed["byteLength"]
+            data = self._buffer(packed["buffer"])
+            if min(begin, length) < 0 or begin + length > len(data):
+                raise MeshError(f"the packed bufferViews[{index}] does not fit into its buffer")
+            self._views[index] = unpack_meshopt(data[begin : begin + length], packed)
+        return self._views[index]
 
     def _buffer(self, index: int) -> bytes:
         if index not in self._buffers:
@@ -180,3 +209,15 @@ class GltfFile:
         """
         length = self.item("bufferViews", index)["byteLength"]
         return self._view(index, 0, np.dtype("u1"), 1, length).tobytes()
+
+
+def _unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
+    width, count = WIDTHS[accessor["type"]], accessor["count"]
+    if values.shape != (count, width):
+        raise MeshError(
+            f"its Draco data has {values.shape[0]} x {values.shape[1]} numbers where the "
+            f"accessor says {count} x {width}"
+        )
+    if accessor.get("normalized") and values.dtype.kind in "iu":
+        return np.maximum(values / float(np.iinfo(values.dtype).max), -1.0)
+    return values

@@ -1,17 +1,25 @@
 """Formats that trimesh reads for us, in the child process, with our checks after it."""
 
+import base64
+import contextlib
 import io
+import json
 import struct
+import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from paint3d.errors import MeshError
 from paint3d.files.load import MESH_SUFFIXES, load_mesh, read_mesh
 from paint3d.files.readers import read_foreign
 from paint3d.files.readers.read_foreign import FOREIGN
+from paint3d.files.readers.read_gltf import read_gltf
 from paint3d.files.sandbox.reading import FOREIGN_SUFFIXES
 
 CUBE = trimesh.creation.box((1.0, 2.0, 3.0))  # of whatever unit the format has
@@ -172,3 +180,113 @@ def test_entities_are_refused(tmp_path):
 def test_the_suffixes_are_known_everywhere():
     assert tuple(FOREIGN) == FOREIGN_SUFFIXES
     assert set(FOREIGN_SUFFIXES) <= set(MESH_SUFFIXES)
+
+
+def packed_by_draco(**changes) -> bytes:
+    """A coloured, turned ball and a box, as somebody else packs them."""
+    pytest.importorskip("DracoPy")
+    ball = trimesh.creation.icosphere(3, radius=0.02)
+    ball.visual.vertex_colors = np.tile([200, 30, 40, 255], (len(ball.vertices), 1))
+    scene = trimesh.Scene({"ball": ball, "box": trimesh.creation.box((0.01, 0.02, 0.03))})
+    return trimesh.exchange.gltf.export_glb(scene, extension_draco=True, **changes)
+
+
+def test_primitives_packed_by_draco_are_unpacked(tmp_path) -> None:
+    file, plain = tmp_path / "packed.glb", tmp_path / "plain.glb"
+    file.write_bytes(packed_by_draco())
+    assert b"KHR_draco_mesh_compression" in file.read_bytes()
+    ball = trimesh.creation.icosphere(3, radius=0.02)
+    scene = trimesh.Scene({"ball": ball, "box": trimesh.creation.box((0.01, 0.02, 0.03))})
+    plain.write_bytes(trimesh.exchange.gltf.export_glb(scene))
+    packed, wanted = load_mesh(file), load_mesh(plain)
+    assert packed.n_faces == wanted.n_faces
+    areas = [trimesh.Trimesh(m.vertices, m.faces).area for m in (packed, wanted)]
+    assert areas[0] == pytest.approx(areas[1], rel=1e-3)
+    np.testing.assert_allclose(packed.vertices.min(0), wanted.vertices.min(0), atol=0.01)
+    np.testing.assert_allclose(packed.vertices.max(0), wanted.vertices.max(0), atol=0.01)
+    assert packed.colours is not None
+
+
+@given(place=st.floats(0.0, 1.0), byte=st.integers(0, 255), cut=st.floats(0.5, 1.0))
+@settings(deadline=None, max_examples=40)
+def test_damaged_draco_is_told_or_read(place, byte, cut) -> None:
+    data = bytearray(packed_by_draco())
+    data[int(place * (len(data) - 1))] = byte
+    with contextlib.suppress(MeshError):
+        read_gltf(bytes(data[: max(20, int(cut * len(data)))]), Path())
+
+
+def test_without_dracopy_it_is_named(monkeypatch) -> None:
+    data = packed_by_draco()
+    monkeypatch.setitem(sys.modules, "DracoPy", None)
+    with pytest.raises(MeshError, match="needs DracoPy: pip install"):
+        read_gltf(data, Path())
+
+
+def packed_by_meshopt(**changes) -> bytes:
+    """A ball whose positions and triangles are packed; `changes` are of the positions' view."""
+    packer = pytest.importorskip("meshoptimizer")
+    ball = trimesh.creation.icosphere(2)
+    places, indices = ball.vertices.astype("<f4"), ball.faces.astype("<u4").ravel()
+    n, m = len(places), len(indices)
+    packed = [packer.encode_vertex_buffer(places, n, 12), packer.encode_index_buffer(indices, m, n)]
+    sizes = [len(data) for data in packed]
+    how = [
+        {"buffer": 0, "byteOffset": 0, "byteLength": sizes[0], "byteStride": 12, "count": n,
+         "mode": "ATTRIBUTES", **changes},
+        {"buffer": 0, "byteOffset": sizes[0], "byteLength": sizes[1], "byteStride": 4, "count": m,
+         "mode": "TRIANGLES"},
+    ]  # fmt: skip
+    document = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["EXT_meshopt_compression"],
+        "buffers": [
+            {"byteLength": sum(sizes),
+             "uri": "data:;base64," + base64.b64encode(b"".join(packed)).decode()},
+            {"byteLength": 12 * n + 4 * m},
+        ],
+        "bufferViews": [
+            {"buffer": 1, "byteLength": 12 * n, "extensions": {"EXT_meshopt_compression": how[0]}},
+            {"buffer": 1, "byteOffset": 12 * n, "byteLength": 4 * m,
+             "extensions": {"EXT_meshopt_compression": how[1]}},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": n},
+            {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": m},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    }  # fmt: skip
+    return json.dumps(document).encode()
+
+
+def test_views_packed_by_meshopt_are_unpacked() -> None:
+    ball, read = trimesh.creation.icosphere(2), read_gltf(packed_by_meshopt(), Path())
+    np.testing.assert_array_equal(read.vertices, ball.vertices.astype("<f4"))
+    triangles = read.corners.reshape(-1, 3)
+    got = trimesh.Trimesh(read.vertices, triangles, process=False)
+    assert got.volume == pytest.approx(ball.volume, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"mode": "LINES"}, "meshopt mode is 'LINES'"),
+        ({"filter": "SHARPEN"}, "meshopt filter is 'SHARPEN'"),
+        ({"count": 10**12}, "cannot be unpacked"),
+        ({"count": 7.5}, "expected numbers"),
+        ({"byteLength": 10**6}, "does not fit into its buffer"),
+        ({"byteLength": 40}, "cannot be unpacked"),
+    ],
+)
+def test_bad_meshopt_is_told(changes, message) -> None:
+    with pytest.raises(MeshError, match=message):
+        read_gltf(packed_by_meshopt(**changes), Path())
+
+
+def test_without_meshoptimizer_it_is_named(monkeypatch) -> None:
+    data = packed_by_meshopt()
+    monkeypatch.setitem(sys.modules, "meshoptimizer", None)
+    with pytest.raises(MeshError, match="needs meshoptimizer: pip install"):
+        read_gltf(data, Path())

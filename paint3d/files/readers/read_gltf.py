@@ -113,8 +113,9 @@ def _primitive(
     mode = primitive.get("mode", TRIANGLES)
     if mode not in (TRIANGLES, STRIP, FAN):
         return None
-    if "KHR_draco_mesh_compression" in primitive.get("extensions", {}):
-        raise MeshError("it is compressed with Draco; expected an uncompressed file")
+    packed = primitive.get("extensions", {}).get("KHR_draco_mesh_compression")
+    if packed is not None:
+        file.unpack(primitive, packed)
     attributes = primitive["attributes"]
     if "POSITION" not in attributes:
         raise MeshError("a primitive has no positions, so no triangles; expected a surface")
