@@ -283,6 +283,18 @@ def _place_on_tuft(n, contact, values, block):
 
 
 @uncounted(error_model="numpy")
+def _extent_across(contact, values):
+    """Where the footprint's middle lies across the way, and how far it reaches from there, mm.
+
+    Half the width where the tuft trails, half the length where it goes sideways (pianfeng): as an
+    ellipse of the footprint's length and width would.
+    """
+    long, middle = 0.5 * (values.tip - values.heel), 0.5 * (values.tip + values.heel)
+    side, ahead = contact.ahead_y * long, contact.ahead_x * values.widest
+    return -contact.ahead_y * middle, np.sqrt(side * side + ahead * ahead)
+
+
+@uncounted(error_model="numpy")
 def _add_bundles(n, noise, layer, per_across, per_along, strength, block):
     """Add to row 6 how well the bundles are supplied, from one layer of the noise."""
     across, along, supply = block.rows[4], block.rows[5], block.rows[6]
@@ -332,10 +344,11 @@ def _touch(n, contact, after, ink, block):
     _add_bundles(n, noise, 3, contact.per_broad, per_way, contact.broad, block)
     per_way = _STEPS / _WAY
     _add_bundles(n, noise, 35, contact.per_narrow, per_way, contact.narrow, block)
-    per_rim = np.float32(1.0 / max(values.widest, 0.15))
+    middle, half_extent = _extent_across(contact, values)
+    per_rim, middle = np.float32(1.0 / max(half_extent, 0.15)), np.float32(middle)
     worse = np.float32(_RIM)
     for k in range(n):
-        rim = across[k] * per_rim
+        rim = (across[k] - middle) * per_rim
         rim *= rim
         supply[k] -= worse * rim * rim
     if contact.step > 0.0:

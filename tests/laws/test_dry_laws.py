@@ -18,12 +18,12 @@ BOX = (-12.0, 12.0, -2.0, 2.0)  # along the stroke and across, mm
 GRID_MM = 0.05
 
 
-def stroke(turn: float, pressure: float) -> Recording:
-    """Straight, the tuft trailing."""
+def stroke(turn: float, pressure: float, aside: float = 0.0) -> Recording:
+    """Straight, the tuft trailing, or turned aside from there by an angle."""
     n = 160
     x = np.linspace(-20.0, 20.0, n)
     position = np.stack([math.cos(turn) * x, math.sin(turn) * x, np.full(n, 30.0)], axis=1)
-    half = 0.5 * (turn + math.pi)
+    half = 0.5 * (turn + math.pi + aside)
     turned = np.tile([math.cos(half), 0.0, 0.0, math.sin(half)], (n, 1))
     return Recording(np.arange(n) * 4_000_000, position, turned, np.full(n, pressure))
 
@@ -106,3 +106,19 @@ def test_more_hairs_leave_finer_gaps() -> None:
         gaps.append(GRID_MM * bare.sum() / edges)
     assert gaps[1] < 0.75 * gaps[0]
     assert gaps[2] < 0.75 * gaps[1]
+
+
+@pytest.mark.parametrize("hairs", [0, 1000])
+def test_a_tuft_that_goes_sideways_touches_as_much(hairs) -> None:
+    """What is badly supplied is the rim of what goes along, not all that is long."""
+    shares = []
+    for aside in (0.0, 0.5 * math.pi):
+        inked = []
+        for load in (0.2, 1.0):
+            surface = PaintedSurface(sheet(flat, (35.0, 35.0), 4.0), 0.3, "xuan")
+            painter = Painter(surface, "full", "pine soot", hairs=hairs)
+            painter.wipe(1.0 - load)
+            painter.replay(stroke(0.0, 0.4, aside))
+            inked.append(surface.coverage.sum())
+        shares.append(inked[0] / inked[1])
+    assert shares[1] > 0.8 * shares[0]
