@@ -39,6 +39,7 @@ from paint3d.mesh.kernels.bvh import find_foot, find_meant
 from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
 
 __all__ = [
+    "LEANING_OVER",
     "OVERPRESSED",
     "REACH",
     "TILT_LIMITED",
@@ -49,7 +50,9 @@ __all__ = [
 
 TILT_LIMITED = 4  # counter: stamps whose tilt was below the table's range
 OVERPRESSED = 5  # counter: stamps pressed deeper than the tuft can be bent
+LEANING_OVER = 6  # counter: stamps whose handle leans over the bend; they are an upright one's
 REACH = 1.05  # of the tuft's length: farther than this the root cannot touch the surface
+_UPRIGHT = 0.0175  # sine of a degree: no more than that counts as leaning over
 _OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is not over the surface
 _LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
 _OTHER_SIDE = -0.5  # cosine to the foot's normal: what faces farther away is a wall's other side
@@ -485,6 +488,8 @@ def _count_limits(up, values, tuft, counters):
         counters[TILT_LIMITED] += 1
     if values.descent >= greatest_descent(tuft, values.tilt):
         counters[OVERPRESSED] += 1
+    if _lean(values, up) < -_UPRIGHT:
+        counters[LEANING_OVER] += 1
 
 
 @uncounted

@@ -64,7 +64,7 @@ class Scratch(NamedTuple):
     """Scratch arrays of the stroke kernels (P pigments)."""
 
     counters: NDArray  # (8,) int64: SAMPLES, FOOTPRINTS, VISITED, PAINTED, TILT_LIMITED,
-    # OVERPRESSED, each beside the kernels that count it
+    # OVERPRESSED, LEANING_OVER, each beside the kernels that count it
     pose: NDArray  # (9,), see `place_stamp`
     foot: NDArray  # (6,)
     warm: NDArray  # (5,), what `find_foot` knows of the last foot

@@ -608,6 +608,7 @@ class Painter:
             "deposits": int(counters[PAINTED]),
             "tilt_limited": int(counters[placement.TILT_LIMITED]),
             "overpressed": int(counters[placement.OVERPRESSED]),
+            "leaning_over": int(counters[placement.LEANING_OVER]),
             "seconds": dict(self.seconds),
             "ink_ledger": self.ledger(),
         }

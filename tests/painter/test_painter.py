@@ -46,7 +46,7 @@ def test_a_stroke_leaves_ink_and_a_report():
     assert report["vertices"] == painter.surface.n_vertices
     assert report["vertices_painted"] == np.count_nonzero(painter.surface.coverage) > 100
     assert report["vertices_painted"] <= report["deposits"]
-    assert report["tilt_limited"] == report["overpressed"] == 0
+    assert report["tilt_limited"] == report["overpressed"] == report["leaning_over"] == 0
     assert set(report["seconds"]) == {"poses", "stroke", "colour"}
     assert report["ink_ledger"]["wet"] > 0.0
     assert painter.surface.n_vertices == len(painter.surface.srgb) == len(painter.surface.amounts)
@@ -138,6 +138,19 @@ def test_geometry_alone_presses_as_the_force_does():
     free.replay(dataclasses.replace(stroke(np.full(10, 0.4)), pressure=None))
     np.testing.assert_allclose(free.surface.coverage, forced.surface.coverage, atol=1e-4)
     assert free.in_brush() == pytest.approx(forced.in_brush(), rel=1e-6)
+
+
+@pytest.mark.parametrize(("pushed", "is_over"), [(1.0, True), (-1.0, False)])
+def test_a_handle_that_leans_over_its_bend_is_counted(pushed, is_over):
+    """It leans to where y is less; the tuft trails against the way."""
+    way = np.linspace(0.0, 15.0, 20)
+    points = np.stack([0.0 * way, pushed * way, 0.0 * way], axis=1)
+    held = poses(points, UP, (0.0, 1.0, 0.0), np.full(20, 0.4), tilt=1.1)
+    painter = Painter(surface(), azimuth="dragged")
+    painter.replay(held)
+    report = painter.report()
+    assert (report["leaning_over"] > 0.5 * report["footprints"]) == is_over
+    assert report["tilt_limited"] == 0
 
 
 def test_limits_of_the_model_are_counted():
