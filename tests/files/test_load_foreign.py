@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from paint3d.errors import MeshError
 from paint3d.files.load import MESH_SUFFIXES, load_mesh, read_mesh
 from paint3d.files.readers import read_foreign
+from paint3d.files.readers.gltf_packing import unpack_meshopt
 from paint3d.files.readers.read_foreign import FOREIGN
 from paint3d.files.readers.read_gltf import read_gltf
 from paint3d.files.sandbox.reading import FOREIGN_SUFFIXES
@@ -267,6 +268,46 @@ def test_views_packed_by_meshopt_are_unpacked() -> None:
     triangles = read.corners.reshape(-1, 3)
     got = trimesh.Trimesh(read.vertices, triangles, process=False)
     assert got.volume == pytest.approx(ball.volume, rel=1e-6)
+
+
+def test_filters_and_sequences_of_meshopt_are_undone() -> None:
+    """Exponential: eight bits of exponent over 24 of mantissa (EXT_meshopt_compression)."""
+    packer = pytest.importorskip("meshoptimizer")
+    mantissas = np.array([[3, -5, 7], [0, 1, -1]], np.int32)
+    words = (np.int32(-4) << 24) | (mantissas & 0xFFFFFF)
+    data = packer.encode_vertex_buffer(words.view("<f4"), 2, 12)
+    how = {"count": 2, "byteStride": 12, "mode": "ATTRIBUTES", "filter": "EXPONENTIAL"}
+    got = np.frombuffer(unpack_meshopt(data, how), "<f4").reshape(2, 3)
+    np.testing.assert_array_equal(got, mantissas / 16.0)
+    order = np.array([4, 0, 4, 1, 2, 7], np.uint32)
+    data = packer.encode_index_sequence(order, len(order), 8)
+    how = {"count": len(order), "byteStride": 2, "mode": "INDICES"}
+    np.testing.assert_array_equal(np.frombuffer(unpack_meshopt(data, how), "<u2"), order)
+
+
+def test_numbers_that_are_not_those_of_the_accessor_are_told() -> None:
+    data = packed_by_draco()
+    length = int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20 : 20 + length])
+    primitive = document["meshes"][0]["primitives"][0]
+    document["accessors"][primitive["attributes"]["POSITION"]]["count"] += 1
+    with pytest.raises(MeshError, match=r"its Draco data has .* where the accessor says"):
+        read_gltf(with_document(data, document), Path())
+    document = json.loads(data[20 : 20 + length])
+    primitive = document["meshes"][0]["primitives"][0]
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] = 99
+    with pytest.raises(MeshError, match="has no attribute 99 for POSITION"):
+        read_gltf(with_document(data, document), Path())
+
+
+def with_document(data: bytes, document: dict) -> bytes:
+    """The same binary file with another document."""
+    length = int.from_bytes(data[12:16], "little")
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    rest = data[20 + length :]
+    head = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON")
+    return head + text + rest
 
 
 @pytest.mark.parametrize(

@@ -106,7 +106,7 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
                 if triangles
                 else (meshoptimizer.decode_index_sequence)
             )
-            return bytes(unpack(count, size, data).tobytes())
+            return bytes(unpack(count, size, data).tobytes())[: count * size]  # room for four bytes
     except (ValueError, RuntimeError, MemoryError, OverflowError) as cause:
         raise MeshError(f"its meshopt data cannot be unpacked: {cause}") from None
     raise MeshError(f"its meshopt mode is {mode!r:.30}; expected ATTRIBUTES, TRIANGLES or INDICES")
