@@ -21,11 +21,11 @@ from paint3d.brush.bristle_spec import (
 )
 from paint3d.brush.spec import HAIRS, BrushSpec, parameter_ranges
 from paint3d.core.atomic import write_atomically
-from paint3d.core.parameter_file import check_known, is_parameter_file, read_parameters
+from paint3d.core.parameter_file import check_known, is_parameter_file, read_thing
 from paint3d.errors import BrushError
 
 __all__ = [
-    "brush_text", "check_brush_name", "check_unlike_presets", "is_brush_file", "meaning_of",
+    "brush_text", "check_brush_name", "check_unlike_presets", "meaning_of",
     "read_brush", "write_brush",
 ]  # fmt: skip
 
@@ -72,17 +72,6 @@ def meaning_of(parameter: str) -> str:
     return _MEANINGS[parameter]
 
 
-def is_brush_file(name: str) -> bool:
-    """Whether a brush's name is that of a file.
-
-    Examples
-    --------
-    >>> is_brush_file("mine.toml"), is_brush_file("full")
-    (True, False)
-    """
-    return is_parameter_file(name)
-
-
 def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
     """A brush from a file.
 
@@ -99,12 +88,9 @@ def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
     BrushError
         Naming the file and the parameter, what was got and what was expected.
     """
-    path = Path(path)
-    values = read_parameters(path, "a brush", BrushError)
-    try:
-        return _brush_of(values, path.stem, presets)
-    except BrushError as cause:
-        raise BrushError(f"{path}: {cause}") from None
+    return read_thing(
+        path, "a brush", BrushError, lambda values, called: _brush_of(values, called, presets)
+    )
 
 
 def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
@@ -143,7 +129,7 @@ def check_brush_name(name: object) -> None:
         What was got and what was expected.
     """
     is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
-    if not is_name or " @" in str(name) or is_brush_file(str(name)):
+    if not is_name or " @" in str(name) or is_parameter_file(str(name)):
         raise BrushError(
             f"name is {name!r:.80}; expected 1 to {_LONGEST_NAME} characters, without ' @' and no "
             "file's name"

@@ -10,10 +10,11 @@ from types import MappingProxyType
 from typing import Any
 
 from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.brush_file import is_brush_file, read_brush
+from paint3d.brush.brush_file import read_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import as_number
-from paint3d.errors import BrushError, UnknownNameError
+from paint3d.core.parameter_file import named_or_read
+from paint3d.errors import BrushError
 
 __all__ = [
     "GREATEST_EM",
@@ -79,16 +80,8 @@ def load_brush(name: str, *, own_files: bool = True) -> BrushSpec:
         If the file cannot be used, or may not be read.
     """
     presets = load_presets()
-    if name in presets:
-        return presets[name]
-    if isinstance(name, str) and is_brush_file(name):
-        if not own_files:
-            raise BrushError(
-                f"the brush {name[-100:]!r} is a file of this machine, which a file may not name; "
-                "expected a brush that comes with the program"
-            )
-        return read_brush(name, presets)
-    raise UnknownNameError("brush", str(name), presets)
+    read = functools.partial(read_brush, presets=presets) if own_files else None
+    return named_or_read(name, presets, "brush", BrushError, read)
 
 
 def choose_brush(em_mm: float) -> str:

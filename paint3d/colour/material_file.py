@@ -17,7 +17,7 @@ import numpy as np
 
 from paint3d.colour.material import Material, material_ranges
 from paint3d.colour.spectra import WAVELENGTHS, decode_srgb
-from paint3d.core.parameter_file import check_known, is_parameter_file, read_parameters
+from paint3d.core.parameter_file import check_known, is_parameter_file, read_thing
 from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError
 
@@ -62,12 +62,9 @@ def read_material(path: str | Path, known: Mapping[str, Material]) -> Material:
     PigmentError
         Naming the file and the parameter, what was got and what was expected.
     """
-    path = Path(path)
-    values = read_parameters(path, "a material", PigmentError)
-    try:
-        return _material_of(values, path.stem, known)
-    except PigmentError as cause:
-        raise PigmentError(f"{path}: {cause}") from None
+    return read_thing(
+        path, "a material", PigmentError, lambda values, called: _material_of(values, called, known)
+    )
 
 
 def _material_of(values: dict[str, Any], called: str, known: Mapping[str, Material]) -> Material:

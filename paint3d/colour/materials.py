@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -16,8 +16,8 @@ from typing import Any
 from paint3d.colour.material import WET_COAT_MM, Material, material_ranges
 from paint3d.colour.material_file import read_material
 from paint3d.colour.pigments import BANDS_NM
-from paint3d.core.parameter_file import is_parameter_file
-from paint3d.errors import PigmentError, UnknownNameError
+from paint3d.core.parameter_file import named_or_read
+from paint3d.errors import PigmentError
 
 __all__ = ["WET_COAT_MM", "Material", "load_material", "load_materials", "material_names"]
 
@@ -61,13 +61,5 @@ def load_material(name: str, *, own_files: bool = True) -> Material:
         If the file cannot be used, or may not be read.
     """
     materials = load_materials()
-    if name in materials:
-        return materials[name]
-    if isinstance(name, str) and is_parameter_file(name):
-        if not own_files:
-            raise PigmentError(
-                f"the material {name[-100:]!r} is a file of this machine, which a file may not "
-                "name; expected a material that comes with the program"
-            )
-        return read_material(name, materials)
-    raise UnknownNameError("material", str(name), materials)
+    read = partial(read_material, known=materials) if own_files else None
+    return named_or_read(name, materials, "material", PigmentError, read)

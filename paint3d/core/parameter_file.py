@@ -7,14 +7,16 @@ import json
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from paint3d.errors import Paint3DError
+from paint3d.errors import Paint3DError, UnknownNameError
 
-__all__ = ["check_known", "is_parameter_file", "read_parameters"]
+__all__ = ["check_known", "is_parameter_file", "named_or_read", "read_parameters", "read_thing"]
 
 _SUFFIXES = (".toml", ".json")
 _MOST_BYTES = 1 << 20
+
+_Thing = TypeVar("_Thing")
 
 
 def is_parameter_file(name: str) -> bool:
@@ -63,6 +65,74 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
     if not isinstance(values, dict):
         raise error(f"{path}: holds {values!r:.40}; expected parameters by name")
     return values
+
+
+def read_thing(
+    path: str | Path,
+    what: str,
+    error: type[Paint3DError],
+    make: Callable[[dict[str, Any], str], _Thing],
+) -> _Thing:
+    """What a file of parameters describes.
+
+    Parameters
+    ----------
+    path, what, error
+        As for `read_parameters`.
+    make : callable
+        Makes it of the parameters, and of what it is called where they say no name.
+
+    Raises
+    ------
+    error
+        Naming the file; also what `make` raises.
+    """
+    path = Path(path)
+    values = read_parameters(path, what, error)
+    try:
+        return make(values, path.stem)
+    except error as cause:
+        raise error(f"{path}: {cause}") from None
+
+
+def named_or_read(
+    name: str,
+    shipped: Mapping[str, _Thing],
+    what: str,
+    error: type[Paint3DError],
+    read: Callable[[str], _Thing] | None,
+) -> _Thing:
+    """What comes with the program by that name, or what a file of that name describes.
+
+    Parameters
+    ----------
+    name : str
+    shipped : mapping
+        By name.
+    what : str
+        What they are, for messages: "brush".
+    error : type
+        Of the exception that is raised for a file.
+    read : callable or None
+        Reads a file. None: a name out of a file, which may not lead to one of this machine.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none; the message lists them.
+    error
+        If the file cannot be used, or may not be read.
+    """
+    if name in shipped:
+        return shipped[name]
+    if isinstance(name, str) and is_parameter_file(name):
+        if read is None:
+            raise error(
+                f"the {what} {name[-100:]!r} is a file of this machine, which a file may not name; "
+                f"expected a {what} that comes with the program"
+            )
+        return read(name)
+    raise UnknownNameError(what, str(name), shipped)
 
 
 def check_known(

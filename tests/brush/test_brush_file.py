@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.brush_file import brush_text, is_brush_file
+from paint3d.brush.brush_file import brush_text
 from paint3d.brush.presets import brush_names, brush_note, load_brush
+from paint3d.core.parameter_file import is_parameter_file
 from paint3d.errors import BrushError
 
 
@@ -78,7 +79,7 @@ def test_other_things_than_tables_are_refused(tmp_path: Path) -> None:
 
 def test_names_out_of_files_open_no_files(tmp_path: Path) -> None:
     file = written(tmp_path, 'base = "full"')
-    assert is_brush_file(file)
+    assert is_parameter_file(file)
     with pytest.raises(BrushError, match="which a file may not name"):
         load_brush(file, own_files=False)
     assert load_brush("full", own_files=False) is load_brush("full")

@@ -129,7 +129,6 @@ def _fit(options: argparse.Namespace) -> None:
     from paint3d.brush.brush_file import (
         check_brush_name,
         check_unlike_presets,
-        is_brush_file,
         write_brush,
     )
     from paint3d.brush.fitting import (
@@ -140,8 +139,9 @@ def _fit(options: argparse.Namespace) -> None:
         read_shapes,
     )
     from paint3d.brush.presets import load_brush, load_presets
+    from paint3d.core.parameter_file import is_parameter_file
 
-    if not is_brush_file(options.out.name) or options.out.suffix.lower() == ".json":
+    if not is_parameter_file(options.out.name) or options.out.suffix.lower() == ".json":
         raise ExportError(f"{options.out}: expected the name of a brush file, such as mine.toml")
     check_output_folder(options.out.parent)
     name = options.out.stem

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from paint3d.app.model.persistence.places import config_folder
-from paint3d.brush.brush_file import is_brush_file, read_brush, write_brush
+from paint3d.brush.brush_file import read_brush, write_brush
 from paint3d.brush.presets import load_presets
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.parameter_file import is_parameter_file
 from paint3d.errors import BrushError, Paint3DError
 
 __all__ = ["keep_brush", "own_brush_folder", "own_brush_path", "own_brushes"]
@@ -53,7 +54,7 @@ def own_brush_path(name: str, folder: Path | None = None) -> Path:
 def _files(folder: Path) -> list[Path]:
     """Files of brushes in the order in which they are listed: what is kept here, .toml, first."""
     try:
-        found = sorted(path for path in folder.iterdir() if is_brush_file(path.name))
+        found = sorted(path for path in folder.iterdir() if is_parameter_file(path.name))
     except OSError:
         return []
     return sorted(found, key=lambda path: path.suffix.lower() != ".toml")[:_MOST]
