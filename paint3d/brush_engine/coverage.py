@@ -22,7 +22,7 @@ __all__ = ["AREA_STEPS", "ROWS", "WORK_ROWS", "weigh_block", "weigh_standing", "
 AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
 # distances at the stamp before and at the stamp after, to the near side and to the far side
-WORK_ROWS = 8  # of the same, that `weigh_block` works in: the last two are share and cover
+WORK_ROWS = 13  # of the same, that `weigh_block` works in: rows 6 and 7 are share and cover
 _LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
@@ -58,8 +58,8 @@ def _mean_covered(a, b):
 def _place_block(n, rows, stand, spots):
     """Where vertices of the plane lie on a stamp's profile: rows of place (cells), side and beyond.
 
-    The profile is read at its nearer end beyond its ends, `beyond` is the way beyond; sides and
-    ways in mm. `stand` (6,) is how the outline stands: the turn that carries plane coordinates to
+    The profile is read at its nearer end beyond its ends, `beyond` is the way beyond; sides, with
+    their sign, and ways in mm. `stand` (6,) is how the outline stands: the turn that carries plane coordinates to
     the stamp's own, (x - ox, y - oy) turned by (c, s), and where its heel and its tip are.
     """
     xs, ys = rows[0], rows[1]
@@ -76,7 +76,7 @@ def _place_block(n, rows, stand, spots):
         x = c * u + s * v
         places[k] = min(max((x - first) * per_step, _ZERO), top)
         beyond[k] = max(_ZERO, max(first - x, x - last))
-        sides[k] = abs(c * v - s * u)
+        sides[k] = c * v - s * u
 
 
 @uncounted(error_model="numpy")
@@ -109,8 +109,9 @@ def _stamp_edges(n, spots, lines, scale, inner, far):
         at = places[k]
         i = np.int32(at)
         width, steepness = lines[i, 0] + at * lines[i, 1], lines[i, 2]
-        inner[k] = ((width - sides[k]) * steepness - beyond[k]) * factor
-        far[k] = ((width + sides[k]) * steepness - beyond[k]) * factor
+        side = abs(sides[k])
+        inner[k] = ((width - side) * steepness - beyond[k]) * factor
+        far[k] = ((width + side) * steepness - beyond[k]) * factor
 
 
 @uncounted(error_model="numpy")
@@ -127,8 +128,9 @@ def _way_edges(n, spots, sweep, back, inner, far):
         width = now * (lines[i, 0] + at * lines[i, 1])
         width += then * (lines_before[i, 0] + at * lines_before[i, 1])
         steepness = now * lines[i, 2] + then * lines_before[i, 2]
-        inner[k] = ((width - sides[k]) * steepness - beyond[k]) * factor
-        far[k] = ((width + sides[k]) * steepness - beyond[k]) * factor
+        side = abs(sides[k])
+        inner[k] = ((width - side) * steepness - beyond[k]) * factor
+        far[k] = ((width + side) * steepness - beyond[k]) * factor
 
 
 @uncounted(error_model="numpy")
@@ -145,25 +147,72 @@ def _pack(n, near, ids, rows, block):
 
 
 @uncounted(error_model="numpy")
+def _find_crossings(n, spots, later, sweep, part, crossings):
+    """When in a part of the way the outline's middle line passes over vertices, and how deep.
+
+    A pointed end that goes to the side is over a vertex for a moment, which need be none of those
+    that are looked at. `spots` and `later` are where vertices lie at the beginning and at the end
+    of the part. Rows of `crossings`: the share of the part, 0 where it does not pass over, and the
+    distance (box widths) to the edge then, which is as far to both sides.
+    """
+    a, b, lines, lines_before = spots, later, sweep.after.lines, sweep.before.lines
+    values, when, peak = sweep.values[0], crossings[0], crossings[1]
+    length = 0.5 * (values.after_tip - values.after_heel + values.before_tip - values.before_heel)
+    per_step, step = np.float32(PROFILE_CELLS / length), np.float32(length / PROFILE_CELLS)
+    middle, top = np.float32(0.5 * PROFILE_CELLS), np.float32(_LAST_PLACE)
+    each, factor = np.float32(1.0 / values.parts), np.float32(values.scale)
+    first = np.float32(1.0 - (part - 1) / values.parts)
+    for k in range(n):
+        way = a[1, k] - b[1, k]
+        passes = a[1, k] * b[1, k] < _ZERO
+        t = a[1, k] / (way if passes else _ONE)
+        begin = a[0, k] + (a[2, k] if a[0, k] > middle else -a[2, k]) * per_step
+        end = b[0, k] + (b[2, k] if b[0, k] > middle else -b[2, k]) * per_step
+        at = begin + t * (end - begin)
+        place = min(max(at, _ZERO), top)
+        i = np.int32(place)
+        then = first - t * each
+        now = _ONE - then
+        width = now * (lines[i, 0] + place * lines[i, 1])
+        width += then * (lines_before[i, 0] + place * lines_before[i, 1])
+        steepness = now * lines[i, 2] + then * lines_before[i, 2]
+        when[k] = t if passes else _ZERO
+        peak[k] = (width * steepness - abs(at - place) * step) * factor
+
+
+@uncounted(error_model="numpy")
 def _follow(n, sweep, rows, work):
     """Mean share covered, and the greatest, of vertices that the edge passes on a curve."""
-    a, b = rows[3], rows[4]
-    last, inner, far, spots = work[0], work[1], work[2], work[3:6]
-    share, cover = work[6], work[7]
-    parts = int(sweep.values[0].parts)
+    a, b, values = rows[3], rows[4], sweep.values[0]
+    last, inner, far, spots, later = work[0], work[1], work[2], work[3:6], work[8:11]
+    share, cover, when, peak = work[6], work[7], work[11], work[12]
+    parts = int(values.parts)
     each = np.float32(1.0 / parts)
+    _place_block(n, rows, _before(values), spots)
     for k in range(n):
         last[k] = a[k]
         share[k] = _ZERO
-    for part in range(1, parts):
-        _place_block(n, rows, _part_way(sweep, part), spots)
-        _way_edges(n, spots, sweep, 1.0 - part / parts, inner, far)
+    for part in range(1, parts + 1):
+        if part < parts:
+            _place_block(n, rows, _part_way(sweep, part), later)
+            _way_edges(n, later, sweep, 1.0 - part / parts, inner, far)
+        else:
+            _place_block(n, rows, _after(values), later)
+            for k in range(n):
+                inner[k], far[k] = b[k], -_HALF  # the greatest share knows the end already
+        _find_crossings(n, spots, later, sweep, part, work[11:13])
         for k in range(n):
-            share[k] += _mean_covered(last[k], inner[k])
-            cover[k] = max(cover[k], _covered(inner[k]) + _covered(far[k]) - _ONE)
+            t = when[k]
+            top = peak[k] if t > _ZERO else last[k]
+            share[k] += t * _mean_covered(last[k], top)
+            share[k] += (_ONE - t) * _mean_covered(top, inner[k])
+            seen = _covered(inner[k]) + _covered(far[k]) - _ONE
+            passed = _covered(top) + _covered(top) - _ONE if t > _ZERO else _ZERO
+            cover[k] = max(cover[k], max(seen, passed))
             last[k] = inner[k]
+        spots, later = later, spots
     for k in range(n):
-        share[k] = (share[k] + _mean_covered(last[k], b[k])) * each
+        share[k] *= each
 
 
 @uncounted(error_model="numpy")
