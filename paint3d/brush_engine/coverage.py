@@ -17,14 +17,15 @@ import numpy as np
 from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.core.kernel import uncounted
 
-__all__ = ["AREA_STEPS", "ROWS", "WORK_ROWS", "weigh_block", "weigh_standing", "weighed_area"]
+__all__ = ["AREA_STEPS", "ROWS", "WORK_ROWS", "weigh_block", "weigh_passing", "weighed_area"]
 
 AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
 ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
 # distances at the stamp before and at the stamp after, to the near side and to the far side
-WORK_ROWS = 13  # of the same, that `weigh_block` works in: rows 6 and 7 are share and cover
+WORK_ROWS = 14  # of the same, that `weigh_block` works in: rows 6 and 7 are share and cover
 _LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
+_NEAR = 1.5  # times as far as the outline moved: distances beyond its ends are no true ones
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
 _NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
 _NONE_OF_EIGHT, _ALL_OF_EIGHT = np.uint64(0), np.uint64(0x0101010101010101)  # as one number
@@ -59,8 +60,8 @@ def _place_block(n, rows, stand, spots):
     """Where vertices of the plane lie on a stamp's profile: rows of place (cells), side and beyond.
 
     The profile is read at its nearer end beyond its ends, `beyond` is the way beyond; sides, with
-    their sign, and ways in mm. `stand` (6,) is how the outline stands: the turn that carries plane coordinates to
-    the stamp's own, (x - ox, y - oy) turned by (c, s), and where its heel and its tip are.
+    their sign, and ways in mm. `stand` (6,) is how the outline stands: the turn that carries plane
+    coordinates to the stamp's own, (x - ox, y - oy) turned by (c, s), and where heel and tip are.
     """
     xs, ys = rows[0], rows[1]
     places, sides, beyond = spots[0], spots[1], spots[2]
@@ -147,21 +148,25 @@ def _pack(n, near, ids, rows, block):
 
 
 @uncounted(error_model="numpy")
-def _find_crossings(n, spots, later, sweep, part, crossings):
+def _find_crossings(n, spots, later, sweep, back, crossings):
     """When in a part of the way the outline's middle line passes over vertices, and how deep.
 
     A pointed end that goes to the side is over a vertex for a moment, which need be none of those
     that are looked at. `spots` and `later` are where vertices lie at the beginning and at the end
-    of the part. Rows of `crossings`: the share of the part, 0 where it does not pass over, and the
-    distance (box widths) to the edge then, which is as far to both sides.
+    of the part, which stand `back` (2,) of the way before its end. Rows of `crossings`: the share
+    of the part, 0 where it does not pass over, the distance (box widths) to the edge then, which is
+    as far to both sides, and the place on the profile, cells.
     """
     a, b, lines, lines_before = spots, later, sweep.after.lines, sweep.before.lines
-    values, when, peak = sweep.values[0], crossings[0], crossings[1]
+    values, when, peak, where = sweep.values[0], crossings[0], crossings[1], crossings[2]
     length = 0.5 * (values.after_tip - values.after_heel + values.before_tip - values.before_heel)
     per_step, step = np.float32(PROFILE_CELLS / length), np.float32(length / PROFILE_CELLS)
     middle, top = np.float32(0.5 * PROFILE_CELLS), np.float32(_LAST_PLACE)
-    each, factor = np.float32(1.0 / values.parts), np.float32(values.scale)
-    first = np.float32(1.0 - (part - 1) / values.parts)
+    first, each, factor = (
+        np.float32(back[0]),
+        np.float32(back[1] - back[0]),
+        np.float32(values.scale),
+    )
     for k in range(n):
         way = a[1, k] - b[1, k]
         passes = a[1, k] * b[1, k] < _ZERO
@@ -171,13 +176,14 @@ def _find_crossings(n, spots, later, sweep, part, crossings):
         at = begin + t * (end - begin)
         place = min(max(at, _ZERO), top)
         i = np.int32(place)
-        then = first - t * each
+        then = first + t * each
         now = _ONE - then
         width = now * (lines[i, 0] + place * lines[i, 1])
         width += then * (lines_before[i, 0] + place * lines_before[i, 1])
         steepness = now * lines[i, 2] + then * lines_before[i, 2]
         when[k] = t if passes else _ZERO
         peak[k] = (width * steepness - abs(at - place) * step) * factor
+        where[k] = place
 
 
 @uncounted(error_model="numpy")
@@ -200,7 +206,8 @@ def _follow(n, sweep, rows, work):
             _place_block(n, rows, _after(values), later)
             for k in range(n):
                 inner[k], far[k] = b[k], -_HALF  # the greatest share knows the end already
-        _find_crossings(n, spots, later, sweep, part, work[11:13])
+        back = 1.0 - (part - 1) / parts, 1.0 - part / parts
+        _find_crossings(n, spots, later, sweep, back, work[11:14])
         for k in range(n):
             t = when[k]
             top = peak[k] if t > _ZERO else last[k]
@@ -286,10 +293,11 @@ def _judge(n, sweep, block):
     curved = sweep.parts > 1.0
     least = np.float32(-0.5 - sweep.rise)
     least_at_end = np.float32(-0.5 - sweep.end_rise)
-    end = np.float32(PROFILE_CELLS - sweep.end)
+    begin, end = np.float32(sweep.ends[0]), np.float32(PROFILE_CELLS - sweep.ends[1])
     for k in range(n):
         low, high = min(a[k], b[k]), max(a[k], b[k])
-        reached = (high > least) | ((places[k] > end) & (high > least_at_end))
+        at_end = (places[k] > end) | (places[k] < begin)
+        reached = (high > least) | (at_end & (high > least_at_end))
         bent = curved & ((high < _HALF) | (high - low < _SLOW))
         kind = _SLOWLY if bent else _STRAIGHT
         kind = _WHOLE if low >= _HALF else kind
@@ -375,44 +383,100 @@ def weigh_block(n, sweep, block, found, at):
 
 
 @uncounted(error_model="numpy")
-def weigh_standing(n, sweep, block):
-    """Share covered where the way ends, of the vertices of a block; those with one are packed.
+def _find_deepest(n, sweep, rows, work):
+    """Where on the outline vertices lie that its end no longer covers: when they lay deepest.
+
+    The first two of `rows` become their places in the plane on the outline at the end of the way
+    that was over them then; the others stay where they are.
+    """
+    a, b, values = rows[3], rows[4], sweep.values[0]
+    spots, when, peak, where = work[3:6], work[11], work[12], work[13]
+    heel, length = np.float32(values.after_heel), values.after_tip - values.after_heel
+    step = np.float32(length / PROFILE_CELLS)
+    for k in range(n):
+        crosses = (when[k] > _ZERO) & (peak[k] > a[k])
+        place = where[k] if crosses else spots[0, k]
+        side = _ZERO if crosses else spots[1, k]
+        here = b[k] > -_HALF
+        rows[0, k] = rows[0, k] if here else heel + place * step
+        rows[1, k] = rows[1, k] if here else side
+
+
+@uncounted(error_model="numpy")
+def _weigh_near(n, sweep, rows, work):
+    """Mean share covered, and the greatest, of packed vertices that the edge may pass.
+
+    Their distances at the end of the way are known.
+    """
+    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
+    spots, later, when, peak = work[3:6], work[8:11], work[11], work[12]
+    share, cover, values = work[6], work[7], sweep.values[0]
+    if values.before_touches > 0.0:
+        _place_block(n, rows, _after(values), later)
+        _place_block(n, rows, _before(values), spots)
+        _stamp_edges(n, spots, sweep.before.lines, values.scale, a, far_a)
+        _find_crossings(n, spots, later, sweep, (1.0, 0.0), work[11:14])
+    else:
+        for k in range(n):
+            a[k], far_a[k], when[k] = b[k], far_b[k], _ZERO
+    _stamp_cover(n, rows, cover)
+    for k in range(n):
+        t = when[k]
+        top = peak[k] if t > _ZERO else a[k]
+        share[k] = t * _mean_covered(a[k], top) + (_ONE - t) * _mean_covered(top, b[k])
+        passed = _covered(top) + _covered(top) - _ONE if t > _ZERO else _ZERO
+        cover[k] = max(cover[k], passed)
+    _find_deepest(n, sweep, rows, work)
+
+
+@uncounted(error_model="numpy")
+def weigh_passing(n, sweep, moved, block):
+    """Mean share covered on a way that is no longer than the vertices lie apart.
+
+    Of the vertices of a block; those with one are packed.
 
     Parameters
     ----------
     n : int
     sweep : Sweep
-        Its two stamps are one.
+        Its end touches; where its beginning does not, it is all end.
+    moved : float
+        How far the fastest of the outline's points moved, mm.
     block : Block
         With the vertices' ids, and the first three of `rows`. Filled are `packed_ids` with those
-        that have a share, and of `packed` their plane x and y, share for the ink, and share
-        covered.
+        that have a share, and of `packed` their place on the outline at its end (plane x and y),
+        share for the ink, and greatest share covered.
 
     Returns
     -------
     int
         How many there are.
     """
-    rows, work, near, values = block.rows, block.work, block.near[0], sweep.values[0]
-    spots, inner, far, cover = work[0:3], work[3], work[4], work[5]
-    _place_block(n, rows, _after(values), spots)
-    _stamp_edges(n, spots, sweep.after.lines, values.scale, inner, far)
+    rows, work, values = block.rows, block.work, sweep.values[0]
+    near, whole, share, cover = block.near[0], block.near[1], work[6], work[7]
+    b, far_b = rows[4], rows[6]
+    _place_block(n, rows, _after(values), work[8:11])
+    _stamp_edges(n, work[8:11], sweep.after.lines, values.scale, b, far_b)
+    reach = np.float32(0.5 + _NEAR * moved * values.scale)
+    n_near, n_whole = 0, 0
     for k in range(n):
-        part = _covered(inner[k]) + _covered(far[k]) - _ONE
-        cover[k] = _ONE if inner[k] >= _HALF else part
+        near[n_near], whole[n_whole] = k, k
+        n_near += np.int64((b[k] > -reach) & (b[k] < reach))
+        n_whole += np.int64(b[k] >= reach)
+    packed_ids, packed = block.packed_ids, block.packed
+    _pack(n_near, near, block.ids, rows, block)
+    _weigh_near(n_near, sweep, packed, work)
+    xs, ys, stretch, shares, covers = packed[0], packed[1], packed[2], packed[2], packed[3]
     kept = 0
-    for k in range(n):
-        near[kept] = k
+    for k in range(n_near):
+        packed_ids[kept], xs[kept], ys[kept] = packed_ids[k], xs[k], ys[k]
+        shares[kept], covers[kept] = share[k] * stretch[k], cover[k]
         kept += np.int64(cover[k] > _ZERO)
-    xs, ys, stretch = rows[0], rows[1], rows[2]
-    ids, packed_ids, packed = block.ids, block.packed_ids, block.packed
-    out_x, out_y, out_share, out_cover = packed[0], packed[1], packed[2], packed[3]
-    for i in range(kept):
-        k = np.uint32(near[i])
-        packed_ids[i] = ids[k]
-        out_x[i], out_y[i] = xs[k], ys[k]
-        out_share[i], out_cover[i] = _covered(inner[k]) * stretch[k], cover[k]
-    return kept
+    for i in range(n_whole):
+        k = np.uint32(whole[i])
+        packed_ids[kept + i], xs[kept + i], ys[kept + i] = block.ids[k], rows[0, k], rows[1, k]
+        shares[kept + i], covers[kept + i] = rows[2, k], _ONE
+    return kept + n_whole
 
 
 @uncounted(error_model="numpy")

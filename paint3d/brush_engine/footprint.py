@@ -98,9 +98,10 @@ SWEEP = np.dtype(
         ("before_tip", "f8"),
         ("parts", "f8"),  # that the way between is cut into for vertices near the edge
         ("rise", "f8"),  # how far between its ends an outline may stick out, soft edges
-        ("end_rise", "f8"),  # and near the tip
-        ("end", "f8"),  # how much of the profile is near the tip, cells
-        ("rises", "f8", 4),  # the same for whole discs: along, at the end, on the way, margin, mm
+        ("end_rise", "f8"),  # and near its ends
+        ("ends", "f8", 2),  # how much of the profile is near the heel and near the tip, cells
+        ("rises", "f8", 5),  # the same for whole discs: along, at the ends, margin, how much is
+        # near the heel and near the tip, mm
         ("carry2", "f8"),  # square of how far a vertex may be carried into the plane, mm2
         ("ball", "f8", 3),  # middle of the ball in which vertices are carried, from the origin, mm
         ("ball2", "f8"),  # square of its radius
@@ -394,6 +395,24 @@ def _half_extent(values):
 
 
 @uncounted(error_model="numpy")
+def _find_ends(before, after, motion, sweep):
+    """How much of a footprint's ends is so narrow that on its way it leaves both stamps."""
+    a, b = before.half_widths, after.half_widths
+    longest = max(sweep.after_tip - sweep.after_heel, sweep.before_tip - sweep.before_heel)
+    shortest = min(sweep.after_tip - sweep.after_heel, sweep.before_tip - sweep.before_heel)
+    for end in range(2):
+        narrow = 0
+        for i in range(PROFILE_CELLS + 1):
+            at = i if end == 0 else PROFILE_CELLS - i
+            if min(a[at], b[at]) > 0.5 * motion:
+                break
+            narrow = i
+        share = narrow / PROFILE_CELLS
+        sweep.ends[end] = min(1.0, share + motion / shortest) * PROFILE_CELLS
+        sweep.rises[3 + end] = share * longest + motion
+
+
+@uncounted(error_model="numpy")
 def fill_between(before, after, sweep, between):
     """Where the outline stands between two stamps that touch: rows of turn (4), heel and tip.
 
@@ -404,10 +423,10 @@ def fill_between(before, after, sweep, between):
     sweep.parts = 1.0
     sweep.rise = 0.0
     sweep.end_rise = 0.0
-    sweep.end = 0.0
-    for k in range(3):
+    for k in range(5):
         sweep.rises[k] = 0.0
-    sweep.rises[3] = 0.5 / sweep.scale
+    sweep.rises[2] = 0.5 / sweep.scale
+    sweep.ends[0] = sweep.ends[1] = 0.0
     a = before.values[0]
     b = after.values[0]
     if a.touches <= 0.0 or b.touches <= 0.0:
@@ -421,15 +440,15 @@ def fill_between(before, after, sweep, between):
         return
     sweep.parts = parts
     # how far beyond both stamps' edges the edge gets on its way: a flank that is carried along
-    # bulges by the height of an arc, the pointed tip stands out by half its way to the side
+    # bulges by the height of an arc, an end narrower than the way stands out by half its way aside
     widest = min(a.widest, b.widest)
     sweep.rise = min(0.5 * motion, motion * motion / (4.0 * widest)) * sweep.scale
     aside = abs(sweep.to_before[1] + sweep.to_before[3] * a.tip)
+    aside = max(aside, abs(sweep.to_before[1] + sweep.to_before[3] * a.heel))
     sweep.end_rise = max(sweep.rise, 0.5 * aside * sweep.scale)
-    sweep.end = PROFILE_CELLS * min(0.5, motion / (a.tip - a.heel))
     sweep.rises[0] = sweep.rise / sweep.scale
     sweep.rises[1] = sweep.end_rise / sweep.scale
-    sweep.rises[2] = motion
+    _find_ends(before, after, motion, sweep)
     turn = np.arctan2(sweep.to_before[3], sweep.to_before[2])
     for k in range(parts):  # row 0: half the way
         back = 1.0 - k / parts if k > 0 else 0.5

@@ -62,10 +62,10 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
     turn : (4,) float64
         From the plane to the stamp's own coordinates.
     stamp : Stamp
-    rises : (4,) float64
-        How far beyond a stamp's edge the edge gets on its way, mm: anywhere, and near the tip;
-        and how near that is; and half the soft edge. A disc must be farther away by the first
-        two to lie outside.
+    rises : (5,) float64
+        How far beyond a stamp's edge the edge gets on its way, mm: anywhere, and near its ends;
+        half the soft edge; and how near to the heel and to the tip that is. A disc must be farther
+        away by the first two to lie outside.
     fates : (N,) uint8
         Filled.
     """
@@ -79,9 +79,9 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
     per_step = np.float32(PROFILE_CELLS / (values.tip - values.heel))
     nothing, top = np.float32(0.0), np.float32(PROFILE_CELLS)
     rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
-    end = length - np.float32(rises[2])
+    begin, end = np.float32(rises[3]), length - np.float32(rises[4])
     # beside a blunt end, the distance to the line of its last step is less than the way there
-    least = np.float32(rises[3] + rises[0])
+    least = np.float32(rises[2] + rises[0])
     steepest = max(widths[1], widths[PROFILE_CELLS - 1]) * PROFILE_CELLS
     slope = steepest / (values.tip - values.heel)
     blunt = np.float32(np.sqrt(1.0 + slope * slope) - 1.0) * least
@@ -101,7 +101,8 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
         most = widest if abs(along[k] - middle) <= r else max(low[k], high[k])
         within = (along[k] - r >= nothing) & (along[k] + r <= length)
         inside = within & (min(low[k], high[k]) >= side + r)
-        out = r + (rise_at_end if along[k] + r > end else rise)
+        near_end = (along[k] + r > end) | (along[k] - r < begin)
+        out = r + (rise_at_end if near_end else rise)
         at_end = (along[k] - r < zone) | (along[k] + r > length - zone)
         aside = out + (blunt if at_end else nothing)
         outside = (along[k] + out < nothing) | (along[k] - out > length) | (side - aside > most)

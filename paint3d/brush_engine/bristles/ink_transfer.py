@@ -30,7 +30,7 @@ from paint3d.brush_engine.bristles.contact import (
     add_up,
 )
 from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
-from paint3d.brush_engine.coverage import AREA_STEPS, weigh_standing, weighed_area
+from paint3d.brush_engine.coverage import AREA_STEPS, weigh_passing, weighed_area
 from paint3d.brush_engine.dry_contact import dry_contact, thin_contact
 from paint3d.brush_engine.footprint import Sweep, outline_motion
 from paint3d.brush_engine.ink_transfer import (
@@ -419,19 +419,20 @@ def _keep(n, places, whole_from, block, found):
 
 
 @uncounted(error_model="numpy")
-def _gather_under_hairs(imprint, whole_from, stamp, field, scratch):
-    """Find the vertices that hairs lie over, and weigh them by what lies there.
+def _gather_under_hairs(imprint, whole_from, before, after, field, scratch):
+    """Find the vertices that hairs pass over, and weigh them by what lies there.
 
-    The way from the stamp before is no longer than the vertices lie apart: what the hairs left
-    behind on it, the imprint before has drawn. So vertices are looked up where the way ends.
+    The way from the stamp before is no longer than the vertices lie apart, so that the imprint at
+    its end is that of all of it. Vertices are looked up where it ends, or where they lay under it
+    before.
 
     Parameters
     ----------
     imprint : Imprint
     whole_from : float
         Share that hairs cover from which on all is.
-    stamp : Stamp
-        It touches.
+    before, after : Stamp
+        The second touches.
     field : SurfaceField
     scratch : Scratch
         `found` is filled, with the lane of the map of each.
@@ -445,8 +446,11 @@ def _gather_under_hairs(imprint, whole_from, stamp, field, scratch):
     weighed : float
         Area that those stand for, weighed, mm2.
     """
-    sweep, block = Sweep(scratch.sweep, scratch.between, stamp, stamp), scratch.block
-    n_runs, n_cells = find_candidates(sweep, True, field, scratch)
+    alone = before.values[0].touches <= 0.0
+    first = after if alone else before
+    moved = outline_motion(first, after)
+    sweep, block = Sweep(scratch.sweep, scratch.between, first, after), scratch.block
+    n_runs, n_cells = find_candidates(sweep, alone, field, scratch)
     if n_cells < 0:
         return -1, 0, 0.0
     map_ = imprint.map.reshape(imprint.map.size)
@@ -458,7 +462,7 @@ def _gather_under_hairs(imprint, whole_from, stamp, field, scratch):
         if n == 0:
             return found, within, weighed
         scratch.counters[VISITED] += n
-        m = weigh_standing(n, sweep, block)
+        m = weigh_passing(n, sweep, moved, block)
         within += m
         weighed += weighed_area(field, block.packed_ids, packed[2], m)
         _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
@@ -556,14 +560,18 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     level = contact_level(before, after, ink)
     dry = min(1.0, (1.0 - level) / _DRIES)
     whole_from = np.float32(1.0 + dry * (_WHOLE - 1.0))
-    n, within, weighed = _gather_under_hairs(hairs.imprint, whole_from, after, field, scratch)
+    n, within, weighed = _gather_under_hairs(
+        hairs.imprint, whole_from, before, after, field, scratch
+    )
     if n < 0:
         return False
+    come_from = before.values[0]
     area = after.values[0].area
+    if come_from.touches > 0.0:
+        area = 0.5 * (come_from.area + area)
     bare = n == 0 and within > 0  # no hair lies over the vertices that the outline covers
     scale = 0.0 if bare or (area < width * width and within == 0) else 1.0
     lands = landing_share(area, width, weighed, within)
-    come_from = before.values[0]
     after.values[0].way = come_from.way * come_from.touches + outline_motion(before, after)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
         whole = weighed_area(field, found.ids, found.share, n)

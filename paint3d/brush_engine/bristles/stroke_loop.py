@@ -6,8 +6,8 @@ also while the brush turns on the spot or is pressed. The steps follow one anoth
 too far is halved and taken again.
 
 All hairs follow from what `fill_bend` is given. While those numbers have hardly changed, and the
-tuft has gone less than half the way from vertex to vertex, the hairs are not bent and drawn anew:
-the imprint is the last one, carried along.
+tuft has gone less than half a millimetre or so, the hairs are not bent and drawn anew: the imprint
+is the last one, carried along.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ _FINEST = 0.25  # of the vertex spacing: nothing finer is drawn
 _LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in the handle
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
 _SAME_CLUMPS = 1e-4  # that the sum of their middles differs at the most: rounding
-_MOST_WAY = 0.5  # of the vertex spacing
-_MOST_BEND = 1.0 / 16.0  # of the vertex spacing
+_MOST_WAY = 0.6  # mm: what hairs hold, and how ready they are to give it, changes slowly
+_MOST_BEND = 1.0 / 8.0  # of the vertex spacing
 
 
 @uncounted(error_model="numpy")
@@ -161,7 +161,7 @@ def _may_keep(before, values, way_done, resolution, kept):
     if kept.touching <= 0.0:
         return False
     way = way_done - kept.way + foot_motion(before.values[0], values)
-    if way < 0.0 or way > _MOST_WAY * resolution:
+    if way < 0.0 or way > _MOST_WAY:
         return False
     change = 0.0
     for k in range(CAUSES):
