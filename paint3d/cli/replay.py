@@ -139,6 +139,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how wide to lay a pad's recording (default: as it was drawn)",
     )
     parser.add_argument(
+        "--painted-on",
+        metavar="MESH",
+        help="what a whole painting was painted on, where --on is the same object meshed anew: "
+        "strokes lie where they lay (default: the built-in object that it names)",
+    )
+    parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"
     )
     add_film_options(parser)
@@ -180,6 +186,11 @@ def run(options: argparse.Namespace) -> None:
 
         replay_score(options, film)
         return
+    if options.painted_on is not None:
+        raise InputError(
+            f"--painted-on is given, and {options.recording} is no whole painting; expected one of "
+            "version 2, which says what it was painted on"
+        )
     wanted = PaintOptions.of(options)
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:

@@ -67,13 +67,17 @@ def _painted(
     from paint3d.app.model.score.playback import seconds_of
     from paint3d.app.model.score.playing import begun, play
     from paint3d.colour.materials import load_material
+    from paint3d.files.load import load_mesh
 
     material = None if options.material is None else load_material(options.material)
     mesh = load_object(options)
     seconds: dict[str, float] = {}
     say_if_compiling(quiet=options.quiet)
     with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not options.quiet):
-        document = begun(score, mesh, options.resolution, material)
+        original = None
+        if options.painted_on is not None:
+            original = load_mesh(options.painted_on, options.unit, up=options.up)
+        document = begun(score, mesh, options.resolution, material, original)
     watch = None if film is None else film.begun(document.surface, seconds_of(score))
     with timed(seconds, "paint"), ProgressBar("painting", enabled=not options.quiet) as progress:
         for step in play(document, score) if watch is None else _watched(document, score, watch):

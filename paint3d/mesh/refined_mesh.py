@@ -92,13 +92,19 @@ class PaintMesh:
         """
         return cls(make_base_surface(mesh), resolution)
 
-    def __init__(self, base: BaseSurface, resolution: float | None) -> None:
+    def __init__(
+        self,
+        base: BaseSurface,
+        resolution: float | None,
+        cells: tuple[AnyArray, float] | None = None,
+    ) -> None:
         edges = base.longest_edges()
         self.resolution = float(resolution) if resolution is not None else float(np.median(edges))
         self.refines = resolution is not None and bool(edges.max() > self.resolution)
         if self.refines:
             _check_precision(base.points, self.resolution)
-        order, lattice = _Lattice.build(base, self._cell_size(float(base.areas.sum())))
+        size = self._cell_size(float(base.areas.sum()))
+        order, lattice = _Lattice.build(base, *(cells or (None, size)))
         self.source_vertices = base.source_vertices[order]
         rank = np.empty(len(order), np.int32)
         rank[order] = np.arange(len(order), dtype=np.int32)
@@ -316,8 +322,13 @@ class _Lattice:
         self.n_cells = len(arrays["cell_place"])
 
     @classmethod
-    def build(cls, base: BaseSurface, size: float) -> tuple[AnyArray, _Lattice]:
-        """Return the base vertices' new order (cell by cell) and the lattice."""
+    def build(
+        cls, base: BaseSurface, origin: AnyArray | None, size: float
+    ) -> tuple[AnyArray, _Lattice]:
+        """Return the base vertices' new order (cell by cell) and the lattice.
+
+        `origin` (3,) is where a lattice begins that is there already; it may begin further on.
+        """
         low = base.points.min(axis=0).astype(np.float64)
         span = float((base.points.max(axis=0) - low).max())
         if span / size > _LATTICE - 4:
@@ -325,8 +336,11 @@ class _Lattice:
                 f"the object is {span:g} mm long; expected at most {_LATTICE * size:g} mm "
                 f"at this resolution"
             )
-        # off the lattice of round numbers, so that flat faces do not lie between two cells
-        origin = low - 0.6180339887 * size
+        if origin is None:
+            # off the lattice of round numbers, so that flat faces do not lie between two cells
+            origin = low - 0.6180339887 * size
+        else:  # no place has a number below 0
+            origin = origin - size * np.maximum(np.ceil((origin - low) / size), 0.0)
         places, pair_root, cell_pairs = _pairs_by_cell(base, origin, size)
         n_cells = len(places)
         table = np.full(1 << int(np.ceil(np.log2(2 * n_cells + 1))), -1, np.int32)

@@ -22,6 +22,7 @@ from paint3d.colour.vertex_colours import ColourModel
 from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
+from paint3d.mesh.likeness import Original, build_like
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
@@ -43,22 +44,34 @@ class InkStore:
         Longest edge wanted where there is paint, mm; None keeps the mesh's own vertices.
     material : Material
         What the surface is made of: its reflectance is the ground of every colour.
+    original : Original, optional
+        What it was painted on before it was meshed anew: a brush moves on it as there.
 
     Attributes
     ----------
     paint_mesh : PaintMesh
         The mesh as it is refined; rows of all arrays are its vertices.
+    original : Original or None
+        None where it makes no difference.
     pigments : list of Pigment
         Columns of the ink's arrays.
     ink : InkField
     dry_layers : DryLayers
     """
 
-    def __init__(self, mesh: TriangleMesh, resolution: float | None, material: Material) -> None:
+    def __init__(
+        self,
+        mesh: TriangleMesh,
+        resolution: float | None,
+        material: Material,
+        original: Original | None = None,
+    ) -> None:
         self.source = mesh
         self.resolution = resolution
         self.material = material
-        self.paint_mesh = PaintMesh.build(mesh, resolution)
+        alike = None if original is None else build_like(mesh, resolution, original)
+        self.original = None if alike is None else original
+        self.paint_mesh = PaintMesh.build(mesh, resolution) if alike is None else alike
         self.pigments: list[Pigment] = []
         self.dry_layers = DryLayers()
         self._colours: ColourModel | None = None

@@ -16,6 +16,7 @@ from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.mesh.bvh import build_contact_tree
 from paint3d.mesh.kernels.bvh import ContactTree
+from paint3d.mesh.likeness import Original
 from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow import Flow
@@ -53,6 +54,9 @@ class PaintedSurface(InkStore):
         Longest edge wanted where there is paint, mm; None keeps the mesh's own vertices.
     material : str or Material
         What the surface is made of: its reflectance is the ground of every colour.
+    original : Original, optional
+        The mesh and the resolution that it was painted with before: strokes of then lie where they
+        lay, on what is still the same surface (`mesh.likeness`).
 
     Raises
     ------
@@ -70,13 +74,14 @@ class PaintedSurface(InkStore):
         mesh: TriangleMesh,
         resolution: float | None = 0.4,
         material: str | Material = "porcelain",
+        original: Original | None = None,
     ) -> None:
         if not isinstance(mesh, TriangleMesh):
             raise InputError(f"mesh is {type(mesh).__name__}; expected a TriangleMesh")
         if resolution is not None:
             resolution = as_number(resolution, "resolution (mm)", _FINEST, _COARSEST)
         made_of = load_material(material) if isinstance(material, str) else material
-        super().__init__(mesh, resolution, made_of)
+        super().__init__(mesh, resolution, made_of, original)
         self.layers: LayerStack | None = None
         self.keeps_up = True
         self._water = Water(self)

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from paint3d.colour.materials import Material, load_materials
 from paint3d.colour.pigments import WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS
-from paint3d.core.arrays import as_array
+from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, Paint3DError, SessionError
+from paint3d.mesh.likeness import Original
 from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
@@ -95,6 +96,10 @@ def surface_state(surface: PaintedSurface) -> State:
         have layerK_ before their names (layerK_touched ...). With layers there are dried_low,
         dried_middle and dried_high (D, 31) uint16 as well: what dried rows show over the grounds
         of `colour.kernels.layering`.
+
+        original (its name), original_vertices, original_faces, original_normals and
+        original_resolution (mm) are of the mesh that the object was painted on before it was
+        meshed anew, if it was.
     """
     ids = saved_ids(surface.paint_mesh)
     ink = surface.ink
@@ -111,7 +116,30 @@ def surface_state(surface: PaintedSurface) -> State:
         **layer_state(surface, ids),
         **_resting_layers(surface, ids),
         "open_blocks": surface.open_blocks(),
+        **_original_state(surface),
     }
+
+
+def _original_state(surface: PaintedSurface) -> State:
+    """What it was first painted on, if that was another mesh."""
+    original = surface.original
+    if original is None:
+        return {}
+    arrays = {name: getattr(original.mesh, name) for name in ("vertices", "faces", "normals")}
+    known = {f"original_{name}": array for name, array in arrays.items() if array is not None}
+    words = {"original": original.mesh.name, "original_resolution": original.resolution}
+    return words | known
+
+
+def _original_in(state: State) -> Original | None:
+    if "original_resolution" not in state:
+        return None
+    vertices, faces, normals = (
+        state.get(f"original_{name}") for name in ("vertices", "faces", "normals")
+    )
+    resolution = as_number(state["original_resolution"], "its original's resolution", 0.005, 1e6)
+    mesh = TriangleMesh(vertices, faces, None, str(state["original"]), normals)
+    return Original(mesh, resolution)
 
 
 def layer_state(surface: PaintedSurface, ids: NDArray[np.int32]) -> State:
@@ -214,7 +242,7 @@ def restore_surface(
     try:
         state = _upgraded(dict(state))
         material = _known(Material, state["material"], load_materials())
-        surface = PaintedSurface(mesh, state["resolution"], material)
+        surface = PaintedSurface(mesh, state["resolution"], material, _original_in(state))
         palette = {**load_palette(), WATER.name: WATER}
         pigments = [_known(Pigment, entry, palette) for entry in state["pigments"]]
         if len(pigments) > _MOST_PIGMENTS or len({p.name for p in pigments}) < len(pigments):

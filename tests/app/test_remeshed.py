@@ -9,12 +9,15 @@ import pytest
 from scipy.spatial import cKDTree
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.score import playing
 from paint3d.app.model.score.playing import painted
 from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.app.hands import same_vertices
 
 RESOLUTION_MM = 0.5
 MOST_MM = 0.5  # off where it was
@@ -29,7 +32,12 @@ def stroke(angles, heights, meant: bool, n: int = 30) -> list:
     """A stroke around the outside of the bowl; by the place that is meant, or the root's."""
     around = np.linspace(*angles, n)
     out = [120.0 * np.cos(around), 120.0 * np.sin(around), np.linspace(*heights, n)]
-    found = ClosestPoints(bowl()).find(np.column_stack(out))
+    return held_at(np.column_stack(out), meant)
+
+
+def held_at(places: np.ndarray, meant: bool) -> list:
+    """A stroke along the places (n, 3) of the bowl that are nearest, the brush upright on it."""
+    found, n = ClosestPoints(bowl()).find(places), len(places)
     up = found.normals
     turns = np.column_stack([1.0 + up[:, 2], -up[:, 1], up[:, 0], np.zeros(n)])
     turns /= np.linalg.norm(turns, axis=1)[:, None]
@@ -57,8 +65,27 @@ def score() -> Score:
 
 
 @cache
-def first() -> Document:
-    return painted(score(), bowl())
+def first(of=score) -> Document:
+    return painted(of(), bowl())
+
+
+def over_the_rim(around: float, slant: float, n: int = 40) -> list:
+    """A stroke up the bowl's outside, over its rim and down inside."""
+    way = np.linspace(-12.0, 12.0, n)
+    at, beside = around + slant * way / 75.0, np.where(way < 0.0, 80.0, 66.0)
+    return held_at(
+        np.column_stack([beside * np.cos(at), beside * np.sin(at), 68.0 - np.abs(way)]), True
+    )
+
+
+@cache
+def rim() -> Score:
+    """Along the rim, on it, and over it, the place being meant."""
+    strokes = (
+        stroke((0.3, 0.8), (61, 65), True), stroke((1.5, 2.0), (68, 63), True),
+        over_the_rim(2.8, 0.3), over_the_rim(3.5, -0.7), stroke((4.2, 4.7), (66, 66), True),
+    )  # fmt: skip
+    return Score(score().header, tuple(event for one in strokes for event in one))
 
 
 def subdivided() -> TriangleMesh:
@@ -67,32 +94,116 @@ def subdivided() -> TriangleMesh:
     return TriangleMesh(mesh.vertices, mesh.faces)
 
 
-def decimated() -> TriangleMesh:
+def decimated(share: int = 3) -> TriangleMesh:
     open3d = pytest.importorskip("open3d")
     mesh = open3d.geometry.TriangleMesh(
         open3d.utility.Vector3dVector(bowl().vertices.astype(float)),
         open3d.utility.Vector3iVector(np.array(bowl().faces)),
     )
-    mesh = mesh.simplify_quadric_decimation(bowl().n_faces // 3)
+    mesh = mesh.simplify_quadric_decimation(bowl().n_faces // share)
     return TriangleMesh(np.asarray(mesh.vertices), np.asarray(mesh.triangles))
 
 
+def halved() -> TriangleMesh:
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.PolyData.from_regular_faces(bowl().vertices.astype(float), bowl().faces)
+    mesh = mesh.decimate(0.5)
+    return TriangleMesh(mesh.points, mesh.regular_faces)
+
+
+def shifted() -> TriangleMesh:
+    """Its vertices lie elsewhere on the bowl, as where it is sampled anew."""
+    mesh, chance = bowl(), np.random.default_rng(5)
+    places = mesh.vertices + chance.normal(0.0, 0.12, mesh.vertices.shape)
+    return TriangleMesh(ClosestPoints(bowl()).find(places).points, mesh.faces)
+
+
 def inked(document: Document) -> np.ndarray:
-    surface = document.surface
+    return inked_of(document.surface)
+
+
+def inked_of(surface: PaintedSurface) -> np.ndarray:
     return surface.paint_mesh.vertices[surface.coverage > 0.0].astype(float)
 
 
-@pytest.mark.parametrize(
-    ("mesh", "resolution"), [(subdivided, 0.5), (decimated, 0.4), (bowl, 0.3)],
-    ids=["subdivided", "decimated", "finer paint"],
-)  # fmt: skip
-def test_strokes_lie_where_they_lay(mesh, resolution) -> None:
-    one, other = inked(first()), inked(painted(score(), mesh(), resolution))
+def check_places(of, mesh: TriangleMesh, resolution: float) -> None:
+    one, other = inked(first(of)), inked(painted(of(), mesh, resolution))
     off = [cKDTree(b).query(a)[0] for a, b in ((one, other), (other, one))]
     for distances in off:
         print(f"median {np.median(distances):.3f} mm, worst {distances.max():.3f} mm")
         assert np.median(distances) <= 0.5 * MOST_MM
         assert distances.max() <= MOST_MM
+
+
+@pytest.mark.parametrize(
+    ("mesh", "resolution"),
+    [(subdivided, 0.5), (decimated, 0.4), (decimated, 0.5), (bowl, 0.3)],
+    ids=["subdivided", "decimated", "decimated, as fine", "finer paint"],
+)  # fmt: skip
+def test_strokes_lie_where_they_lay(mesh, resolution) -> None:
+    check_places(score, mesh(), resolution)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "resolution"),
+    [(subdivided, 0.5), (decimated, 0.5), (decimated, 0.3), (halved, 0.4), (shifted, 0.3),
+     (bowl, 0.3), (bowl, 0.7)],
+)  # fmt: skip
+def test_strokes_over_the_rim_lie_where_they_lay(mesh, resolution) -> None:
+    check_places(rim, mesh(), resolution)
+
+
+def test_the_rim_needs_what_was_painted_on(monkeypatch) -> None:
+    """Without it they do not: or what is above would say nothing of it."""
+    monkeypatch.setattr(playing, "_original", lambda *_: None)
+    with pytest.raises(AssertionError):
+        check_places(rim, decimated(), 0.3)
+
+
+def test_on_the_object_that_it_was_painted_on_nothing_is_taken_over() -> None:
+    assert first().surface.original is None
+    plain = PaintedSurface(bowl(), RESOLUTION_MM)
+    np.testing.assert_array_equal(
+        plain.paint_mesh.arrays.sheet_pack, first().surface.paint_mesh.arrays.sheet_pack
+    )
+
+
+def test_an_object_that_was_changed_stands_for_itself_there() -> None:
+    """Half of the bowl grows by a tenth: its other half is the bowl's still."""
+    vertices = bowl().vertices.copy()
+    grown = vertices[:, 0] > 0.0
+    vertices[grown, 0] *= 1.1
+    surface = painted(score(), TriangleMesh(vertices, bowl().faces)).surface
+    assert surface.original is not None
+    off = ClosestPoints(TriangleMesh(vertices, bowl().faces)).find(inked_of(surface)).points
+    np.testing.assert_allclose(off, inked_of(surface), atol=0.01)
+    sphere = painted(score(), load_mesh("sphere"), 0.5).surface
+    assert sphere.original is None
+
+
+def test_a_session_and_its_score_know_what_was_painted_on(tmp_path) -> None:
+    document = painted(rim(), decimated(), 0.4)
+    document.save(tmp_path / "a.p3d")
+    again = Document.open(tmp_path / "a.p3d")
+    for one in (document, again):
+        assert one.score.header["painted_on"] == {"object": "bowl", "resolution_mm": 0.5}
+    first, second = document.surface.paint_mesh.arrays, again.surface.paint_mesh.arrays
+    np.testing.assert_array_equal(first.sheet_pack, second.sheet_pack)
+    for one in (document, again):
+        for event in stroke((5.2, 5.6), (64, 67), True):
+            one.feed(list(event.samples())) if isinstance(event, Recording) else getattr(
+                one, event["do"]
+            )()
+    same_vertices(document.surface, again.surface)
+    played = painted(document.score, decimated(), painted_on=bowl())
+    same_vertices(document.surface, played.surface)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("resolution", [0.3, 0.4, 0.5])
+@pytest.mark.parametrize("share", [2, 3])
+def test_strokes_over_the_rim_lie_where_they_lay_however_coarse(share, resolution) -> None:
+    check_places(rim, decimated(share), resolution)
 
 
 def test_a_mask_and_a_mirror_do_what_they_did() -> None:

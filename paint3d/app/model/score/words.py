@@ -155,7 +155,10 @@ def header_of(
     surface: PaintedSurface, brush: BrushSpec, ink: str | Pigment | Mapping[Any, float], inks: Inks
 ) -> Words:
     """What a header says of the object, and of the brush that is in hand at the beginning."""
-    return {
+    original, first = surface.original, Words()
+    if original is not None:
+        first["painted_on"] = {"object": original.mesh.name, "resolution_mm": original.resolution}
+    return first | {
         "object": surface.source.name,
         "resolution_mm": surface.resolution,
         "material": _material_said(surface.material),

@@ -42,6 +42,7 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
     with workspace.easel.paused() as document:
         assert document is not None, "it was waited for"
         score, mesh = document.score, document.surface.source
+        original = document.surface.original
         if score is None and document.strokes:
             score = score_of_strokes(document.strokes, document.surface)
     if score is None or not score.n_samples:
@@ -54,7 +55,7 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
     step_s = max(seconds_of(score), 1e-3) / ((film.seconds - hold) * film.rate)
 
     def work(progress: Progress) -> None:
-        painting = begun(known, mesh)
+        painting = begun(known, mesh, painted_on=None if original is None else original.mesh)
         clock, told = HandTime(), part_of(progress, 0.0, _PAINTED)
         with Growth(painting.surface, step_s) as growth:
             for step in play(painting, known):
