@@ -1,8 +1,8 @@
-"""Sittings with wet ink in the window, saved as whole paintings: every way to play them paints the same."""
+"""What is painted and played wet in the window is what the command paints, in the clock's own time."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,18 +11,14 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.cli.main import main
 from paint3d.files.project.session import load_session
+from paint3d.recording.recording import Recording, load_recording, save_recording
+from tests.app.test_playback import HEADERS, inks_of, stroke
 from tests.support.app.gestures import drag, live, wait_for
 from tests.support.app.hands import same_vertices
 from tests.support.app.windows import opened, settled
 
 RESOLUTION = 1.5
 COMMANDS = ("dip", "tip", "layer", "undo", "dry", "rest", "wet", "brush", "rinse", "hide")
-
-
-@pytest.fixture(scope="module")
-def window(program):
-    with opened(program, "plane", RESOLUTION, "xuan") as window:
-        yield window
 
 
 def asked(window, chance: np.random.Generator) -> None:
@@ -78,7 +74,7 @@ def same_ink(one, other) -> None:
     "seed", [1, 2, 3, *(pytest.param(k, marks=pytest.mark.long) for k in range(4, 16))]
 )
 def test_what_was_painted_wet_is_painted_again_to_the_bit(
-    program, window, tmp_path, monkeypatch, seed
+    program, tmp_path, monkeypatch, seed
 ) -> None:
     with opened(program, "plane", RESOLUTION, "xuan") as window:
         paint(window, seed)
@@ -97,3 +93,60 @@ def test_what_was_painted_wet_is_painted_again_to_the_bit(
                 settled(window)
             assert window.document is not before
             same_ink(window.document.surface, load_session(out).surface)
+
+
+def with_a_rest(header) -> Recording:
+    """A stroke with a rest of half a second in it, twice as long as the hand may be late."""
+    held = stroke(header, 0.3)
+    times = held.time_ns.copy()
+    times[20:] += 500_000_000
+    pressure = held.pressure.copy()
+    pressure[19:21] = 0.0
+    return replace(held, time_ns=times, pressure=pressure)
+
+
+def pieces_after(document) -> int:
+    """Pieces of time that passed when the stroke had ended, until the ink was held."""
+    score = document.score
+    ends = max(k for k, e in enumerate(score.events) if not isinstance(e, Recording)
+               and e["do"] == "end_stroke")  # fmt: skip
+    after = [e for e in score.events[ends:] if e["do"] == "follow_time"]
+    return sum(event.get("times", 1) for event in after)
+
+
+@pytest.mark.parametrize(
+    ("header", "speed", "pause"), [(HEADERS[0], 0.5, True), (HEADERS[2], None, False),
+                                   (HEADERS[3], 16.0, False), (HEADERS[1], 2.0, True)]
+)  # fmt: skip
+def test_a_recording_is_played_wet_as_the_command_does(
+    program, tmp_path, header, speed, pause
+) -> None:
+    file, out = tmp_path / "a.jsonl", tmp_path / "a.p3d"
+    save_recording(with_a_rest(header), file)
+    with opened(program, "plane", RESOLUTION, "xuan") as window:
+        if not window.workspace.actions["wet"].isChecked():
+            window.workspace.actions["wet"].trigger()
+        settled(window)
+        assert window.recordings.replay_file(str(file), speed)
+        if pause:
+            wait_for(lambda: window.document.surface.painted.any())
+            window.player.pause(True)
+            live(0.6)
+            window.player.pause(False)
+        wait_for(lambda: not window.player.is_playing)
+        window.workspace.actions["wet"].trigger()
+        settled(window)
+        assert window.document.score is not None
+        last_s = 1e-9 * load_recording(file).time_ns[-1]
+        rest_s = 0.05 * (int(last_s / 0.05) + pieces_after(window.document) + 0.5) - last_s
+        words = ["--on", "plane", "--material", "xuan", "--resolution", str(RESOLUTION)]
+        words += ["--spread", f"{max(rest_s, 0.0):.6f}", "--out", str(out), "--quiet"]
+        assert main(["replay", str(file), *words]) == 0
+        here, there = window.document.surface, load_session(out).surface
+        orders = [np.lexsort(s.paint_mesh.vertices.T) for s in (here, there)]
+        for get in (lambda s: s.paint_mesh.vertices, lambda s: s.coverage):
+            np.testing.assert_array_equal(get(here)[orders[0]], get(there)[orders[1]])
+        ours, its = inks_of(here), inks_of(there)
+        assert ours.keys() == its.keys() != set()
+        for name, amounts in its.items():
+            np.testing.assert_array_equal(ours[name], amounts, err_msg=name)

@@ -144,6 +144,7 @@ class Easel:
     ) -> None:
         self.document = document
         self._wet = wet
+        self._samples_tell = False  # alone what time it is for the ink
         self.base_every_s = base_every_s
         self._writer = None if sitting is None else _JournalWriter(sitting, document, self.tell)
         self._base_time, self._base_step = time.monotonic(), 0
@@ -285,6 +286,19 @@ class Easel:
     def wet(self, on: bool) -> None:
         with self._wake:
             self._wet = bool(on)
+            self._fed.clear()
+            self.ink_clock = InkClock(time.perf_counter_ns())
+            self._nudged = True
+            self._wake.notify()
+
+    def let_samples_tell(self, on: bool) -> None:
+        """Let no time pass for the ink but what the samples say, and not the wall's.
+
+        A recording is played so: slowly, with pauses or late, it finds the ink as the hand did.
+        Afterwards time goes on from then.
+        """
+        with self._wake:
+            self._samples_tell = on
             self._fed.clear()
             self.ink_clock = InkClock(time.perf_counter_ns())
             self._nudged = True
@@ -440,7 +454,7 @@ class Easel:
 
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
-        if self._wet:
+        if self._wet and not self._samples_tell:
             patience = self.ink_clock.patience(self._handed_over_ns())
             return patience if self._seen_ns is None else max(patience, _LIVE_S)
         if self._writer is None:
@@ -513,7 +527,7 @@ class Easel:
         """Let time pass for the ink while nothing is heard."""
         is_dry = self.document.surface.flow_patience == math.inf
         with self._wake:
-            if self._jobs or self._stopping or not self._wet:
+            if self._jobs or self._stopping or not self._wet or self._samples_tell:
                 return
             passed = self.ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
             if passed and not is_dry:

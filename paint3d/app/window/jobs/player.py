@@ -302,6 +302,7 @@ class Player(QtCore.QObject):
         """
         self.stop()
         if samples:
+            self._workspace.easel.let_samples_tell(True)
             playing = _Strokes.begun(self._workspace.easel, samples, tools or Tools())
             self._begin(playing, speed)
 
@@ -377,6 +378,8 @@ class Player(QtCore.QObject):
             self._workspace.tell(say("The replay was stopped by your stroke"))
 
     def _forget(self) -> None:
+        if isinstance(self._replay, _Strokes):
+            self._workspace.easel.let_samples_tell(False)
         self._replay = None
         self.moved.emit(-1.0)
 
