@@ -283,6 +283,10 @@ def paint(
     last = ink if tip is None else tip
     if tip is not None or len(ink) > 1:
         settings["dipped"] = {pigment.name: parts for pigment, parts in last.items()}
+    if tip is not None:  # or the next dip would be a whole one in the tip's ink
+        from paint3d.app.model.stroke_log import weights_of
+
+        settings["dips"] = [[weights_of(dipped), share] for dipped, share in painter.dips]
     if painter.hairs is not None:
         from paint3d.app.model.persistence.brush_words import hair_words
 

@@ -1,4 +1,4 @@
-"""What is painted and played wet in the window is what the command paints, in the clock's own time."""
+"""What is painted and played wet in the window is what the command paints, by the real clock."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from paint3d.colour.pigments import Pigment
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
-from paint3d.painter.painter import Painter
+from paint3d.painter.painter import Ink, Painter
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
@@ -26,6 +26,7 @@ from paint3d.surface.vertex_sets import union
 
 __all__ = ["RecallCommands"]
 
+_Dip = tuple[Ink, float | None]
 _CHUNK = 1000  # samples between two calls of `progress`
 
 
@@ -101,8 +102,8 @@ class RecallCommands:
             )
         self._gather()
         painter = self.painter
-        brush, dipped, since_dip = painter.brush, painter.dipped, self._dipped
-        amount = painter.amount
+        brush, since_dip = painter.brush, self._dipped
+        amount, dips = painter.amount, _dips_of(painter)
         n_done = len(self._undo.done)
         touched = [self._undo.undo() for _ in range(n_done)]
         touched.append(self.surface.use_layers().painted_ids())
@@ -114,10 +115,11 @@ class RecallCommands:
                 self._saved_at = self._undo.next_undo
         finally:
             touched += [self._undo.redo() for _ in range(n_done)]
-            held = painter.brush, weights_of(painter.dipped), painter.amount
-            if held != (brush, weights_of(dipped), amount):
+            held = painter.brush, _said(_dips_of(painter)), painter.amount
+            if held != (brush, _said(dips), amount):
                 painter.change_brush(brush)
-                painter.dip(dipped, amount=amount)
+                for ink, reach in dips:  # the belly, and then the tip
+                    painter.dip(ink, reach, amount if reach is None else None)
             self._dipped = since_dip
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
@@ -170,3 +172,13 @@ class RecallCommands:
     def _ink_of(self, stroke: Stroke) -> dict[str | Pigment, float]:
         known = {pigment.name: pigment for pigment in self.surface.pigments}
         return {known.get(name, name): part for name, part in stroke.ink.items()}
+
+
+def _dips_of(painter: Painter) -> Sequence[_Dip]:
+    """What the brush came to its ink by: the belly's dip, and then the tip's."""
+    return painter.dips or ((painter.dipped, None),)
+
+
+def _said(dips: Sequence[_Dip]) -> list[tuple[dict[str, float], float | None]]:
+    """Dips by the names of their inks, to be compared."""
+    return [(weights_of(ink), reach) for ink, reach in dips]
