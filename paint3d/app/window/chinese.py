@@ -169,8 +169,9 @@ CHINESE = {
     "Turn to the left": "向左转", "Move": "移动", "Time of stroke {n}": "第 {n} 笔的时间",
     "It takes": "历时", "It begins later by": "推迟", "Change": "更改",
     "Painting what comes after stroke {n} again…": "正在重画第 {n} 笔之后的笔画…",
-    "Stroke {n}: done; {after} after it painted again in {seconds:.1f} s":
-        "第 {n} 笔：已改；其后 {after} 笔已重画，用时 {seconds:.1f} 秒",
+    "Stroke {n}: done; {after} after it painted again in {seconds:.1f} s; "
+    "undo takes it back until the painting is closed":
+        "第 {n} 笔：已改；其后 {after} 笔已重画，用时 {seconds:.1f} 秒；关闭此画之前可以撤销",
     "Mix a colour…": "调一种颜色…", "Open a table of pigments…": "打开颜料表…",
     "Tables of pigments": "颜料表", "Pigments": "颜料", "Pick-up": "沾回",
     "How much of the tuft is dipped, from the tip": "从笔尖起蘸多少",

@@ -89,7 +89,8 @@ class StrokeEditing:
             return False
         seconds = time.perf_counter() - began
         workspace.tell(
-            say("Stroke {n}: done; {after} after it painted again in {seconds:.1f} s",
+            say("Stroke {n}: done; {after} after it painted again in {seconds:.1f} s; "
+                "undo takes it back until the painting is closed",
                 n=number + 1, after=after, seconds=seconds),
             state="good",
         )  # fmt: skip
