@@ -9,7 +9,7 @@ import argparse
 import sys
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.objects import load_object
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from paint3d.colour.pigment import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
+    from paint3d.painter.painter import Painter
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
@@ -186,11 +187,7 @@ def run(options: argparse.Namespace) -> None:
 
         replay_score(options, film)
         return
-    if options.painted_on is not None:
-        raise InputError(
-            f"--painted-on is given, and {options.recording} is no whole painting; expected one of "
-            "version 2, which says what it was painted on"
-        )
+    _refuse_painted_on(options)
     wanted = PaintOptions.of(options)
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
@@ -213,6 +210,14 @@ def run(options: argparse.Namespace) -> None:
         write_report(options.report, painting)
     if not options.quiet:
         sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
+
+
+def _refuse_painted_on(options: argparse.Namespace) -> None:
+    if options.painted_on is not None:
+        raise InputError(
+            f"--painted-on is given, and {options.recording} is no whole painting; expected one of "
+            "version 2, which says what it was painted on"
+        )
 
 
 def prepare(mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float]) -> PaintedSurface:
@@ -248,7 +253,6 @@ def paint(
     InputError
         If the brush, the ink or a sample cannot be used.
     """
-    from paint3d.brush.dip_amount import DipAmount
     from paint3d.painter.painter import Painter
     from paint3d.painter.recorded_tools import recorded_amount
 
@@ -277,9 +281,19 @@ def paint(
         rate = None if watch is None else 1.0 / watch.step_s
         painter.replay(recording, told, rate, rest_s is not None, rest_s or 0.0)
         counts = painter.report()
+    settings = _in_hand(painter, brush, ink, tip)
+    return Painting(surface, counts, seconds, (recording,), settings)
+
+
+def _in_hand(
+    painter: Painter, brush: BrushSpec, ink: dict[Pigment, float], tip: dict[Pigment, float] | None
+) -> dict[str, Any]:
+    """What a session says of the hand: its brush as it was painted with, and what it holds."""
+    from paint3d.brush.dip_amount import DipAmount
+
     own = None if painter.hairs is None else painter.hairs.spec
-    held = replace(brush, bristles=own)  # as it was painted with
-    settings = {"brush": asdict(held), "ink": painter.ink.name, "azimuth": azimuth}
+    held = replace(brush, bristles=own)
+    settings = {"brush": asdict(held), "ink": painter.ink.name, "azimuth": painter.azimuth}
     last = ink if tip is None else tip
     if tip is not None or len(ink) > 1:
         settings["dipped"] = {pigment.name: parts for pigment, parts in last.items()}
@@ -293,7 +307,7 @@ def paint(
         settings["hairs"] = hair_words(painter)
     if painter.amount != DipAmount():
         settings["amount"] = painter.amount.words()
-    return Painting(surface, counts, seconds, (recording,), settings)
+    return settings
 
 
 def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
