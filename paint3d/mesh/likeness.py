@@ -128,4 +128,5 @@ def _differ(one: AnyArray, other: AnyArray) -> AnyArray:
     """How far sheets (n, 8) are from one another: way of their middles and turn, mm."""
     way = np.linalg.norm(one[:, 4:7] - other[:, 4:7], axis=1)
     area = np.maximum(np.maximum(one[:, 3], other[:, 3]), 1e-9)
-    return way + _TURN_MM * np.linalg.norm(one[:, :3] - other[:, :3], axis=1) / area
+    off: AnyArray = way + _TURN_MM * np.linalg.norm(one[:, :3] - other[:, :3], axis=1) / area
+    return off

@@ -11,16 +11,22 @@ from scipy.spatial import cKDTree
 from paint3d.app.model.document import Document
 from paint3d.app.model.score import playing
 from paint3d.app.model.score.playing import painted
+from paint3d.cli.main import main
 from paint3d.files.load import load_mesh
+from paint3d.files.project.session import load_session
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score
+from paint3d.recording.score import Score, load_score, save_score
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import same_vertices
 
 RESOLUTION_MM = 0.5
 MOST_MM = 0.5  # off where it was
+PLAIN = """{"format": "paint3d-recording", "version": 1}
+{"time_ns": 0, "position": [0, 0, 60], "orientation": [1, 0, 0, 0], "pressure": 0.3}
+{"time_ns": 8000000, "position": [1, 0, 60], "orientation": [1, 0, 0, 0], "pressure": 0.3}
+"""
 
 
 @cache
@@ -216,3 +222,26 @@ def test_a_mask_and_a_mirror_do_what_they_did() -> None:
     far = cKDTree(of_all).query(without)[0]
     assert (far > 2.0).sum() > 100
     assert (cKDTree(without).query(of_all)[0] > 2.0).sum() > 100
+
+
+def test_the_command_is_told_what_it_was_painted_on(tmp_path, capsys) -> None:
+    """A file of the bowl has another name than the score's object, which is none of ours."""
+    file, out = tmp_path / "a.score.jsonl", tmp_path / "a.p3d"
+    save_score(Score({**rim().header, "object": "jar"}, rim().events), file)
+    for name, mesh in (("jar.obj", bowl()), ("coarse.obj", decimated())):
+        normals = np.empty((0, 3)) if mesh.normals is None else mesh.normals
+        form = "f {0} {1} {2}" if mesh.normals is None else "f {0}//{0} {1}//{1} {2}//{2}"
+        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in mesh.vertices]
+        lines += [f"vn {x:.9g} {y:.9g} {z:.9g}" for x, y, z in normals]
+        lines += [form.format(*face) for face in mesh.faces + 1]
+        (tmp_path / name).write_text("\n".join(lines) + "\n")
+    words = ["replay", str(file), "--on", str(tmp_path / "coarse.obj"), "--out", str(out)]
+    assert main([*words, "--painted-on", str(tmp_path / "jar.obj"), "--quiet"]) == 0
+    again = load_session(out)
+    assert again.surface.original is not None
+    jar, coarse = load_mesh(tmp_path / "jar.obj"), load_mesh(tmp_path / "coarse.obj")
+    same_vertices(again.surface, painted(load_score(file), coarse, painted_on=jar).surface)
+    (tmp_path / "b.jsonl").write_text(PLAIN)
+    words = ["replay", str(tmp_path / "b.jsonl"), "--on", "bowl", "--out", str(out), "--force"]
+    assert main([*words, "--painted-on", "bowl"]) == 2
+    assert "is no whole painting" in capsys.readouterr().err
