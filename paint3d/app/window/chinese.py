@@ -202,4 +202,8 @@ CHINESE = {
     "A stroke on xuan": "宣纸上的一笔",
     "Paint with it": "就用它画", "Save as mine": "存为我的笔",
     "{name} is kept in {path}": "{name} 已存入 {path}",
+    "Choose one on the object": "在器物上选一笔",
+    "Click a stroke on the object, or drag it to where it is to lie; Esc leaves it":
+        "单击器物上的一笔，或把它拖到要放的地方；按 Esc 作罢",
+    "No stroke lies there": "那里没有笔画",
 }  # fmt: skip

@@ -56,10 +56,14 @@ class PaintActions:
         self._post("redo")
 
     def do_cancel_stroke(self) -> None:
-        """Take the stroke that is going on back, or stop a replay; the keys are the picture's."""
+        """Take the stroke that is going on back, or stop a replay; the keys are the picture's.
+
+        The stroke that was chosen is marked no longer.
+        """
         self._workspace.hand.cancel()
         self._player.do_stop()
         self._panels.history.stop()
+        self._panels.history.chosen.emit(None)
         self._workspace.canvas.setFocus()
 
     # -- brush ------------------------------------------------------------------------------
