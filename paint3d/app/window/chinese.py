@@ -206,4 +206,6 @@ CHINESE = {
     "Click a stroke on the object, or drag it to where it is to lie; Esc leaves it":
         "单击器物上的一笔，或把它拖到要放的地方；按 Esc 作罢",
     "No stroke lies there": "那里没有笔画",
+    "Put own pigments away": "收起自备颜料",
+    "Pigments of your own are put away; their files stay": "自备颜料已收起；文件仍在",
 }  # fmt: skip

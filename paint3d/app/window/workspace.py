@@ -92,6 +92,7 @@ class Workspace(QtCore.QObject):
         self.hand = CanvasHand(self.canvas, self.stage)
         self.error: BaseException | None = None
         self.quiet = False
+        self._to_tell: list[str] = []
 
     # -- the painting -----------------------------------------------------------------------
 
@@ -110,6 +111,9 @@ class Workspace(QtCore.QObject):
         if not self.may_let_go():
             return False
         self.opened.emit(opened)
+        if self._to_tell:
+            told, self._to_tell = "; ".join(self._to_tell), []
+            QtCore.QTimer.singleShot(0, self, lambda: self.tell(told, state="bad", stays=True))
         return True
 
     def may_let_go(self) -> bool:
@@ -158,6 +162,10 @@ class Workspace(QtCore.QObject):
             Whether it is so until something else is said; if not, the next stroke takes its place.
         """
         self.said.emit(text, state, stays)
+
+    def tell_first(self, text: str) -> None:
+        """Say what went wrong before there was a window, once the first painting is open."""
+        self._to_tell.append(text)
 
     # -- choices ----------------------------------------------------------------------------
 

@@ -91,6 +91,8 @@ class Settings:
         How a 6-DOF mouse is read: see `MouseSettings`.
     stylus : str
         Which stylus pushes back: see `find_stylus`.
+    pigment_tables : dict of str to str
+        Tables of pigments of one's own that are at hand: see `own_pigments`.
     feel : dict of str to float
         What of a haptic stylus is the user's choice: see `Feel`.
     window : dict
@@ -125,6 +127,7 @@ class Settings:
     mouse: Mapping[str, object] = field(default_factory=dict)
     stylus: str = "auto"
     feel: Mapping[str, float] = field(default_factory=dict)
+    pigment_tables: Mapping[str, str] = field(default_factory=dict)
     window: Mapping[str, object] = field(default_factory=dict)
     exports: Mapping[str, object] = field(default_factory=dict)
 
@@ -143,9 +146,10 @@ class Settings:
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))
-        for name in ("mouse", "feel", "window", "exports"):
+        for name in ("mouse", "feel", "window", "exports", "pigment_tables"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected names, values")
+        _check_words("pigment_tables", (*self.pigment_tables, *self.pigment_tables.values()))
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
         MouseSettings.from_words(self.mouse)

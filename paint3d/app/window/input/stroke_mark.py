@@ -155,7 +155,8 @@ class StrokeMark(QtCore.QObject):
         colours = (inner, rim, inner)
         for k, ((name, width, dense), colour) in enumerate(zip(_BANDS, colours, strict=True)):
             points, faces = _bands(lines, ground, width * pixel, (1 + k) * _LIFT_MM)
-            stage.show_faces(name, points, faces, (*colour.getRgb()[:3], dense))
+            srgb = colour.red(), colour.green(), colour.blue()
+            stage.show_faces(name, points, faces, (*srgb, dense))
 
 
 def _distance(ways: Sequence[AnyArray], place: AnyArray) -> float:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.persistence.own_pigments import fingerprint_of, own_pigments
 from paint3d.app.window.dialogs.colour_dialog import ColourDialog
 from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say, say_error
@@ -33,6 +35,19 @@ class InkMaking:
         panels.inks.colour_asked.connect(self.do_choose_colour)
         panels.inks.table_asked.connect(self.do_open_pigments)
         panels.inks.pickup_chosen.connect(lambda share: workspace.post("set_pickup", share))
+        self._take_kept()
+
+    def _take_kept(self) -> None:
+        """Put the pigments of the tables that were opened before among the dishes."""
+        tables = self._workspace.settings.pigment_tables
+        if not tables:
+            return
+        own = own_pigments(tables)
+        self._panels.inks.add_pigments(own.pigments.values(), "settings")
+        if own.tables != tables:
+            self._workspace.keep(pigment_tables=own.tables)
+        if own.problems:
+            self._workspace.tell_first("; ".join(map(say_error, own.problems)))
 
     def do_choose_colour(self) -> None:
         """Let a colour be chosen, and mix what comes nearest."""
@@ -73,9 +88,19 @@ class InkMaking:
 
     def open_table(self, path: str | Path) -> bool:
         """Put the pigments of a table among the dishes; what is wrong is told in one line."""
+        kept = self._workspace.settings.pigment_tables
         try:
             self._panels.inks.add_pigments(load_pigments_csv(path).values(), str(path))
+            table = {os.path.abspath(path): fingerprint_of(path)}
+            self._workspace.keep(pigment_tables={**kept, **table})
         except Paint3DError as error:
             self._workspace.tell(say_error(error), state="bad", stays=True)
             return False
         return True
+
+    def do_forget_pigments(self) -> None:
+        """Take all pigments of one's own off the dishes; their tables are read no more."""
+        self.close_down()
+        self._panels.inks.put_away_own()
+        self._workspace.keep(pigment_tables={})
+        self._workspace.tell(say("Pigments of your own are put away; their files stay"))

@@ -10,12 +10,12 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
+from paint3d.app.model.persistence.own_pigments import check_unlike_palette
 from paint3d.app.window.panels.tone_row import ToneRow, in_tone
 from paint3d.app.window.previews import ink_swatch, sorted_parts
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
-from paint3d.errors import PigmentError
 
 __all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]
 
@@ -131,6 +131,17 @@ class DishGrid(QtWidgets.QWidget):
         if pigment.name not in self.pigments:
             self.names.append(pigment.name)
         self.pigments[pigment.name] = pigment
+        self._fit()
+
+    def put_away_own(self) -> None:
+        """Leave only the dishes of the palette."""
+        self.names = list(load_palette())
+        self.pigments = {name: self.pigments[name] for name in self.names}
+        self._at = -1
+        self._fit()
+
+    def _fit(self) -> None:
+        """Take the height that the dishes need now."""
         self.setMinimumHeight(self.heightForWidth(self.width()))
         self.updateGeometry()
         self.update()
@@ -437,14 +448,15 @@ class InkPanel(QtWidgets.QWidget):
             If one is called like one of the palette; then none is added.
         """
         pigments = list(pigments)
-        for pigment in pigments:
-            if pigment.name in load_palette() or pigment.name == WATER.name:
-                raise PigmentError(
-                    f"{source}: {pigment.name!r} is called like an ink of the palette; "
-                    "expected another name"
-                )
+        check_unlike_palette(pigments, source)
         for pigment in pigments:
             self.dishes.add(pigment)
+
+    def put_away_own(self) -> None:
+        """Take the dishes of one's own pigments away, and what is stirred of them."""
+        if {*self._stirred, *self._own_mixture} - {*load_palette(), WATER.name}:
+            self.empty()
+        self.dishes.put_away_own()
 
     # -- stirring ---------------------------------------------------------------------------
 
