@@ -208,4 +208,6 @@ CHINESE = {
     "No stroke lies there": "那里没有笔画",
     "Put own pigments away": "收起自备颜料",
     "Pigments of your own are put away; their files stay": "自备颜料已收起；文件仍在",
+    "It touches": "已触到",
+    "For a stylus without a button, by the other hand": "用于没有按钮的笔，由另一只手来按",
 }  # fmt: skip

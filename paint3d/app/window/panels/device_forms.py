@@ -93,11 +93,14 @@ class StylusForm(_Form):
         Changes of `Feel` by name.
     calibrated : (float, float)
         The corners of a sheet are to be touched that is so wide and deep, mm; (0, 0) stops it.
+    touched : ()
+        The corner that was asked for is touched now: for a stylus without a button.
     """
 
     chosen = QtCore.Signal(str)
     felt = QtCore.Signal(object)
     calibrated = QtCore.Signal(float, float)
+    touched = QtCore.Signal()
 
     def __init__(self) -> None:
         super().__init__("Stylus that pushes back")
@@ -122,7 +125,14 @@ class StylusForm(_Form):
         self.told = QtWidgets.QLabel()
         self.told.setObjectName("faint")
         self.told.setWordWrap(True)
-        self._form.addRow(self.calibrate)
+        self.touches = QtWidgets.QPushButton(say("It touches"))
+        self.touches.setToolTip(say("For a stylus without a button, by the other hand"))
+        self.touches.setEnabled(False)
+        self.touches.clicked.connect(self.touched)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.calibrate, 1)
+        row.addWidget(self.touches, 1)
+        self._form.addRow(row)
         self._form.addRow(self.told)
         self._going_on = False
 
@@ -144,6 +154,7 @@ class StylusForm(_Form):
         self._going_on = going_on
         self.told.setText(told)
         self.calibrate.setText(say("button.cancel") if going_on else say("Calibrate…"))
+        self.touches.setEnabled(going_on)
 
     def _ask(self) -> None:
         sheet = (0.0, 0.0) if self._going_on else (self.width_box.value(), self.depth_box.value())
