@@ -257,6 +257,7 @@ class DeviceInput:
 
     def _take(self, desk: DeviceHub) -> None:
         taken, easel = desk.take(), self._workspace.easel
+        self._panel.mouse.show_locks(desk.hands.steering)
         for command in taken.commands:
             easel.post(command)
         for failure in taken.failures:

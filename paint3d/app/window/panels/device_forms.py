@@ -14,6 +14,7 @@ from paint3d.device.six_dof import AXES
 from paint3d.haptics.feel import Feel
 from paint3d.haptics.stylus_choice import STYLI
 from paint3d.pose.mouse_settings import MODES, MouseSettings
+from paint3d.pose.steering import SteeringOptions
 from paint3d.pose.touching import SHEET_MM
 
 __all__ = ["MouseForm", "StylusForm"]
@@ -47,6 +48,7 @@ _MOTIONS = (
     "Turn about up by",
 )
 _MOST_BUTTONS = 31
+_BY_BUTTONS = ("moving", "turning", "dominant_axis", "mode")  # what buttons toggle
 
 
 class _Form(QtWidgets.QWidget):
@@ -242,6 +244,21 @@ class MouseForm(_Form):
         for box, value in numbers:
             with QtCore.QSignalBlocker(box):
                 box.setValue(value)
+        self._show_locks()
+        self.zoom.setCurrentIndex(self.zoom.findData(mouse.zoom_axis))
+        for choice, axis in zip(self.axes, mouse.axes, strict=True):
+            choice.setCurrentIndex(choice.findData(axis))
+        self._show_action()
+
+    def show_locks(self, steering: SteeringOptions) -> None:
+        """Show what the mouse's own buttons locked or chose, which the next change keeps."""
+        now = {name: getattr(steering, name) for name in _BY_BUTTONS}
+        if any(getattr(self._mouse, name) != value for name, value in now.items()):
+            self._mouse = replace(self._mouse, **now)
+            self._show_locks()
+
+    def _show_locks(self) -> None:
+        mouse = self._mouse
         checks = (
             (self.moving, mouse.moving),
             (self.turning, mouse.turning),
@@ -251,10 +268,6 @@ class MouseForm(_Form):
             with QtCore.QSignalBlocker(check):
                 check.setChecked(on)
         self.mode.setCurrentIndex(self.mode.findData(mouse.mode))
-        self.zoom.setCurrentIndex(self.zoom.findData(mouse.zoom_axis))
-        for choice, axis in zip(self.axes, mouse.axes, strict=True):
-            choice.setCurrentIndex(choice.findData(axis))
-        self._show_action()
 
     def _show_action(self) -> None:
         action = self._actions.get(self.button.value() - 1, "")
