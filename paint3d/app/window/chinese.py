@@ -210,4 +210,9 @@ CHINESE = {
     "Pigments of your own are put away; their files stay": "自备颜料已收起；文件仍在",
     "It touches": "已触到",
     "For a stylus without a button, by the other hand": "用于没有按钮的笔，由另一只手来按",
+    "Tuft wet": "蘸湿", "Full": "饱满",
+    "How much of the tuft a dip wets, from the tip": "一蘸从笔尖起湿多少",
+    "How full that part becomes; 100 % as it is made": "蘸湿部分多饱满；100 % 为常态",
+    "Dip by itself when under a quarter is left": "余墨不足四分之一时自动蘸笔",
+    "Dipped by itself: {percent:.0f} % was left": "已自动蘸笔：只剩 {percent:.0f} %",
 }  # fmt: skip

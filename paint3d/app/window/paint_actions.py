@@ -88,11 +88,11 @@ class PaintActions:
 
     def do_dip(self) -> None:
         """Load the brush again."""
-        self._post("dip")
+        self._workspace.dip()
 
     def do_dip_tip(self) -> None:
         """Load its tip again."""
-        self._post("dip", None, _TIP_REACH)
+        self._workspace.dip(None, _TIP_REACH)
 
     def do_rinse(self) -> None:
         """Wash the brush out."""

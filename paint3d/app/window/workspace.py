@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
 from typing import Any
 
@@ -50,6 +50,8 @@ class Workspace(QtCore.QObject):
     theme : Theme
     error : BaseException or None
         What went wrong last.
+    amount : dict of str to float, or None
+        How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
     quiet : bool
         Keep it there instead of showing it.
 
@@ -92,6 +94,7 @@ class Workspace(QtCore.QObject):
         self.hand = CanvasHand(self.canvas, self.stage)
         self.error: BaseException | None = None
         self.quiet = False
+        self.amount: Mapping[str, float] | None = None
         self._to_tell: list[str] = []
 
     # -- the painting -----------------------------------------------------------------------
@@ -147,6 +150,13 @@ class Workspace(QtCore.QObject):
         """Have the easel do something; what goes wrong is told. Nothing, while nothing is open."""
         if self.stage.easel is not None:
             self.stage.easel.post(command, *arguments)
+
+    def dip(self, ink: Any = None, reach: float | None = None) -> None:
+        """Have the brush dipped, in the same again or an ink, in as much of it as was chosen."""
+        if reach is None:
+            self.post("dip", ink, None, self.amount)
+        else:
+            self.post("dip", ink, reach)
 
     # -- words ------------------------------------------------------------------------------
 

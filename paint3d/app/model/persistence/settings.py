@@ -79,6 +79,8 @@ class Settings:
         0 to 1.
     wet : bool or None
         Whether ink spreads and dries while painting; None: as the material asks for.
+    dips_by_itself : bool
+        Whether the brush is dipped before a stroke where under a quarter of a dip is left.
     autosave_s : float
         The least time between two bases of a sitting.
     undo_megabytes : float
@@ -120,6 +122,7 @@ class Settings:
     force_n: float = 1.5
     smoothing: float = 0.0
     wet: bool | None = None
+    dips_by_itself: bool = False
     autosave_s: float = 120.0
     undo_megabytes: float = 512.0
     recent: tuple[str, ...] = ()
@@ -142,6 +145,8 @@ class Settings:
                 as_number(getattr(self, name), name, low, high)
         if self.wet is not None and not isinstance(self.wet, bool):
             raise InputError(f"wet is {self.wet!r}; expected true or false")
+        if not isinstance(self.dips_by_itself, bool):
+            raise InputError(f"dips_by_itself is {self.dips_by_itself!r}; expected true or false")
         _check_words("recent", self.recent)
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))

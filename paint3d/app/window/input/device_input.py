@@ -259,7 +259,10 @@ class DeviceInput:
         taken, easel = desk.take(), self._workspace.easel
         self._panel.mouse.show_locks(desk.hands.steering)
         for command in taken.commands:
-            easel.post(command)
+            if command == "dip":
+                self._workspace.dip()
+            else:
+                easel.post(command)
         for failure in taken.failures:
             self._workspace.tell(say_error(failure), state="bad")
         self._carry(taken.object_pose)
@@ -270,7 +273,7 @@ class DeviceInput:
             return
         parts = self._cutter.cut(taken.samples)
         if dips and not parts:
-            easel.post("dip")  # in a stroke its samples ask for it themselves
+            self._workspace.dip()  # in a stroke its samples ask for it themselves
         for part in parts:
             if isinstance(part, str):
                 if part == "begin_stroke":

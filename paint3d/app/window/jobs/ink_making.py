@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.held_ink import held_ink
 from paint3d.app.model.persistence.own_pigments import fingerprint_of, own_pigments
 from paint3d.app.window.dialogs.colour_dialog import ColourDialog
 from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
+from paint3d.calligraphy.dips import LEAST_LOAD
 from paint3d.colour.nearest_mixture import Nearest
 from paint3d.colour.pigment_tables import load_pigments_csv
 from paint3d.errors import Paint3DError
@@ -35,7 +38,28 @@ class InkMaking:
         panels.inks.colour_asked.connect(self.do_choose_colour)
         panels.inks.table_asked.connect(self.do_open_pigments)
         panels.inks.pickup_chosen.connect(lambda share: workspace.post("set_pickup", share))
+        panels.inks.amount_chosen.connect(self._choose_amount)
+        panels.inks.by_itself_chosen.connect(lambda on: workspace.keep(dips_by_itself=on))
+        panels.inks.show_by_itself(workspace.settings.dips_by_itself)
+        workspace.hand.began.connect(self._dip_by_itself)
         self._take_kept()
+
+    def _choose_amount(self, words: Mapping[str, float] | None) -> None:
+        self._workspace.amount = words
+
+    def _dip_by_itself(self) -> None:
+        """Before a stroke: dip the brush where too little of the last dip is left, if wanted.
+
+        One that was rinsed stays so: it holds nothing, which none that only ran dry does.
+        """
+        workspace = self._workspace
+        if not workspace.settings.dips_by_itself:
+            return
+        held = held_ink(workspace.document.painter)
+        if 0.0 < held.share < LEAST_LOAD:
+            workspace.dip()
+            told = say("Dipped by itself: {percent:.0f} % was left", percent=100 * held.share)
+            workspace.tell(told)
 
     def _take_kept(self) -> None:
         """Put the pigments of the tables that were opened before among the dishes."""

@@ -15,6 +15,7 @@ from paint3d.app.window.panels.tone_row import ToneRow, in_tone
 from paint3d.app.window.previews import ink_swatch, sorted_parts
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 
 __all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]
@@ -69,6 +70,18 @@ def paint_dish(
                           0.30 * inner.width(), 0.13 * inner.height())  # fmt: skip
     painter.setBrush(QtGui.QColor(255, 255, 255, 66))
     painter.drawEllipse(shine)
+
+
+def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
+    """A box for a share in percent."""
+    box = QtWidgets.QDoubleSpinBox()
+    box.setRange(low, high)
+    box.setDecimals(1)
+    box.setSingleStep(5.0)
+    box.setSuffix(" %")
+    box.setKeyboardTracking(False)
+    box.setToolTip(say(hint))
+    return box
 
 
 def _percent(part: float) -> str:
@@ -326,6 +339,10 @@ class InkPanel(QtWidgets.QWidget):
     rinsed : ()
     pickup_chosen : float
         The share of wet ink that the brush takes up, 1/mm.
+    amount_chosen : dict of str to float, or None
+        How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
+    by_itself_chosen : bool
+        Whether the brush is dipped before a stroke for which little is left.
     colour_asked, table_asked : ()
         Any colour is to be mixed, or a table of pigments to be opened.
     """
@@ -333,6 +350,8 @@ class InkPanel(QtWidgets.QWidget):
     dipped = QtCore.Signal(object, object)
     rinsed = QtCore.Signal()
     pickup_chosen = QtCore.Signal(float)
+    amount_chosen = QtCore.Signal(object)
+    by_itself_chosen = QtCore.Signal(bool)
     colour_asked = QtCore.Signal()
     table_asked = QtCore.Signal()
 
@@ -360,6 +379,10 @@ class InkPanel(QtWidgets.QWidget):
         self.reach.setValue(round(100 * _TIP_REACH))
         self.reach.setToolTip(say("How much of the tuft is dipped, from the tip"))
         self.reach.setAccessibleName(say("Only the tip"))
+        self._amount = DipAmount()  # of the dip before
+        self.wetted = _percents(0.1, 100.0, "How much of the tuft a dip wets, from the tip")
+        self.fullness = _percents(5.0, 300.0, "How full that part becomes; 100 % as it is made")
+        self.by_itself = QtWidgets.QCheckBox(say("Dip by itself when under a quarter is left"))
         self.tones = ToneRow(theme)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
@@ -397,6 +420,18 @@ class InkPanel(QtWidgets.QWidget):
         tip.addWidget(self.reach)
         tip.addStretch(1)
         grid.addLayout(tip, 2, 0, 1, 4)
+        row = QtWidgets.QHBoxLayout()
+        for text, box in (("Tuft wet", self.wetted), ("Full", self.fullness)):
+            row.addWidget(QtWidgets.QLabel(say(text)))
+            row.addWidget(box)
+            box.setAccessibleName(say(text))
+            box.setValue(100.0)
+            self.tip_only.toggled.connect(box.setDisabled)  # a tip takes up what it needs
+            box.valueChanged.connect(lambda _: self.amount_chosen.emit(self.amount().words()))
+        row.addStretch(1)
+        grid.addLayout(row, 4, 0, 1, 4)
+        grid.addWidget(self.by_itself, 5, 0, 1, 4)
+        self.by_itself.toggled.connect(self.by_itself_chosen)
         row = QtWidgets.QHBoxLayout()
         for button in (self._dip_button, empty, rinse):
             row.addWidget(button, 1)
@@ -438,6 +473,25 @@ class InkPanel(QtWidgets.QWidget):
             with QtCore.QSignalBlocker(self.pickup):
                 self.pickup.setRange(0.0, max(1.0, share))
                 self.pickup.setValue(share)
+
+    def amount(self) -> DipAmount:
+        """How much the next dip takes up."""
+        return DipAmount(0.01 * self.wetted.value(), 0.01 * self.fullness.value())
+
+    def show_amount(self, amount: DipAmount, *, anew: bool = False) -> None:
+        """Show how much the last dip took up: if that is other than before, or of another brush."""
+        if amount == self._amount and not anew:
+            return
+        self._amount = amount
+        for box, share in ((self.wetted, amount.wetted), (self.fullness, amount.fullness)):
+            with QtCore.QSignalBlocker(box):
+                box.setValue(100.0 * share)
+        self.amount_chosen.emit(None)
+
+    def show_by_itself(self, on: bool) -> None:
+        """Show whether the brush is dipped by itself, and tell nothing."""
+        with QtCore.QSignalBlocker(self.by_itself):
+            self.by_itself.setChecked(on)
 
     def add_pigments(self, pigments: Iterable[Pigment], source: str) -> None:
         """Put pigments of one's own among the dishes.
