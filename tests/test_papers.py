@@ -28,6 +28,7 @@ ROWS = {int(n): row for n, row in re.findall(r"^\| (\d+) \|(.*)\|$", PAGE, re.MU
 CODE = re.compile(r"`([^`]+)`")
 WORDS = re.compile(r"(?<!\*)\*([^*|]+)\*(?!\*)")
 COMMANDS = sorted({code for code in CODE.findall(PAGE) if code.startswith("paint3d ")})
+NAMED = {code for code in CODE.findall(PAGE) if code.startswith("test_")}
 PAINTED = ["--on", "plane", "--out", "a.p3d"]
 NEEDED = {
     "batch": ["a.csv"],
@@ -69,14 +70,14 @@ def cells(number: int) -> tuple[str, str]:
 
 @cache
 def sources_of_tests() -> dict[str, list[str]]:
-    """The source of each test with what of its module it reaches, by name."""
+    """The source of each test that is named with what of its module it reaches, by name."""
     found: dict[str, list[str]] = {}
     for file in sorted((ROOT / "tests").rglob("test_*.py")):
         source = file.read_text("utf-8")
         nodes = dict(_named(ast.parse(source)))
         for name, node in nodes.items():
-            if name.startswith("test_"):
-                found.setdefault(name, []).append(_with_helpers(node, nodes, source))
+            if name in NAMED:
+                found.setdefault(name, []).append(_with_helpers(node, nodes, source.split("\n")))
     return found
 
 
@@ -91,12 +92,12 @@ def _named(tree: ast.Module) -> Iterator[tuple[str, ast.stmt]]:
                     yield target.id, node
 
 
-def _with_helpers(node: ast.stmt, nodes: dict[str, ast.stmt], source: str) -> str:
+def _with_helpers(node: ast.stmt, nodes: dict[str, ast.stmt], lines: list[str]) -> str:
     """A function's source, and that of what it reaches in its file."""
     todo, seen, text = [node], {id(node)}, ""
     while todo:
         one = todo.pop()
-        text += (ast.get_source_segment(source, one) or "") + "\n"
+        text += "\n".join(lines[one.lineno - 1 : one.end_lineno]) + "\n"
         used = {n.id for n in ast.walk(one) if isinstance(n, ast.Name)}
         used |= {n.arg for n in ast.walk(one) if isinstance(n, ast.arg)}
         for name in sorted(used & set(nodes)):
@@ -149,9 +150,8 @@ def test_a_command_that_is_not_there_would_be_found(command: str) -> None:
 
 
 def test_every_test_is_there() -> None:
-    named = {code for code in CODE.findall(PAGE) if code.startswith("test_")}
-    assert len(named) > 110
-    assert named - set(sources_of_tests()) == set()
+    assert len(NAMED) > 110
+    assert NAMED - set(sources_of_tests()) == set()
 
 
 @pytest.mark.parametrize("number", ROWS)

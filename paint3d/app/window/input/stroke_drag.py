@@ -62,15 +62,16 @@ class StrokeDrag(QtCore.QObject):
     @property
     def is_waiting(self) -> bool:
         """Whether the next drag moves a stroke."""
-        return self._canvas.tool is not None
+        return self._canvas.tool == self._take
 
     def begin(self, number: int | None = None) -> None:
         """Let the next drag move this stroke, or the one at which it begins."""
         self.end()
         self._named = number
         self._is_down = False
-        self._canvas.tool, self._mode_at = self._take, self._canvas.mode_at
-        self._canvas.mode_at = self._mode
+        self._canvas.tool = self._take
+        if self._canvas.mode_at != self._mode:  # it stays where another tool came between
+            self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
         self._canvas.installEventFilter(self)
         self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
         self._canvas.setFocus()
@@ -96,7 +97,9 @@ class StrokeDrag(QtCore.QObject):
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
         """Leave it by Esc."""
-        if event.type() not in _KEYS or not isinstance(event, QtGui.QKeyEvent):
+        if not self.is_waiting or event.type() not in _KEYS:
+            return False
+        if not isinstance(event, QtGui.QKeyEvent):
             return False
         if event.key() != QtCore.Qt.Key.Key_Escape:
             return False
@@ -108,7 +111,7 @@ class StrokeDrag(QtCore.QObject):
     def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
         """How a drag that begins here steers: by grips and with Space; beside the object not."""
         steers = self._canvas.grip_at(x, y) or "steer" in self._workspace.hand.held
-        return self._mode_at(x, y, keys) if steers else None
+        return self._mode_at(x, y, keys) if steers or not self.is_waiting else None
 
     def _take(self, touch: Touch) -> bool:
         """Follow a mouse, a pen or a finger; False while it is only over the picture."""
