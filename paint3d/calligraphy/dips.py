@@ -24,9 +24,11 @@ from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
 
-__all__ = ["DipPolicy", "dipped_as", "ink_taken", "redipped"]
+__all__ = ["LEAST_LOAD", "DipPolicy", "dipped_as", "ink_taken", "redipped"]
 
-_LEAST_LOAD = 0.25  # of what a dip gave: a writer dips before less is left; set by eye
+LEAST_LOAD = 0.25
+"""Of what a dip gave: a writer dips before less is left; set by eye."""
+
 _CHARACTERS = 4.0  # of a middle size that a dip is for
 _NEW_COLUMN = 1.6  # times the usual step from character to character: there the column ends
 _ROOM = 2  # characters that a load has to last for at the head of a column
@@ -55,7 +57,7 @@ class DipPolicy:
     """
 
     every: int | None = None
-    least: float = _LEAST_LOAD
+    least: float = LEAST_LOAD
     fullness: float = 1.0
 
     def __post_init__(self) -> None:

@@ -35,7 +35,7 @@ from paint3d.cli.pictures import picture
 from paint3d.cli.seals import seal
 from paint3d.errors import Paint3DError
 
-__all__ = ["main"]
+__all__ = ["main", "make_parser"]
 
 _COMMANDS = {
     "demo": demo,
@@ -72,7 +72,8 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def _make_parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line, which raises `UsageError`."""
     parser = Parser(
         prog="paint3d",
         description="Paint calligraphy and brushwork on 3-D objects.",
@@ -110,7 +111,7 @@ def _describe_os_error(error: OSError) -> str:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        options = _make_parser().parse_args(arguments)
+        options = make_parser().parse_args(arguments)
         _tell_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
         sys.stdout.flush()

@@ -27,7 +27,7 @@ from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["carried", "middle_of", "tangents_at"]
+__all__ = ["carried", "middle_of", "pressed_places", "tangents_at"]
 
 _STEPS = 64  # of the way along the surface
 _LEAST_STEP = 0.5  # a step that is shorter by so much has met an edge
@@ -63,6 +63,14 @@ def middle_of(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[AnyArr
     found = ground.find(places[pressed] if pressed.any() else places)
     middle = ground.find(found.points.mean(axis=0)[None])
     return middle.points[0], middle.normals[0]
+
+
+def pressed_places(part: Recording) -> tuple[AnyArray, AnyArray]:
+    """The places (N, 3) that a recording means, in the object's frame, mm, and where it presses.
+
+    Both as `middle_of` counts them; the second is (N,) bool, all of it without a pressure.
+    """
+    return _in_object(part)[1], _pressed(part)
 
 
 def carried(

@@ -20,6 +20,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.colour.materials import load_material
 from paint3d.device.force import haptic_stylus
 from paint3d.device.sample import DIP, StylusReading
+from paint3d.device.space_mouse import MouseEvent
 from paint3d.haptics.feel import Feel
 from paint3d.haptics.settings import DeviceLimits, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
@@ -366,6 +367,54 @@ def test_the_panel_sets_the_mouse_and_what_it_says_is_kept(program, tmp_path, mo
     assert again.both_hands.desk.hands.steering == steering
     close_unasked(window)
     close_unasked(again)
+
+
+class Buttons(NothingPlugged):
+    """A 6-DOF mouse whose buttons are pressed one by one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.events: list[MouseEvent] = []
+
+    def take_mouse(self) -> list[MouseEvent]:
+        events, self.events = self.events, []
+        return events
+
+    def press(self, button: int) -> None:
+        for held in (1 << button, 0):
+            self.events.append(MouseEvent(time.monotonic_ns(), np.zeros(6), held))
+
+
+def test_the_form_follows_what_the_mouses_buttons_lock(program, tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    mouse = Buttons()
+    actions = ["toggle_turning", "toggle_moving", "toggle_dominant_axis", "toggle_camera"]
+    settings = Settings(buttons=dict(enumerate(actions)))
+    window = StudioWindow(program, settings, plugged=mouse)
+    window.show()
+    assert window.opening.open_path("plane", 4.0, "porcelain", asked=True)
+    form, hands = window.panels.devices.mouse, window.both_hands.desk.hands
+
+    def shown() -> tuple[bool, bool, bool, str]:
+        checks = form.turning, form.moving, form.dominant
+        return *(check.isChecked() for check in checks), form.mode.currentData()
+
+    assert shown() == (True, True, False, "object")
+    for button, wanted in enumerate(
+        [
+            (False, True, False, "object"), (False, False, False, "object"),
+            (False, False, True, "object"), (False, False, True, "camera"),
+        ]
+    ):  # fmt: skip
+        mouse.press(button)
+        wait_for(lambda wanted=wanted: shown() == wanted)
+    form.speed.setValue(250.0)  # another choice leaves the locks
+    assert not hands.steering.turning
+    assert hands.steering.mode == "camera"
+    form.turning.setChecked(True)  # and the box takes off what the button locked
+    assert hands.steering.turning
+    assert shown() == (True, False, True, "camera")
+    close_unasked(window)
 
 
 HID_STUDIO = """

@@ -47,6 +47,9 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"(?P<p>.*): its JSON (?P<a>.*)", "{p}：不是可用的 glTF 文件"),
     (r"brush length \(mm\) is (?P<a>\S+); expected (?P<b>.*)", "笔头长 {a} 毫米不可用"),
     (r"vertex (?P<a>\d+); expected 0 to (?P<b>\d+)", "没有第 {a} 个顶点，应在 0 到 {b} 之间"),
+    (r"(?P<p>.*): is gone, and its pigments with it", "{p}：文件已不在，其中的颜料也没有了"),
+    (r"(?P<p>.*): has changed; its pigments are as it says now",
+     "{p}：文件已改动，颜料按现在的内容"),
     (r"dish (?P<a>\d+) is empty; expected ink in it", "墨碟 {a} 是空的"),
 )  # fmt: skip
 """English, as a pattern, and the Chinese that says the same; r is a system's reason."""

@@ -203,4 +203,17 @@ CHINESE = {
     "A stroke on xuan": "宣纸上的一笔",
     "Paint with it": "就用它画", "Save as mine": "存为我的笔",
     "{name} is kept in {path}": "{name} 已存入 {path}",
+    "Choose one on the object": "在器物上选一笔",
+    "Click a stroke on the object, or drag it to where it is to lie; Esc leaves it":
+        "单击器物上的一笔，或把它拖到要放的地方；按 Esc 作罢",
+    "No stroke lies there": "那里没有笔画",
+    "Put own pigments away": "收起自备颜料",
+    "Pigments of your own are put away; their files stay": "自备颜料已收起；文件仍在",
+    "It touches": "已触到",
+    "For a stylus without a button, by the other hand": "用于没有按钮的笔，由另一只手来按",
+    "Tuft wet": "蘸湿", "Full": "饱满",
+    "How much of the tuft a dip wets, from the tip": "一蘸从笔尖起湿多少",
+    "How full that part becomes; 100 % as it is made": "蘸湿部分多饱满；100 % 为常态",
+    "Dip by itself when under a quarter is left": "余墨不足四分之一时自动蘸笔",
+    "Dipped by itself: {percent:.0f} % was left": "已自动蘸笔：只剩 {percent:.0f} %",
 }  # fmt: skip

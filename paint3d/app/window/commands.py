@@ -24,7 +24,7 @@ MENUS: dict[str, tuple[str, ...]] = {
               *(f"brush_{k}" for k in range(1, 1 + len(brush_names()))), "-", "edit_brush",
               "open_brush"),
     "ink": ("dip", "dip_tip", "rinse", "wipe", "-", "swap_inks", "pick_colour", "-",
-            "choose_colour", "open_pigments", "-", "wet", "dry", "-", "seal"),
+            "choose_colour", "open_pigments", "forget_pigments", "-", "wet", "dry", "-", "seal"),
     "stroke": ("mirror", "radial", "-", "mask", "pick_region", "clear_mask", "-", "refine"),
     "view": ("frame_all", "frame_selected", "nearer", "farther", "-", "look_front", "look_back",
              "look_left", "look_right", "look_top", "look_bottom", "-", "turn_left", "turn_right",
@@ -83,6 +83,7 @@ _OWN = {
     "about": "menu.about",
     "choose_colour": "Mix a colour…",
     "open_pigments": "Open a table of pigments…",
+    "forget_pigments": "Put own pigments away",
     "edit_brush": "Edit the brush…",
     "open_brush": "Open a brush…",
 }

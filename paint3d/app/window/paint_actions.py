@@ -56,10 +56,14 @@ class PaintActions:
         self._post("redo")
 
     def do_cancel_stroke(self) -> None:
-        """Take the stroke that is going on back, or stop a replay; the keys are the picture's."""
+        """Take the stroke that is going on back, or stop a replay; the keys are the picture's.
+
+        The stroke that was chosen is marked no longer.
+        """
         self._workspace.hand.cancel()
         self._player.do_stop()
         self._panels.history.stop()
+        self._panels.history.chosen.emit(None)
         self._workspace.canvas.setFocus()
 
     # -- brush ------------------------------------------------------------------------------
@@ -84,11 +88,11 @@ class PaintActions:
 
     def do_dip(self) -> None:
         """Load the brush again."""
-        self._post("dip")
+        self._workspace.dip()
 
     def do_dip_tip(self) -> None:
         """Load its tip again."""
-        self._post("dip", None, _TIP_REACH)
+        self._workspace.dip(None, _TIP_REACH)
 
     def do_rinse(self) -> None:
         """Wash the brush out."""

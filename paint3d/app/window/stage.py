@@ -299,16 +299,44 @@ class Stage:
         width : float
             Pixels.
         """
+        drawn = None
+        if len(lines):
+            drawn = DrawnMesh()
+            drawn.set_lines(lines)
+            drawn.set_colours(np.tile(np.array(colour, np.uint8), (sum(map(len, lines)), 1)))
+            drawn.actor.GetProperty().SetLineWidth(width)
+        self._show_on_object(name, drawn)
+
+    def show_faces(
+        self, name: str, points: AnyArray, faces: AnyArray, colour: tuple[int, ...]
+    ) -> None:
+        """Draw triangles on the object, in the place of what has that name.
+
+        Parameters
+        ----------
+        name : str
+        points : (K, 3)
+            mm.
+        faces : (L, 3)
+            None to take them away.
+        colour : (4,) of 0 to 255
+            sRGB and how dense.
+        """
+        drawn = None
+        if len(faces):
+            drawn = DrawnMesh()
+            drawn.set_shape(points, faces)
+            drawn.set_colours(np.tile(np.array(colour, np.uint8), (len(points), 1)))
+        self._show_on_object(name, drawn)
+
+    def _show_on_object(self, name: str, drawn: DrawnMesh | None) -> None:
+        """Show this in the place of what has that name, or nothing."""
         old = self._lines.pop(name, None)
         if old is not None:
             self.scene.remove(old)
-        if len(lines):
-            drawn = self._lines[name] = DrawnMesh()
-            drawn.set_lines(lines)
-            drawn.set_colours(np.tile(np.array(colour, np.uint8), (sum(map(len, lines)), 1)))
-            look = drawn.actor.GetProperty()
-            look.LightingOff()
-            look.SetLineWidth(width)
+        if drawn is not None:
+            self._lines[name] = drawn
+            drawn.actor.GetProperty().LightingOff()
             drawn.actor.ForceTranslucentOn()
             drawn.draw_before()
             self.scene.add(drawn)

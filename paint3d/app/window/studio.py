@@ -23,7 +23,7 @@ from paint3d.app.window.hud import Hud
 from paint3d.app.window.input.device_input import DeviceInput
 from paint3d.app.window.input.keys import HeldKeys
 from paint3d.app.window.input.steering import Steering
-from paint3d.app.window.input.stroke_drag import StrokeDrag
+from paint3d.app.window.input.stroke_mark import StrokeMark
 from paint3d.app.window.jobs.brush_making import BrushMaking
 from paint3d.app.window.jobs.exporting import Exporting
 from paint3d.app.window.jobs.ink_making import InkMaking
@@ -133,7 +133,8 @@ class StudioWindow(QtWidgets.QMainWindow):
             workspace, self.targets, self.player, history.speed, self.saving.may_leave
         )
         self.recalling = Recalling(workspace, history.refuse)
-        self.editing = StrokeEditing(workspace, StrokeDrag(workspace, self.canvas))
+        self.mark = StrokeMark(workspace)
+        self.editing = StrokeEditing(workspace, self.mark)
         self.sealing = Sealing(workspace)
 
     def _bind_actions(self) -> None:
@@ -182,6 +183,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         panels.history.asked.connect(self.recalling.go_to)
         panels.surface.asked.connect(self._take_material)
         panels.history.edited.connect(self.editing.ask)
+        panels.history.chosen.connect(self.mark.choose)
+        self.mark.changed.connect(panels.history.mark)
         panels.history.exported.connect(self.recordings.do_save_recording)
         panels.hand.turns.connect(self.painting.set_turns)
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
@@ -257,6 +260,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.both_hands.tick()
         self.player.tick()
         self.copying.follow()
+        self.mark.follow()
         if self.panels.show_brush_asked(self.stage.easel.brush):  # also while it is still to come
             self.hud.refresh()
         for event in self.stage.easel.take_events():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
 from typing import Any
 
@@ -50,6 +50,8 @@ class Workspace(QtCore.QObject):
     theme : Theme
     error : BaseException or None
         What went wrong last.
+    amount : dict of str to float, or None
+        How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
     quiet : bool
         Keep it there instead of showing it.
 
@@ -92,6 +94,8 @@ class Workspace(QtCore.QObject):
         self.hand = CanvasHand(self.canvas, self.stage)
         self.error: BaseException | None = None
         self.quiet = False
+        self.amount: Mapping[str, float] | None = None
+        self._to_tell: list[str] = []
 
     # -- the painting -----------------------------------------------------------------------
 
@@ -110,6 +114,9 @@ class Workspace(QtCore.QObject):
         if not self.may_let_go():
             return False
         self.opened.emit(opened)
+        if self._to_tell:
+            told, self._to_tell = "; ".join(self._to_tell), []
+            QtCore.QTimer.singleShot(0, self, lambda: self.tell(told, state="bad", stays=True))
         return True
 
     def may_let_go(self) -> bool:
@@ -144,6 +151,13 @@ class Workspace(QtCore.QObject):
         if self.stage.easel is not None:
             self.stage.easel.post(command, *arguments)
 
+    def dip(self, ink: Any = None, reach: float | None = None) -> None:
+        """Have the brush dipped, in the same again or an ink, in as much of it as was chosen."""
+        if reach is None:
+            self.post("dip", ink, None, self.amount)
+        else:
+            self.post("dip", ink, reach)
+
     # -- words ------------------------------------------------------------------------------
 
     def tell(self, text: str, *, state: str = "off", stays: bool = False) -> None:
@@ -158,6 +172,10 @@ class Workspace(QtCore.QObject):
             Whether it is so until something else is said; if not, the next stroke takes its place.
         """
         self.said.emit(text, state, stays)
+
+    def tell_first(self, text: str) -> None:
+        """Say what went wrong before there was a window, once the first painting is open."""
+        self._to_tell.append(text)
 
     # -- choices ----------------------------------------------------------------------------
 

@@ -20,7 +20,7 @@ from paint3d.haptics.stylus_choice import find_stylus
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.mouse_settings import MouseSettings
 
-__all__ = ["Feeling", "plug_in_mice", "start_feeling"]
+__all__ = ["Feeling", "plug_in_mice", "plug_in_pens", "start_feeling"]
 
 
 def plug_in_mice(settings: MouseSettings | None = None) -> PluggedDevices | None:
@@ -33,6 +33,14 @@ def plug_in_mice(settings: MouseSettings | None = None) -> PluggedDevices | None
     read = (settings or MouseSettings()).deflection()
     try:
         return PluggedDevices(find=lambda: list_nodes(("mouse",)), deflection=read)
+    except (Paint3DError, ImportError, OSError):
+        return None
+
+
+def plug_in_pens() -> PluggedDevices | None:
+    """The pads whose pens can be read, to calibrate one; None where HID devices cannot be read."""
+    try:
+        return PluggedDevices(find=lambda: list_nodes(("pen",)))
     except (Paint3DError, ImportError, OSError):
         return None
 

@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.persistence.brush_words import brush_from_words, restore_hairs
 from paint3d.app.model.persistence.own_brushes import own_brushes
+from paint3d.app.model.persistence.own_pigments import own_pigments
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.brush.dip_amount import DipAmount
@@ -121,14 +122,17 @@ def chosen_material(settings: Settings) -> str:
     return settings.material
 
 
-def chosen_inks(settings: Settings) -> list[Mixture | str]:
+def chosen_inks(settings: Settings) -> list[Mixture | str | Pigment]:
     """The two inks that a user had at hand last; the default in the place of any other."""
-    known = {**load_palette(), WATER.name: WATER}
-    inks: list[Mixture | str] = []
+    palette = {*load_palette(), WATER.name}
+    own = own_pigments(settings.pigment_tables).pigments if settings.pigment_tables else {}
+    inks: list[Mixture | str | Pigment] = []
     for ink, instead in zip_longest(settings.inks[:2], DEFAULT_INKS):
-        names = set(ink) if isinstance(ink, Mapping) else {ink}
-        whole = names <= set(known) and (not isinstance(ink, Mapping) or sum(ink.values()) > 0.0)
-        chosen: Any = dict(ink) if isinstance(ink, Mapping) else ink
+        parts = dict(ink) if isinstance(ink, Mapping) else {ink: 1.0}
+        whole = set(parts) <= palette | set(own) and sum(parts.values()) > 0.0
+        chosen: Any = own.get(ink, ink) if isinstance(ink, str) else None
+        if chosen is None:
+            chosen = {own.get(name, name): part for name, part in parts.items()}
         inks.append(chosen if whole else instead)
     return inks
 
@@ -141,7 +145,7 @@ class InHand(TypedDict, total=False):
     inks: tuple[str | Mapping[str, float], ...]
 
 
-def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str]) -> InHand:
+def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str | Pigment]) -> InHand:
     """The settings that `chosen_brush` and `chosen_inks` read."""
     name = brush.name.split(" @")[0]
     settings: InHand = {"inks": tuple(_as_chosen(ink) for ink in inks)}
@@ -153,8 +157,8 @@ def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str]) -> InHand:
     return settings
 
 
-def _as_chosen(ink: Mixture | str) -> dict[str, float] | str:
-    parts = weights_of(ink) if isinstance(ink, Mapping) else {str(ink): 1.0}
+def _as_chosen(ink: Mixture | str | Pigment) -> dict[str, float] | str:
+    parts = weights_of(ink)
     return next(iter(parts)) if len(parts) == 1 else parts
 
 

@@ -79,6 +79,8 @@ class Settings:
         0 to 1.
     wet : bool or None
         Whether ink spreads and dries while painting; None: as the material asks for.
+    dips_by_itself : bool
+        Whether the brush is dipped before a stroke where under a quarter of a dip is left.
     autosave_s : float
         The least time between two bases of a sitting.
     undo_megabytes : float
@@ -91,6 +93,8 @@ class Settings:
         How a 6-DOF mouse is read: see `MouseSettings`.
     stylus : str
         Which stylus pushes back: see `find_stylus`.
+    pigment_tables : dict of str to str
+        Tables of pigments of one's own that are at hand: see `own_pigments`.
     feel : dict of str to float
         What of a haptic stylus is the user's choice: see `Feel`.
     window : dict
@@ -118,6 +122,7 @@ class Settings:
     force_n: float = 1.5
     smoothing: float = 0.0
     wet: bool | None = None
+    dips_by_itself: bool = False
     autosave_s: float = 120.0
     undo_megabytes: float = 512.0
     recent: tuple[str, ...] = ()
@@ -125,6 +130,7 @@ class Settings:
     mouse: Mapping[str, object] = field(default_factory=dict)
     stylus: str = "auto"
     feel: Mapping[str, float] = field(default_factory=dict)
+    pigment_tables: Mapping[str, str] = field(default_factory=dict)
     window: Mapping[str, object] = field(default_factory=dict)
     exports: Mapping[str, object] = field(default_factory=dict)
 
@@ -139,13 +145,16 @@ class Settings:
                 as_number(getattr(self, name), name, low, high)
         if self.wet is not None and not isinstance(self.wet, bool):
             raise InputError(f"wet is {self.wet!r}; expected true or false")
+        if not isinstance(self.dips_by_itself, bool):
+            raise InputError(f"dips_by_itself is {self.dips_by_itself!r}; expected true or false")
         _check_words("recent", self.recent)
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))
-        for name in ("mouse", "feel", "window", "exports"):
+        for name in ("mouse", "feel", "window", "exports", "pigment_tables"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected names, values")
+        _check_words("pigment_tables", (*self.pigment_tables, *self.pigment_tables.values()))
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
         MouseSettings.from_words(self.mouse)

@@ -75,6 +75,9 @@ class Canvas(QtWidgets.QWidget):
         if it paints.
     grip_at : callable
         Given x and y; whether there is something to take hold of that is no place to paint.
+    tool : callable or None
+        Is given each `Touch` first, from whatever hand, and returns whether it was for itself: then
+        nothing is painted. While there is one, one finger is always such a hand.
     finger : {"auto", "paint", "turn"}
         What one finger does; "auto": it paints until a pen was seen, then it turns.
     pen_seen_ns : int or None
@@ -110,6 +113,7 @@ class Canvas(QtWidgets.QWidget):
         self.pixels: AnyArray | None = None
         self.mode_at: Callable[..., str | None] = lambda x, y, keys: None
         self.grip_at: Callable[..., object] = lambda x, y: None
+        self.tool: Callable[[Touch], bool] | None = None
         self.finger = "auto"
         self._fingers = Fingers()
         self._mode: str | None = None  # of the drag that steers now
@@ -184,7 +188,7 @@ class Canvas(QtWidgets.QWidget):
         else:
             time_ns = self._time_ns("mouse", event, handled)
             self._mouse_down = True
-            self.touched.emit(touch_of_mouse(event, time_ns))
+            self._touch(touch_of_mouse(event, time_ns))
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         """Steer, or move the brush; what was pressed elsewhere, on a menu, does not paint."""
@@ -200,7 +204,7 @@ class Canvas(QtWidgets.QWidget):
                 self.left.emit()
             else:
                 touch = touch_of_mouse(event, self._time_ns("mouse", event, handled))
-                self.touched.emit(replace(touch, down=self._mouse_down))
+                self._touch(replace(touch, down=self._mouse_down))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """Stop steering, or lift the brush."""
@@ -212,7 +216,7 @@ class Canvas(QtWidgets.QWidget):
         elif self._mouse_down and not event.buttons() & _BUTTON.LeftButton:
             time_ns = self._time_ns("mouse", event, handled)
             self._mouse_down = False
-            self.touched.emit(touch_of_mouse(event, time_ns))
+            self._touch(touch_of_mouse(event, time_ns))
 
     def _time_ns(self, kind: str, event: QtGui.QPointerEvent, handled: int) -> int:
         """When an event happened that was handed over at `handled`, ns."""
@@ -256,9 +260,9 @@ class Canvas(QtWidgets.QWidget):
         self._pen_down = touch.down and (was_down or event.type() == _KIND.TabletPress)
         touch = replace(touch, down=self._pen_down)
         if touch.down or was_down:
-            self.touched.emit(touch)  # a stroke ends on a grip, too
+            self._touch(touch)  # a stroke ends on a grip, too
         elif not self.grip_at(place.x(), place.y()):
-            self.touched.emit(touch)
+            self._touch(touch)
         else:
             self.left.emit()
 
@@ -310,11 +314,13 @@ class Canvas(QtWidgets.QWidget):
         else:
             down = self._finger_down = meant.kind != "lift"
             pressure = self._finger_pressure
-            self.touched.emit(Touch(meant.time_ns, meant.x, meant.y, pressure, down=down))
+            self._touch(Touch(meant.time_ns, meant.x, meant.y, pressure, down=down))
             if not down:
                 self.left.emit()  # a finger that has left points at nothing
 
     def _finger_paints(self, time_ns: int) -> bool:
+        if self.tool is not None:
+            return True
         if self.finger != "auto":
             return self.finger == "paint"
         return not self._saw_pen(time_ns, _PEN_LEFT_NS)
@@ -334,6 +340,11 @@ class Canvas(QtWidgets.QWidget):
         else:
             return False
         return True
+
+    def _touch(self, touch: Touch) -> None:
+        """Hand a pen's, a mouse's or a finger's touch to the tool, or let it paint."""
+        if self.tool is None or not self.tool(touch):
+            self.touched.emit(touch)
 
     # -- steering ---------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from paint3d.app.model.input.devices import (
     StrokeCutter,
     went_down,
 )
-from paint3d.app.model.persistence.calibrations import keep_calibration
+from paint3d.app.window.input.calibrating import Calibrating
 from paint3d.app.window.panels.device_panel import DevicePanel
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
@@ -26,7 +26,6 @@ from paint3d.haptics.feel import Feel
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import ObjectPose
-from paint3d.pose.touching import Touches, sheet_corners
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -40,7 +39,6 @@ if TYPE_CHECKING:
 __all__ = ["DeviceInput", "carried_camera"]
 
 _SHOWN_EVERY = 12  # ticks between two looks at the panel
-_CORNERS = ("near left", "near right", "far right", "far left")
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -84,7 +82,7 @@ class DeviceInput:
         self._workspace, self._panel = workspace, panel
         self._plugged, self._feel = plugged, feel
         self._feeling: Feeling | None = None
-        self._touches: Touches | None = None
+        self.calibrating = Calibrating(panel.stylus, workspace.canvas)
         self.desk: DeviceHub | None = None
         self.desk = self._make_desk()
         self._cutter = StrokeCutter(self._is_touching)
@@ -104,6 +102,7 @@ class DeviceInput:
             (stylus.chosen, self.choose_stylus),
             (stylus.felt, self.choose_feel),
             (stylus.calibrated, self.calibrate),
+            (stylus.touched, self._touch),
             (mouse.read, self.choose_mouse),
             (mouse.pressed, self.choose_button),
         ]
@@ -133,7 +132,7 @@ class DeviceInput:
 
     def _start_feeling(self, document: Document) -> None:
         """Feel with the stylus that the settings ask for; the object stays where it is."""
-        self._stop_calibrating()
+        self.calibrating.stop()
         self._leave_object()
         if self._feeling is not None:
             self._feeling.feedback.stop()
@@ -198,34 +197,21 @@ class DeviceInput:
     # -- calibrating ------------------------------------------------------------------------
 
     def calibrate(self, width: float, depth: float) -> None:
-        """Have the corners of a sheet touched that is so large, mm; (0, 0) stops it."""
-        self._stop_calibrating()
+        """Have the corners of a sheet touched that is so large, mm; (0, 0) stops it.
+
+        By the stylus that pushes back, or where there is none by the pen of a pad.
+        """
+        self.calibrating.stop()
         if width <= 0.0:
             return
-        if self._feeling is None:
-            self._panel.stylus.show_calibrating(say("No stylus is there to calibrate"), False)
-            return
-        self._leave_object()
-        self._touches = Touches(sheet_corners(width, depth))
-        self._ask_for_touch("")
-
-    def _stop_calibrating(self) -> None:
-        if self._touches is not None:
-            self._touches = None
-            self._panel.stylus.show_calibrating("", False)
-
-    def _ask_for_touch(self, problem: str) -> None:
-        assert self._touches is not None, "it is being calibrated"
-        n = len(self._touches.touched)
-        asked = say(
-            "Touch the {corner} corner and press the stylus' button", corner=say(_CORNERS[n])
-        )
-        self._panel.stylus.show_calibrating(f"{problem}\n{asked}".strip(), True)
+        feeling = self._feeling
+        if self.calibrating.begin(width, depth, None if feeling is None else feeling.key):
+            self._leave_object()
 
     def _hear_touches(self, samples: list[DeviceSample]) -> None:
         """Follow a stylus that is calibrated: it paints nothing meanwhile."""
-        touches, feeling = self._touches, self._feeling
-        if touches is None or feeling is None:
+        feeling = self._feeling
+        if feeling is None:
             return
         frame = feeling.calibration or DeviceCalibration()
         readings = [
@@ -234,35 +220,30 @@ class DeviceInput:
             )
             for one in samples
         ]
-        try:
-            if not touches.hear(readings):
-                return
-            if not touches.is_done:
-                self._ask_for_touch("")
-                return
-            fitted = touches.fit()
-            keep_calibration(feeling.key, fitted.calibration)
-        except Paint3DError as error:
-            if touches.is_done:
-                self._touches = Touches(touches.points)
-            self._ask_for_touch(say_error(error))
-            return
-        self._touches = None
-        self._start_feeling(self._workspace.document)
-        told = say("Calibrated: {mm:.2f} mm off", mm=fitted.calibration.residual_mm)
-        self._panel.stylus.show_calibrating(told, False)
+        self._use_frame(self.calibrating.hear(readings))
+
+    def _touch(self) -> None:
+        """Take the corner as it is touched now: the panel says so."""
+        self._use_frame(self.calibrating.touch())
+
+    def _use_frame(self, told: str | None) -> None:
+        """Feel by the frame that was found, if one was."""
+        if told is not None and self._feeling is not None:
+            self._start_feeling(self._workspace.document)
+            self._panel.stylus.show_calibrating(told, False)
 
     # -- tick by tick -----------------------------------------------------------------------
 
     def tick(self) -> None:
         """Take what the devices said; show them now and then."""
         self._ticks += 1
+        self.calibrating.hear_pens()
         if self.desk is not None:
             self._take(self.desk)
             self._tell_end(self.desk)
         if self._feeling is not None:
             feel = Feel.from_words(self._workspace.settings.feel)
-            if self._touches is not None:
+            if self.calibrating.is_on:
                 feel = replace(feel, limit_n=0.0)  # the object pushes no hand off the sheet
             material = self._workspace.document.surface.material
             self._feeling.follow(self._workspace.easel.brush, feel, material)
@@ -276,19 +257,23 @@ class DeviceInput:
 
     def _take(self, desk: DeviceHub) -> None:
         taken, easel = desk.take(), self._workspace.easel
+        self._panel.mouse.show_locks(desk.hands.steering)
         for command in taken.commands:
-            easel.post(command)
+            if command == "dip":
+                self._workspace.dip()
+            else:
+                easel.post(command)
         for failure in taken.failures:
             self._workspace.tell(say_error(failure), state="bad")
         self._carry(taken.object_pose)
         held = [sample.buttons for sample in taken.samples]
         dips, self._held = went_down(DIP, self._held, held)
-        if self._touches is not None:
+        if self.calibrating.is_on:
             self._hear_touches(taken.samples)
             return
         parts = self._cutter.cut(taken.samples)
         if dips and not parts:
-            easel.post("dip")  # in a stroke its samples ask for it themselves
+            self._workspace.dip()  # in a stroke its samples ask for it themselves
         for part in parts:
             if isinstance(part, str):
                 if part == "begin_stroke":
@@ -315,7 +300,7 @@ class DeviceInput:
             self._told = desk.ended
             self._feeling = None
             self._leave_object()
-            self._stop_calibrating()
+            self.calibrating.stop()
             told = say("The stylus pushes no longer: {why}", why=desk.ended)
             self._workspace.tell(told, state="bad", stays=True)
 
@@ -346,5 +331,6 @@ class DeviceInput:
             self._closed = True
             for signal, slot in self._heard():
                 signal.disconnect(slot)
+        self.calibrating.stop()
         if self.desk is not None:
             self.desk.stop()

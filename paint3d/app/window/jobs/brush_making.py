@@ -42,7 +42,7 @@ class BrushMaking:
         own, problems = own_brushes()
         self._panels.brushes.show_own(own)
         for problem in problems[:1]:
-            self._workspace.tell(say_error(problem), state="bad", stays=True)
+            self._workspace.tell_first(say_error(problem))
 
     # -- the editor -------------------------------------------------------------------------
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.held_ink import held_ink
+from paint3d.app.model.persistence.own_pigments import fingerprint_of, own_pigments
 from paint3d.app.window.dialogs.colour_dialog import ColourDialog
 from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
+from paint3d.calligraphy.dips import LEAST_LOAD
 from paint3d.colour.nearest_mixture import Nearest
 from paint3d.colour.pigment_tables import load_pigments_csv
 from paint3d.errors import Paint3DError
@@ -33,6 +38,40 @@ class InkMaking:
         panels.inks.colour_asked.connect(self.do_choose_colour)
         panels.inks.table_asked.connect(self.do_open_pigments)
         panels.inks.pickup_chosen.connect(lambda share: workspace.post("set_pickup", share))
+        panels.inks.amount_chosen.connect(self._choose_amount)
+        panels.inks.by_itself_chosen.connect(lambda on: workspace.keep(dips_by_itself=on))
+        panels.inks.show_by_itself(workspace.settings.dips_by_itself)
+        workspace.hand.began.connect(self._dip_by_itself)
+        self._take_kept()
+
+    def _choose_amount(self, words: Mapping[str, float] | None) -> None:
+        self._workspace.amount = words
+
+    def _dip_by_itself(self) -> None:
+        """Before a stroke: dip the brush where too little of the last dip is left, if wanted.
+
+        One that was rinsed stays so: it holds nothing, which none that only ran dry does.
+        """
+        workspace = self._workspace
+        if not workspace.settings.dips_by_itself:
+            return
+        held = held_ink(workspace.document.painter)
+        if 0.0 < held.share < LEAST_LOAD:
+            workspace.dip()
+            told = say("Dipped by itself: {percent:.0f} % was left", percent=100 * held.share)
+            workspace.tell(told)
+
+    def _take_kept(self) -> None:
+        """Put the pigments of the tables that were opened before among the dishes."""
+        tables = self._workspace.settings.pigment_tables
+        if not tables:
+            return
+        own = own_pigments(tables)
+        self._panels.inks.add_pigments(own.pigments.values(), "settings")
+        if own.tables != tables:
+            self._workspace.keep(pigment_tables=own.tables)
+        if own.problems:
+            self._workspace.tell_first("; ".join(map(say_error, own.problems)))
 
     def do_choose_colour(self) -> None:
         """Let a colour be chosen, and mix what comes nearest."""
@@ -73,9 +112,19 @@ class InkMaking:
 
     def open_table(self, path: str | Path) -> bool:
         """Put the pigments of a table among the dishes; what is wrong is told in one line."""
+        kept = self._workspace.settings.pigment_tables
         try:
             self._panels.inks.add_pigments(load_pigments_csv(path).values(), str(path))
+            table = {os.path.abspath(path): fingerprint_of(path)}
+            self._workspace.keep(pigment_tables={**kept, **table})
         except Paint3DError as error:
             self._workspace.tell(say_error(error), state="bad", stays=True)
             return False
         return True
+
+    def do_forget_pigments(self) -> None:
+        """Take all pigments of one's own off the dishes; their tables are read no more."""
+        self.close_down()
+        self._panels.inks.put_away_own()
+        self._workspace.keep(pigment_tables={})
+        self._workspace.tell(say("Pigments of your own are put away; their files stay"))

@@ -10,6 +10,7 @@ from PySide6 import QtWidgets
 
 from paint3d.app.window.dialogs.stroke_dialogs import MoveDialog, TimeDialog
 from paint3d.app.window.input.stroke_drag import StrokeDrag
+from paint3d.app.window.input.stroke_mark import StrokeMark
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -23,12 +24,19 @@ class StrokeEditing:
     Parameters
     ----------
     workspace : Workspace
+    mark : StrokeMark
+        Shows the stroke that is edited.
+
+    Attributes
+    ----------
     drag : StrokeDrag
         Of the next stroke that is to be moved so.
     """
 
-    def __init__(self, workspace: Workspace, drag: StrokeDrag) -> None:
-        self._workspace, self.drag = workspace, drag
+    def __init__(self, workspace: Workspace, mark: StrokeMark) -> None:
+        self._workspace, self._mark = workspace, mark
+        drag = self.drag = StrokeDrag(workspace, workspace.canvas, mark.stroke_at)
+        drag.chosen.connect(mark.choose)
         drag.dragged.connect(
             lambda number, ends: self.edit(number, {"do": "move", "to": [e.tolist() for e in ends]})
         )
@@ -38,15 +46,21 @@ class StrokeEditing:
 
         Parameters
         ----------
-        what : {"delete", "drag", "move", "ink", "brush", "time"}
+        what : {"pick", "delete", "drag", "move", "ink", "brush", "time"}
+            "pick": one is to be chosen on the object, whatever the number.
         number : int
             Place of the stroke in the history, from 0.
         """
         workspace, document = self._workspace, self._workspace.document
+        if what == "pick":
+            self._mark.choose(None)
+            self.drag.begin()
+            return
         strokes = [*document.strokes, *document.undone_strokes]
         if not 0 <= number < len(strokes):
             return
         self.drag.end()
+        self._mark.choose(number)
         if what == "drag":
             self.drag.begin(number)
             return
@@ -94,6 +108,9 @@ class StrokeEditing:
                 n=number + 1, after=after, seconds=seconds),
             state="good",
         )  # fmt: skip
+        self._mark.choose(None)
+        if edit["do"] != "delete":
+            self._mark.choose(number)
         return True
 
 

@@ -14,6 +14,7 @@ from paint3d.device.six_dof import AXES
 from paint3d.haptics.feel import Feel
 from paint3d.haptics.stylus_choice import STYLI
 from paint3d.pose.mouse_settings import MODES, MouseSettings
+from paint3d.pose.steering import SteeringOptions
 from paint3d.pose.touching import SHEET_MM
 
 __all__ = ["MouseForm", "StylusForm"]
@@ -47,6 +48,7 @@ _MOTIONS = (
     "Turn about up by",
 )
 _MOST_BUTTONS = 31
+_BY_BUTTONS = ("moving", "turning", "dominant_axis", "mode")  # what buttons toggle
 
 
 class _Form(QtWidgets.QWidget):
@@ -93,11 +95,14 @@ class StylusForm(_Form):
         Changes of `Feel` by name.
     calibrated : (float, float)
         The corners of a sheet are to be touched that is so wide and deep, mm; (0, 0) stops it.
+    touched : ()
+        The corner that was asked for is touched now: for a stylus without a button.
     """
 
     chosen = QtCore.Signal(str)
     felt = QtCore.Signal(object)
     calibrated = QtCore.Signal(float, float)
+    touched = QtCore.Signal()
 
     def __init__(self) -> None:
         super().__init__("Stylus that pushes back")
@@ -122,7 +127,14 @@ class StylusForm(_Form):
         self.told = QtWidgets.QLabel()
         self.told.setObjectName("faint")
         self.told.setWordWrap(True)
-        self._form.addRow(self.calibrate)
+        self.touches = QtWidgets.QPushButton(say("It touches"))
+        self.touches.setToolTip(say("For a stylus without a button, by the other hand"))
+        self.touches.setEnabled(False)
+        self.touches.clicked.connect(self.touched)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.calibrate, 1)
+        row.addWidget(self.touches, 1)
+        self._form.addRow(row)
         self._form.addRow(self.told)
         self._going_on = False
 
@@ -144,6 +156,7 @@ class StylusForm(_Form):
         self._going_on = going_on
         self.told.setText(told)
         self.calibrate.setText(say("button.cancel") if going_on else say("Calibrate…"))
+        self.touches.setEnabled(going_on)
 
     def _ask(self) -> None:
         sheet = (0.0, 0.0) if self._going_on else (self.width_box.value(), self.depth_box.value())
@@ -231,6 +244,21 @@ class MouseForm(_Form):
         for box, value in numbers:
             with QtCore.QSignalBlocker(box):
                 box.setValue(value)
+        self._show_locks()
+        self.zoom.setCurrentIndex(self.zoom.findData(mouse.zoom_axis))
+        for choice, axis in zip(self.axes, mouse.axes, strict=True):
+            choice.setCurrentIndex(choice.findData(axis))
+        self._show_action()
+
+    def show_locks(self, steering: SteeringOptions) -> None:
+        """Show what the mouse's own buttons locked or chose, which the next change keeps."""
+        now = {name: getattr(steering, name) for name in _BY_BUTTONS}
+        if any(getattr(self._mouse, name) != value for name, value in now.items()):
+            self._mouse = replace(self._mouse, **now)
+            self._show_locks()
+
+    def _show_locks(self) -> None:
+        mouse = self._mouse
         checks = (
             (self.moving, mouse.moving),
             (self.turning, mouse.turning),
@@ -240,10 +268,6 @@ class MouseForm(_Form):
             with QtCore.QSignalBlocker(check):
                 check.setChecked(on)
         self.mode.setCurrentIndex(self.mode.findData(mouse.mode))
-        self.zoom.setCurrentIndex(self.zoom.findData(mouse.zoom_axis))
-        for choice, axis in zip(self.axes, mouse.axes, strict=True):
-            choice.setCurrentIndex(choice.findData(axis))
-        self._show_action()
 
     def _show_action(self) -> None:
         action = self._actions.get(self.button.value() - 1, "")

@@ -19,6 +19,7 @@ __all__ = ["HistoryPanel"]
 _ICON = 22
 _SPEEDS = (("¼ x", 0.25), ("½ x", 0.5), ("1 x", 1.0), ("4 x", 4.0), ("16 x", 16.0), ("max", None))
 _EDITS = (
+    ("pick", "Choose one on the object"),
     ("drag", "Move it on the object"), ("move", "Move it by numbers…"),
     ("ink", "Paint it in the ink in hand"), ("brush", "Paint it with the brush in hand"),
     ("time", "Its time…"), ("delete", "Delete it"),
@@ -45,6 +46,8 @@ class HistoryPanel(QtWidgets.QWidget):
     -------
     asked : (int, bool)
         The painting is to be shown as it was after so many strokes; only to look at, or to go on.
+    chosen : (object)
+        The stroke of a row, from 0, is to be marked; None: none is any more.
     edited : (str, int)
         What is to be done with a stroke, and its row; see `StrokeEditing.ask`.
     exported : ()
@@ -54,6 +57,7 @@ class HistoryPanel(QtWidgets.QWidget):
     """
 
     asked = QtCore.Signal(int, bool)
+    chosen = QtCore.Signal(object)
     edited = QtCore.Signal(str, int)
     exported = QtCore.Signal()
     told = QtCore.Signal(str)
@@ -65,16 +69,17 @@ class HistoryPanel(QtWidgets.QWidget):
         self._strokes: list[Any] = []
         self._wanted: int | None = None  # what was asked for and is not there yet
         self._is_playing = False
+        self._marked: int | None = None
         self.list = _StrokeList()
         self.list.setObjectName("strokes")
         self.list.setIconSize(QtCore.QSize(_ICON, _ICON))
-        self.list.itemClicked.connect(lambda item: self._chosen(self.list.row(item)))
-        self.list.currentRowChanged.connect(self._chosen)
+        self.list.itemClicked.connect(lambda item: self._choose_row(self.list.row(item)))
+        self.list.currentRowChanged.connect(self._choose_row)
         self.list.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
         self.list.customContextMenuRequested.connect(self._show_menu)
         self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.slider.setPageStep(1)
-        self.slider.valueChanged.connect(self._go)
+        self.slider.valueChanged.connect(self._slide)
         self.count = QtWidgets.QLabel()
         self.count.setObjectName("faint")
         policy = QtWidgets.QSizePolicy.Policy  # numbers grow, and the picture is not to move
@@ -87,7 +92,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.play = QtWidgets.QPushButton(say("action.replay"))
         self.edit = QtWidgets.QPushButton(say("Edit"))
         self.edit.setToolTip(say("Edit the stroke that is chosen; also by the right button"))
-        self.edit.setMenu(self._menu_for(self.edit, self.list.currentRow))
+        self.edit.setMenu(self._menu_for(self.edit, self._row_to_edit))
         export = QtWidgets.QPushButton(say("Export…"))
         self.play.clicked.connect(self._play)
         export.clicked.connect(self.exported)
@@ -112,8 +117,9 @@ class HistoryPanel(QtWidgets.QWidget):
     def _menu_for(self, parent: QtWidgets.QWidget, row: Callable[[], int]) -> QtWidgets.QMenu:
         """A menu of what can be done with the stroke of a row."""
         menu = QtWidgets.QMenu(parent)
+        menu.aboutToShow.connect(lambda: self._mark_row(row()))
         for name, text in _EDITS:
-            if name == "delete":
+            if name in ("drag", "delete"):
                 menu.addSeparator()
             action = menu.addAction(say(text))
             action.setObjectName(name)
@@ -136,6 +142,28 @@ class HistoryPanel(QtWidgets.QWidget):
             self.edited.emit(what, row)
         else:
             self.told.emit(say("There is no stroke to edit"))
+
+    def _row_to_edit(self) -> int:
+        """The stroke that is marked, or else the one that is shown last."""
+        return self.list.currentRow() if self._marked is None else self._marked
+
+    def _mark_row(self, row: int) -> None:
+        """Have the stroke of a row marked in the picture, if there is one."""
+        if 0 <= row < len(self._strokes):
+            self.chosen.emit(row)
+
+    def mark(self, row: int | None) -> None:
+        """Show that this stroke is marked in the picture, or none."""
+        self._marked = row
+        self._show_marked()
+
+    def _show_marked(self) -> None:
+        for k in range(self.list.count()):
+            item = self.list.item(k)
+            font = item.font()
+            if font.bold() != (k == self._marked):
+                font.setBold(k == self._marked)
+                item.setFont(font)
 
     # -- showing ----------------------------------------------------------------------------
 
@@ -191,6 +219,7 @@ class HistoryPanel(QtWidgets.QWidget):
             self.list.setCurrentRow(there - 1)
             if there:
                 self.list.scrollToItem(self.list.item(there - 1))
+            self._show_marked()
 
     def _choose(self, there: int, earliest: int) -> None:
         """Let row and slider stand where the painting is."""
@@ -208,9 +237,14 @@ class HistoryPanel(QtWidgets.QWidget):
 
     # -- being told -------------------------------------------------------------------------
 
-    def _chosen(self, row: int) -> None:
+    def _choose_row(self, row: int) -> None:
         if row >= 0:
             self._go(row + 1)
+            self.chosen.emit(row)
+
+    def _slide(self, upto: int) -> None:
+        self.chosen.emit(None)
+        self._go(upto)
 
     def _go(self, upto: int) -> None:
         """Ask for the painting after so many strokes, once."""
@@ -250,6 +284,7 @@ class HistoryPanel(QtWidgets.QWidget):
             self.told.emit(say("There is no stroke to replay"))
             return
         self._is_playing = True
+        self.chosen.emit(None)
         self.play.setText(say("Stop"))
         self._last: int | None = None
         if self._shown[0] == self._shown[1]:

@@ -10,12 +10,13 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
+from paint3d.app.model.persistence.own_pigments import check_unlike_palette
 from paint3d.app.window.panels.tone_row import ToneRow, in_tone
 from paint3d.app.window.previews import ink_swatch, sorted_parts
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
+from paint3d.brush.dip_amount import DipAmount
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
-from paint3d.errors import PigmentError
 
 __all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]
 
@@ -69,6 +70,18 @@ def paint_dish(
                           0.30 * inner.width(), 0.13 * inner.height())  # fmt: skip
     painter.setBrush(QtGui.QColor(255, 255, 255, 66))
     painter.drawEllipse(shine)
+
+
+def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
+    """A box for a share in percent."""
+    box = QtWidgets.QDoubleSpinBox()
+    box.setRange(low, high)
+    box.setDecimals(1)
+    box.setSingleStep(5.0)
+    box.setSuffix(" %")
+    box.setKeyboardTracking(False)
+    box.setToolTip(say(hint))
+    return box
 
 
 def _percent(part: float) -> str:
@@ -131,6 +144,17 @@ class DishGrid(QtWidgets.QWidget):
         if pigment.name not in self.pigments:
             self.names.append(pigment.name)
         self.pigments[pigment.name] = pigment
+        self._fit()
+
+    def put_away_own(self) -> None:
+        """Leave only the dishes of the palette."""
+        self.names = list(load_palette())
+        self.pigments = {name: self.pigments[name] for name in self.names}
+        self._at = -1
+        self._fit()
+
+    def _fit(self) -> None:
+        """Take the height that the dishes need now."""
         self.setMinimumHeight(self.heightForWidth(self.width()))
         self.updateGeometry()
         self.update()
@@ -315,6 +339,10 @@ class InkPanel(QtWidgets.QWidget):
     rinsed : ()
     pickup_chosen : float
         The share of wet ink that the brush takes up, 1/mm.
+    amount_chosen : dict of str to float, or None
+        How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
+    by_itself_chosen : bool
+        Whether the brush is dipped before a stroke for which little is left.
     colour_asked, table_asked : ()
         Any colour is to be mixed, or a table of pigments to be opened.
     """
@@ -322,6 +350,8 @@ class InkPanel(QtWidgets.QWidget):
     dipped = QtCore.Signal(object, object)
     rinsed = QtCore.Signal()
     pickup_chosen = QtCore.Signal(float)
+    amount_chosen = QtCore.Signal(object)
+    by_itself_chosen = QtCore.Signal(bool)
     colour_asked = QtCore.Signal()
     table_asked = QtCore.Signal()
 
@@ -349,6 +379,10 @@ class InkPanel(QtWidgets.QWidget):
         self.reach.setValue(round(100 * _TIP_REACH))
         self.reach.setToolTip(say("How much of the tuft is dipped, from the tip"))
         self.reach.setAccessibleName(say("Only the tip"))
+        self._amount = DipAmount()  # of the dip before
+        self.wetted = _percents(0.1, 100.0, "How much of the tuft a dip wets, from the tip")
+        self.fullness = _percents(5.0, 300.0, "How full that part becomes; 100 % as it is made")
+        self.by_itself = QtWidgets.QCheckBox(say("Dip by itself when under a quarter is left"))
         self.tones = ToneRow(theme)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
@@ -386,6 +420,18 @@ class InkPanel(QtWidgets.QWidget):
         tip.addWidget(self.reach)
         tip.addStretch(1)
         grid.addLayout(tip, 2, 0, 1, 4)
+        row = QtWidgets.QHBoxLayout()
+        for text, box in (("Tuft wet", self.wetted), ("Full", self.fullness)):
+            row.addWidget(QtWidgets.QLabel(say(text)))
+            row.addWidget(box)
+            box.setAccessibleName(say(text))
+            box.setValue(100.0)
+            self.tip_only.toggled.connect(box.setDisabled)  # a tip takes up what it needs
+            box.valueChanged.connect(lambda _: self.amount_chosen.emit(self.amount().words()))
+        row.addStretch(1)
+        grid.addLayout(row, 4, 0, 1, 4)
+        grid.addWidget(self.by_itself, 5, 0, 1, 4)
+        self.by_itself.toggled.connect(self.by_itself_chosen)
         row = QtWidgets.QHBoxLayout()
         for button in (self._dip_button, empty, rinse):
             row.addWidget(button, 1)
@@ -428,6 +474,25 @@ class InkPanel(QtWidgets.QWidget):
                 self.pickup.setRange(0.0, max(1.0, share))
                 self.pickup.setValue(share)
 
+    def amount(self) -> DipAmount:
+        """How much the next dip takes up."""
+        return DipAmount(0.01 * self.wetted.value(), 0.01 * self.fullness.value())
+
+    def show_amount(self, amount: DipAmount, *, anew: bool = False) -> None:
+        """Show how much the last dip took up: if that is other than before, or of another brush."""
+        if amount == self._amount and not anew:
+            return
+        self._amount = amount
+        for box, share in ((self.wetted, amount.wetted), (self.fullness, amount.fullness)):
+            with QtCore.QSignalBlocker(box):
+                box.setValue(100.0 * share)
+        self.amount_chosen.emit(None)
+
+    def show_by_itself(self, on: bool) -> None:
+        """Show whether the brush is dipped by itself, and tell nothing."""
+        with QtCore.QSignalBlocker(self.by_itself):
+            self.by_itself.setChecked(on)
+
     def add_pigments(self, pigments: Iterable[Pigment], source: str) -> None:
         """Put pigments of one's own among the dishes.
 
@@ -437,14 +502,15 @@ class InkPanel(QtWidgets.QWidget):
             If one is called like one of the palette; then none is added.
         """
         pigments = list(pigments)
-        for pigment in pigments:
-            if pigment.name in load_palette() or pigment.name == WATER.name:
-                raise PigmentError(
-                    f"{source}: {pigment.name!r} is called like an ink of the palette; "
-                    "expected another name"
-                )
+        check_unlike_palette(pigments, source)
         for pigment in pigments:
             self.dishes.add(pigment)
+
+    def put_away_own(self) -> None:
+        """Take the dishes of one's own pigments away, and what is stirred of them."""
+        if {*self._stirred, *self._own_mixture} - {*load_palette(), WATER.name}:
+            self.empty()
+        self.dishes.put_away_own()
 
     # -- stirring ---------------------------------------------------------------------------
 

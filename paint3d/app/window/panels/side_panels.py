@@ -122,6 +122,7 @@ class Panels:
         self.inks.show_inks(document.inks)
         self.brushes.set_ink(document.inks[0])
         self.inks.show_pickup(document.pickup)
+        self.inks.show_amount(document.painter.amount, anew=True)
         self.layers.show_layers(document.layers, document.active_layer)
         self.copybook.show_copybook(None)
         self.history.open(document)
@@ -136,6 +137,7 @@ class Panels:
         self.layers.show_layers(document.layers, document.active_layer)
         self.history.follow(document, frame)
         self.inks.show_pickup(document.pickup)
+        self.inks.show_amount(document.painter.amount)
         if document.inks[0] != self.inks.ink:
             self.inks.show_inks(document.inks)
             self.brushes.set_ink(document.inks[0])
@@ -200,7 +202,7 @@ class Panels:
         self._workspace.post("set_brush", brush)
 
     def _dip(self, ink: Ink, reach: float | None) -> None:
-        self._workspace.post("dip", ink, reach)
+        self._workspace.dip(ink, reach)
         self.brushes.set_ink(ink)
 
 

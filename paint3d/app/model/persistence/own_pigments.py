@@ -1,0 +1,97 @@
+"""Tables of pigments of one's own that were opened once, and are at hand with every start.
+
+Settings keep where each table lies and a fingerprint of its bytes: the table itself stays the
+user's file, and what it says now is what counts.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from paint3d.colour.pigment_tables import load_pigments_csv
+from paint3d.colour.pigments import WATER, Pigment, load_palette
+from paint3d.errors import Paint3DError, PigmentError
+
+__all__ = ["OwnPigments", "check_unlike_palette", "fingerprint_of", "own_pigments"]
+
+_DIGITS = 16  # of a fingerprint
+
+
+@dataclass
+class OwnPigments:
+    """What the kept tables hold now.
+
+    Attributes
+    ----------
+    pigments : dict of str to Pigment
+        By name; of two of one name that of the later table.
+    tables : dict of str to str
+        The tables that can be read, and their fingerprints as they are now: to be kept.
+    problems : list of str
+        A line for each table that is gone, cannot be used, or is not as it was.
+    """
+
+    pigments: dict[str, Pigment] = field(default_factory=dict)
+    tables: dict[str, str] = field(default_factory=dict)
+    problems: list[str] = field(default_factory=list)
+
+
+def fingerprint_of(path: str | Path) -> str:
+    """Of a table's bytes.
+
+    Raises
+    ------
+    PigmentError
+        If it cannot be read.
+    """
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:_DIGITS]
+    except OSError as cause:
+        raise PigmentError(f"{path}: cannot be read: {cause.strerror or cause}") from None
+
+
+def check_unlike_palette(pigments: Iterable[Pigment], source: str) -> None:
+    """Refuse pigments that are called like one of the palette.
+
+    Raises
+    ------
+    PigmentError
+        Naming the first.
+    """
+    for pigment in pigments:
+        if pigment.name in load_palette() or pigment.name == WATER.name:
+            raise PigmentError(
+                f"{source}: {pigment.name!r} is called like an ink of the palette; "
+                "expected another name"
+            )
+
+
+def own_pigments(tables: Mapping[str, str]) -> OwnPigments:
+    """Read the tables that were kept.
+
+    Parameters
+    ----------
+    tables : mapping of str to str
+        Paths, and the fingerprint of each when it was read last.
+    """
+    found = OwnPigments()
+    for path, fingerprint in tables.items():
+        if not os.path.exists(path):
+            found.problems.append(f"{path}: is gone, and its pigments with it")
+            continue
+        try:
+            now = fingerprint_of(path)
+            pigments = load_pigments_csv(path)
+            check_unlike_palette(pigments.values(), path)
+        except Paint3DError as cause:
+            found.problems.append(f"{cause}; its pigments are left out")
+            continue
+        if now != fingerprint:
+            found.problems.append(f"{path}: has changed; its pigments are as it says now")
+        found.pigments.update(pigments)
+        found.tables[path] = now
+    return found
