@@ -61,8 +61,9 @@ def test_gloss_follows_the_paints_unless_told():
 def test_the_two_fits_of_one_paint_agree_where_it_was_measured():
     chart = np.full(31, 0.85)
     glossy = mixture_reflectance({"Vermillion": 1}, 1, chart)
+    less_gloss = (glossy - 0.04) / (1.0 - 0.04)  # the palette's leave it to the picture
     matt = mixture_reflectance({"cinnabar": 1}, 1, chart)
-    assert delta_e(lab_from_reflectance(glossy), lab_from_reflectance(matt)) < 1.0
+    assert delta_e(lab_from_reflectance(less_gloss), lab_from_reflectance(matt)) < 1.0
 
 
 def test_order_of_different_glazes_matters():
