@@ -94,6 +94,10 @@ INDIGO_SOURCE = "its band: Ratnapandian, thesis, RMIT University (2013); scripts
 INDIGO_BASIS = "computed from one band at 660 nm (widths and grey set by eye)"
 
 
+GLOSSES = {"oil soot": 0.4, "gamboge": 0.3}
+"""How glossy a coat dries; set by eye: oil soot is known for its gloss, gamboge is a resin."""
+
+
 def scale_to_hiding(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
     """Scale K and S (31,) so that one coat hides 98 %."""
 
@@ -194,7 +198,8 @@ def _computed_row(folder: Path, name: str, chinese: str, stone: str, number: int
 
 def _row(name, chinese, source, basis, licence, k, s) -> list[str]:
     values = [f"{value:.5g}" for value in (*k, *s)]
-    return [name, chinese, source, basis, licence, "no", *values]
+    gloss = f"{GLOSSES.get(name, 0.0):g}"
+    return [name, chinese, source, basis, licence, "no", gloss, *values]
 
 
 def main() -> None:
@@ -203,7 +208,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="folder with the three tables")
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
-    header = HEADER + [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
+    header = [*HEADER, "gloss"] + [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
     with options.out.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator="\n").writerows([header, *palette_rows(options.folder)])
 

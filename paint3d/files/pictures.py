@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain, repeat
 from pathlib import Path
 from typing import NamedTuple
@@ -96,7 +97,9 @@ def write_picture(
     read = read_painting(painting, ExportOptions(viewing=viewing))
     assert isinstance(read, Painting), "no texture was asked for"
     gloss = gloss_of(read) if material is None else Gloss.of(material)
-    arrays, how = read[:4], _how(form) | picture_tags(read.gamut, form)
+    if material is not None and read.look is not None:
+        gloss = replace(gloss, each=read.look.roughness(gloss.roughness))
+    arrays, how = (*read[:3], read.shown_srgb), _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:
             Image.fromarray(take_shot(arrays, shot, gloss)).save(part, form, **how)

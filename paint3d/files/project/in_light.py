@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.spectra import decode_srgb
 from paint3d.colour.viewing import GAMUTS, Codes, Viewing
+from paint3d.colour.wet_look import WetLook
 from paint3d.core.types import AnyArray
 from paint3d.files.progress import Progress
 
@@ -51,6 +52,24 @@ class InLight:
         """(V,) mm2."""
         areas: NDArray[np.float64] = self._surface.vertex_areas
         return areas
+
+    @property
+    def wet_look(self) -> WetLook | None:
+        """The surface's own."""
+        found: WetLook | None = getattr(self._surface, "wet_look", None)
+        return found
+
+    @property
+    def paint_mesh(self) -> Any:
+        """The surface's own, of one that has a wet look."""
+        return self._surface.paint_mesh
+
+    def export_ids(
+        self, tolerance: float | None, srgb: NDArray[np.uint8], progress: Progress | None = None
+    ) -> tuple[AnyArray, AnyArray]:
+        """The surface's own, of one that has a wet look."""
+        found: tuple[AnyArray, AnyArray] = self._surface.export_ids(tolerance, srgb, progress)
+        return found
 
     def export_arrays(
         self,
