@@ -127,7 +127,7 @@ def scale_to_depth(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
 def drawdown_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
     """K and S per drawdown, by the name of the paint."""
     data = without_gloss(read_drawdowns(path))
-    k, s = np.exp(fit(data, (0.0, 0.0), pulls=(0.005, 0.0))).transpose(1, 2, 0)
+    k, s = np.exp(fit(data, (0.0, 0.0), pulls=(0.005, 0.005, 0.0))).transpose(1, 2, 0)
     return lambda name: (k[data.paints.index(name)], s[data.paints.index(name)])
 
 

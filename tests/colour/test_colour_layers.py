@@ -10,7 +10,7 @@ import pytest
 from paint3d.colour.difference import delta_e, lab_from_reflectance
 from paint3d.colour.layers import layer_reflectance, mixture_reflectance, stack_reflectance
 from paint3d.colour.materials import load_material
-from paint3d.colour.pigments import BANDS_NM, load_pigment
+from paint3d.colour.pigments import BANDS_NM, load_drawdown_paints, load_pigment
 from paint3d.errors import InputError, UnknownNameError
 
 DRAWDOWNS = Path(__file__).parents[2] / "../shared/pigments/drawdowns.csv"
@@ -36,6 +36,20 @@ def test_measured_drawdowns_are_met():
     assert np.mean(apart) < 1.2
     assert np.median(apart) < 0.8
     assert np.max(apart) < 7
+
+
+def test_scattering_changes_slowly_with_wavelength():
+    """What tints that no fit has seen are predicted by: it is held five times as fast as K."""
+    steps = {
+        letter: np.mean(
+            [
+                np.abs(np.diff(np.log(getattr(p, letter)))).mean()
+                for p in load_drawdown_paints().values()
+            ]
+        )
+        for letter in "KS"
+    }
+    assert steps["S"] < 0.5 * steps["K"]
 
 
 def test_no_paint_leaves_the_backing_with_and_without_gloss():

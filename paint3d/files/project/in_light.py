@@ -101,18 +101,18 @@ def codes_in_light(surface: Any, viewing: Viewing) -> Codes:
     return viewing.codes_of(len(codes), lambda ids: decode_srgb(codes[ids]) @ primaries)
 
 
-def tell_clipped(surface: Any, viewing: Viewing | None) -> None:
-    """Warn of colours that a gamut does not hold; nothing where there are none."""
+def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
+    """Warn of colours that a gamut does not hold, where there are any; return how many."""
     if isinstance(surface, InLight):
         n_clipped, n = surface.seen.n_clipped, len(surface.srgb)
     elif hasattr(surface, "spectra"):
         ids = np.flatnonzero(surface.painted).astype(np.int32)
         if not may_leave_srgb(surface.pigments):
-            return
+            return 0
         found = _OWN_LIGHT.codes_of(len(ids), lambda some: surface.spectra(ids[some]))
         n_clipped, n = found.n_clipped, surface.n_vertices
     else:
-        return
+        return 0
     if n_clipped:
         gamut = GAMUTS[viewing.gamut if viewing is not None else "srgb"].title
         wider = " (--gamut p3 or rec2020 keeps more)" if gamut == "sRGB" else ""
@@ -120,6 +120,7 @@ def tell_clipped(surface: Any, viewing: Viewing | None) -> None:
             "%s of %s vertices have colours outside %s and are shown in the nearest that it has%s",
             f"{n_clipped:,}", f"{n:,}", gamut, wider,
         )  # fmt: skip
+    return n_clipped
 
 
 def may_leave_srgb(pigments: Any) -> bool:

@@ -75,6 +75,7 @@ class Painting(NamedTuple):
     `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
     `paint3d.files.project.position_steps`. `gamut` is what the codes mean. `look` is how wet and
     glossy vertices are, None where all are as the material; `srgb` is of the dry painting.
+    `n_clipped` vertices have colours outside the gamut.
     """
 
     vertices: NDArray[np.float32]
@@ -90,6 +91,7 @@ class Painting(NamedTuple):
     finish: tuple[float, float] | None = None
     gamut: str = "srgb"
     look: WetLook | None = None
+    n_clipped: int = 0
 
     @property
     def shown_srgb(self) -> NDArray[np.uint8]:
@@ -167,6 +169,7 @@ class Untextured(NamedTuple):
     size: int | None
     material: str
     finish: tuple[float, float] | None = None
+    n_clipped: int = 0
 
     def baked(self) -> Painting:
         """Return the painting with its texture; on a large object this takes long."""
@@ -195,11 +198,11 @@ def read_painting(
     viewing = options.viewing
     if viewing is not None and not viewing.is_plain:
         surface = InLight(surface, viewing)
-    tell_clipped(surface, viewing)
+    n_clipped = tell_clipped(surface, viewing)
     painting = _read(surface, options, progress)
     if isinstance(painting, Painting):
-        return painting._replace(gamut=options.gamut or "srgb")
-    return painting
+        return painting._replace(gamut=options.gamut or "srgb", n_clipped=n_clipped)
+    return painting._replace(n_clipped=n_clipped)
 
 
 def _read(
