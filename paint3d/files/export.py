@@ -308,19 +308,24 @@ def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: st
     write_html(path, *painting[:4], title=painting.title)
 
 
-def gloss_of(painting: Painting) -> Gloss | None:
-    """Return how a painting shines, wet parts too; None where its material does not say it."""
+def gloss_of(painting: Painting, gloss: Gloss | None = None) -> Gloss | None:
+    """Return how a painting shines, wet parts too; None where its material does not say it.
+
+    A `gloss` is taken in place of the material's.
+    """
+    gloss = gloss or _gloss_of_material(painting)
+    if gloss is None or painting.look is None:
+        return gloss
+    return replace(gloss, each=painting.look.roughness(gloss.roughness))
+
+
+def _gloss_of_material(painting: Painting) -> Gloss | None:
     from paint3d.view.studio import Gloss
 
     try:
-        gloss = Gloss.of(painting.material)
+        return Gloss.of(painting.material)
     except UnknownNameError:
-        if painting.finish is None:
-            return None
-        gloss = Gloss(*painting.finish)
-    if painting.look is None:
-        return gloss
-    return replace(gloss, each=painting.look.roughness(gloss.roughness))
+        return None if painting.finish is None else Gloss(*painting.finish)
 
 
 FORMATS: dict[str, Format] = {

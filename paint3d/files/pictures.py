@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import chain, repeat
 from pathlib import Path
 from typing import NamedTuple
@@ -96,9 +95,7 @@ def write_picture(
         )
     read = read_painting(painting, ExportOptions(viewing=viewing))
     assert isinstance(read, Painting), "no texture was asked for"
-    gloss = gloss_of(read) if material is None else Gloss.of(material)
-    if material is not None and read.look is not None:
-        gloss = replace(gloss, each=read.look.roughness(gloss.roughness))
+    gloss = gloss_of(read, None if material is None else Gloss.of(material))
     arrays, how = (*read[:3], read.shown_srgb), _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:

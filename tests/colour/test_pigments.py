@@ -129,6 +129,22 @@ def test_own_table_is_read_and_interpolated(tmp_path):
     assert not mine.saunderson
 
 
+def test_a_gloss_of_ones_own_is_read_and_checked(tmp_path):
+    path = tmp_path / "mine.csv"
+    head = "name,gloss,K_400,K_700,S_400,S_700\n"
+    path.write_text(f"{head}lacquer,.8,1,1,2,2\nchalk,,1,1,2,2\n", "utf-8")
+    mine = load_pigments_csv(path)
+    assert mine["lacquer"].gloss == 0.8
+    assert mine["chalk"].gloss == 0.0
+    for bad in ("2", "shiny", "-1", "nan"):
+        path.write_text(f"{head}lacquer,{bad},1,1,2,2\n", "utf-8")
+        with pytest.raises(
+            PigmentError, match=rf"mine\.csv:2: gloss is '{bad}'; expected a number"
+        ):
+            load_pigments_csv(path)
+    assert load_pigment("oil soot").gloss > load_pigment("pine soot").gloss == 0.0
+
+
 @pytest.mark.parametrize(
     ("rows", "message"),
     [

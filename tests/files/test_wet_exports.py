@@ -10,13 +10,14 @@ from PIL import Image
 
 from paint3d.colour.pigments import load_pigment
 from paint3d.colour.viewing import Viewing
-from paint3d.files.export import export
+from paint3d.files.export import export, gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.pictures import write_picture
 from paint3d.files.project.painting import read_painting
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot
+from paint3d.view.studio import Gloss
 
 SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "validate_exports.py"))
 
@@ -144,6 +145,15 @@ def test_a_wet_spot_mirrors_the_lamps_in_a_picture(wet, tmp_path):
     assert spot.sum() > 1000
     assert np.median(one[spot, 0]) < np.median(two[spot, 0]) - 10.0  # darker,
     assert np.percentile(one[spot, 2], 99) > np.percentile(two[spot, 2], 99) + 30.0  # and it shines
+
+
+def test_the_gloss_of_another_material_is_that_of_its_dry_parts(wet):
+    painting = read_painting(wet, ExportOptions(exact=True))
+    glazed = gloss_of(painting, Gloss.of("porcelain"))
+    assert glazed.coat == Gloss.of("porcelain").coat
+    dry = painting.look.damp == 0.0
+    assert (glazed.each[dry] == np.float32(Gloss.of("porcelain").roughness)).all()
+    assert glazed.each[~dry].min() < 0.1
 
 
 def test_another_light_keeps_what_is_wet(wet, tmp_path):
