@@ -7,6 +7,7 @@ import trimesh
 from paint3d.colour.pigments import load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.sheen import WetWatch
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_scene import LiveScene
@@ -75,6 +76,22 @@ def test_only_wet_patches_send_how_smooth_they_are():
     assert {up.colours.shape[1] for up in sent} == {4}
     assert len(sent) < shown.patches.n_patches
     assert shown.uploads(surface.refresh()) == []
+
+
+def test_what_dries_beside_what_is_wet_is_matt_again():
+    now = [(np.array([1, 2], np.int32), np.array([0.06, 0.06]))]
+    watch = WetWatch(ball("pine soot", "sized xuan"), lambda: now[0])
+    nothing = np.zeros(0, np.int32)
+    assert sorted(watch.follow(nothing)) == [1, 2]
+    assert watch.smooth(now[0][0]).min() > 200
+    assert len(watch.follow(nothing)) == 0
+    now[0] = (np.array([2], np.int32), np.array([0.06]))
+    assert watch.follow(nothing).tolist() == [1]
+    assert watch.smooth(np.array([1, 2])).tolist() == [0, 255]
+    assert watch.damp(np.array([1, 2])).tolist() == [0.0, 1.0]
+    now[0] = None
+    assert watch.follow(nothing).tolist() == [2]
+    assert watch.is_plain
 
 
 def test_oil_soot_shines_dry_and_pine_soot_does_not():
